@@ -11,7 +11,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from clepsydra.interface import design, lift
+from clepsydra.interface import design
 
 TARGET = Path(design.__file__).with_suffix(".pyi")
 HEAD = "# Written by .ci/design_stub.py from the designs themselves.\n\n"
@@ -25,8 +25,9 @@ def stub() -> str:
         ("clepsydra.interface.plant", "Plant"),
     }
     functions = []
-    for name in sorted(design.__all__):
+    for name in dir(design):
         function: Callable[..., object] = getattr(design, name)
+        declared = getattr(function, "declared", {})
         inner = inspect.unwrap(function)
         known = _imported(inner)
         parameters, starred = [], False
@@ -34,7 +35,8 @@ def stub() -> str:
             if parameter.kind is parameter.KEYWORD_ONLY and not starred:
                 parameters.append("*")
                 starred = True
-            kind = _widened(parameter.name, str(parameter.annotation).strip("'\""))
+            given = declared[parameter.name].given if parameter.name in declared else ""
+            kind = _widened(given, str(parameter.annotation).strip("'\""))
             optional = parameter.default is not parameter.empty
             parameters.append(f"{parameter.name}: {kind}" + (" = ..." if optional else ""))
             for word in _NAME.findall(kind):
@@ -56,13 +58,11 @@ def _import_lines(imports: set[tuple[str, str]]) -> str:
     return "".join([*(line for line in lines if line not in own), "\n", *own])
 
 
-def _widened(name: str, kind: str) -> str:
+def _widened(given: str, kind: str) -> str:
     """Return the type of an argument with the text, or the mapping, that it may be as well."""
-    if name in lift.IN_SI or name in lift.OF_SIGNALS:
+    if given in ("quantity", "of signals"):
         return kind.replace("float", "Quantity")
-    if name == "weights":
-        return f"Mapping[str, Mapping[str, float]] | {kind}"
-    return kind
+    return f"Mapping[str, Mapping[str, float]] | {kind}" if given == "table" else kind
 
 
 def _imported(function: Callable[..., object]) -> dict[str, str]:
@@ -73,7 +73,9 @@ def _imported(function: Callable[..., object]) -> dict[str, str]:
         "Mapping": "collections.abc",
         "Quantity": "clepsydra.interface.quantities",
     }
-    for node in ast.parse(inspect.getsource(module)).body:
+    body = ast.parse(inspect.getsource(module)).body
+    body += [node for each in body if isinstance(each, ast.If) for node in each.body]  # for types
+    for node in body:
         if isinstance(node, ast.ImportFrom) and node.module:
             found |= {alias.asname or alias.name: node.module for alias in node.names}
         elif isinstance(node, ast.Assign | ast.ClassDef):

@@ -1,11 +1,22 @@
-"""House rule that no linter knows: no file above 600 lines."""
+"""House rule that no linter knows: no file of src above 400 lines, and no other above 600."""
 
 import sys
 from pathlib import Path
 
 LONGEST = 600
+LONGEST_OF_SOURCE = 400
+#: Those of src that are longer, and may not grow.
+LONGER = {
+    Path("src/clepsydra/report/placement.py"): 561,
+    Path("src/clepsydra/report/drawing.py"): 418,
+}
 SUFFIXES = {".py", ".cpp", ".toml", ".md", ".jinja", ".css"}
 FOLDERS = ("src", "tests", "benchmarks", "docs", "tools", ".ci")
+
+
+def longest(path: Path) -> int:
+    """Return how many lines a file may have."""
+    return LONGER.get(path, LONGEST_OF_SOURCE if path.parts[0] == "src" else LONGEST)
 
 
 def main() -> None:
@@ -18,8 +29,12 @@ def main() -> None:
     ]
     files += [path for path in Path().glob("*") if path.suffix in SUFFIXES]
     lengths = {path: len(path.read_text(encoding="utf-8").splitlines()) for path in files}
-    found = [f"{path}: {n} lines, at most {LONGEST}" for path, n in lengths.items() if n > LONGEST]
-    print("\n".join(found) or f"{len(files)} files, none above {LONGEST} lines")
+    found = [
+        f"{path}: {n} lines, at most {longest(path)}"
+        for path, n in lengths.items()
+        if n > longest(path)
+    ]
+    print("\n".join(found) or f"{len(files)} files, none too long")
     sys.exit(1 if found or not files else 0)
 
 

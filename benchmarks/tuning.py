@@ -28,10 +28,12 @@ from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.process.reader import load_process
+from clepsydra.studies.tuning.goal import Goal
+from clepsydra.studies.tuning.law_space import LawSpace
 from clepsydra.studies.tuning.objective import Objective
 from clepsydra.studies.tuning.parameters import TunedParameter
 from clepsydra.studies.tuning.result import TuningResult
-from clepsydra.studies.tuning.tune import GENERATIONS, tune
+from clepsydra.studies.tuning.tune import GENERATIONS, Search, tune
 
 T = TypeVar("T")
 
@@ -108,17 +110,12 @@ def with_clepsydra(period: float, generations: int) -> Callable[[], TuningResult
             "PI", "multiloop PI", "The document's constants (80).", law, values,
             state | remembered_parameters(law, values), controlled, controlled, moved,
         )  # fmt: skip
-        return tune(
-            controller,
-            linearise(point),
-            step(period),
-            [
-                TunedParameter(*each)
-                for each in zip(names, LOW.tolist(), HIGH.tolist(), strict=True)
-            ],
-            Objective("minimax", {"iae[concentration]": 1e-3, "iae[volume]": 1.0}, relative=False),
-            generations=generations,
-        )
+        ends = zip(names, LOW.tolist(), HIGH.tolist(), strict=True)
+        space = LawSpace(controller, [TunedParameter(*each) for each in ends])
+        weights = {"iae[concentration]": 1e-3, "iae[volume]": 1.0}
+        objective = Objective("minimax", weights, relative=False)
+        goal = Goal(linearise(point), step(period), objective)
+        return tune(space, goal, Search(generations=generations))
 
     return run
 

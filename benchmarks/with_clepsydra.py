@@ -30,9 +30,8 @@ from clepsydra.loop.running_scores import RunningScores
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 from clepsydra.program.program import Program
-from clepsydra.scores.catalogue import SCORES
 from clepsydra.scores.sample import Fold
-from clepsydra.scores.score import Score
+from clepsydra.scores.score import SCORES, Score
 
 #: The case's names and Clepsydra's, where they differ by more than the pattern below.
 _PATTERNS = {
@@ -98,7 +97,8 @@ def _program(process: Process, controller: Controller) -> Program:
     # The case has neither noise nor load, sound sensors, and stays in automatic.
     setpoints = {f"{name}.setpoint" for name in process.controlled}
     constant = {s.name: s.initial for s in loop_inputs(process) if s.name not in setpoints}
-    SCORES.setdefault(ABSOLUTE_ERRORS.key, ABSOLUTE_ERRORS)
+    if ABSOLUTE_ERRORS.key not in SCORES:
+        ABSOLUTE_ERRORS.registered()
     names = tuple(f"{ABSOLUTE_ERRORS.key}[{name}]" for name in process.controlled)
     scores = RunningScores(process, names)
     return closed_loop(process, controller, substeps=1, constant=constant, scores=scores)

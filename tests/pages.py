@@ -131,7 +131,7 @@ def command(arguments: list[str], folder: Path, place: str) -> None:
     """Run the command line as its program would, which loads everything only once."""
     with contextlib.chdir(folder):
         try:
-            application(args=arguments)
+            application()(args=arguments)
         except SystemExit as ending:
             assert not ending.code, (place, arguments)
 

@@ -31,7 +31,7 @@ def test_what_is_not_run_says_why():
 
 @pytest.mark.parametrize("block", COMMANDS, ids=lambda block: block.place)
 def test_verbs_and_options_are_those_of_the_command_line(block):
-    group = typer.main.get_command(application)
+    group = typer.main.get_command(application())
     context = group.make_context("clepsydra", [], resilient_parsing=True)
     for program, *words in lines(block.text):
         if program == "clepsydra":

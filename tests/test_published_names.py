@@ -77,7 +77,7 @@ WRONG = [
     "cl.design.simc(plant, closed_loop_time=1.0)",
     "cl.design.simc(pi)",
     "cl.design.simc(plant, closed_loop_time_constant=[1.0])",
-    'cl.export(pi, plant, to="sts")',
+    "cl.export(pi, plant, to=3)",
     "cl.loda",
 ]
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from clepsydra.deploy.exportable import Exportable
 from clepsydra.deploy.structured_text.printer import print_structured_text
-from clepsydra.program.program import LIBRARY, Call, Loop, Operation, Statement
+from clepsydra.program.operation import LIBRARY, Operation
+from clepsydra.program.program import Call, Loop, Statement
 
 #: Constants, and conversions that only mark how a value is kept.
 _NO_WORK = frozenset({"constant", "number", "truth"})

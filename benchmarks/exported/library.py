@@ -14,7 +14,7 @@ from pathlib import Path
 
 from benchmarks.exported.families import FAMILIES, ready_for_export
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.structured_text.interface import block_type
+from clepsydra.deploy.structured_text.function_block import block_type
 from clepsydra.program.called_blocks import called_blocks, without_untold
 from clepsydra.program.entries import signal_of
 from clepsydra.program.owned_state import own_state, with_owned_state

@@ -3,6 +3,8 @@
 
 from clepsydra.base.errors import ClepsydraError as ClepsydraError
 from clepsydra.base.errors import InputError as InputError
+from clepsydra.base.key import Key as Key
+from clepsydra.base.quantity import quantity as quantity
 from clepsydra.base.signal import Signal as Signal
 from clepsydra.controllers.own_law import load_law as load_law
 from clepsydra.controllers.pid_form import PidForm as PidForm
@@ -49,6 +51,7 @@ from clepsydra.interface.verify import Proof as Proof
 from clepsydra.interface.verify import verify as verify
 from clepsydra.linear.equilibrium import NoEquilibrium as NoEquilibrium
 from clepsydra.linear.linear_model import LinearModel as LinearModel
+from clepsydra.process.declared import link as link
 from clepsydra.process.element import Connection as Connection
 from clepsydra.process.element import Element as Element
 from clepsydra.process.element import Flow as Flow

@@ -30,6 +30,12 @@ def test_a_variant_that_is_not_there_leaves_nothing(command, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_file_needs_a_name(command, tmp_path):
+    status, _, errors = command("new")
+    assert status == 2 and errors.startswith("clepsydra: NAME: got 'no name'")
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.thorough
 def test_an_edit_that_a_default_variant_overrides_is_reported(command, tmp_path):
     command("new", "mine", "--from", "laboratory-four-tanks")

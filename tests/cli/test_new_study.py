@@ -5,12 +5,13 @@ import tomllib
 
 import numpy as np
 import pytest
+from json_schema import faults
 
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
-from clepsydra.studies.file.reader import STUDY_KEYS, read_study
+from clepsydra.studies.file.reader import STUDY, read_study, study_schema
 
 
 def refused(result, *words):
@@ -94,7 +95,8 @@ def test_what_is_commented_out_may_be_written(command, tmp_path):
     opened = re.sub(r"^# (\[ranking\]|[a-z_.]+ = )", r"\1", text, flags=re.MULTILINE)
     (tmp_path / "all.toml").write_text(opened, encoding="utf-8")
     tables = tomllib.loads(opened)
-    assert set(tables) == set(STUDY_KEYS)
+    assert list(faults(tables, study_schema())) == []
+    assert set(tables) == set(STUDY["properties"])
     assert len(opened.splitlines()) == len(text.splitlines())
     study = read_study(tmp_path / "all.toml")
     assert study.scores == ("iae", "total_variation")

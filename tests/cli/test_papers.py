@@ -40,7 +40,7 @@ def test_document_and_page_show_every_row_and_every_figure(command, monkeypatch)
     assert period["difference"] == pytest.approx(period["computed"] / 0.034 - 1.0)
     assert not any(row["reason"] == "" for row in rows if row["verdict"] != "reproduced")
 
-    status, out, _ = command("papers", "three-tanks")
+    status, out, _ = command("papers", "three-tanks", "--all")
     page = Path("papers.html").read_text("utf-8")
     assert status == 0 and "what is not as printed" in out and "papers.html" in out
     assert all(len(line) <= 100 for line in out.splitlines())

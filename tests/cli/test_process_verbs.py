@@ -27,13 +27,29 @@ def refused(result, *words):
 
 
 def test_processes_names_every_process_with_source_and_variants(command):
-    status, output, _ = command("processes")
-    assert status == 0
+    status, short, _ = command("processes")
+    assert status == 0 and len(short.splitlines()) <= 24
+    whole = words_of(command("processes", "--all"))
     for name in catalogue_names():
         tables = tomllib.loads(catalogue_file(name).read_text(encoding="utf-8"))
-        assert f"{name}\n    {tables['title']}\n    source: {tables['source']}\n" in output
-        for variant in tables.get("variants", {}):
-            assert f"variant {name}:{variant}" in output
+        (row,) = (line for line in short.splitlines() if line.startswith(f"{name} "))
+        assert tables["title"].split()[0] in row  # a long title goes on in the next line
+        alone = words_of(command("processes", name))
+        said = [name, tables["title"], f"Source: {tables['source']}"]
+        said += [f"{name}:{variant}" for variant in tables.get("variants", {})]
+        assert all(" ".join(each.split()) in text for each in said for text in (whole, alone))
+
+
+def test_a_process_that_the_catalogue_does_not_have_is_refused(command):
+    status, _, error = command("processes", "wetwell")
+    assert status == 2 and "perhaps 'wet-well' was meant" in error
+
+
+def words_of(done):
+    """What a command printed, its lines joined."""
+    status, output, _ = done
+    assert status == 0
+    return " ".join(output.split())
 
 
 def test_processes_prints_one_json_document_with_what_load_process_says(command):

@@ -12,7 +12,7 @@ from scan_rig import ScannedLaw, at_rest
 
 import clepsydra as cl
 from clepsydra.controllers.virtual_input import ANTI_WINDUPS
-from clepsydra.linear.derivatives import Derivatives
+from clepsydra.linear.linearise import Derivatives
 
 FULL = cl.load(Path(__file__).with_name("full-effects.toml"))
 VALVE = cl.load(Path(__file__).with_name("draining-valve.toml"))

@@ -8,7 +8,8 @@ from refusals import refused
 
 from clepsydra import Signal
 from clepsydra.controllers.blocks.status import read_status
-from clepsydra.controllers.fuzzy.kinds import FuzzyInput, FuzzyOutput
+from clepsydra.controllers.fuzzy.fuzzy_input import FuzzyInput
+from clepsydra.controllers.fuzzy.fuzzy_output import FuzzyOutput
 from clepsydra.controllers.fuzzy.law import fuzzy_law
 from clepsydra.controllers.fuzzy.membership import left_shoulder, right_shoulder
 from clepsydra.controllers.fuzzy.rule import parse_rule
@@ -29,14 +30,17 @@ def two_outputs():
         for s in "NP"
     )
     system = FuzzySystem((x, d), (u, v), rules)
-    law = fuzzy_law(
-        [Signal("level", "m"), Signal("strength", "mol/m^3")],
-        [Signal("pump", "V", low=0, high=10), Signal("valve", "%", low=0, high=100)],
+    return system, law_of(system)
+
+
+def law_of(system):
+    level, strength = Signal("level", "m"), Signal("strength", "mol/m^3")
+    pump, valve = Signal("pump", "V", low=0, high=10), Signal("valve", "%", low=0, high=100)
+    return fuzzy_law(
         system,
-        [FuzzyInput("error", "level"), FuzzyInput("measurement_rate", "strength")],
-        [FuzzyOutput(), FuzzyOutput("increment", rate_limited=True)],
+        [FuzzyInput("error", level), FuzzyInput("measurement_rate", strength)],
+        [FuzzyOutput(pump), FuzzyOutput(valve, "increment", rate_limited=True)],
     )
-    return system, law
 
 
 VALUES = {
@@ -184,14 +188,7 @@ def test_a_parameter_that_became_no_number_holds_the_output(scanned, name):
 def test_where_no_rule_fires_the_output_is_held(driven):
     system, _ = two_outputs()
     object.__setattr__(system, "rules", system.rules[1:])  # no file is read that has such a gap
-    law = fuzzy_law(
-        ["level", "strength"],
-        ["pump", "valve"],
-        system,
-        [FuzzyInput("error", "level"), FuzzyInput("measurement_rate", "strength")],
-        [FuzzyOutput(), FuzzyOutput("increment", rate_limited=True)],
-    )
-    rig = driven(law, VALUES, STATE)
+    rig = driven(law_of(system), VALUES, STATE)
     assert rig.scan(**GOOD | {"level.sp": -9.0})["pump.out"] == 5.0
     assert rig.scan(**GOOD | {"level.sp": 9.0})["pump.out"] > 5.5
 
@@ -208,20 +205,14 @@ def test_the_linear_model_has_the_slopes_of_the_surface():
 
 
 def test_descriptions_that_do_not_match_are_refused():
-    inputs, outputs = [FuzzyInput("error", "y")] * 4, [FuzzyOutput()] * 3
-    right = {
-        "measured": ["y"],
-        "manipulated": ["u", "v", "w"],
-        "system": DOCUMENT,
-        "inputs": inputs,
-        "outputs": outputs,
-    }
+    inputs = [FuzzyInput("error", Signal("y"))] * 4
+    outputs = [FuzzyOutput(Signal(name)) for name in "uvw"]
+    right = {"system": DOCUMENT, "inputs": inputs, "outputs": outputs}
     fuzzy_law(**right)
     for wrong in (
         {"inputs": inputs[:3]},
         {"outputs": outputs[:2]},
-        {"manipulated": ["u", "v"]},
-        {"inputs": [*inputs[:3], FuzzyInput("error", "z")]},
+        {"outputs": [outputs[0]] * 3},
     ):
         with refused(place="fuzzy law"):
             fuzzy_law(**right | wrong)

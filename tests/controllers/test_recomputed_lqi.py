@@ -14,7 +14,7 @@ from clepsydra.controllers.blocks.sampled_matrices import (
     sampled_expressions,
     upper_triangle,
 )
-from clepsydra.linear.derivatives import Derivatives
+from clepsydra.linear.linearise import Derivatives
 
 RANDOM = np.random.default_rng(5)
 

@@ -8,7 +8,7 @@ from refusals import refused
 
 from clepsydra import Signal
 from clepsydra.controllers.linear_quadratic_integral import lqi_law
-from clepsydra.controllers.observers.current_observer import observer_values
+from clepsydra.controllers.observers.current_observer import CurrentObserver
 from clepsydra.controllers.observers.structure import ObserverStructure
 from clepsydra.controllers.state_feedback import state_feedback_law
 
@@ -40,9 +40,10 @@ def signals(names):
 
 
 def values():
-    numbers = observer_values(
-        STRUCTURE, *map(signals, (LEVELS, PUMPS)), HELD, MOVED, SHOWN, CORRECTION
-    )
+    observer = CurrentObserver(STRUCTURE, signals(LEVELS), signals(PUMPS))
+    numbers = {}
+    for matrix, array in zip(observer.matrices, (HELD, MOVED, SHOWN, CORRECTION), strict=True):
+        numbers |= matrix.named(array)
     numbers |= {f"level_{j + 1}.reference": REFERENCE[j] for j in range(2)}
     for i in range(2):
         numbers |= {f"pump_{i + 1}.feedback.tank_{j + 1}.level": FEEDBACK[i, j] for j in range(3)}

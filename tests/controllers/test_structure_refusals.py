@@ -28,7 +28,7 @@ def test_loops_that_give_each_other_their_setpoints_run_in_a_circle():
         loop("first", outer="second"), loop("second", outer="first"), loop("third"),
         OutputBlock(PUMP, "third"),
     )  # fmt: skip
-    assert error.place == "control scheme scheme"
+    assert error.place == "control scheme scheme, first"
     assert "first" in str(error.value) and "second" in str(error.value)
     assert "third" not in str(error.value)
     assert "circle" in error.expected and error.remedy
@@ -111,11 +111,11 @@ def test_an_override_of_what_cannot_wind_up_is_accepted(form):
         ({"algorithm": "ideal"}, "PID form, algorithm"),
         ({"derivative_on": "setpoint"}, "PID form, derivative_on"),
         ({"error": "cubed"}, "PID form, error"),
-        ({"anti_windup": "off"}, "anti_windup"),
-        ({"actions": "P", "algorithm": "velocity"}, "PID form, velocity"),
-        ({"actions": "PD", "algorithm": "velocity"}, "PID form, velocity"),
-        ({"error": "gap", "algorithm": "series"}, "PID form, series"),
-        ({"error": "squared", "algorithm": "velocity"}, "PID form, velocity"),
+        ({"anti_windup": "off"}, "PID form, anti_windup"),
+        ({"actions": "P", "algorithm": "velocity"}, "PID form, actions"),
+        ({"actions": "PD", "algorithm": "velocity"}, "PID form, actions"),
+        ({"error": "gap", "algorithm": "series"}, "PID form, error"),
+        ({"error": "squared", "algorithm": "velocity"}, "PID form, error"),
     ],
 )
 def test_a_form_that_does_not_exist(options, words):

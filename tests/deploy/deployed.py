@@ -4,12 +4,14 @@ import math
 import struct
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 from tools import need_compiler, need_grammar
 
 from clepsydra.deploy import compiler
 from clepsydra.deploy.proof import compiled_c, interpreted_text
+from clepsydra.deploy.target import target_of
 from clepsydra.program.program import Program
 
 STRICT = list(compiler.STRICT)
@@ -23,6 +25,12 @@ def bits(value: float) -> int:
 def all_bits(values: np.ndarray) -> np.ndarray:
     values = np.ascontiguousarray(values, dtype=float)
     return np.where(np.isnan(values), -1, values.view(np.int64))
+
+
+def files_of(ready, to, **options):
+    """The files of an export, name to content."""
+    target, chosen = target_of(to, options)
+    return target.controller(SimpleNamespace(ready=ready), chosen).files
 
 
 class CompiledC(compiled_c.CompiledC):

@@ -8,12 +8,11 @@ import json
 import sys
 
 from clepsydra import ClepsydraError
-from clepsydra.deploy.export import export_c
+from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.process_program import process_program
 from clepsydra.linear.analysis import analyse
-from clepsydra.loop.step_size import substeps_for
 from clepsydra.process.reader import load_process
 from clepsydra.studies.designs import DESIGNS
 
@@ -22,15 +21,16 @@ def digests(process):
     """Return controller to digest and the printed C, or to why it does not apply."""
     analysis = analyse(load_process(process))
     point = analysis.operating_point
-    found = {"the process": digest(process_program(point, substeps_for(analysis.model)))}
+    found = {"the process": digest(process_program(point))}
     for name in DESIGNS:
         try:
-            exported = export_c(exportable(DESIGNS[name](analysis), point))
+            ready = exportable(DESIGNS[name](analysis), point)
+            printed = print_c(ready.program, origin=ready.origin)
         except ClepsydraError as refusal:
             found[name] = str(refusal)
         else:
-            texts = b"".join(exported.files.values())
-            found[name] = [exported.facts["digest"], hashlib.sha256(texts).hexdigest()]
+            text = (printed.header + printed.source).encode()
+            found[name] = [digest(ready.program), hashlib.sha256(text).hexdigest()]
     return found
 
 

@@ -10,7 +10,7 @@ from scanned_library import ScannedLibrary
 from tools import without
 
 from clepsydra.deploy.structured_text.dialect import dialect_of
-from clepsydra.deploy.structured_text.interface import with_block_names
+from clepsydra.deploy.structured_text.instances import with_block_names
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.program.entries import is_ring
 from clepsydra.program.owned_state import state_paths, with_owned_state

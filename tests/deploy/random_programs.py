@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from hypothesis import strategies as st
 
-from clepsydra.program.program import COMPARISONS, EXACT, LIBRARY, LOGIC, Program
+from clepsydra.program.operation import COMPARISONS, EXACT, LIBRARY, LOGIC
+from clepsydra.program.program import Program
 
 IMPORTS = """\
 from math import inf

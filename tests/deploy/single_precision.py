@@ -14,7 +14,8 @@ import numpy as np
 
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.inlined import inlined
-from clepsydra.program.program import LIBRARY, Block, Conditional, Loop, Operation, Program
+from clepsydra.program.operation import LIBRARY, Operation
+from clepsydra.program.program import Block, Conditional, Loop, Program
 
 F = np.float32
 _LIBRARY = ctypes.CDLL(ctypes.util.find_library("m") or "libm.so.6")

@@ -2,7 +2,8 @@
 
 from clepsydra import Signal
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import Block, Loop, Operation, Program
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Loop, Program
 
 
 def every_kind() -> Program:

@@ -17,7 +17,8 @@ from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.compiler import Compiler
 from clepsydra.deploy.proof.compiled_c import CompiledC as Compiled
 from clepsydra.deploy.proof.scans import random_scans
-from clepsydra.program.program import Block, Operation, Program
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Program
 
 STRICT = [
     "-std=c99", "-O2", "-Wall", "-Wextra", "-Wconversion", "-Wpedantic", "-Wshadow",

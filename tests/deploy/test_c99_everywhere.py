@@ -17,7 +17,8 @@ from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.proof.comparison import compare, shown_signals
 from clepsydra.deploy.proof.engine_run import engine_run
 from clepsydra.deploy.proof.scans import random_scans
-from clepsydra.program.program import Block, Operation, Program
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Program
 
 #: With the fused multiply-add of this machine, where it has one.
 NATIVE = ["-O2", "-march=native"]

@@ -20,7 +20,8 @@ from clepsydra.process.reader import load_process
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import EXACT, Block, Loop, Operation, Program
+from clepsydra.program.operation import EXACT, Operation
+from clepsydra.program.program import Block, Loop, Program
 
 SAMPLES = 300
 CHANNEL = """

@@ -13,7 +13,8 @@ from single_precision import InSinglePrecision, single_bits
 
 from clepsydra import Signal
 from clepsydra.deploy.proof.scans import random_scans
-from clepsydra.program.program import EXACT, Program
+from clepsydra.program.operation import EXACT
+from clepsydra.program.program import Program
 
 SCANS = 1_500
 

@@ -17,8 +17,9 @@ from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.entries import signal_of
+from clepsydra.program.operation import Operation
 from clepsydra.program.owned_state import state_paths, with_owned_state
-from clepsydra.program.program import Block, Loop, Operation, Program
+from clepsydra.program.program import Block, Loop, Program
 
 DOUBLE = Block(1, (Operation(1, "add", (0, 0)),), (1,))
 LONG = "the sum of a great many things that somebody once measured, and of some that he did not"

@@ -13,7 +13,8 @@ from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.program.builder import BlockBuilder
-from clepsydra.program.program import Block, Conditional, Operation, Program
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Conditional, Program
 
 ARGUMENTS, RESULTS, SAMPLES = 4, 6, 30
 

@@ -11,12 +11,10 @@ from tools import need_grammar
 
 from clepsydra import InputError
 from clepsydra.deploy.c99.language import notation_of as c_notation_of
+from clepsydra.deploy.printing.decimal_text import decimal
 from clepsydra.deploy.printing.expressions import (
     Expression,
-    decimal,
     flag,
-    render,
-    simplified,
     variable,
 )
 from clepsydra.deploy.structured_text.dialect import dialect_of
@@ -66,42 +64,42 @@ def two(code, left, right):
         (two("and", P, two("and", Q, P)), "p && (q && p)", "p AND (q AND p)"),
         (two("or", two("equal", A, B), P), "(a == b) || p", "(a = b) OR p"),
         (Expression("square_root", (two("add", A, B),)), "sqrt(a + b)", "SQRT(a + b)"),
-        (Expression("truth", (A,)), "a != 0.0", "a <> 0.0"),
+        (A.to("boolean"), "a != 0.0", "a <> 0.0"),
     ],
 )
 def test_parentheses_keep_the_tree(expression, in_c, in_text):
-    assert render(expression, C) == in_c
-    assert render(expression, TEXT) == in_text
+    assert C.render(expression) == in_c
+    assert TEXT.render(expression) == in_text
 
 
 def test_choices_of_c():
-    assert render(two("maximum", A, B), C) == "a > b ? a : b"
-    assert render(two("minimum", A, B), C) == "a < b ? a : b"
+    assert C.render(two("maximum", A, B)) == "a > b ? a : b"
+    assert C.render(two("minimum", A, B)) == "a < b ? a : b"
     inner = Expression("select", (Q, A, B))
-    assert render(Expression("select", (P, inner, D)), C) == "p ? (q ? a : b) : d"
-    assert render(two("add", Expression("number", (P,)), A), C) == "(p ? 1.0 : 0.0) + a"
+    assert C.render(Expression("select", (P, inner, D))) == "p ? (q ? a : b) : d"
+    assert C.render(two("add", P.to("real"), A)) == "(p ? 1.0 : 0.0) + a"
 
 
 def test_choices_of_structured_text():
     """SEL has the alternative of FALSE first; MAX and MIN of a system may differ for zeros."""
-    assert render(two("maximum", A, B), TEXT) == "FC_Max(a, b)"
-    assert render(two("minimum", A, B), TEXT) == "FC_Min(a, b)"
-    assert render(Expression("select", (P, A, B)), TEXT) == "SEL(p, b, a)"
-    assert render(two("add", Expression("number", (P,)), A), TEXT) == "SEL(p, 0.0, 1.0) + a"
+    assert TEXT.render(two("maximum", A, B)) == "FC_Max(a, b)"
+    assert TEXT.render(two("minimum", A, B)) == "FC_Min(a, b)"
+    assert TEXT.render(Expression("select", (P, A, B))) == "SEL(p, b, a)"
+    assert TEXT.render(two("add", P.to("real"), A)) == "SEL(p, 0.0, 1.0) + a"
 
 
 @pytest.mark.parametrize("code", ["tanh", "hypot"])
 def test_structured_text_refuses_what_it_cannot_express(code):
     with pytest.raises(InputError, match=f"operation {code}"):
-        render(Expression(code, (P, A, B)), TEXT)
+        TEXT.render(Expression(code, (P, A, B)))
 
 
 def test_structured_text_refuses_infinity_and_c_writes_it():
     infinite = Expression("constant", number=-math.inf)
-    assert render(infinite, C) == "-HUGE_VAL"
+    assert C.render(infinite) == "-HUGE_VAL"
     for number in (math.inf, math.nan):
         with pytest.raises(InputError, match=r"got (inf|nan), expected a number that Structured"):
-            render(Expression("constant", number=number), TEXT)
+            TEXT.render(Expression("constant", number=number))
 
 
 VALUES = {"a": 0.1, "b": -7.3, "d": 1e-9}
@@ -133,7 +131,7 @@ def test_the_parsed_text_computes_the_bits_of_the_tree(tree):
 
     block = function_block(
         "FUNCTION_BLOCK trees VAR_INPUT a : LREAL; b : LREAL; d : LREAL; END_VAR "
-        f"VAR_OUTPUT y : LREAL; END_VAR y := {render(tree, TEXT)}; END_FUNCTION_BLOCK"
+        f"VAR_OUTPUT y : LREAL; END_VAR y := {TEXT.render(tree)}; END_FUNCTION_BLOCK"
     )
     assert bits(block(**VALUES)["y"]) == bits(computed(tree))
 
@@ -151,15 +149,15 @@ def test_a_simplified_condition_is_true_where_it_was_before(seed, size):
         code = ("and", "or", "not")[draw.integers(3)]
         if code == "not":
             inner, meant = condition(parts - 1)
-            return simplified(Expression("not", (inner,))), lambda values: not meant(values)
+            return Expression("not", (inner,)).simplified(), lambda values: not meant(values)
         cut = int(draw.integers(1, parts))
         (left, first), (right, second) = condition(cut), condition(parts - cut)
         join = all if code == "and" else any
-        whole = simplified(Expression(code, (left, right)))
+        whole = Expression(code, (left, right)).simplified()
         return whole, lambda values: join([first(values), second(values)])
 
     found, meant = condition(size)
-    text = render(found, TEXT)
+    text = TEXT.render(found)
     assert "NOT (" not in text and "NOT NOT" not in text
     for values in product([False, True], repeat=3):
         given_flags = dict(zip(names, values, strict=True))
@@ -172,10 +170,10 @@ def test_a_part_of_a_condition_that_is_said_twice_is_written_once():
         two("and", two("and", P, Q), P),
         two("and", P, two("and", P, Q)),
     ):
-        text = render(simplified(repeated), TEXT)
+        text = TEXT.render(repeated.simplified())
         assert text in ("p", "p AND q")
     differ = (
         two("less", A, Expression("constant")),
         two("less", A, Expression("constant", number=-0.0)),
     )
-    assert render(simplified(two("and", *differ)), C) == "(a < 0.0) && (a < -0.0)"
+    assert C.render(two("and", *differ).simplified()) == "(a < 0.0) && (a < -0.0)"

@@ -11,7 +11,7 @@ from refusals import refused
 from clepsydra.deploy.printing.identifiers import (
     C_WORDS,
     STRUCTURED_TEXT_WORDS,
-    check_identifier,
+    NameRules,
     identifier_of,
 )
 from clepsydra.studies.designs import DESIGNS
@@ -43,8 +43,8 @@ def test_a_title_without_letters_is_refused(title):
 
 
 def accepted(name: str) -> bool:
-    check_identifier(name, "title", "C", C_WORDS, ignore_case=False)
-    check_identifier(name, "title", "Structured Text", STRUCTURED_TEXT_WORDS, ignore_case=True)
+    NameRules("C", C_WORDS).check(name, "title")
+    NameRules("Structured Text", STRUCTURED_TEXT_WORDS, ignore_case=True).check(name, "title")
     return True
 
 

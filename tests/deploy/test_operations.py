@@ -12,7 +12,8 @@ from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.program.counted_loop import counted_loop
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import EXACT, Block, Operation, Program
+from clepsydra.program.operation import EXACT, Operation
+from clepsydra.program.program import Block, Program
 from clepsydra.program.step_law import Equations, step_law
 
 NASTY = [

@@ -166,7 +166,9 @@ def test_the_test_project(dialect):
     assert [(v.name, v.type) for v in instances] == [
         ("controller", "tank_pi"), ("plant", "quadruple_tank"),
         ("pump_1_conditions", "ST_OutputConditions"),
-        ("pump_2_conditions", "ST_OutputConditions")]  # fmt: skip
+        ("pump_2_conditions", "ST_OutputConditions"),
+        ("level_1_faceplate", "ST_FaceplatePI"),
+        ("level_2_faceplate", "ST_FaceplatePI")]  # fmt: skip
     in_text = print_test_project(project)
     for unit in units:
         assert "\n".join(unit.body) in in_text

@@ -13,11 +13,12 @@ from refusals import refused
 
 from clepsydra import InputError, Signal
 from clepsydra.deploy.c99.printer import print_c
-from clepsydra.deploy.printing.expressions import decimal
+from clepsydra.deploy.printing.decimal_text import decimal
 from clepsydra.deploy.printing.precision import check_precision, in_precision
 from clepsydra.deploy.printing.whole_numbers import check_whole_results, whole_ranges
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import Block, Conditional, Loop, Operation, Program
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Conditional, Loop, Program
 
 
 def rounded(value: float) -> float:

@@ -216,16 +216,24 @@ def test_the_points_are_a_for_in_both_languages(tmp_path):
     assert in_c.count("for (") == text.count("FOR ") >= 10
 
 
-def centroids(program):
-    return {c.instance: c.program.name for c in program.calls if c.instance.endswith(".centroid")}
-
-
 def test_outputs_of_one_shape_share_a_block(tmp_path):
-    assert centroids(wide(tmp_path).program()) == {
-        "f_in.centroid": "f_in_centroid",
-        "f_out.centroid": "f_in_centroid",
-        "C_in.centroid": "C_in_centroid",
+    (rules,) = (c.program for c in wide(tmp_path).program().calls if c.instance == "rules")
+    assert {c.instance: c.program.name for c in rules.calls} == {
+        "f_in": "f_in_centroid",
+        "f_out": "f_in_centroid",
+        "C_in": "C_in_centroid",
     }
+
+
+@pytest.mark.parametrize("name", ["e", "double", "FOR", "u", "first try", "ä"])
+def test_a_rule_may_have_any_name(tmp_path, name):
+    text = ONE_INPUT.replace("R1 =", f'"{name}" =')
+    assert text != ONE_INPUT
+    program = of_a_file(tmp_path, "quadruple-tank", text).program()
+    inputs = scans(program, seed=4)
+    bits = all_bits(simulated(program, inputs))
+    for found in run_both(program, tmp_path, inputs):
+        assert np.array_equal(bits, all_bits(found))
 
 
 @pytest.mark.parametrize("name", ["double", "centroid", "i", "END_IF"])

@@ -107,7 +107,7 @@ def test_engine_c_and_structured_text_are_equal_in_every_bit(name, process, tmp_
             assert signal.high == sum(STATUS_BITS)
             for bit in STATUS_BITS:
                 assert np.any(word & bit) and not np.all(word & bit), bit
-        elif signal.record:
+        elif signal.kind == "boolean":
             assert set(engine[:, column]) == {0.0, 1.0}, signal.name
         else:
             assert len(np.unique(engine[:, column])) > 100, signal.name

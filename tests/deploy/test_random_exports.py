@@ -27,9 +27,10 @@ from clepsydra.deploy.printing.identifiers import C_WORDS
 from clepsydra.deploy.proof import interpreted_text
 from clepsydra.deploy.proof.item import ProofItem, process_item
 from clepsydra.deploy.proof.job import Job
-from clepsydra.deploy.proof.targets import Target, targets_of
+from clepsydra.deploy.proof.run import Run, proved_targets, runs_of
 from clepsydra.program.entries import signal_of
-from clepsydra.program.program import LIBRARY, Block, Operation, Program
+from clepsydra.program.operation import LIBRARY, Operation
+from clepsydra.program.program import Block, Program
 
 FIXED = settings(
     derandomize=True,
@@ -53,10 +54,10 @@ def _tools():
 
 
 @cache
-def target_named(name: str, kind: str = "controller") -> Target:
+def target_named(name: str, kind: str = "controller") -> Run:
     """Return a target; in single precision only for the text, which is compared with C."""
     wanted = "single" if name == "Structured Text" else "double"
-    found = targets_of(kind, find_compiler("tests"))
+    found = runs_of(kind, find_compiler("tests"), proved_targets(None))
     return next(t for t in found if (t.name, t.precision) == (name, wanted))
 
 
@@ -82,7 +83,7 @@ def proved(
         for name in targets:
             target = target_named(name, item.kind)
             try:
-                difference, bound, _ = target.measure(work)
+                difference, bound, _ = target.measure(work, target.printed(work))
             except InputError as refusal:
                 assert is_justified(refusal, work.program, target, nasty), f"{name}: {refusal}"
                 continue
@@ -100,7 +101,7 @@ SMALLEST, LARGEST = 2.0**-126, (2.0 - 2.0**-23) * 2.0**127
 
 
 def is_justified(
-    refusal: InputError, program: Program, target: Target, nasty: tuple[str, ...]
+    refusal: InputError, program: Program, target: Run, nasty: tuple[str, ...]
 ) -> bool:
     """Whether there is something in a program that a target has to refuse."""
     said = str(refusal)

@@ -16,7 +16,8 @@ from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import Block, Loop, Operation, Program
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Loop, Program
 
 DOUBLE = Block(1, (Operation(1, "add", (0, 0)),), (1,))
 

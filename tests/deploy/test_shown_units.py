@@ -5,12 +5,11 @@ from functools import cache
 
 import numpy as np
 import pytest
-from deployed import CompiledC, InterpretedText, all_bits
+from deployed import CompiledC, InterpretedText, all_bits, files_of
 from plants import ONE_TANK, designed, plant
 from tools import need_grammar
 
 import clepsydra as cl
-from clepsydra.deploy.export import export_c, export_structured_text
 from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.fmi.controller import controller_model
 from clepsydra.deploy.printing.heading import digest
@@ -152,7 +151,7 @@ def test_the_test_project_speaks_the_units_of_the_process_file():
     """100 cm³/s for 0.1 s into 15.5179 cm² are 0.6444 cm; what flows out of them is hardly more."""
     need_grammar()
     exported = ready(LABORATORY)
-    files = export_structured_text(exported).files
+    files = files_of(exported, "st")
     (text,) = (t.decode() for n, t in files.items() if n.endswith("_test.st"))
     program = StructuredText(text).instance(f"{exported.program.name}_test")
     at = exported.point.as_dict()
@@ -175,5 +174,5 @@ def test_the_test_project_speaks_the_units_of_the_process_file():
 def test_a_process_in_si_is_exported_as_if_there_were_no_edge():
     exported = ready("quadruple-tank")
     assert digest(exported.program) == digest(exported.program_in_si)
-    source = export_c(exported).files[f"{exported.program.name}.c"].decode()
+    source = files_of(exported, "c")[f"{exported.program.name}.c"].decode()
     assert not re.search(r"_si\b", source)

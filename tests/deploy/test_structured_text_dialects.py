@@ -14,20 +14,19 @@ from tools import need
 
 from clepsydra import InputError, Signal
 from clepsydra.deploy.printing.expressions import Expression, variable
-from clepsydra.deploy.printing.identifiers import Identifiers
 from clepsydra.deploy.printing.origin import Origin
-from clepsydra.deploy.printing.statements import assign
 from clepsydra.deploy.proof.interpreted_text import InterpretedText
 from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES, dialect_of
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.deploy.structured_text.wording import Wording
-from clepsydra.program.program import Block, Operation, Program
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Program
 
 FLOAT = st.floats(width=32, allow_nan=False, allow_infinity=False)
 
 
 def wording(dialect: str, precision="double") -> Wording:
-    return Wording(dialect_of(dialect), precision, Identifiers([], ignore_case=True))
+    return Wording(dialect_of(dialect), precision)
 
 
 def doubling(name: str, kind: str = "real", initial: float = 0.0) -> Program:
@@ -174,7 +173,7 @@ def test_numbers_with_and_without_type():
     assert wording("codesys").expression(number) == f"x + ({float(np.float32(-0.1))!r})"
     for dialect in DIALECT_NAMES:
         assert wording(dialect, "single").expression(number) == "x + REAL#-0.1"
-    truth = Expression("truth", (variable("x"),))
+    truth = variable("x").to("boolean")
     assert wording("codesys", "single").expression(truth) == "x <> REAL#0.0"
 
 
@@ -191,7 +190,7 @@ def test_the_absolute_value_of_a_negative_zero():
     assert wording("matiec").expression(size) == "ABS(x) + 0.0"
     assert wording("matiec").expression(compared) == "ABS(x) < limit"
     assert wording("codesys").expression(size) == "ABS(x)"
-    assert assign("y", size, wording("matiec")) == ["y := ABS(x) + 0.0;"]
+    assert wording("matiec").assign("y", size) == ["y := ABS(x) + 0.0;"]
 
 
 @pytest.mark.parametrize("dialect", DIALECT_NAMES)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from deployed import files_of
 from plants import designed, plant, tagged
 from refusals import refused
 from tools import need
@@ -14,7 +15,6 @@ from tools import need
 import clepsydra as cl
 from clepsydra import InputError, Signal
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
-from clepsydra.deploy.export import export_structured_text
 from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.process_program import process_program
 from clepsydra.deploy.proof.text.interpreter import StructuredText
@@ -174,7 +174,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "plc.md"
 def exported() -> str:
     """What the first export of docs/plc.md prints as its test."""
     ready = exportable(cl.design.simc(tagged()), tagged().point)
-    return export_structured_text(ready).files[f"{ready.program.name}_test.st"].decode()
+    return files_of(ready, "st")[f"{ready.program.name}_test.st"].decode()
 
 
 def test_the_table_of_the_page_holds():

@@ -7,7 +7,8 @@ import pytest
 
 from clepsydra import Signal
 from clepsydra.deploy.printing.whole_numbers import WholeRange, whole_ranges
-from clepsydra.program.program import Block, Operation, Program
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Program
 
 COMPUTE = {
     "add": lambda a, b: a + b,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from clepsydra import PidForm
-from clepsydra.designs.bryson import design_lqi
+from clepsydra.designs.lqi import design_lqi
 from clepsydra.designs.phase_margin import design_phase_margin
 from clepsydra.designs.simc import design_simc
 

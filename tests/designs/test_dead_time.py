@@ -8,7 +8,7 @@ import pytest
 
 import clepsydra as cl
 from clepsydra import NotApplicable
-from clepsydra.designs.bryson import design_lqi
+from clepsydra.designs.lqi import design_lqi
 from clepsydra.designs.models.transfer_element import transfer_element
 from clepsydra.designs.phase_margin import design_phase_margin
 from clepsydra.designs.sampled.sampled_loop import sampled_loop

@@ -13,7 +13,6 @@ from scipy.signal import cont2discrete
 import clepsydra as cl
 from clepsydra import NotApplicable, PidForm, Signal, python_law
 from clepsydra.base.signal import effect, elements, path
-from clepsydra.designs.bryson import design_lqi
 from clepsydra.designs.glover_mcfarlane import REDUCTION_COST, design_glover_mcfarlane
 from clepsydra.designs.loop_shaping.coprime_factors import coprime_factors
 from clepsydra.designs.loop_shaping.order_reduction import reduced_plant
@@ -25,6 +24,7 @@ from clepsydra.designs.loop_shaping.precompensator import (
 from clepsydra.designs.loop_shaping.robust_controller import robust_controller
 from clepsydra.designs.loop_shaping.sampled_system import SampledSystem
 from clepsydra.designs.loop_shaping.shaped_plant import shaped_plant
+from clepsydra.designs.lqi import design_lqi
 from clepsydra.designs.own_law import own_controller
 from clepsydra.designs.phase_margin import design_phase_margin
 from clepsydra.designs.sampled.sampled_loop import sampled_loop

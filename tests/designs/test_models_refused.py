@@ -6,7 +6,7 @@ import pytest
 from refusals import refused
 
 import clepsydra as cl
-from clepsydra.designs.bryson import design_lqi
+from clepsydra.designs.lqi import design_lqi
 from clepsydra.designs.phase_margin import design_phase_margin
 from clepsydra.designs.simc import design_simc
 

@@ -16,14 +16,14 @@ from clepsydra.designs.amigo import design_amigo
 from clepsydra.designs.fuzzy_control import design_fuzzy_pi
 from clepsydra.designs.glover_mcfarlane import design_glover_mcfarlane
 from clepsydra.designs.lambda_tuning import design_lambda
-from clepsydra.designs.loops.detuning import detune
 from clepsydra.designs.loops.margin_settings import margin_of, pi_for_margin, pid_for_margin
 from clepsydra.designs.loops.multiloop import MultiloopPid
 from clepsydra.designs.loops.pid_settings import PidSettings, slowed_down
 from clepsydra.designs.models.transfer_element import TransferElement
 from clepsydra.designs.phase_margin import default_crossover, design_phase_margin
-from clepsydra.designs.polynomial.polynomial_control import design_polynomial
+from clepsydra.designs.polynomial_control import design_polynomial
 from clepsydra.designs.simc import design_simc
+from clepsydra.designs.slowing_down import OF_LOOPS, slow_down
 from clepsydra.designs.tyreus_luyben import design_tyreus_luyben
 from clepsydra.designs.variable_structure_pid import design_variable_structure_pid
 from clepsydra.designs.ziegler_nichols import design_ziegler_nichols
@@ -292,14 +292,15 @@ def test_a_simc_pid_is_the_same_controller_in_every_algorithm(nonminimum_phase, 
 
 def test_detuning_stops_where_the_peak_is_just_allowed():
     """Of a peak with a closed form: 1 + K/F² for K = 9 is 2 at F = 3."""
-    found = detune(
+    found = slow_down(
         lambda factor: slowed_down([PidSettings(9.0, 60.0)], factor),
         lambda settings: 1.0 + settings[0].gain * 60.0 / settings[0].integral_time,
         "test",
+        OF_LOOPS,
     )
     assert found.peak <= 2.0
     assert found.factor == pytest.approx(3.0, rel=1e-5)
-    assert found.settings == slowed_down([PidSettings(9.0, 60.0)], found.factor)
+    assert found.design == slowed_down([PidSettings(9.0, 60.0)], found.factor)
 
 
 @pytest.mark.parametrize("edge", [1.05, 1.3, 7.0, 600.0])
@@ -317,9 +318,9 @@ def test_detuning_crosses_the_limit_of_stability(edge):
 
     if 2 * edge > 1000.0:
         with pytest.raises(NotApplicable, match="the best sensitivity peak is"):
-            detune(settings_at, peak, "test")
+            slow_down(settings_at, peak, "test", OF_LOOPS)
         return
-    found = detune(settings_at, peak, "test")
+    found = slow_down(settings_at, peak, "test", OF_LOOPS)
     assert found.peak <= 2.0
     assert found.factor == pytest.approx(2 * edge, rel=1e-5)
     # Four steps an octave, then few: a design is quick.

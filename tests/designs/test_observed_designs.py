@@ -12,10 +12,10 @@ from scipy.optimize import linear_sum_assignment
 import clepsydra as cl
 from clepsydra import InputError, NotApplicable
 from clepsydra.base.signal import effect
-from clepsydra.designs.bryson import design_lqi
-from clepsydra.designs.linear_quadratic_regulator import design_lqr
+from clepsydra.designs.lqi import design_lqi
 from clepsydra.designs.lqi_by_weights import design_lqi_by_weights
 from clepsydra.designs.lqi_kalman import design_lqi_kalman
+from clepsydra.designs.lqr import design_lqr
 from clepsydra.designs.pole_placement import design_pole_placement
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.designs.sampled.sampled_process import sampled_process, sampled_states

@@ -11,9 +11,9 @@ from refusals import refused
 import clepsydra as cl
 from clepsydra import NotApplicable, PidForm
 from clepsydra.controllers.process_equations import process_equations
-from clepsydra.designs.bryson import design_lqi
-from clepsydra.designs.extended_kalman import design_lqi_extended_kalman
 from clepsydra.designs.gain_scheduling import design_gain_scheduled_lqi, design_gain_scheduled_pid
+from clepsydra.designs.lqi import design_lqi
+from clepsydra.designs.lqi_extended_kalman import design_lqi_extended_kalman
 from clepsydra.designs.operating_plan import model_at
 from clepsydra.designs.recomputed_lqi import change_over_ranges, design_recomputed_lqi
 from clepsydra.designs.sampled.sampled_loop import sampled_loop

@@ -11,7 +11,8 @@ from refusals import refused
 import clepsydra as cl
 from clepsydra import InputError, NotApplicable
 from clepsydra.designs.kalman import Noise, kalman_gain, process_noise
-from clepsydra.designs.states.linear_quadratic import bryson_weights, lqr_gains
+from clepsydra.designs.states.bryson_rule import bryson_weights
+from clepsydra.designs.states.linear_quadratic import lqr_gains
 from clepsydra.designs.states.observed_process import observed_process
 from clepsydra.designs.states.quadratic_weights import QuadraticWeights, diagonal_weights
 from clepsydra.designs.states.riccati import optimal_regulator, riccati_residual

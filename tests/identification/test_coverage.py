@@ -10,7 +10,8 @@ from scipy.signal import lfilter
 from scipy.stats import binom
 
 import clepsydra as cl
-from clepsydra.identification.arx_with_rest import arx_with_rest, fit_arx_with_rest
+from clepsydra.identification.arx import fit_arx
+from clepsydra.identification.arx_choice import choose_arx
 from clepsydra.identification.output_error import fit_output_error
 from clepsydra.identification.process_batch import ProcessBatch
 from clepsydra.identification.record import Record
@@ -106,12 +107,12 @@ def test_arx():
     for seed in range(SEEDS):
         noise = np.random.default_rng(seed).normal(0.0, 0.05, len(u))
         y = 12.0 + lfilter(B, A, late) + lfilter([1.0], A, noise)
-        fit = arx_with_rest(u, y, order=2, delay=delay, period=PERIOD)
+        fit = fit_arx(u, y, order=2, delay=delay, period=PERIOD, offset=True)
         reach = uncertainty(fit.jacobian, fit.residuals).reach[:4]
         found = np.array([*fit.model.denominator, *fit.model.numerator])
         told += np.abs(found - truth) <= reach
         if seed < 100:
-            chosen = fit_arx_with_rest(u, y, PERIOD).model
+            chosen = choose_arx(u, y, PERIOD).model
             right += (chosen.order, chosen.delay) == (2, delay)
     assert np.all((told >= FEWEST) & (told <= MOST)), told
     assert right >= 95  # of 100: Schwarz's criterion finds order and delay

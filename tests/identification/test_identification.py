@@ -10,9 +10,8 @@ from scipy.signal import lfilter
 
 import clepsydra as cl
 from clepsydra import InputError, Signal
-from clepsydra.identification.held_response import HeldResponse
-from clepsydra.identification.record import Record
-from clepsydra.identification.simulated_record import record_of
+from clepsydra.identification.output_error import HeldResponse
+from clepsydra.identification.record import Record, record_of
 from clepsydra.identification.structures import FOPDT, IPDT, SOPDT
 
 PUMP, LEVEL = Signal("pump", "V"), Signal("level", "m", display_unit="cm")

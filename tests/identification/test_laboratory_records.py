@@ -7,8 +7,8 @@ import pytest
 
 import clepsydra as cl
 from clepsydra import InputError
-from clepsydra.identification.hole_areas import hole_areas_at_rest
-from clepsydra.identification.simulated_record import record_of
+from clepsydra.identification.orifice_areas import orifice_areas_at_rest
+from clepsydra.identification.record import record_of
 
 HOLES = [f"outlet_{number}.area" for number in (1, 2, 3, 4)]
 GAINS = ["pump_1.gain", "pump_2.gain"]
@@ -100,7 +100,7 @@ def test_levels_at_rest_by_the_balance_agree_with_the_fit(laboratory):
     """Two routes: the balance of Table 1's kind, and the simulation of a record at rest."""
     run = cl.simulate(laboratory, duration="3 min")
     rest = {s.name: float(run.values[s.name][-1]) for s in run.signals}
-    found = hole_areas_at_rest(laboratory.process, [rest])
+    found = orifice_areas_at_rest(laboratory.process, [rest])
     fit = cl.identify(record_of(run), plant=begun(laboratory, HOLES), parameters=HOLES)
     for name, value in fit.values.items():
         assert value == pytest.approx(found[name.removesuffix(".area")], rel=1e-3), name

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import curve_fit
 
-from clepsydra.identification.held_response import HeldResponse
-from clepsydra.identification.output_error import fit_output_error
+from clepsydra.identification.output_error import HeldResponse, fit_output_error
 from clepsydra.identification.structures import FOPDT, IPDT, SOPDT
 from clepsydra.identification.uncertainty import uncertainty
 

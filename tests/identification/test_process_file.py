@@ -9,7 +9,7 @@ import pytest
 from refusals import refused
 
 import clepsydra as cl
-from clepsydra.identification.simulated_record import record_of
+from clepsydra.identification.record import record_of
 
 ONE_TANK = Path(__file__).parents[1] / "one-tank.toml"
 STEPS = {"60 s": "1.8 V", "300 s": "1.2 V"}

@@ -9,8 +9,7 @@ import pytest
 import clepsydra as cl
 from clepsydra import InputError
 from clepsydra.identification.process_batch import ProcessBatch
-from clepsydra.identification.record import Record
-from clepsydra.identification.simulated_record import record_of
+from clepsydra.identification.record import Record, record_of
 
 TESTS = Path(__file__).parents[1]
 STEPS = {

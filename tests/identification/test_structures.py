@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lsim, step
 
-from clepsydra.identification.held_response import HeldResponse
+from clepsydra.identification.output_error import HeldResponse
 from clepsydra.identification.structures import FOPDT, IPDT, SOPDT
 
 TIME = np.linspace(0.0, 80.0, 161)

@@ -22,7 +22,7 @@ SEARCHED = ("gain_scheduled_lqi", "gain_scheduled_pid", "glover_mcfarlane", "pol
 NAMES = [
     pytest.param(name, marks=SLOW) if name in SEARCHED else name
     for name in dir(cl.design)
-    if name not in ("own", "fuzzy")
+    if name not in ("own", "fuzzy", "regulator")
 ]
 
 

@@ -83,6 +83,10 @@ MISTAKES = {
         lambda plant, pi: cl.simulate(plant, pi, duration=0),
         ("simulation, duration", 0, "above 0 s", "'20 min'"),
     ),
+    "a study of one sample": (
+        lambda plant, pi: cl.study(plant, [pi], duration="0.9 s"),
+        ("duration", "0.9 s", "at least 2 s, two samples", "lengthen it"),
+    ),
     "a simulation of no length": (
         lambda plant, pi: cl.simulate(plant, duration="0 s"),
         ("duration", "0 s", "above 0 s", "'20 min'"),
@@ -169,7 +173,7 @@ MISTAKES = {
     ),
     "target": (
         lambda plant, pi: cl.export(pi, plant, to="sts"),
-        ("export, to", "sts", "st, c, fmu, tuning", "'st' was meant"),
+        ("export, to", "sts", "c, st, fmu, tuning", "'st' was meant"),
     ),
     "process as text": (
         lambda plant, pi: cl.export(None, plant, to="st"),

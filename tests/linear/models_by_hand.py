@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from clepsydra import LinearModel
-from clepsydra.linear.internal_delays import InternalDelays
+from clepsydra.linear.linear_model import InternalDelays
 
 
 def rational(A, B, C, D) -> LinearModel:

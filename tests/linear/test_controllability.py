@@ -15,11 +15,14 @@ from clepsydra.linear.controllability import (
     words_on_reach,
 )
 from clepsydra.linear.distance_to_uncontrollability import distance_to_uncontrollability
-from clepsydra.linear.gramians import controllability_gramian, observability_gramian
-from clepsydra.linear.hankel_singular_values import hankel_singular_values
+from clepsydra.linear.hankel_singular_values import (
+    controllability_gramian,
+    hankel_singular_values,
+    observability_gramian,
+    stable_part,
+)
 from clepsydra.linear.response import evaluate_transfer
 from clepsydra.linear.sensitivity import largest_gain
-from clepsydra.linear.stable_part import stable_part
 
 
 def test_gramian_is_the_integral(random_system):

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from clepsydra import LinearModel
-from clepsydra.linear.dead_time_structure import dead_times, has_delay_in_loop, lags_of
-from clepsydra.linear.internal_delays import InternalDelays
-from clepsydra.linear.pade import at_rest
+from clepsydra.linear.dead_time import at_rest, dead_times, has_delay_in_loop, lags_of
+from clepsydra.linear.linear_model import InternalDelays
 from clepsydra.linear.response import frequency_response
 from clepsydra.linear.roots import roots_of
 

@@ -9,15 +9,14 @@ import pytest
 from models_by_hand import late_feedback, pure_delay, rational
 from refusals import refused
 
+from clepsydra.linear.directionality import condition_numbers, singular_values
+from clepsydra.linear.directions import pole_directions, zero_directions
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.interconnection import series
 from clepsydra.linear.linearise import linearise
-from clepsydra.linear.pole_directions import pole_directions
 from clepsydra.linear.poles import poles
 from clepsydra.linear.ranges import in_ranges
 from clepsydra.linear.response import evaluate_transfer, frequency_response
-from clepsydra.linear.singular_values import condition_numbers, singular_values
-from clepsydra.linear.zero_directions import zero_directions
 from clepsydra.linear.zeros import zeros
 
 
@@ -66,7 +65,7 @@ def test_a_zero_that_is_a_pole_as_well():
 @pytest.mark.parametrize("rounded", [0.0, 2e-15])
 def test_a_zero_that_stands_twice_has_two_directions(rounded, monkeypatch):
     """Also where its two values differ by what the linear algebra rounds."""
-    module = importlib.import_module("clepsydra.linear.zero_directions")
+    module = importlib.import_module("clepsydra.linear.directions")
     monkeypatch.setattr(
         module, "zeros", lambda model: zeros(model) * [1.0 - rounded, 1.0 + rounded]
     )

@@ -11,11 +11,10 @@ from scipy.optimize import brentq
 
 from clepsydra import Signal
 from clepsydra.linear.analysis import analyse
-from clepsydra.linear.equilibrium import find_equilibrium
+from clepsydra.linear.equilibrium import find_equilibria, find_equilibrium
 from clepsydra.linear.equilibrium_continuation import by_homotopy, by_pseudo_transient
 from clepsydra.linear.equilibrium_request import read_request
 from clepsydra.linear.equilibrium_search import EquilibriumSearch
-from clepsydra.linear.equilibrium_several import find_equilibria
 
 
 def wavy(level):

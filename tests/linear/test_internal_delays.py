@@ -10,12 +10,15 @@ import pytest
 from models_by_hand import lag, late_feedback, pi, pure_delay, rational
 from refusals import refused
 
+from clepsydra.linear.dead_time import without_dead_time
 from clepsydra.linear.interconnection import feedback, parallel_channels, series
-from clepsydra.linear.internal_delays import InternalDelays, no_delays
-from clepsydra.linear.pade import without_dead_time
+from clepsydra.linear.linear_model import InternalDelays
 from clepsydra.linear.poles import poles, time_constants
-from clepsydra.linear.relative_gain_array import relative_gain_array, relative_gains
-from clepsydra.linear.relative_gain_response import relative_gain_response
+from clepsydra.linear.relative_gain_array import (
+    relative_gain_array,
+    relative_gain_response,
+    relative_gains,
+)
 from clepsydra.linear.response import evaluate_transfer, frequency_response, transfer_at
 from clepsydra.linear.static_gain import static_gain
 from clepsydra.linear.zeros import minimum_phase, normal_rank, zeros
@@ -97,7 +100,9 @@ def test_one_channel_closed():
 def test_without_delays_nothing_changes(random_system):
     system = random_system(3, 5, 2, 2)
     model = rational(system.A, system.B, system.C, system.D)
-    empty = replace(model, delays=no_delays(5, 2, 0, 2))
+    shapes = ((5, 0), (0, 5), (0, 2), (0, 0), (0, 0), (2, 0))
+    no_signals = InternalDelays(np.zeros(0), *(np.zeros(shape) for shape in shapes))
+    empty = replace(model, delays=no_signals)
     assert empty.delays is None
     plain = evaluate_transfer(model.A, model.B, model.C, model.D, 1j * OMEGAS)
     np.testing.assert_array_equal(frequency_response(empty, OMEGAS), plain)

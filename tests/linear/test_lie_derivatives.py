@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from clepsydra.linear.analysis import analyse
-from clepsydra.linear.internal_delays import InternalDelays
 from clepsydra.linear.lie_derivatives import (
     NotLinearisable,
     input_affine_equations,
     lie_derivative,
 )
+from clepsydra.linear.linear_model import InternalDelays
 from clepsydra.linear.relative_degree import relative_degree
 from clepsydra.process.catalogue_names import catalogue_file
 from clepsydra.process.reader import load_process

@@ -13,9 +13,8 @@ import pytest
 from scipy.linalg import expm
 
 from clepsydra import LinearModel
-from clepsydra.linear.derivatives import Derivatives
 from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.linear.linearise import linearise
+from clepsydra.linear.linearise import Derivatives, linearise
 from clepsydra.linear.relative_gain_array import relative_gain_array
 from clepsydra.linear.static_gain import static_gain
 from clepsydra.process.reader import load_process

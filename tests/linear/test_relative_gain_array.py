@@ -11,8 +11,8 @@ from refusals import refused
 from clepsydra import LinearModel
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linearise import linearise
-from clepsydra.linear.niederlinski import niederlinski_index
 from clepsydra.linear.relative_gain_array import (
+    niederlinski_index,
     relative_gain_array,
     relative_gains,
     suggest_pairing,

@@ -10,8 +10,8 @@ from models_by_hand import lag, late_feedback, pi, pure_delay, rational, static
 from refusals import refused
 from scipy.special import lambertw
 
+from clepsydra.linear.dead_time import without_dead_time
 from clepsydra.linear.interconnection import feedback, series
-from clepsydra.linear.pade import without_dead_time
 from clepsydra.linear.poles import poles
 from clepsydra.linear.stability import asymptotically_stable, unstable_roots
 

@@ -11,8 +11,8 @@ import pytest
 from models_by_hand import lag, late_feedback, pi, pure_delay, rational, static
 from refusals import refused
 
+from clepsydra.linear.dead_time import without_dead_time
 from clepsydra.linear.interconnection import feedback, series
-from clepsydra.linear.pade import without_dead_time
 from clepsydra.linear.static_gain import static_gain
 from clepsydra.linear.step_response import step_response
 

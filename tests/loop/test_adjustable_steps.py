@@ -35,7 +35,7 @@ def test_pumps_that_trip_do_so_as_by_a_kernel_of_its_own(drawn, tmp_path):
     told = open_loop.simulations(point, profiles, {})
     for substeps in (1, 3, 16):
         run = told(substeps)
-        assert len(run.happenings) > 6
+        assert len(run.events) > 6
         assert_same_bits(run, open_loop.simulate(point, profiles, substeps=substeps))
 
 

@@ -83,7 +83,7 @@ def test_balances_close_over_spilling_evaporation_delays_and_switches(start):
     acid = np.linspace(0.0, 1000.0, samples)
     profiles = {"inflow": inflow, "taken": taken, "inflow.acid": acid}
     result = simulate(point, profiles, substeps=10)
-    happened = {happening.event for happening in result.happenings}
+    happened = {event.event for event in result.events}
     assert happened >= {
         "duty.starts", "duty.stops", "second.trips_bowl_above", "second.is_released",
         "taken.runs_dry", "taken.draws_again",

@@ -86,7 +86,7 @@ def compare(point, profiles, substeps, state=None, reference_steps=None):
     reference = simulate(
         point, profiles, substeps=reference_steps or substeps, state=state, solver="reference"
     )
-    one, other = kernel.happenings, reference.happenings
+    one, other = kernel.events, reference.events
     step = point.process.sampling_period / substeps
     assert [(h.event, h.times) for h in one] == [(h.event, h.times) for h in other]
     late = [abs(a.time - b.time) for a, b in zip(one, other, strict=True)]
@@ -116,7 +116,7 @@ def test_a_station_that_starts_stops_and_spills():
     inflow, duty = np.full(900, 80e-3), np.zeros(900)
     inflow[320:], duty[320:] = 4e-3, 0.8
     kernel = compare(point, {"inflow": inflow, "duty": duty}, 160, {"well.level": 2.45}, 4)
-    happened = {happening.event for happening in kernel.happenings}
+    happened = {event.event for event in kernel.events}
     assert happened >= {"standby.starts", "standby.stops", "duty.stops"}
 
 
@@ -130,7 +130,7 @@ def test_a_laboratory_whose_pumps_trip(variant):
     for signal in process.inputs:
         full[signal.name][900:] = point.as_dict()[signal.name]
     kernel = compare(point, full, 1)
-    happened = {happening.event for happening in kernel.happenings}
+    happened = {event.event for event in kernel.events}
     assert any("trips" in event for event in happened)
     assert any("released" in event for event in happened)
 
@@ -220,7 +220,7 @@ def test_a_rig_with_every_switch(tmp_path, friction):
         "taken": np.where((samples >= 290) & (samples < 330), 1.5e-3, 0.0),
     }
     kernel = compare(point, profiles, 18)
-    happened = {happening.event for happening in kernel.happenings}
+    happened = {event.event for event in kernel.events}
     assert happened >= {
         "feed.trips_lower_above", "feed.is_released", "sump.starts", "sump.stops",
         "taken.runs_dry",

@@ -12,9 +12,9 @@ from refusals import refused
 from clepsydra import InputError
 from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
-from clepsydra.loop.parquet import write_parquet
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
+from clepsydra.loop.trajectory_file import write_parquet
 from clepsydra.process.reader import load_process
 
 

@@ -112,7 +112,7 @@ def test_without_inputs_the_process_stays_at_rest(four_tanks):
     for signal in run.signals:
         values = run.values[signal.name]
         assert np.allclose(values, values[0], rtol=1e-12, atol=0)
-    assert run.happenings == ()
+    assert run.events == ()
 
 
 def test_kernel_and_reference_solver_agree(four_tanks):

@@ -1,19 +1,83 @@
-"""The audit as a whole: its rows have names of their own, and processes may share its work."""
+"""The audit as a whole: its documents are folders, and processes may share its work."""
+
+import sys
+from textwrap import dedent
 
 import pytest
 
+from clepsydra import papers
 from clepsydra.papers import audit as audits
-from clepsydra.papers.comparison import claimed
-from clepsydra.papers.documents import load_document
-from clepsydra.papers.experiment import Document, Experiment, Findings
+from clepsydra.papers.document import documents, load_document
+from clepsydra.papers.printed import printed_table
+
+TINY = {
+    "__init__.py": """
+        from clepsydra.papers.document import Document
+        from clepsydra.papers.printed import printed_table
+
+        DOCUMENT = Document(__name__, 0, "One tank", "Nobody, 2026", {"first-part": "Its area"})
+        PRINTED = printed_table(__name__)
+        """,
+    "printed.csv": """
+        place,name,text,unit,digits,damage,note
+        section 1,area,0.785,m²,,,π d² / 4
+        """,
+    "first_part.py": """
+        from math import pi
+
+        from clepsydra.papers.comparison import compared_all
+        from clepsydra.papers.document import Findings
+        from clepsydra.papers.tiny_tank import PRINTED
 
 
-def test_two_rows_of_one_name_are_a_mistake(monkeypatch):
-    row = claimed("t", "n", "c", True, "1", reason="r")
-    twice = Document("d", "d", "d", (Experiment("e", "e", lambda: Findings((row, row))),))
-    monkeypatch.setattr(audits, "load_document", lambda key: twice)
+        def run():
+            return Findings(tuple(compared_all(PRINTED, "section 1", {"area": pi / 4.0})))
+        """,
+}
+
+
+@pytest.fixture
+def tiny(tmp_path, monkeypatch):
+    """A document that is there because its folder is."""
+    folder = tmp_path / "tiny_tank"
+    folder.mkdir()
+    for name, text in TINY.items():
+        (folder / name).write_text(dedent(text).lstrip(), "utf-8")
+    monkeypatch.setattr(papers, "__path__", [*papers.__path__, str(tmp_path)])
+    yield folder
+    for name in [name for name in sys.modules if name.startswith("clepsydra.papers.tiny_tank")]:
+        del sys.modules[name]
+    vars(papers).pop("tiny_tank", None)
+
+
+def test_a_document_is_its_own_folder(tiny):
+    (found,) = audits.audit(["tiny-tank"]).documents
+    assert found.document.title == "One tank"
+    (row,) = found.rows
+    assert (row.verdict, row.unit, row.reason) == ("reproduced", "m²", "π d² / 4")
+    assert (row.document, row.experiment) == ("tiny-tank", "first-part")
+    assert next(iter(documents())) == "tiny-tank"  # by its number
+
+
+def test_two_rows_of_one_name_are_a_mistake(tiny):
+    part = tiny / "first_part.py"
+    part.write_text(part.read_text("utf-8").replace("tuple(", "2 * tuple("), "utf-8")
     with pytest.raises(AssertionError, match="more than once"):
-        audits.audit(["d"])
+        audits.audit(["tiny-tank"])
+
+
+def test_two_lines_of_one_name_are_a_mistake(tiny):
+    table = tiny / "printed.csv"
+    table.write_text(table.read_text("utf-8") + "section 1,area,0.79,m²,,,\n", "utf-8")
+    with pytest.raises(AssertionError, match="twice"):
+        documents()
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("key", documents())
+def test_every_line_of_a_table_is_judged_and_no_other(key, audited):
+    table = printed_table(documents()[key].package)
+    assert {(row.place, row.name) for row in audited(key).rows} == set(table)
 
 
 @pytest.mark.thorough

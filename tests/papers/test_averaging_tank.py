@@ -2,18 +2,20 @@
 
 import dataclasses
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+import clepsydra as cl
 from clepsydra.papers.averaging_tank import lqi_runs
 from clepsydra.papers.averaging_tank.continuous_pi import Constants, continuous_run
 from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, PRINTED_Q3, gains, lqi_run
 from clepsydra.papers.averaging_tank.model import numbers
 from clepsydra.papers.averaging_tank.pi import BY_HAND, OPTIMAL, pi_controller, tuned
 from clepsydra.papers.averaging_tank.pid_types import best_index
-from clepsydra.papers.averaging_tank.printed_tables import TABLE_6
+from clepsydra.papers.averaging_tank.printed_tables import printed_indices
 from clepsydra.papers.averaging_tank.step_run import indices, model_of, step_run
 
 pytestmark = pytest.mark.thorough
@@ -117,6 +119,20 @@ def test_the_misprints_are_those_worked_out_by_hand(rows):
         assert rows[key].computed == pytest.approx(right, rel=3e-4)
 
 
+def test_what_evaporates_has_to_flow_in_again(rows, tmp_path):
+    """dV/dt by -z and dC/dt by z C0/V0, by the equilibrium of a tank that evaporates 2 mm/s."""
+    row = rows["section 3.1", "evaporation z(t)"]
+    assert row.computed == "dV/dt by -z, dC/dt by C_0*z/V_0"
+    text = Path(lqi_runs.__file__).with_name("high_tank.toml").read_text("utf-8")
+    file = tmp_path / "evaporating.toml"
+    file.write_text(text.replace("[tanks.tank]", '[tanks.tank]\nevaporation = "2 mm/s"'), "utf-8")
+    at = cl.load(f"{file}:outflow-constant").point.as_dict()
+    assert at["inflow"] - 0.2 == pytest.approx(0.002, rel=1e-6)
+    # f_in/V0 (C_in - C0) makes up for z C0/V0.
+    back = at["inflow"] / 2.0 * (5.0 - at["inflow.impurity"] / 1e3)
+    assert back == pytest.approx(0.002 * 5.0 / 2.0, rel=1e-6)
+
+
 def test_damage_of_the_text_is_not_called_a_misprint(rows):
     assert keys(rows, "damaged text") == DAMAGED
     assert rows["(100b)", "F21"].computed == "262.4" and rows["(101b)", "F21"].computed == "256.1"
@@ -194,12 +210,13 @@ def test_the_minimax_search_ends_near_the_bound_of_the_flow():
 
 def test_table_6_is_not_the_best_with_c_in_limited_either():
     """By other constants that we chose, within 0 to 25 kmol/m³: the larger of C and V."""
-    for variant, column in (("outflow", 0), ("inflow", 1)):
+    for variant in ("outflow", "inflow"):
+        printed = printed_indices("Table 6", f"f_{variant[:-4]} constant")
         ours = continuous_run(Constants(variant, "", 2000.0, 0.1, 80.0, 1e9)).indices
         for index in ("IAE", "ISE", "ITAE"):
             if (variant, index) == ("inflow", "ISE"):  # which no input within the limits reaches
                 continue
-            theirs = max(float(TABLE_6[index, output][column]) for output in ("C", "V"))
+            theirs = max(printed[index, output] for output in ("C", "V"))
             assert max(ours[index, "C"], ours[index, "V"]) < 0.75 * theirs, (variant, index)
 
 

@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from clepsydra.papers.documents import PACKAGES, load_document
+from clepsydra.papers.document import documents, load_document
 
 FOLDER = Path(__file__).parents[2] / "docs" / "papers"
 SENTENCE = re.compile(
@@ -42,7 +42,7 @@ def overview():
 
 
 def test_every_document_has_its_line_in_the_table_and_its_counts_there():
-    assert overview() == {key: counts(key) for key in PACKAGES}
+    assert overview() == {key: counts(key) for key in documents()}
 
 
 def test_the_sum_below_the_table_is_that_of_its_lines():
@@ -64,14 +64,14 @@ def test_the_first_page_of_the_project_has_the_sums():
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("key", PACKAGES)
+@pytest.mark.parametrize("key", documents())
 def test_a_page_names_its_document_and_its_command(key):
     text, document = page(key), load_document(key)
     assert document.title.casefold() in text.casefold()
     assert f"`clepsydra papers {key}`" in text
 
 
-@pytest.mark.parametrize("key", ["README", *PACKAGES])
+@pytest.mark.parametrize("key", ["README", *documents()])
 def test_what_a_page_points_to_is_there_and_every_picture_is_shown(key):
     links = re.findall(r"\]\(([^)#]+)\)", page(key))
     for link in links:

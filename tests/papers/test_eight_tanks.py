@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from scipy.signal import cont2discrete
 
 from clepsydra.papers.eight_tanks import six_designs
 from clepsydra.papers.eight_tanks.polynomials import controller
-from clepsydra.papers.eight_tanks.predictor_structure import closed_loop_radius
+from clepsydra.papers.eight_tanks.predictor import closed_loop_radius
 from clepsydra.papers.eight_tanks.robustness import judged, others
 
 pytestmark = pytest.mark.thorough
@@ -13,7 +14,7 @@ pytestmark = pytest.mark.thorough
 
 @pytest.fixture(scope="module")
 def found(audited):
-    return audited("eight-tanks").experiments
+    return tuple(audited("eight-tanks").experiments.values())
 
 
 @pytest.fixture(scope="module")
@@ -89,6 +90,31 @@ def test_the_gain_of_8_points_to_its_misprint(rows):
     assert f"{2.0 / 0.785:.3f} min/m²" in reason and "K_g in section 2" in reason
 
 
+def test_the_chain_is_sampled_as_by_another_library(rows):
+    """(8) held for a minute: eight coefficients on either side, by SciPy's matrix exponential."""
+    below = np.poly([-0.5] * 8)
+    above, poles, _ = cont2discrete(([3.08 * below[-1]], below), 1.0)
+    model = six_designs.sampled_chain()
+    assert above[0] == pytest.approx([0.0, *model.numerator], rel=1e-6, abs=1e-14)
+    assert poles == pytest.approx([1.0, *model.denominator], rel=1e-9)
+    words = f"b1 = {above[0, 1]:.4g}, b8 = {above[0, 8]:.4g}, a1 = {poles[1]:.4g}, "
+    assert rows["(9)", "form of the chain, sampled"].computed == f"{words}a8 = {poles[8]:.4g}"
+
+
+def test_least_squares_give_back_the_equation_that_made_the_record(rows):
+    """(12) to (16) by loops and normal equations: the estimates, and the first error there is."""
+    a1, a2, b1, b2, d = -1.777, 0.7964, 0.0309, 0.0286, 5
+    u, y = np.random.default_rng(3).normal(size=60), np.zeros(60)
+    for k in range(d + 2, 60):
+        y[k] = -a1 * y[k - 1] - a2 * y[k - 2] + b1 * u[k - 1 - d] + b2 * u[k - 2 - d]
+    later = range(d + 2, 60)  # counted from 0, k = 8 of the document
+    F = np.array([[-y[k - 1], -y[k - 2], u[k - 1 - d], u[k - 2 - d]] for k in later])
+    assert np.linalg.solve(F.T @ F, F.T @ y[later]) == pytest.approx([a1, a2, b1, b2], abs=1e-9)
+    assert rows["(14)", "order of the estimates"].computed == "-1.777, 0.7964, 0.0309, 0.0286"
+    row = rows["(17)", "first sample of the sum"]
+    assert row.computed == f"k = {later[0] + 1} for d = 5" and "at d = 6 in 40" in row.reason
+
+
 def test_how_slow_the_inflow_is_says_its_measure(rows):
     """The first move is r0 w; of the courses of Figs. 10 to 12, as a share of the largest u."""
     row = rows["section 6.2", "inflow by q_u"]
@@ -108,7 +134,10 @@ def test_what_is_reproduced(rows):
         ("(3)", "level over inflow of a tank"), ("(4)", "level of tank 1"),
         ("(5)", "level of tank 2"), ("(5)", "level of tank 2 by that of tank 1"),
         ("(6), (7)", "level of tank n over inflow of tank 1, n = 8"),
-        ("(20)", "static gain of (18)"), ("(21)", "static gain, the same as in (8)"),
+        ("(9)", "form of the chain, sampled"),
+        ("(13)", "y(k)"), ("(14)", "order of the estimates"), ("(15)", "predicted output"),
+        ("(18)", "model with five steps of delay"), ("(20)", "static gain of (18)"),
+        ("(21)", "static gain, the same as in (8)"),
         ("(24)", "r0"), ("(31)", "d1"), ("(31)", "d2"), ("(33)", "d1"),
         ("(33)", "d2"), ("(33)", "d3"),
     }  # fmt: skip
@@ -143,6 +172,7 @@ def test_which_claims_fail(rows):
 def test_what_hangs_on_what_is_left_open_is_a_remark(rows):
     assert of(rows, "remark") == {
         ("section 3.1", "delay steps of the smallest J(d)"),  # by the noise generator
+        ("(17)", "first sample of the sum"),  # by what was before the record
         ("section 3.2", "how (21) was found"),
         ("section 3.2", "least squares against fminsearch"),  # by (20) yes, by (17) no
         ("section 4", "zero of B, which B(1) replaces"),

@@ -105,7 +105,7 @@ NOT_REPRODUCIBLE = {
 
 @pytest.fixture(scope="module")
 def found(audited):
-    return audited("four-tank-laboratory").experiments
+    return tuple(audited("four-tank-laboratory").experiments.values())
 
 
 @pytest.fixture(scope="module")
@@ -212,13 +212,14 @@ def test_the_areas_have_the_printed_digits_with_another_gravity(rows):
         for tank, flow in enumerate(
             (g * one + (1 - g) * two, g * two + (1 - g) * one, (1 - g) * two, (1 - g) * one)
         ):
-            area = flow / math.sqrt(2 * 980.0 * float(set_up.levels[tank]))
-            assert f"{area:.4f}" == set_up.holes[tank]
+            area = flow / math.sqrt(2 * 980.0 * set_up.levels[tank].number.value)
+            printed = set_up.holes[tank].text
+            assert f"{area:.4f}" == printed
             (row,) = [
                 r for r in rows
                 if (r.place, r.name) == (places[tank], f"a{tank + 1}, {set_up.phase}")
             ]  # fmt: skip
-            assert f"980 cm/s² gives {set_up.holes[tank]} cm²" in row.reason
+            assert f"980 cm/s² gives {printed} cm²" in row.reason
 
 
 def test_no_reason_speaks_of_what_the_report_does_not_state(rows):
@@ -257,7 +258,7 @@ def flows(h, u, holes, split):
 
 def transfer(set_up, s):
     """(11), written from the print with the holes of the report [V/V]."""
-    holes = np.array([float(hole) for hole in set_up.holes])
+    holes = np.array([hole.number.value for hole in set_up.holes])
     T = A / holes * np.sqrt(2 * np.array(set_up.course_levels) / 981.0)
     c = T[:2] * KC / A
     g = set_up.split
@@ -334,7 +335,7 @@ def test_a_run_by_plain_python():
     """PI in percent on the minimum phase, without noise, by RK4 and a loop of three lines."""
     found = runs(MINIMUM, "decentralised", "percent", noise="none")
     gain, time = settings_of(MINIMUM)
-    holes = np.array([float(hole) for hole in MINIMUM.holes])
+    holes = np.array([hole.number.value for hole in MINIMUM.holes])
     h, integral, step = np.zeros(4), np.zeros(2), 0.05
     levels = []
     for k in range(9000):

@@ -9,14 +9,14 @@ import pytest
 from clepsydra.linear.analysis import analyse
 from clepsydra.papers.four_tank_variable_structure import rig
 from clepsydra.papers.four_tank_variable_structure.rig import at_target, plant
+from clepsydra.papers.four_tank_variable_structure.virtual_lanes import Setting, filled_with
 
 pytestmark = pytest.mark.thorough
 
 
 @pytest.fixture(scope="module")
 def findings(audited):
-    parts = audited("four-tank-variable-structure").experiments
-    return {part.experiment.name: part for part in parts}
+    return audited("four-tank-variable-structure").experiments
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +48,6 @@ DAMAGED = {
 HOLDING = {
     ("section 3", "determinant of E"),
     ("section 4, feature (1)", "behaviour without saturation"),
-    ("section 4, feature (2)", "settling time of h1 over α"),
     ("section 4, feature (3)", "time of the pumps at a limit, from 4 to 20 V"),
     ("section 5", "time of the pumps at a limit"),
     ("section 5", "water over the rims"),
@@ -88,8 +87,12 @@ def test_what_hangs_on_the_reading_is_a_remark(verdicts):
     """K_1, gains and limits, where α acts, the measure: nothing of it is printed."""
     assert {key for key, found in verdicts.items() if found == "remark"} == {
         ("(14)", "rate of the integral part K_I η while it saturates"),
+        ("(11)", "overshoot over the share of m_0 in the proportional part"),
+        ("section 4, feature (2)", "settling time of h1 over α"),
         ("section 5", "overshoot of the level, conventional PID"),
         ("section 5", "overshoot, variable-structure PID"),
+        ("section 5", "overshoot with derivative action"),
+        ("section 5", "overshoot over the settings"),
         ("section 5", "speed of the response"),
         ("section 5", "energy of a filling"),
         ("section 6", "worst overshoot and settling time"),
@@ -131,6 +134,49 @@ def test_without_anti_windup_the_overshoot_grows_as_the_limit_falls():
             highest = np.maximum(highest, h[:2])
         wanted = 100.0 * (highest / TARGET - 1.0)
         assert [run.overshoot(tank, lane) for tank in (1, 2)] == pytest.approx(wanted, abs=0.15)
+
+
+def overshoots_with_derivative(share, rate, limit=10.0, filtered=0.05, step=0.01):
+    """By plain Python: overshoots under (9) [%], ν by PID on the filtered rates of the levels."""
+    E = SPLIT * PUMPS / A[:2]
+    gain, time = E * np.array([3.0, 2.7]) * 0.5, np.array([30.0, 40.0])
+    h, integral, slow, highest = np.zeros(4), np.zeros(2), np.zeros(2), np.zeros(2)
+    taken = -np.expm1(-step / filtered)  # so that it is right for a ramp
+    for _ in range(round(150.0 / step)):
+        error, out = TARGET - h[:2], outflows(h)
+        nu = gain * error + integral - gain * time * share * (h[:2] - slow) * taken / step
+        asked = (nu - (out[2:] - out[:2]) / A[:2]) / E
+        v = np.clip(asked, 0.0, limit)
+        away = (asked != v) & (error * (asked - limit / 2.0) > 0.0) & (rate > 0.0)
+        integral += step * np.where(away, -rate * E * (asked - v), gain / time * error)
+        slow += (h[:2] - slow) * taken
+        h = moved(h, v, step)
+        highest = np.maximum(highest, h[:2])
+    return 100.0 * (highest / TARGET - 1.0)
+
+
+@pytest.mark.parametrize("share", [0.125, 0.25])
+@pytest.mark.parametrize(("way", "rate"), [("none", 0.0), ("variable_structure", 0.1)])
+def test_a_derivative_action_on_a_decoupled_level_divides_the_gains(share, way, rate):
+    """The rows' gains over 1 + E K Td beside a derivative with a filter of 0.05 s."""
+    run = filled_with(way, [Setting(derivative=share)])
+    found = [run.overshoot(tank) for tank in (1, 2)]
+    assert found == pytest.approx(overshoots_with_derivative(share, rate), abs=0.4)
+
+
+def test_a_share_of_m_0_is_a_weight_of_the_setpoint(findings):
+    """Of dy/dt = p ν − m_0 y with all of the proportional part in m_0, by plain Python."""
+    E, gain, time = SPLIT * PUMPS / A[:2], np.array([3.0, 2.7]), np.array([30.0, 40.0])
+    k, h, integral, highest = 0.5 * E * gain, np.zeros(4), np.zeros(2), np.zeros(2)
+    for _ in range(12000):
+        out = outflows(h)
+        asked = (integral - k * h[:2] - (out[2:] - out[:2]) / A[:2]) / E
+        integral += 0.05 * k / time * (TARGET - h[:2])
+        h = moved(h, np.clip(asked, 0.0, 10.0), 0.05)
+        highest = np.maximum(highest, h[:2])
+    wanted = " and ".join(f"{each:.1f}" for each in 100.0 * (highest / TARGET - 1.0))
+    rows = {row.place: row for row in findings["settings"].rows}
+    assert rows["(11)"].computed.endswith(f"1: {wanted} against {wanted}")
 
 
 def settled_after_decoupling(sensor, limit, rate, in_volts):

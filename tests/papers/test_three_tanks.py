@@ -4,8 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
 
-from clepsydra.papers.three_tanks import servo_and_load
+from clepsydra.papers.three_tanks import equations, servo_and_load
 from clepsydra.papers.three_tanks.linear_quadratic import quadratic_loop
 from clepsydra.papers.three_tanks.printed_model import printed_model
 from clepsydra.papers.three_tanks.state_feedback import placed_loop
@@ -24,6 +25,7 @@ MISPRINTS = {
     ("Ziegler-Nichols", "Pu"): 184.0,
     ("Ziegler-Nichols", "τi"): 92.0,
     ("Ziegler-Nichols", "τd"): 23.0,
+    ("second equation (6)", "frequency at which 1/|1 + L| is taken"): "that of its maximum",
 }
 #: One exponent and one digit, which the conversion to text may have moved and misread.
 DAMAGED = {
@@ -43,12 +45,15 @@ FAILING = {
     ("closed loop of the PID", "internal stability"),
     ("closed loop of the PID", "VGM of the PID"),
     ("stability analysis", "VGM of both controllers"),
+    # Of h1 alone it is zero.
+    ("(7)", "XᵀQX"),
 }
 HOLDING = {
     ("simulation results", "open loop"),
     ("controllability", "rank"),
     ("Table 2", "speed"),
     ("Table 3", "speed"),
+    ("design of the LQC", "P"),
     ("simulation results", "Nyquist plot"),
     # On the document's linear model, which has no pump.
     ("conclusion", "overshoot"),
@@ -105,7 +110,42 @@ def test_everything_else_is_reproduced(rows):
     listed = {*MISPRINTS, *DAMAGED, *NOT_REPRODUCIBLE, *FAILING, *HOLDING, *REMARKS}
     rest = rows.keys() - listed
     assert {rows[key].verdict for key in rest} == {"reproduced"}
-    assert len(rest) == 80
+    assert len(rest) == 85
+
+
+def test_the_formulas_of_the_cost_hold_for_numbers_drawn_at_random():
+    """Of (6) and below (7), with numbers for every letter and without symbols."""
+    draw = np.random.default_rng(0).normal
+    A, B, K, X, u = draw(size=(3, 3)), draw(size=(3, 1)), draw(size=(1, 3)), draw(size=(3, 1)), 0.7
+    root, R, s = draw(size=(3, 3)), 2.5, 0.3
+    closed = np.polyval(np.poly(A - B @ K), s)
+    assert np.linalg.det(s * np.eye(3) - A + B @ K) == pytest.approx(closed, rel=1e-9)
+    Q = root @ root.T
+    P = solve_continuous_are(A, B, Q, [[R]])
+    moved = A @ X + B * u
+    rate = (moved.T @ P @ X + X.T @ P @ moved).item()
+    excess = (B.T @ P @ X).item() + R * u
+    cost = (X.T @ Q @ X).item() + R * u**2
+    assert rate == pytest.approx(excess**2 / R - cost, rel=1e-9)
+    # Least cost from X: ∫ of (7) by Lyapunov's equation, for the law and for others.
+    best = B.T @ P / R
+    for gain, above in ((best, 0.0), (1.1 * best, 1e-4), (0.95 * best, 1e-5)):
+        spent = solve_continuous_lyapunov((A - B @ gain).T, -Q - R * gain.T @ gain)
+        assert (X.T @ (spent - P) @ X).item() >= above - 1e-9
+        assert (above == 0.0) is np.allclose(spent, P, rtol=1e-8)
+
+
+def test_one_of_four_solutions_of_the_riccati_equation_is_positive_definite():
+    model = printed_model()
+    for weight in ("0.1", "0.01", "0.001"):
+        found = equations._solutions(weight)
+        for P in found:
+            terms = model.A.T @ P, P @ model.A, P @ model.B @ model.B.T @ P / float(weight)
+            left = terms[0] + terms[1] - terms[2] + np.diag([0.0, 0.0, 1e4])
+            assert np.abs(left).max() < 1e-6 * max(np.abs(each).max() for each in terms)
+        wanted = solve_continuous_are(model.A, model.B, np.diag([0.0, 0.0, 1e4]), [[float(weight)]])
+        (definite,) = [P for P in found if np.linalg.eigvalsh(P)[0] > 0.0]
+        assert len(found) == 4 and definite == pytest.approx(wanted, rel=1e-6)
 
 
 def test_gains_that_round_to_the_digits_of_their_row_are_no_misprints(rows):

@@ -111,7 +111,7 @@ def test_inflow_stops_when_a_closed_vessel_is_full(filled, shape):
     level, reading = run.values["drum.level"], run.values["level"]
     assert level.max() <= 2.4
     assert reading.max() <= 0.02
-    times = [each.time for each in run.happenings if each.event == "drum.fills"]
+    times = [each.time for each in run.events if each.event == "drum.fills"]
     assert len(times) > 2
     # From half full, 3000 l/min in and 500 l/min out; then 1 % goes out, and comes in again.
     capacity = CAPACITY[shape]
@@ -136,9 +136,9 @@ def test_the_inflow_reads_what_flows(filled):
 def test_the_kernel_agrees_with_the_reference_solver(filled, plant):
     kernel = filled("sphere")
     reference = cl.simulate(cl.load(plant()), None, MUCH, duration="5 min", solver="reference")
-    assert [e.event for e in kernel.happenings] == [e.event for e in reference.happenings]
-    assert len(kernel.happenings) > 2
-    for one, other in zip(kernel.happenings, reference.happenings, strict=True):
+    assert [e.event for e in kernel.events] == [e.event for e in reference.events]
+    assert len(kernel.events) > 2
+    for one, other in zip(kernel.events, reference.events, strict=True):
         assert one.time == pytest.approx(other.time, abs=1e-5)
     assert kernel.values["feed"] == pytest.approx(reference.values["feed"])
     assert kernel.values["drum.level"] == pytest.approx(reference.values["drum.level"], abs=1e-4)
@@ -161,7 +161,7 @@ def test_the_run_ends_where_the_file_says_so(plant, solver):
 def test_the_command_line_says_that_the_run_ended(plant, tmp_path):
     given = ["--input", "feed=3000 l/min@60s", "--duration", "5 min", "-o", str(tmp_path)]
     arguments = ["simulate", str(plant(lid=ENDS)), *given, "--json"]
-    said = json.loads(CliRunner().invoke(application, arguments).output)
+    said = json.loads(CliRunner().invoke(application(), arguments).output)
     assert said["ended"]["event"] == "drum.fills"
     assert said["signals"]["level"]["largest"]["value"] <= 0.02
     page = Path(said["report"]).read_text(encoding="utf-8")
@@ -173,7 +173,7 @@ def test_what_a_splitter_leads_to_a_full_vessel_stops_as_a_whole(plant):
     much = [cl.step("feed", to="6000 mA", at="60 s")]
     run = cl.simulate(cl.load(plant(feeds=SPLIT)), None, much, duration="10 min")
     assert run.values["drum.level"].max() <= 2.4
-    assert run.happenings
+    assert run.events
     assert all(balance.error < 1e-12 for balance in run.balances)
 
 

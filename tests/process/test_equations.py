@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from clepsydra import Element, Signal
+from clepsydra.process.elements.flow_splitter import FlowSplitter
+from clepsydra.process.elements.forced_flow import ForcedFlow
+from clepsydra.process.elements.orifice import Orifice
+from clepsydra.process.elements.pump import Pump
+from clepsydra.process.elements.reservoir import Reservoir
+from clepsydra.process.elements.sensor import Sensor
+from clepsydra.process.elements.tank import Tank
 from clepsydra.process.equations import join
-from clepsydra.process.flow_splitter import FlowSplitter
-from clepsydra.process.forced_flow import ForcedFlow
-from clepsydra.process.orifice import Orifice
 from clepsydra.process.process import Process
-from clepsydra.process.pump import Pump
 from clepsydra.process.reader import load_process
-from clepsydra.process.reservoir import Reservoir
-from clepsydra.process.sensor import Sensor
-from clepsydra.process.tank import Tank
 from clepsydra.process.vessels.prism import Prism
 
 GRAVITY = Signal("gravity", "m/s^2", initial=9.81)

@@ -10,16 +10,20 @@ from pages import blocks
 from clepsydra import Element, InputError
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.process import reader
-from clepsydra.process.kinds import KINDS
+from clepsydra.process.kinds import kinds
 from clepsydra.process.reader import load_process
 
 ROOT = Path(__file__).parents[2]
 PAGE = "".join(
     (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
-    for name in ("process-files", "switches")
+    for name in ("process-files", "variants", "switches")
 )
 SECTIONS = dict(re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", PAGE, re.MULTILINE | re.DOTALL))
-BLOCKS = [block.text for block in blocks("docs/process-files.md", "toml")]
+BLOCKS = [
+    block.text
+    for page in ("process-files", "variants")
+    for block in blocks(f"docs/{page}.md", "toml")
+]
 WHOLE = [block for block in BLOCKS if "name" in tomllib.loads(block)]
 PARTS = [block for block in BLOCKS if block not in WHOLE]
 
@@ -126,13 +130,13 @@ def names_of(part: str, kind: type[Element]) -> list[str]:
 
 REQUIRED = [
     (kind, key)
-    for kind in KINDS
+    for kind in kinds()
     for key, default in rows(title(kind)).items()
     if default.startswith("required")
 ]
 DEFAULTS = [
     (kind, key, default[1:-1])
-    for kind in KINDS
+    for kind in kinds()
     for key, default in rows(title(kind)).items()
     if re.fullmatch("`[^`]+`", default)
 ]
@@ -144,10 +148,10 @@ def test_the_page_has_two_whole_processes_and_many_parts() -> None:
 
 
 def test_the_general_keys_are_those_of_the_reader() -> None:
-    assert set(rows("General keys")) == set(reader._GENERAL_KEYS)
+    assert set(rows("General keys")) == set(reader.GENERAL_KEYS)
 
 
-@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.kind)
+@pytest.mark.parametrize("kind", kinds(), ids=lambda kind: kind.kind)
 def test_the_keys_of_a_section_are_those_of_its_kind(kind: type[Element]) -> None:
     assert set(rows(title(kind))) == set(kind.keys)
 
@@ -172,7 +176,7 @@ def test_a_part_loads_in_a_small_plant(part: str, tmp_path: Path) -> None:
             assert set(content) <= set(elements)
 
 
-@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.kind)
+@pytest.mark.parametrize("kind", kinds(), ids=lambda kind: kind.kind)
 def test_the_first_example_of_a_kind_has_just_what_is_required(kind: type[Element]) -> None:
     content = tomllib.loads(examples(title(kind))[0])
     (given,) = content[kind.table].values()

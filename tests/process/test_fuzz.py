@@ -15,7 +15,7 @@ from clepsydra.linear.analysis import analyse
 from clepsydra.process import reader
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
 from clepsydra.process.document import parse
-from clepsydra.process.kinds import KINDS
+from clepsydra.process.kinds import kinds
 from clepsydra.process.process import Process
 
 FIXED = settings(
@@ -56,9 +56,9 @@ VALUES = (
 
 #: Words that mean something in a process file.
 KEYS = sorted(
-    {key for kind in KINDS for key in kind.keys}
-    | {kind.table for kind in KINDS}
-    | set(reader._GENERAL_KEYS)
+    {key for kind in kinds() for key in kind.keys}
+    | {kind.table for kind in kinds()}
+    | set(reader.GENERAL_KEYS)
     | {"tank_1", "tank_2", "basin", "pump_1", "level_1", "salt"}
 )
 
@@ -153,7 +153,7 @@ def invented(draw: st.DrawFn) -> bytes:
     if draw(st.booleans()):
         general += ['name = "plant"', 'sampling_period = "1 s"', 'controlled = ["level_1"]']
     tables = []
-    for kind in draw(st.lists(st.sampled_from(KINDS), max_size=4, unique=True)):
+    for kind in draw(st.lists(st.sampled_from(kinds()), max_size=4, unique=True)):
         tables.append(f"[{kind.table}.{draw(st.sampled_from(KEYS))}]")
         keys = draw(keys_of(kind.keys, 5))
         tables += [f"{key} = {written(draw(plausible()))}" for key in keys]

@@ -12,15 +12,15 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from clepsydra.base.units import from_si
-from clepsydra.process.forced_flow import ForcedFlow
+from clepsydra.process.elements.forced_flow import ForcedFlow
+from clepsydra.process.elements.pump import Pump
+from clepsydra.process.elements.reservoir import Reservoir
+from clepsydra.process.elements.tank import Tank
 from clepsydra.process.level_switch import LevelLimit, LevelStarter, LevelTrips
 from clepsydra.process.process import Process
-from clepsydra.process.pump import Pump
 from clepsydra.process.pump_curve import PumpCurve
 from clepsydra.process.reader import load_process
-from clepsydra.process.reservoir import Reservoir
 from clepsydra.process.suction import Suction
-from clepsydra.process.tank import Tank
 from clepsydra.process.vessels.prism import Prism
 
 PLANT = (Path(__file__).parent / "plant.toml").read_text(encoding="utf-8")

@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 
 from clepsydra.base.units import from_si
-from clepsydra.process.forced_flow import ForcedFlow
+from clepsydra.process.elements.forced_flow import ForcedFlow
+from clepsydra.process.elements.tank import Tank
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
-from clepsydra.process.tank import Tank
 from clepsydra.process.vessels.prism import Prism
 
 VALID = (Path(__file__).parent / "plant.toml").read_text(encoding="utf-8")

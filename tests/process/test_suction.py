@@ -79,7 +79,7 @@ def plant(tmp_path):
 def test_whatever_draws_by_force_ends_at_the_level_of_the_file(plant, draws, keys, ends, solver):
     cut = [cl.step("feed", to=0.0, at="10 s")]
     run = cl.simulate(cl.load(plant(draws, keys)), None, cut, duration="6 min", solver=solver)
-    (event,) = [each for each in run.happenings if each.event == "outflow.runs_dry"]
+    (event,) = [each for each in run.events if each.event == "outflow.runs_dry"]
     level = run.values["tank.level"]
     before = int(np.searchsorted(run.time, event.time)) - 1
     assert level[before] > ends > level[before + 1]

@@ -377,8 +377,11 @@ def read(text: str) -> Vessel:
             "shape = 'cone'\nheight = '3 m'\nfloor_diameter = '1 m'\nrim_diameter = '0 m'",
             Cone(3.0, 1.0, 0.0),
         ),
-        ("shape = 'sphere'\ndiameter = '2 m'", SphereSegment(2.0, 2.0)),
-        ("shape = 'sphere'\ndiameter = '2 m'\nheight = '0.5 m'", SphereSegment(0.5, 2.0)),
+        ("shape = 'sphere'\ndiameter = '2 m'", SphereSegment(diameter=2.0)),
+        (
+            "shape = 'sphere'\ndiameter = '2 m'\nheight = '0.5 m'",
+            SphereSegment(height=0.5, diameter=2.0),
+        ),
         (
             "shape = 'table'\ntable = [['0 m', '1 m^2'], ['50 cm', '2 m^2']]",
             AreaTable((0.0, 0.5), (1.0, 2.0)),

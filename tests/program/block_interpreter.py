@@ -14,7 +14,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from clepsydra.program.program import LIBRARY, Block, Conditional, Loop, Operation
+from clepsydra.program.operation import LIBRARY, Operation
+from clepsydra.program.program import Block, Conditional, Loop
 
 _LIBRARY = ctypes.CDLL(ctypes.util.find_library("m") or "libm.so.6")
 

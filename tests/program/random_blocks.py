@@ -6,15 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from clepsydra.program.builder import BlockBuilder
-from clepsydra.program.program import (
-    COMPARISONS,
-    LIBRARY,
-    LOGIC,
-    Block,
-    Conditional,
-    Loop,
-    Operation,
-)
+from clepsydra.program.operation import COMPARISONS, LIBRARY, LOGIC, Operation
+from clepsydra.program.program import Block, Conditional, Loop
 
 NUMBERS = {
     **dict.fromkeys(("add", "subtract", "multiply", "divide", "minimum", "maximum"), 2),

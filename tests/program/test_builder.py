@@ -10,7 +10,8 @@ from random_blocks import SPECIAL, PlainBlock, random_block, stimulus
 
 from clepsydra import Kernel, Signal
 from clepsydra.program.builder import BlockBuilder
-from clepsydra.program.program import COMPARISONS, EXACT, LIBRARY, LOGIC, Block, Loop, Program
+from clepsydra.program.operation import COMPARISONS, EXACT, LIBRARY, LOGIC
+from clepsydra.program.program import Block, Loop, Program
 
 ARGUMENTS, RESULTS = 4, 6
 

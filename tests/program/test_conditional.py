@@ -13,15 +13,8 @@ from clepsydra import Signal
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import (
-    Block,
-    Conditional,
-    Loop,
-    Operation,
-    Program,
-    read_by,
-    written_by,
-)
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Conditional, Loop, Program, read_by, written_by
 
 
 def root_body() -> Block:

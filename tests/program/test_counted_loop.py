@@ -9,7 +9,8 @@ from refusals import refused
 from clepsydra import Kernel, Signal, program_of
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.counted_loop import counted_loop, recover_loop
-from clepsydra.program.program import Block, Loop, Operation, Program
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Loop, Program
 from clepsydra.program.reader import inline
 from clepsydra.program.step_law import Equations, step_law
 

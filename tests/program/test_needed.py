@@ -2,7 +2,8 @@
 
 from clepsydra import Signal
 from clepsydra.program.needed import needed_part
-from clepsydra.program.program import Block, Conditional, Loop, Operation, Program
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Conditional, Loop, Program
 
 #: The second and third values of a turn make one another, and nobody reads either.
 _TURN = Block(

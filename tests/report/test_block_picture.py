@@ -9,8 +9,9 @@ from flow_cascade import flow_cascade
 
 import clepsydra as cl
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
+from clepsydra.program.operation import Operation
 from clepsydra.program.owned_state import with_owned_state
-from clepsydra.program.program import Block, Call, Operation, Program
+from clepsydra.program.program import Block, Call, Program
 from clepsydra.report.block_diagram import diagram
 from clepsydra.report.block_picture import block_svg, program_svg
 

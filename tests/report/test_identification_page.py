@@ -13,14 +13,15 @@ from rich.console import Console
 
 import clepsydra as cl
 from clepsydra import Signal
+from clepsydra.report.identification_answer import identification_answer
 from clepsydra.report.identification_page import identification_text
 from clepsydra.report.identification_picture import (
     ComparedSignal,
     comparison_svg,
     correlations_svg,
 )
-from clepsydra.report.identification_screen import identification_screen
 from clepsydra.report.identification_tables import estimate_cells
+from clepsydra.report.screen import Screen
 
 PLANT = cl.load("quadruple-tank")
 STEPS = [
@@ -90,7 +91,7 @@ def test_every_estimate_stands_on_the_page(models, parameters):
 def test_the_screen_fits_a_hundred_columns(kind, request):
     found = request.getfixturevalue(kind)
     console = Console(width=100, record=True, file=io.StringIO())
-    console.print(identification_screen(found))
+    console.print(Screen(identification_answer(found)))
     lines = console.export_text().splitlines()
     assert max(map(len, lines)) <= 100
     assert found.verdict in " ".join(" ".join(lines).split())

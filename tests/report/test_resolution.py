@@ -10,7 +10,7 @@ from clepsydra.process.reader import load_process
 from clepsydra.report.quantities import quantity_text
 from clepsydra.report.resolution import settled_gains
 from clepsydra.report.score_tables import score_text
-from clepsydra.scores.catalogue import SCORES
+from clepsydra.scores.score import SCORES
 
 PUMP = Signal("pump", "V", low=0.0, high=10.0)
 

@@ -82,7 +82,7 @@ def hairlines(axes):
 
 @pytest.mark.thorough
 def test_events_are_hairlines_where_they_happen(trips):
-    times = [mark.time for mark in event_marks(trips.happenings)]
+    times = [mark.time for mark in event_marks(trips.events)]
     assert times
     for axes in plot(trips).axes:
         assert np.allclose(sorted(set(hairlines(axes))), sorted(set(times)), rtol=0, atol=1e-9)
@@ -120,7 +120,7 @@ def rgb(colour):
 def test_the_page_says_all_of_it(trips):
     page = simulation_text(trips.plan, trips)
     assert "with pump_1 to 90 % at 5 s" in page and trust_sentence(trips) in page
-    for event in trips.happenings[:5]:
+    for event in trips.events[:5]:
         assert event.words in page
     assert page.count("<svg") == 2
     for name in ("tank_1.level", "level_1", "pump_1"):
@@ -160,9 +160,9 @@ def test_tables_hold_the_numbers_of_the_run(step):
 
 def test_many_events_are_one_line_and_one_mark(trips):
     """A pump that trips and is released again and again: not a comb of hairlines."""
-    trips_of_it = [e for e in trips.happenings if e.event.startswith("pump_1.trips")]
+    trips_of_it = [e for e in trips.events if e.event.startswith("pump_1.trips")]
     rows = events_grid(trips, 12).rows
-    assert len(trips_of_it) > 5 and len(rows) < len(trips.happenings)
+    assert len(trips_of_it) > 5 and len(rows) < len(trips.events)
     (row,) = [row for row in rows if row[2].startswith(trips_of_it[0].words)]
     count = sum(event.times for event in trips_of_it)
     assert seconds(row[1]) == pytest.approx(trips_of_it[0].time, rel=5e-4)
@@ -177,7 +177,7 @@ def test_many_events_are_one_line_and_one_mark(trips):
     ((dots, _, others),) = events_grid(trips, 0).rows
     number, last = re.fullmatch(r"and (\d+) more, the last at (.*)", others).groups()
     assert (dots, int(number)) == ("…", len(rows))
-    assert seconds(last) == pytest.approx(trips.happenings[-1].time, rel=5e-4)
+    assert seconds(last) == pytest.approx(trips.events[-1].time, rel=5e-4)
 
 
 def test_changes_in_words():

@@ -1,5 +1,4 @@
 import io
-import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -8,17 +7,17 @@ import pytest
 from rich.console import Console
 
 from clepsydra import Signal
+from clepsydra.report.analysis_answer import analysis_answer
 from clepsydra.report.analysis_tables import relative_gain_grid, roots_grid, static_gain_grid
 from clepsydra.report.controller_tables import parameter_tables, status_words
 from clepsydra.report.html import report_text
 from clepsydra.report.score_tables import (
     glossary,
-    is_recommended,
     ranking_columns,
     ranking_rows,
     score_tables,
 )
-from clepsydra.report.tables import analysis_table, ranking_table
+from clepsydra.report.screen import Screen
 from clepsydra.studies.result import Standing
 
 
@@ -61,8 +60,6 @@ def test_a_standing_is_a_word(result):
     changed = replace(result, ranking=twins)
     words = ["nervous", "thin margins", "unsafe"]
     assert [row.standing for row in ranking_rows(changed)] == words
-    text = printed(ranking_table(changed))
-    assert all(word in text for word in ("nervous", "thin", "unsafe"))
     page = report_text(changed)
     assert all(f">{word}</td>" in page for word in words)
 
@@ -85,14 +82,6 @@ def test_beyond_the_third_a_reason_has_no_numbers(result):
     ]
 
 
-def test_warnings_of_the_best_stand_in_full_and_the_others_are_counted(result):
-    first = replace(result.ranking[0], warnings=("a level spills",))
-    twins = tuple(replace(first, rank=rank) for rank in range(1, 6))
-    text = printed(ranking_table(replace(result, ranking=twins)))
-    assert text.count("a level spills") == 3
-    assert "2 more in the report, of the controllers ranked 4 (1), 5 (1)." in text
-
-
 def test_the_glossary_defines_the_scores_that_are_there(result):
     defined = dict(glossary(result))
     assert "three samples in a row" in defined["Settling time, measured"]
@@ -105,37 +94,10 @@ def test_rows_keep_the_order_and_the_reasons_of_the_study(result):
     assert [row.reason for row in rows] == [entry.reason for entry in result.ranking]
 
 
-def test_decimals_of_a_column_line_up(result):
-    lines = printed(ranking_table(result)).splitlines()
-    numbered = [line for line in lines if re.match(r"\s*[12]  PI, .* robust .*\d\s*$", line)]
-    assert len(numbered) == 2
-    points = [[match.start() for match in re.finditer(r"\.", line)] for line in numbered]
-    assert points[0] == points[1] and points[0]
-
-
 def test_what_has_no_end_is_shown_as_infinite(result):
     never = replace(result.ranking[0], maximum_sensitivity=np.inf)
     changed = replace(result, ranking=(never, *result.ranking[1:]))
     assert column(changed, "max|S|") == ["∞", "1.92"]
-
-
-def test_the_terminal_table_fits_100_columns_and_ends_with_what_to_do(result):
-    text = printed(ranking_table(result))
-    assert max(len(line) for line in text.splitlines()) <= 100
-    assert text.rstrip().splitlines()[-1].startswith("Next: open the report")
-    assert result.verdict.split(":")[0] in text
-    assert "Smith predictor does not apply: the process has no dead time" in text
-
-
-def test_names_are_not_read_as_markup(result):
-    first = result.ranking[0]
-    renamed = replace(first, controller=replace(first.controller, name="[red]PI[/red]"))
-    assert "[red]PI[/red]" in printed(ranking_table(replace(result, ranking=(renamed,))))
-
-
-def test_a_study_without_any_controller_is_shown_too(result):
-    text = printed(ranking_table(replace(result, ranking=())))
-    assert "no controller applies" in text
 
 
 def test_scores_carry_the_units_of_their_signal(result):
@@ -233,10 +195,6 @@ def test_a_pair_of_roots_is_one_row(result):
 
 def test_the_least_bad_is_not_shown_as_the_best(result):
     unsafe = tuple(replace(entry, standing=Standing.UNSAFE) for entry in result.ranking)
-    text = printed(ranking_table(replace(result, ranking=unsafe)))
-    assert text.rstrip().splitlines()[-2].startswith("Next: no controller can be recommended")
-    assert not is_recommended(replace(result, ranking=unsafe))
-    assert is_recommended(result)
     assert 'class="numbers best"' not in report_text(replace(result, ranking=unsafe))
     assert report_text(result).count('class="numbers best"') == 1
 
@@ -263,7 +221,7 @@ def test_static_gains_name_their_units(result):
 
 
 def test_the_analysis_fits_100_columns_and_ends_with_what_to_do(result):
-    text = printed(analysis_table(result.analysis))
+    text = printed(Screen(analysis_answer(result.analysis)))
     assert max(len(line) for line in text.splitlines()) <= 100
     assert text.rstrip().splitlines()[-1].startswith("Next: ")
     assert "12.26 cm" in text

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from clepsydra import InputError
-from clepsydra.scores.catalogue import SCORES
 from clepsydra.scores.evaluate import score_run
 from clepsydra.scores.plant import BufferTrajectories, PlantTrajectories
+from clepsydra.scores.score import SCORES
 from clepsydra.scores.scored_run import ScoredRun
 from clepsydra.scores.segment import Segment
 

@@ -5,9 +5,8 @@ import pytest
 from refusals import refused
 
 import clepsydra as cl
-from clepsydra.scores.catalogue import SCORES
 from clepsydra.scores.sample import Fold, magnitude
-from clepsydra.scores.score import Of, Score
+from clepsydra.scores.score import SCORES, Of, Score
 
 SQUARED_MOVES = Score(
     "squared_moves",
@@ -39,11 +38,10 @@ PEAK_TIME = Score(
 
 
 @pytest.fixture
-def own_scores():
-    added = [score.registered() for score in (SQUARED_MOVES, LEFT_SUM, PEAK_TIME)]
-    yield
-    for score in added:
-        del SCORES[score.key]
+def own_scores(monkeypatch):
+    monkeypatch.setattr(SCORES, "_things", dict(SCORES))
+    for score in (SQUARED_MOVES, LEFT_SUM, PEAK_TIME):
+        score.registered()
 
 
 @pytest.fixture
@@ -92,5 +90,5 @@ def test_a_study_ranks_by_it(own_scores, tmp_path):
 
 
 def test_a_key_belongs_to_one_score(own_scores):
-    with refused(place="scores", value="squared_moves"):
+    with refused(place="clepsydra.scores", value="squared_moves"):
         Score("squared_moves", "Others", "Others.").registered()

@@ -12,6 +12,7 @@ from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.loop import Loop
 from clepsydra.studies.file.reader import read_study
+from clepsydra.studies.tuning.tune import Search
 
 PAIR = """
 process = "quadruple-tank"
@@ -464,7 +465,7 @@ def test_bounds_of_a_loop_are_written_by_its_keys(study):
     )
     controller, _ = made(found)
     tune = found.controllers[0].tune
-    gain, time = tune.parameters_of(controller)
+    gain, time = tune.space(controller, None).parameters
     # The action is direct, so that the law's gain is negative.
     assert (gain.name, gain.low, gain.high) == ("level.proportional_gain", -8.0, -1.0)
     assert (time.low, time.high, time.followers) == (600.0, 18000.0, ("level.tracking_time",))
@@ -483,7 +484,7 @@ def test_bounds_may_be_those_of_the_law_and_weights_those_of_several_scores(stud
     )
     controller, _ = made(found)
     tune = found.controllers[0].tune
-    gain, time = tune.parameters_of(controller)
+    gain, time = tune.space(controller, None).parameters
     assert (gain.name, gain.low, gain.high) == ("level_2.proportional_gain", 1.0, 9.0)
     assert (time.name, time.low, time.high) == ("level_1.integral_time", 30.0, 60.0)
     assert tune.objective.kind == "weighted"
@@ -504,7 +505,7 @@ def test_a_tuning_finds_a_better_controller_within_its_bounds(study):
     text = f'{BASIN}gain = "2 %/%"\nintegral_time = "1 h"\n{TUNE}level.gain = ["1 %/%", "3 %/%"]\n'
     found = study(text.replace("[controllers.a.loops", f"{scenario}[controllers.a.loops"))
     controller, model = made(found)
-    tuned = found.controllers[0].tune.run(controller, model, found.scenario)
+    tuned = found.controllers[0].tune.run(controller, model, found.scenario, Search())
     assert tuned.objective < 1.0
     assert -3.0 <= tuned.controller.values["level.proportional_gain"] <= -1.0
     assert tuned.controller.values["level.integral_time"] == 3600.0

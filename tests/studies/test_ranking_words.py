@@ -2,7 +2,7 @@
 
 import pytest
 
-from clepsydra.scores.catalogue import SCORES
+from clepsydra.scores.score import SCORES
 from clepsydra.studies.ranking import rule_of
 from clepsydra.studies.ranking_words import in_sentence, with_article
 

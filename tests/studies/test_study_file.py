@@ -8,12 +8,11 @@ from refusals import refused
 
 import clepsydra as cl
 from clepsydra import NotApplicable
+from clepsydra.designs.design import DESIGNS
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.default_scenario import NOISE_SHARE, default_scenario
 from clepsydra.process.catalogue_names import catalogue_file
 from clepsydra.process.reader import load_process
-from clepsydra.studies.file.design_arguments import READERS, design_keys
-from clepsydra.studies.file.design_names import DESIGN_NAMES
 from clepsydra.studies.file.reader import is_study_file, read_study
 
 QUADRUPLE = 'process = "quadruple-tank"\n'
@@ -181,12 +180,13 @@ def test_a_form_is_taken_from_its_own_keys(study):
     assert set(isa.values) < set(controller.values)
 
 
-@pytest.mark.parametrize("name", DESIGN_NAMES)
+@pytest.mark.parametrize("name", DESIGNS)
 def test_every_argument_of_every_design_can_be_written(name):
-    design = DESIGN_NAMES[name].load()
-    form = {"actions", "algorithm", "derivative_on"}
-    assert set(design_keys(design)) - form <= set(READERS)
-    assert design.__name__ == DESIGN_NAMES[name].function
+    """But for what only a program can give: controllers, models and settings."""
+    design = DESIGNS[name]
+    of_programs = {"precompensator", "models", "settings"}
+    assert set(design.arguments) - of_programs == set(design.declared)
+    assert {each.name for each in design.keys} <= set(design.arguments)
 
 
 @pytest.mark.sampled
@@ -194,8 +194,8 @@ def test_every_argument_of_every_design_can_be_written(name):
     "name",
     [
         pytest.param(name, marks=pytest.mark.thorough) if "scheduled" in name else name
-        for name, design in DESIGN_NAMES.items()
-        if "pairing" in design_keys(design.load())
+        for name, design in DESIGNS.items()
+        if "pairing" in design.file_keys
     ],
 )
 def test_a_pairing_that_is_left_out_is_that_of_the_relative_gains(name, tmp_path):

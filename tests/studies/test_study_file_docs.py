@@ -7,15 +7,11 @@ from pathlib import Path
 import pytest
 from pages import blocks
 
+from clepsydra.designs.design import DESIGNS
 from clepsydra.linear.linearise import linearise
-from clepsydra.studies.file import design_arguments, scheme, scheme_parts
-from clepsydra.studies.file.design_names import DESIGN_NAMES
-from clepsydra.studies.file.own_law_table import OWN_LAW_KEYS
-from clepsydra.studies.file.pid_table import LOOP_KEYS
-from clepsydra.studies.file.reader import RANKING_KEYS, STUDY_KEYS, read_study
-from clepsydra.studies.file.scenario_reader import SCENARIO_KEYS, STEP_KEYS
-from clepsydra.studies.file.start_stop_table import START_STOP_KEYS
-from clepsydra.studies.file.tuning_reader import TUNING_KEYS
+from clepsydra.studies.file import scheme_parts
+from clepsydra.studies.file.own_law_table import OWN_LAW
+from clepsydra.studies.file.reader import read_study, study_schema
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "study-files.md").read_text(encoding="utf-8")
@@ -39,40 +35,64 @@ def rows(section):
     return found
 
 
+STUDY = study_schema()
+SCENARIO = STUDY["properties"]["scenario"]
+#: The schema of a controller's keys, and of each part of a scheme by the key of its table.
+KEYS = STUDY["properties"]["controllers"]["additionalProperties"]["properties"]
+PARTS = {key: KEYS[key]["additionalProperties"] for key in scheme_parts.PARTS}
+
+
 @pytest.mark.parametrize(
-    ("section", "table", "keys"),
+    ("section", "table", "schema"),
     [
-        ("General keys", 0, STUDY_KEYS),
-        ("Scenario", 0, SCENARIO_KEYS),
-        ("Scenario", 1, STEP_KEYS),
-        ("Ranking", 0, RANKING_KEYS),
-        ("Controllers by a design", 0, DESIGN_NAMES),
-        ("Tuning", 0, TUNING_KEYS),
-        ("Loops", 0, LOOP_KEYS),
-        ("Outputs", 0, scheme_parts.OUTPUT_KEYS),
-        ("Selectors", 0, scheme_parts.SELECTOR_KEYS),
-        ("Split ranges", 0, scheme_parts.SPLIT_KEYS),
-        ("Split ranges", 1, scheme_parts.PART_KEYS),
-        ("Ratios", 0, scheme_parts.RATIO_KEYS),
-        ("Feedforward", 0, scheme_parts.FEEDFORWARD_KEYS),
-        ("Start and stop levels", 0, START_STOP_KEYS),
-        ("Laws of your own", 0, OWN_LAW_KEYS),
+        ("General keys", 0, STUDY),
+        ("Scenario", 0, SCENARIO),
+        ("Scenario", 1, SCENARIO["properties"]["load"]["items"]),
+        ("Ranking", 0, STUDY["properties"]["ranking"]),
+        ("Tuning", 0, KEYS["tune"]),
+        ("Loops", 0, PARTS["loops"]),
+        ("Outputs", 0, PARTS["outputs"]),
+        ("Selectors", 0, PARTS["selectors"]),
+        ("Split ranges", 0, PARTS["split_ranges"]),
+        ("Split ranges", 1, PARTS["split_ranges"]["properties"]["parts"]["items"]),
+        ("Ratios", 0, PARTS["ratios"]),
+        ("Feedforward", 0, PARTS["feedforward"]),
+        ("Start and stop levels", 0, KEYS["start_stop"]),
+        ("Laws of your own", 0, OWN_LAW),
     ],
 )
-def test_a_table_describes_every_key_that_is_read(section, table, keys):
-    assert set(rows(section)[table]) == set(keys)
+def test_a_table_describes_every_key_in_the_words_of_its_declaration(section, table, schema):
+    said = {key: cells[0].replace("\\|", "|") for key, cells in rows(section)[table].items()}
+    assert said == {key: in_words(each) for key, each in schema["properties"].items()}
 
 
-@pytest.mark.parametrize("name", DESIGN_NAMES)
+def in_words(schema):
+    """Return what a key is and, where that does not say so, what it may be."""
+    words, choices = schema["description"], [f'`"{each}"`' for each in schema.get("enum", [])]
+    return words if all(each in words for each in choices) else f"{words}: {', '.join(choices)}"
+
+
+def test_every_design_has_a_row():
+    assert set(rows("Controllers by a design")[0]) == set(DESIGNS)
+
+
+@pytest.mark.parametrize("name", DESIGNS)
 def test_the_keys_of_a_design_are_its_arguments(name):
     said = re.findall(r"`(\w+)`", rows("Controllers by a design")[0][name][-1])
-    assert tuple(said) == design_arguments.design_keys(DESIGN_NAMES[name].load())
+    assert tuple(said) == DESIGNS[name].file_keys
 
 
-def test_every_argument_of_a_design_is_explained():
-    explained = set(rows("Controllers by a design")[1])
-    every = {k for d in DESIGN_NAMES.values() for k in design_arguments.design_keys(d.load())}
-    assert explained == every
+def test_every_argument_of_a_design_is_explained_in_its_own_words():
+    declared = {}
+    for argument in (each for design in DESIGNS.values() for each in design.declared.values()):
+        for key, schema in argument.properties.items():
+            known = declared.setdefault(key, {**schema})
+            assert known["description"] == schema["description"]
+            if "enum" in schema:
+                known["enum"] = list(dict.fromkeys([*known["enum"], *schema["enum"]]))
+    expected = {key: in_words(schema) for key, schema in declared.items()}
+    found = {key: cell for key, (cell,) in rows("Controllers by a design")[1].items()}
+    assert {key: cell.replace("\\|", "|") for key, cell in found.items()} == expected
 
 
 @pytest.mark.sampled
@@ -103,7 +123,7 @@ def test_there_is_an_example_of_every_structure():
         for controller in tomllib.loads(text).get("controllers", {}).values()
         for key in controller
     }
-    assert used >= {*scheme.SCHEME_KEYS, "design", "law", "start_stop", "tune"}
+    assert used >= {*scheme_parts.PARTS, "design", "law", "start_stop", "tune"}
 
 
 def test_what_the_page_links_to_exists():

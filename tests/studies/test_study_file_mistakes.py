@@ -322,7 +322,7 @@ LOOPS = [
     ),
     (
         loop(output='"level.setpoint"'),
-        "line 4, controllers.a.loops.level.output: got 'level → level', expected a way "
+        "line 4, controllers.a.loops.level.output: got 'loop level → loop level', expected a way "
         "from setpoints "
         "to manipulated variables without a circle",
     ),
@@ -364,7 +364,7 @@ LOOPS = [
     ),
     (
         loop(setpoint='"3 m"'),
-        "line 9, controllers.a.loops.level.setpoint: got '3 m', expected a fixed setpoint of level "
+        "line 9, controllers.a.loops.level.setpoint: got '3 m', expected a setpoint of level "
         "from 0 to 100 %; 'm' is no unit of it: write as in \"50 %\".",
     ),
     (

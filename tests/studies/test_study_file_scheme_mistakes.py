@@ -174,7 +174,11 @@ TUNING = [
         tuned('parameters.level.integral_time = ["0 h", "5 h"]'),
         "got '0 h', expected a value from 1e-06 to 1e+09 s",
     ),
-    (tuned("overshoot = 10"), "overshoot: got 10, expected an overshoot of at most 1; write as in"),
+    (
+        tuned("overshoot = 10"),
+        "overshoot: got 10, expected a limit of the overshoot of every setpoint step, a share of "
+        "the step of at most 1; write as in",
+    ),
     (
         tuned('total_variation = { outflow = "0 %" }'),
         "got '0 %', expected a total variation above 0",
@@ -204,13 +208,13 @@ stop = ["7 mA", "9 mA"]
 STATIONS = [
     (
         STATION.replace('"13 mA"', '"9.5 mA"'),
-        "line 5, controllers.a.start_stop.start: got '9.5 mA', expected a start of stage 2 above "
-        "that of stage 1 at 10 mA",
+        "line 5, controllers.a.start_stop.start: got '9.5 mA', expected a level beyond "
+        "stage.1.start_level, 10 mA",
     ),
     (
         STATION.replace('"7 mA"', '"11 mA"'),
-        "line 5, controllers.a.start_stop.start: got '13 mA', expected a start of stage 2 below "
-        "its stop at 9 mA",
+        "line 5, controllers.a.start_stop.start: got '13 mA', expected a level below "
+        "stage.2.stop_level, 9 mA",
     ),
     (
         STATION.replace(', "13 mA"', ""),

@@ -11,15 +11,19 @@ import clepsydra as cl
 from clepsydra import InputError, LinearModel
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
+from clepsydra.linear.linearise import linearise, operating_point_of
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.studies.trial import scores_of
 from clepsydra.studies.tuning.batch import BatchEvaluation
-from clepsydra.studies.tuning.lqi_weights import LqiWeights
+from clepsydra.studies.tuning.goal import Goal
+from clepsydra.studies.tuning.lqi_weights import LqiWeights, WeightedDesign
 from clepsydra.studies.tuning.objective import Limits, Objective, minimax, weighted_sum
 from clepsydra.studies.tuning.parameters import TunedParameter
-from clepsydra.studies.tuning.tuned_lqi import tuned_lqi, weight_space, weights_around
+from clepsydra.studies.tuning.result import TuningResult
+from clepsydra.studies.tuning.tune import Search, tune
+from clepsydra.studies.tuning.weight_space import usual_wear, weight_space, weights_around
 from clepsydra.studies.tuning.weighted_designs import lqi_by_bryson, lqi_of_weights
 
 VESSEL = Path(__file__).with_name("tuning") / "vessel.toml"
@@ -52,6 +56,19 @@ def weights_by_numbers(model: LinearModel, numbers: tuple[float, float, float] =
     return quadratic(model, **dict(zip(("states", "inputs", "integrals"), matrices, strict=True)))
 
 
+def tuned_weights(
+    start: WeightedDesign, scenario, objective, *, parameters=None, limits=None, **options
+) -> TuningResult:
+    """Tune weights on the process with all its measurements."""
+    goal = Goal(
+        linearise(operating_point_of(start.model)),
+        scenario,
+        objective,
+        Limits() if limits is None else limits,
+    )
+    return tune(weight_space(start, parameters), goal, Search(**options))
+
+
 def weights_found(model: LinearModel, tuned: dict[str, float]) -> dict[str, dict[str, float]]:
     """Return the weights of a tuning by the names of what they weigh."""
     numbers = LqiWeights(lqi_by_bryson(model)).numbers | tuned
@@ -67,7 +84,10 @@ def test_the_objective_falls_the_limits_hold_and_the_gains_are_those_of_the_weig
     plant = cl.load("quadruple-tank")
     model, whole = plant.linear, plant.measured
     scenario = default_scenario(model)
-    found = tuned_lqi(model, scenario, generations=5)
+    start = lqi_by_bryson(model)
+    limits = Limits(2.0, total_variation=usual_wear(start.controller, whole, scenario))
+    errors = minimax(*(f"iae[{y}]" for y in model.outputs))
+    found = tuned_weights(start, scenario, errors, limits=limits, generations=5)
     before = scores_of(Loop(cl.design.lqi(plant), whole).run(scenario))
     after = scores_of(Loop(found.controller, whole).run(scenario))
     ratios = [after[f"iae[{y}]"] / before[f"iae[{y}]"] for y in model.outputs]
@@ -147,16 +167,12 @@ def test_on_the_averaging_tank_tuned_weights_beat_those_by_hand_and_the_printed_
     del start["integrals.concentration"]
     lowest = {name: 1e-6 / KMOL**2 if "impurity" in name else 1e-6 for name in start}
     bounds = [TunedParameter(name, lowest[name], 100.0 * w) for name, w in start.items()]
-    found = tuned_lqi(
-        model,
+    index = {"itae[concentration]": 1.0 / KMOL, "itae[volume]": 1.0}
+    found = tuned_weights(
+        lqi_of_weights(model, diagonal(model, hand), anti_windup="none"),
         document_step(),
-        weights=diagonal(model, hand),
+        Objective("minimax", index, relative=False),
         parameters=bounds,
-        objective=Objective(
-            "minimax", {"itae[concentration]": 1.0 / KMOL, "itae[volume]": 1.0}, relative=False
-        ),
-        limits=Limits(),
-        anti_windup="none",
         generations=0,
     )
     tuned = larger_itae(found.controller, model)
@@ -178,7 +194,7 @@ def test_no_pair_of_weights_on_a_grid_is_better(vessel):
     # Where wear counts as well there is a best within the bounds.
     objective = weighted_sum({"ise[level]": 1.0, "total_variation[feed]": 50.0})
     start = lqi_by_bryson(vessel)
-    found = tuned_lqi(vessel, scenario, objective=objective, limits=Limits(), generations=8)
+    found = tuned_weights(start, scenario, objective, generations=8)
     assert found.binding == ()
     design = LqiWeights(start)
     state, moved, _ = design.numbers
@@ -243,13 +259,11 @@ def test_the_start_is_the_designed_controller_but_for_its_rounding(vessel):
 def test_a_bound_on_cheap_moves_is_said_to_have_chosen(vessel):
     bound = TunedParameter("inputs.feed", 1e6, 1e8)
     weights = weights_by_numbers(vessel)
-    found = tuned_lqi(
-        vessel,
+    found = tuned_weights(
+        lqi_of_weights(vessel, weights),
         step_of_level(),
-        weights=weights,
+        minimax("ise[level]"),
         parameters=[bound],
-        objective=minimax("ise[level]"),
-        limits=Limits(),
         generations=0,
     )
     assert found.tuned == {"inputs.feed": pytest.approx(1e6)}
@@ -262,7 +276,7 @@ def test_a_bound_on_cheap_moves_is_said_to_have_chosen(vessel):
 
 def tuned_vessel(vessel: LinearModel, **options):
     objective = weighted_sum({"ise[level]": 1.0, "total_variation[feed]": 50.0})
-    return tuned_lqi(vessel, step_of_level(), objective=objective, limits=Limits(), **options)
+    return tuned_weights(lqi_by_bryson(vessel), step_of_level(), objective, **options)
 
 
 @pytest.mark.thorough
@@ -291,12 +305,13 @@ def test_a_state_file_of_other_weights_is_refused(vessel, tmp_path):
     bound = [TunedParameter("inputs.feed", 1e6, 1e8)]
     for integral in (0.01, 0.02):
         weights = weights_by_numbers(vessel, (100.0, 4e6, integral))
-        options = {"weights": weights, "parameters": bound, "generations": 0, "state_file": kept}
+        start, errors = lqi_of_weights(vessel, weights), minimax("iae[level]")
+        options = {"parameters": bound, "generations": 0, "state_file": kept}
         if integral == 0.01:
-            tuned_lqi(vessel, step_of_level(), **options)
+            tuned_weights(start, step_of_level(), errors, **options)
             continue
         with pytest.raises(InputError, match="another problem"):
-            tuned_lqi(vessel, step_of_level(), **options)
+            tuned_weights(start, step_of_level(), errors, **options)
 
 
 @pytest.mark.parametrize(
@@ -311,12 +326,12 @@ def test_a_state_file_of_other_weights_is_refused(vessel, tmp_path):
         ([TunedParameter("inputs.feed", 1e3, 1e9)] * 2, "each name once"),
         ([], "at least one"),
         ([3.0], "a list of TunedParameter"),
-        ([TunedParameter("feed.feedback.level", -1e3, -1e-3)], "lowest weight above 0"),
+        ([TunedParameter("feed.feedback.level", -1e3, -1e-3)], "expected one of states."),
     ],
 )
 def test_wrong_bounds_are_refused_in_words(vessel, parameters, said):
     with pytest.raises(InputError, match=said):
-        tuned_lqi(vessel, step_of_level(), parameters=parameters)
+        weight_space(lqi_by_bryson(vessel), parameters)
 
 
 def test_weights_around_refuses_what_has_no_logarithm():

@@ -11,7 +11,11 @@ from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.studies.trial import scores_of
-from clepsydra.studies.tuning.tuned_pid import tuned_pid
+from clepsydra.studies.tuning.goal import Goal
+from clepsydra.studies.tuning.law_space import LawSpace
+from clepsydra.studies.tuning.objective import Limits, minimax
+from clepsydra.studies.tuning.parameters import gains_and_times
+from clepsydra.studies.tuning.tune import tune
 
 pytestmark = pytest.mark.thorough
 
@@ -21,7 +25,9 @@ def tuned(name):
     """Return start, model, scenario and result of the tuning of a process's PI loops."""
     plant = cl.load(name)
     start, scenario = cl.design.simc(plant), default_scenario(plant.measured)
-    return start, plant.measured, scenario, tuned_pid(start, plant.measured, scenario)
+    objective = minimax(*(f"iae[{y}]" for y in start.setpoints))
+    goal = Goal(plant.measured, scenario, objective, Limits(2.0))
+    return start, plant.measured, scenario, tune(LawSpace(start, gains_and_times(start)), goal)
 
 
 @pytest.mark.parametrize("name", ["quadruple-tank", "quadruple-tank-nonminimum-phase"])

@@ -31,12 +31,13 @@ from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.process.reader import load_process
 from clepsydra.studies.trial import scores_of
+from clepsydra.studies.tuning.goal import Goal
+from clepsydra.studies.tuning.law_space import LawSpace
 from clepsydra.studies.tuning.objective import Limits, Objective, minimax, weighted_sum
 from clepsydra.studies.tuning.parameter_words import ParameterWords
-from clepsydra.studies.tuning.parameters import TunedParameter, around
+from clepsydra.studies.tuning.parameters import TunedParameter, around, gains_and_times
 from clepsydra.studies.tuning.result import TuningResult
-from clepsydra.studies.tuning.tune import Progress, tune
-from clepsydra.studies.tuning.tuned_pid import tuned_pid
+from clepsydra.studies.tuning.tune import Progress, Search, tune
 
 PERIOD, STEP = 0.1, 0.01
 TANK = load_process("averaging-tank")
@@ -81,7 +82,14 @@ def ise(gain: float, size: float = STEP) -> float:
 
 
 def tuned(model: LinearModel, objective: Objective, **options) -> TuningResult:
-    return tune(controller(), model, step_of_volume(), [GAIN], objective, **options)
+    return searched(controller(), model, step_of_volume(), [GAIN], objective, **options)
+
+
+def searched(
+    start: Controller, model, scenario, parameters, objective, *, limits=None, **options
+) -> TuningResult:
+    goal = Goal(model, scenario, objective, Limits() if limits is None else limits)
+    return tune(LawSpace(start, parameters), goal, Search(**options))
 
 
 @pytest.mark.parametrize("generations", [0, 20])
@@ -139,7 +147,7 @@ def test_what_is_reported_is_that_of_the_rounded_controller_that_runs(model):
 
 def test_a_bound_that_binds_is_named(model):
     narrow = dataclasses.replace(GAIN, high=9.0)
-    found = tune(
+    found = searched(
         controller(), model, step_of_volume(), [narrow], minimax("ise[volume]"), generations=5
     )
     assert found.controller.values["volume.proportional_gain"] == pytest.approx(9.0, rel=1e-12)
@@ -150,7 +158,7 @@ def test_a_bound_that_binds_is_named(model):
 
 def test_each_loop_is_named_by_its_own_measurement():
     tanks = analyse(load_process("quadruple-tank"))
-    words = ParameterWords(design_simc(tanks.model, tanks.pairing), tanks.operating_point.process)
+    words = ParameterWords(design_simc(tanks.model, tanks.pairing))
     names = [words.name(f"level_{loop}.proportional_gain") for loop in (1, 2)]
     assert names == ["level_1.gain", "level_2.gain"]
 
@@ -161,11 +169,11 @@ def test_a_negative_gain_is_named_without_its_sign():
     start = design_simc(basin.model)
     gain = start.values["level.proportional_gain"]
     assert gain < 0.0
-    words = ParameterWords(start, basin.operating_point.process)
+    words = ParameterWords(start)
     # Level and outflow are shares of their ranges: K is the gain in %/%.
     assert words.value("level.proportional_gain", -0.5) == "0.5 %/%"
     narrow = TunedParameter("level.proportional_gain", 1.2 * gain, 0.8 * gain)
-    found = tune(
+    found = searched(
         start,
         basin.model,
         default_scenario(basin.model),
@@ -207,7 +215,7 @@ def test_a_weighted_sum_is_least_where_its_slope_is_zero(model):
 def test_over_several_scenarios_integrals_add_up_and_the_largest_overshoot_counts(model):
     steps = [step_of_volume(), step_of_volume(2 * STEP, 150)]
     limits = Limits(overshoot=10.0)
-    found = tune(
+    found = searched(
         controller(), model, steps, [GAIN], minimax("ise[volume]"), limits=limits, generations=5
     )
     assert found.start_scores["ise[volume]"] == pytest.approx(5 * ise(3.0), rel=INTEGRAL)
@@ -233,7 +241,7 @@ def test_a_tuned_controller_starts_at_rest_whatever_was_tuned(model):
     start = dataclasses.replace(
         start, initial_state={**start.initial_state, "volume.integral": 0.2 + 3.0 * 0.5 * 2.0}
     )
-    found = tune(start, model, step_of_volume(), parameters, minimax("ise[volume]"))
+    found = searched(start, model, step_of_volume(), parameters, minimax("ise[volume]"))
     still = step_of_volume(0.0)
     still = dataclasses.replace(still, segments=())
     values = Loop(found.controller, model).run(still).values
@@ -322,11 +330,11 @@ def test_the_state_of_another_problem_is_refused(model, tmp_path):
     for other in (
         lambda: tuned(model, minimax("iae[volume]"), state_file=path),
         lambda: tuned(model, minimax("ise[volume]"), limits=Limits(1.6), state_file=path),
-        lambda: tune(
+        lambda: searched(
             controller(3.1), model, step_of_volume(), [GAIN], minimax("ise[volume]"),
             state_file=path,
         ),
-        lambda: tune(
+        lambda: searched(
             controller(), model, step_of_volume(2 * STEP), [GAIN], minimax("ise[volume]"),
             state_file=path,
         ),
@@ -393,7 +401,11 @@ def test_what_cannot_be_meant_is_refused(make, message):
     ("parameters", "options", "message"),
     [
         ([], {}, "parameters: got 'none', expected at least one"),
-        ([parameter("gain", 1.0, 2.0)], {}, "got 'gain', expected a parameter of multiloop_pi: "),
+        (
+            [parameter("gain", 1.0, 2.0)],
+            {},
+            "got 'gain', expected one of volume.proportional_gain, ",
+        ),
         ([GAIN, GAIN], {}, "got 'volume.proportional_gain', expected each name once"),
         ([dataclasses.replace(GAIN, low=4.0)], {}, "got 'a start at 3', expected a start within"),
         ([dataclasses.replace(GAIN, high=1e10)], {}, "within -1e[+]09 to 1e[+]09"),
@@ -419,18 +431,20 @@ def test_what_cannot_be_meant_is_refused(make, message):
 def test_a_problem_that_cannot_be_tuned_is_refused(model, parameters, options, message):
     arguments = {"scenario": step_of_volume(), "objective": minimax("ise[volume]")} | options
     with pytest.raises(InputError, match=message):
-        tune(controller(), model, arguments.pop("scenario"), parameters,
+        searched(controller(), model, arguments.pop("scenario"), parameters,
              arguments.pop("objective"), **arguments)  # fmt: skip
 
 
 def test_an_overshoot_limit_needs_a_step_and_a_relative_score_a_start(model):
     still = dataclasses.replace(step_of_volume(0.0), segments=())
     with refused(expected="a scenario with a setpoint step"):
-        tune(controller(), model, still, [GAIN], minimax("ise[volume]"), limits=Limits(overshoot=5))
+        searched(
+            controller(), model, still, [GAIN], minimax("ise[volume]"), limits=Limits(overshoot=5)
+        )
     # In three samples at a gain of 3 nothing comes near its setpoint.
     short = step_of_volume(samples=8)
     with refused(expected="a finite score above 0 at the start"):
-        tune(controller(), model, short, [GAIN], minimax("overshoot[volume]"))
+        searched(controller(), model, short, [GAIN], minimax("overshoot[volume]"))
 
 
 def test_where_nothing_keeps_the_limits_the_tuning_does_not_apply(model):
@@ -464,10 +478,10 @@ def test_around_moves_by_a_factor_and_takes_the_tracking_time_along():
         around(direct, ["volume.derivative_time"])
 
 
-def test_a_law_without_gains_is_not_tuned_as_a_pid(model):
+def test_a_law_without_gains_is_not_tuned_as_a_pid():
     law = multiloop_pid_law(["volume"], ["inflow"], PidForm("P"))
     values = {p.name: p.initial for p in law.parameters} | {"volume.proportional_gain": 0.0}
     state = {signal.name: 0.0 for signal in law.state}
     none = dataclasses.replace(controller(), law=law, values=values, initial_state=state)
     with pytest.raises(NotApplicable, match="PI has no gain and no integral time to tune"):
-        tuned_pid(none, model, step_of_volume())
+        gains_and_times(none)

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 
 from clepsydra.base.signal import Kind, Signal, path
 
-_ROLE = re.compile(r"{(\w+)}")
+#: A signal, or a field, by the part that it plays.
+ROLE = re.compile(r"{(\w+)}")
 
 
 @dataclass(frozen=True)
@@ -93,7 +94,7 @@ class Key:
     @property
     def port(self) -> Signal:
         """The quantity as a port of a block, which has no unit of a process and no range."""
-        roles = {role: Signal(role) for role in _ROLE.findall(self.unit + self.words)}
+        roles = {role: Signal(role) for role in ROLE.findall(self.unit + self.words)}
         return self.of("", **roles).port
 
 
@@ -113,8 +114,20 @@ def with_units(unit: str, units: dict[str, str]) -> str:
         [known for part in side.strip("()").split() if (known := part.format(**units)) != "1"]
         for side in (above, below)
     )
-    found = " ".join(over) or "1"
-    if not under:
-        return found
-    under = [f"({each})" if "/" in each else each for each in under]
-    return f"{found}/{under[0]}" if len(under) == 1 else f"{found}/({' '.join(under)})"
+    return ratio_of_units(" ".join(over) or "1", *under)
+
+
+def ratio_of_units(numerator: str, *denominators: str) -> str:
+    """Return the unit of a gain.
+
+    Examples
+    --------
+    >>> ratio_of_units("V", "m"), ratio_of_units("V", "V"), ratio_of_units("V", "V", "s")
+    ('V/m', 'V/V', 'V/(V s)')
+    >>> ratio_of_units("m^3/s", "mol/m^3")
+    'm^3/s/(mol/m^3)'
+    """
+    below = [f"({unit})" if "/" in unit else unit for unit in denominators if unit != "1"]
+    if not below:
+        return numerator
+    return f"{numerator}/({' '.join(below)})" if len(below) > 1 else f"{numerator}/{below[0]}"

@@ -95,6 +95,15 @@ class Signal:
         return hundred - zero
 
     @property
+    def has_range(self) -> bool:
+        """Whether it has the finite scale that percent are of.
+
+        >>> Signal("level", "m", low=0.0, high=5.0).has_range, Signal("level", "m").has_range
+        (True, False)
+        """
+        return math.isfinite(self.percent_span) and self.percent_span > 0.0
+
+    @property
     def shown_unit(self) -> str:
         """The unit that the reader sees."""
         return self.display_unit or self.unit

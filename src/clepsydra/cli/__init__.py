@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import logging
 import os
@@ -29,6 +30,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     from clepsydra.base.words import printable
 
     if arguments is None:
+        # What is imported stays, and to look through it for garbage so often takes a while.
+        gc.set_threshold(100_000)
         _end_cleanly_by_signals()
         _say_warnings_in_words()
     for stream in (sys.stdout, sys.stderr):
@@ -71,7 +74,7 @@ def _run(arguments: Sequence[str]) -> None:
         if printable(argument) != argument:
             raise InputError("arguments", argument, "text without control characters", "retype it")
     try:
-        application(args=arguments)
+        application()(args=arguments)
     except SystemExit as ended:
         if ended.code == _INTERRUPTED:
             raise KeyboardInterrupt from None

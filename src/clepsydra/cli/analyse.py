@@ -8,8 +8,10 @@ from typing import Annotated
 import typer
 
 from clepsydra.cli.options import JsonOption, ProcessArgument
+from clepsydra.cli.verb import verb
 
 
+@verb(30)
 def analyse(
     process: ProcessArgument,
     as_json: JsonOption = False,

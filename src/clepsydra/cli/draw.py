@@ -8,8 +8,10 @@ from typing import Annotated
 import typer
 
 from clepsydra.cli.options import ProcessArgument
+from clepsydra.cli.verb import verb
 
 
+@verb(40)
 def draw(
     process: ProcessArgument,
     file: Annotated[

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -16,51 +15,28 @@ from clepsydra.cli.plant_options import (
     SetpointRateOption,
 )
 from clepsydra.cli.subject import SubjectArgument, name_of
+from clepsydra.cli.verb import verb
+from clepsydra.interface.targets import TARGETS, target_of
 
 if TYPE_CHECKING:
     from clepsydra.interface.plant import Plant
     from clepsydra.interface.subject import StudyRequest
 
 
-class Target(Enum):
-    """What is written."""
-
-    st = "st"
-    c = "c"
-    fmu = "fmu"
-    tuning = "tuning"
+def _values(option: str) -> str:
+    """Return what an option may be, as the help shows it."""
+    return f"[{'|'.join(next(t.options[option] for t in TARGETS.values() if option in t.options))}]"
 
 
-class DialectName(Enum):
-    """Whose Structured Text."""
-
-    codesys = "codesys"
-    matiec = "matiec"
-    scl = "scl"
-
-
-class PrecisionName(Enum):
-    """Of the numbers: LREAL and double, or REAL and float."""
-
-    double = "double"
-    single = "single"
-
-
-class FmiName(Enum):
-    """Of the FMU."""
-
-    third = "3.0"
-    second = "2.0"
-
-
+@verb(70)
 def export(
     subject: SubjectArgument,
     target: Annotated[
-        Target,
+        str,
         typer.Option(
             "--to",
-            help="st: IEC 61131-3 Structured Text with a test project and PLCopen XML; c: C99; "
-            "fmu: a functional mock-up unit; tuning: PID settings in the vendors' forms and units.",
+            metavar=f"[{'|'.join(TARGETS)}]",
+            help="; ".join(f"{name}: {each.words}" for name, each in TARGETS.items()) + ".",
         ),
     ],
     controller: Annotated[
@@ -74,18 +50,23 @@ def export(
         ),
     ] = None,
     dialect: Annotated[
-        DialectName | None,
+        str | None,
         typer.Option(
+            metavar=_values("dialect"),
             help="Of Structured Text: codesys (CODESYS, TwinCAT; if left out), matiec (OpenPLC, "
-            "Beremiz) or scl (TIA Portal)."
+            "Beremiz) or scl (TIA Portal).",
         ),
     ] = None,
     precision: Annotated[
-        PrecisionName | None,
-        typer.Option(help="LREAL and double, as it is if left out, or REAL and float."),
+        str | None,
+        typer.Option(
+            metavar=_values("precision"),
+            help="LREAL and double, as it is if left out, or REAL and float.",
+        ),
     ] = None,
     fmi: Annotated[
-        FmiName | None, typer.Option(help="Version of the FMU; 3.0 if left out.")
+        str | None,
+        typer.Option(metavar=_values("fmi"), help="Version of the FMU; 3.0 if left out."),
     ] = None,
     fail_safe: FailSafeOption = None,
     sensor_delay: SensorDelayOption = None,
@@ -109,41 +90,34 @@ def export(
     from clepsydra.interface.subject import plant_of, read_subject
 
     make_folder(folder)
-    code = (Target.st, Target.c)
-    _check_fits("--dialect", dialect, target in (Target.st,), "--to st")
-    _check_fits("--precision", precision, target in code, "--to st or --to c")
-    _check_fits("--fmi", fmi, target is Target.fmu, "--to fmu")
     options = shell_options(
         fail_safe=fail_safe,
         sensor_delay=sensor_delay,
         setpoint_rate=setpoint_rate,
         rate_limit=rate_limit,
     )
-    shelled = controller is not None and target is not Target.tuning
-    _check_fits(
-        "plant options",
-        any(options.values()),
-        shelled,
-        "a --controller that is exported as code or FMU",
-    )
+    chosen = {"precision": precision, "dialect": dialect, "fmi": fmi}
+    names = {f"export, {option}": f"--{option}" for option in ("to", *chosen)}
+    with named_options("to", **names):  # refused before a controller is made
+        target_of(target, chosen, shell=any(options.values()), process=controller is None)
     request = read_subject(subject, seed)
     plant = plant_of(request)
     with named_options(*options):
-        plant_shell(plant, **options)  # refused before a controller is made
-    chosen, scenario = None, None
+        plant_shell(plant, **options)
+    made, scenario = None, None
     if controller is None:
         _check_process(request, target)
     else:
         study = study_of_one(request, controller, seed, folder, quiet=as_json)
-        chosen, scenario, plant = study[controller].controller, study.scenario, study.plant
+        made, scenario, plant = study[controller].controller, study.scenario, study.plant
     found = export_code(
-        chosen,
+        made,
         plant,
         folder,
-        target.value,
-        dialect=dialect.value if dialect else "codesys",
-        precision=precision.value if precision else "double",
-        fmi=fmi.value if fmi else "3.0",
+        target,
+        precision=precision,
+        dialect=dialect,
+        fmi=fmi,
         scenario=scenario,
         **options,
     )
@@ -156,21 +130,12 @@ def export(
         typer.echo(line)
 
 
-def _check_fits(option: str, value: object, fits: bool, where: str) -> None:
-    """Refuse an option that would have no effect."""
-    from clepsydra.base.errors import InputError
-
-    if value and not fits:
-        shown = value.value if isinstance(value, Enum) else "given"
-        raise InputError(option, shown, f"such an option with {where} only", "leave it out")
-
-
-def _check_process(request: Plant | StudyRequest, target: Target) -> None:
-    """Refuse to export the process itself as anything else than an FMU."""
+def _check_process(request: Plant | StudyRequest, target: str) -> None:
+    """Refuse to export the process itself where only controllers are exported."""
     from clepsydra.base.errors import InputError
     from clepsydra.interface.study import names_of
 
-    if target is not Target.fmu:
+    if TARGETS[target].process is None:
         raise InputError(
             "--controller", "none", f"the name of one: {'; '.join(names_of(request))}",
             "name it in quotation marks",

@@ -8,8 +8,10 @@ from typing import Annotated
 import typer
 
 from clepsydra.cli.options import JsonOption
+from clepsydra.cli.verb import verb
 
 
+@verb(90)
 def identify(
     data: Annotated[
         Path,

@@ -6,11 +6,15 @@ from typing import Annotated
 
 import typer
 
+from clepsydra.cli.verb import verb
 
+
+@verb(60)
 def new(
     name: Annotated[
-        str, typer.Argument(metavar="NAME", help="Of process or study; the file is NAME.toml.")
-    ],
+        str | None,
+        typer.Argument(metavar="NAME", help="Of process or study; the file is NAME.toml."),
+    ] = None,
     copied: Annotated[
         str | None,
         typer.Option(
@@ -31,16 +35,31 @@ def new(
             "left out. Only with --study.",
         ),
     ] = None,
+    schema: Annotated[
+        bool,
+        typer.Option(
+            "--schema",
+            help="Print the JSON Schema of such files, for editors, and write no file.",
+        ),
+    ] = False,
 ) -> None:
     """Write a commented process file, or with --study a study file, to begin with: NAME.toml.
 
     A study file names the controllers, the scenario and the ranking for a process; --process says
     which. The file is written in the current folder, over none that is there.
     """
+    if schema:
+        from clepsydra.cli.output import print_json
+        from clepsydra.interface.catalogue import schema_of_processes, schema_of_studies
+
+        print_json(schema_of_studies() if study else schema_of_processes())
+        return
     from clepsydra.base.errors import InputError
     from clepsydra.cli.output import named_options
     from clepsydra.interface.new import STUDIED, new_process, new_study
 
+    if name is None:
+        raise InputError("NAME", "no name", "the name of the file to write", "add one")
     if study and copied is not None:
         raise InputError("--from", copied[:60], "no copy beside --study", "write --process instead")
     if process is not None and not study:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-import math
+import os
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -42,7 +42,7 @@ def check_ending(path: Path, *endings: str) -> None:
 
 @contextmanager
 def named_options(*arguments: str, **others: str) -> Iterator[None]:
-    """Give an error of an argument of the interface the name of its option, and in its remedy.
+    """Give an error of an argument of the interface the name of its option, in its words too.
 
     Parameters
     ----------
@@ -57,29 +57,25 @@ def named_options(*arguments: str, **others: str) -> Iterator[None]:
     except InputError as error:
         first, comma, rest = error.place.partition(", ")
         place = f"{options[first]}{comma and ' '}{rest}" if first in options else error.place
-        remedy = error.remedy
+        place = options.get(error.place, place)
+        words = [error.expected, error.remedy]
         for argument, option in options.items():
-            remedy = re.sub(rf'\b{argument}="([^"]*)",?', rf"{option} \1", remedy)
-        raise InputError(place, error.value, error.expected, remedy) from None
+            words = [re.sub(rf'\b{argument}="([^"]*)",?', rf"{option} \1", each) for each in words]
+        raise InputError(place, error.value, *words) from None
 
 
 def show(result: object) -> None:
-    """Print a result as it shows itself, in at most 100 columns."""
+    """Print a result as it shows itself, as wide as the terminal; in 100 columns to a file."""
     from rich.console import Console
 
-    Console(width=100).print(result)
+    console = Console()
+    if not console.is_terminal and "COLUMNS" not in os.environ:
+        console = Console(width=100)
+    console.print(result)
 
 
 def print_json(document: dict[str, Any] | list[Any]) -> None:
     """Print one JSON document; numbers that JSON has no form for become null."""
-    print(json.dumps(_plain(document), indent=2, allow_nan=False))
+    from clepsydra.base.json_values import json_values
 
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {str(key): _plain(entry) for key, entry in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(entry) for entry in value]
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return value
+    print(json.dumps(json_values(document), indent=2, allow_nan=False))

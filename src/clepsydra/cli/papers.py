@@ -8,13 +8,18 @@ from typing import Annotated
 import typer
 
 from clepsydra.cli.options import JsonOption
+from clepsydra.cli.verb import verb
 
 
+@verb(100)
 def papers(
     documents: Annotated[
         list[str] | None,
         typer.Argument(metavar="[DOCUMENT]...", help="Keys of documents; all if left out."),
     ] = None,
+    every: Annotated[
+        bool, typer.Option("--all", help="Show every row that is not as printed.")
+    ] = False,
     as_json: JsonOption = False,
     folder: Annotated[
         Path,
@@ -35,6 +40,6 @@ def papers(
     if as_json:
         print_json([row.as_dict() for row in result.rows])
         return
-    show(result)
+    show(result.shown(every=every))
     result.report(page)
-    typer.echo(f"\nPage: {page}\nNext: open it for the reasons and the redrawn figures.")
+    typer.echo(f"\nNext: open {page} for the reasons and the redrawn figures.")

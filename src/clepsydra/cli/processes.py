@@ -2,28 +2,40 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import typer
 
 from clepsydra.cli.options import JsonOption
+from clepsydra.cli.verb import verb
 
 
-def processes(as_json: JsonOption = False) -> None:
+@verb(50)
+def processes(
+    name: Annotated[
+        str | None, typer.Argument(metavar="[NAME]", help="One process, with source and variants.")
+    ] = None,
+    every: Annotated[
+        bool, typer.Option("--all", help="Show sources and variants of every process.")
+    ] = False,
+    as_json: JsonOption = False,
+    schema: Annotated[
+        bool,
+        typer.Option("--schema", help="Print the JSON Schema of process files, for editors."),
+    ] = False,
+) -> None:
     """List the processes of the catalogue with their sources and variants."""
-    from clepsydra.interface.catalogue import catalogue
-
-    entries = catalogue()
-    if as_json:
+    if schema:
         from clepsydra.cli.output import print_json
+        from clepsydra.interface.catalogue import schema_of_processes
 
-        print_json({"processes": [entry.as_dict() for entry in entries]})
+        print_json(schema_of_processes())
         return
-    for entry in entries:
-        typer.echo(f"{entry.name}\n    {entry.title}\n    source: {entry.source}")
-        for name, description in entry.variants.items():
-            default = " (default)" if name in entry.default_variants else ""
-            words = f": {description}" if description else ""
-            typer.echo(f"    variant {entry.name}:{name}{default}{words}")
-        typer.echo()
-    typer.echo(
-        "Study one with: clepsydra study NAME. Copy one with: clepsydra new MINE --from NAME"
-    )
+    from clepsydra.cli.output import print_json, show
+    from clepsydra.interface.catalogue import catalogue, catalogue_screen
+
+    entries = catalogue(name)
+    if as_json:
+        print_json({"processes": [entry.as_dict() for entry in entries]})
+    else:
+        show(catalogue_screen(entries, whole=every or name is not None))

@@ -25,11 +25,14 @@ def shown_progress(*, quiet: bool) -> Iterator[Callable[[_Progress], None] | Non
     quiet : bool
         Whether nothing but a result may be printed.
     """
+    if quiet:
+        yield None
+        return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
     console = Console(stderr=True)
-    if quiet or not console.is_terminal:
+    if not console.is_terminal:
         yield None
         return
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from clepsydra.cli.options import JsonOption, ProcessArgument
+from clepsydra.cli.verb import verb
 
 if TYPE_CHECKING:
     from clepsydra.interface.events import Change
@@ -36,6 +37,7 @@ class Format(StrEnum):
     csv = "csv"
 
 
+@verb(20)
 def simulate(
     process: ProcessArgument,
     inputs: Annotated[

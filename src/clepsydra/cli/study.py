@@ -8,8 +8,10 @@ from typing import Annotated
 import typer
 
 from clepsydra.cli.options import JsonOption
+from clepsydra.cli.verb import verb
 
 
+@verb(10)
 def study(
     subject: Annotated[
         str,
@@ -24,6 +26,21 @@ def study(
         Path,
         typer.Option("--output", "-o", metavar="FOLDER", help="Where report and data are written."),
     ] = Path(),
+    every: Annotated[
+        bool, typer.Option("--all", help="Show the whole ranking, not only its first five.")
+    ] = False,
+    why: Annotated[
+        bool, typer.Option("--why", help="Show the reason of every place, and all warnings.")
+    ] = False,
+    refused: Annotated[
+        bool, typer.Option("--refused", help="Show what does not apply, and why not.")
+    ] = False,
+    accept: Annotated[
+        float,
+        typer.Option(
+            min=1.0, metavar="TIMES", help="Good enough is a mean error of so many times the best."
+        ),
+    ] = 1.5,
     seed: Annotated[
         int | None,
         typer.Option(
@@ -44,9 +61,9 @@ def study(
         output_file(folder / f"{request.file_stem}.{kind}") for kind in ("html", "parquet")
     )
     with shown_progress(quiet=as_json) as tell:
-        result = study_of(request, seed=seed, progress=tell, folder=folder)
+        result = study_of(request, seed=seed, accept=accept, progress=tell, folder=folder)
     if not as_json:
-        show(result)
+        show(result.shown(every=every, why=why, refused=refused))
     result.report(report)
     written = {"report": str(report)}
     if result.ranking:
@@ -55,5 +72,4 @@ def study(
     if as_json:
         print_json({**result.as_dict(), **written})
     else:
-        for what, where in written.items():
-            typer.echo(f"{what.capitalize()}: {where}")
+        typer.echo("; ".join(f"{what}: {where}" for what, where in written.items()).capitalize())

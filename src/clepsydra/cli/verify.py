@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from enum import Enum
 from pathlib import Path
 from typing import Annotated
 
@@ -16,16 +15,11 @@ from clepsydra.cli.plant_options import (
     SetpointRateOption,
 )
 from clepsydra.cli.subject import SubjectArgument, name_of
+from clepsydra.cli.verb import verb
+from clepsydra.interface.targets import TARGETS
 
 
-class Export(Enum):
-    """What is run."""
-
-    c = "c"
-    st = "st"
-    fmu = "fmu"
-
-
+@verb(80)
 def verify(
     subject: SubjectArgument,
     controller: Annotated[
@@ -38,8 +32,11 @@ def verify(
         ),
     ] = None,
     to: Annotated[
-        list[Export] | None,
-        typer.Option(help="What is run, also repeated; all if left out."),
+        list[str] | None,
+        typer.Option(
+            metavar=f"[{'|'.join(name for name, target in TARGETS.items() if target.runs)}]",
+            help="What is run, also repeated; all if left out.",
+        ),
     ] = None,
     scans: Annotated[
         int, typer.Option(min=10_000, help="Random scans of each controller.")
@@ -73,10 +70,11 @@ def verify(
     from clepsydra.interface.shell import plant_shell
     from clepsydra.interface.study import study as study_of
     from clepsydra.interface.subject import plant_of, read_subject
-    from clepsydra.interface.verify import EXPORTS
+    from clepsydra.interface.verify import proved_targets
     from clepsydra.interface.verify import verify as prove
 
     make_folder(folder)
+    targets = proved_targets(to or None)
     request = read_subject(subject, seed)
     options = shell_options(
         fail_safe=fail_safe,
@@ -100,7 +98,7 @@ def verify(
         proof = prove(
             chosen,
             study.plant,
-            to=[each for each in EXPORTS if to is None or Export(each) in to],
+            to=targets,
             scans=scans,
             seed=1 if seed is None else seed,
             scenario=study.scenario,

@@ -16,7 +16,7 @@ _SCANS = 12
 
 
 def state_at_rest(
-    law: StepLaw, values: Mapping[str, float], inputs: Mapping[str, float]
+    law: StepLaw, values: Mapping[str, float], at: Mapping[str, float]
 ) -> dict[str, float]:
     """Return the state of a law after it tracked the outputs of an operating point for ever.
 
@@ -28,21 +28,23 @@ def state_at_rest(
     law : StepLaw
     values : mapping
         Parameter name to value.
-    inputs : mapping
-        Each sp, pv and tracking at the operating point, and what differs from its initial value
-        of the other inputs.
+    at : mapping
+        Of the operating point: inputs of the law by name, or process signals, of which each is
+        the pv, sp and tracking that belong to it. Any other input has its initial value.
 
     Examples
     --------
     >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
     >>> law = multiloop_pid_law(["level"], ["pump"])
     >>> values = {parameter.name: parameter.initial for parameter in law.parameters}
-    >>> at_rest = {"level.sp": 5.0, "level.pv": 5.0, "pump.tracking": 3.0}
-    >>> state_at_rest(law, values, at_rest)
+    >>> state_at_rest(law, values, {"level": 5.0, "pump": 3.0})
     {'level.integral': 3.0, 'level.last_proportional_gain': 1.0, \
 'level.last_setpoint_weight': 1.0, 'pump.last_output': 3.0}
     """
-    given = {signal.name: signal.initial for signal in law.inputs} | dict(inputs)
+    of_process = [signal for signal in law.inputs if signal.part in ("sp", "pv", "tracking")]
+    given = {signal.name: signal.initial for signal in law.inputs}
+    given |= {signal.name: at.get(signal.owner, signal.initial) for signal in of_process}
+    given |= dict(at)
     given |= {s.name: float(Mode.TRACKING) for s in law.inputs if s.part == "mode"}
     given |= {"time_step": _FOR_EVER}
     state = np.array([entry.initial if isinstance(entry, Signal) else 0.0 for entry in law.state])

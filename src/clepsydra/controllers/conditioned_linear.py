@@ -9,20 +9,20 @@ import casadi as ca
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal, effect, elements
+from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.anti_windup import tracking_share
-from clepsydra.controllers.blocks.output_stage import output_stage
+from clepsydra.controllers.blocks.matrix import Matrix
 from clepsydra.controllers.blocks.sample import Reading, Sample
 from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step
 from clepsydra.controllers.control_law import control_law
-from clepsydra.controllers.state_feedback import fading_time
+from clepsydra.controllers.state_feedback import fading_output, fading_parameters
 from clepsydra.program.step_law import StepLaw
 
 FAMILY = "loop shaping"
 #: More states than this make a law that nobody can read or check on a plant.
 MOST_STATES = 60
 
+_WORDS = "effect of {by} on {to}"
 _Ends = dict[str, tuple[Signal, ...]]
 #: What the numbers of each matrix are called among the parameters of the law; the matrix, and
 #: which of memory z, error e and output u it acts on and comes from.
@@ -111,8 +111,20 @@ class ConditionedMatrices:
         self, measured: Sequence[Signal | str], manipulated: Sequence[Signal | str]
     ) -> dict[str, float]:
         """Return the numbers that are not zero as parameters of the law for these signals."""
-        _, numbers = _joined(self, measured, manipulated)
-        return {effect(to, matrix, by): value for to, matrix, by, value in numbers}
+        _, joined = _joined(self, measured, manipulated)
+        numbers = ((joined[called], array) for called, array in self._arrays().items())
+        return {
+            name: float(value)
+            for matrix, array in numbers
+            for name, value in matrix.named(array).items()
+        }
+
+    def numbers(self) -> dict[str, np.ndarray]:
+        """Return the numbers that are not zero by what they are called in the law."""
+        return {called: array[array != 0.0] for called, array in self._arrays().items()}
+
+    def _arrays(self) -> dict[str, np.ndarray]:
+        return {called: getattr(self, name) for called, (name, _, _) in _MATRICES.items()}
 
 
 def conditioned_linear_law(
@@ -187,16 +199,12 @@ def conditioned_linear_law(
     >>> float(outputs[0]), float(state[2])
     (5.0, 0.2)
     """
-    ends, numbers = _joined(matrices, measured, manipulated)
-    parameters = [
-        signals.number_of(matrix, to, by, f"effect of {by.name} on {to.name}", digits=9)
-        for to, matrix, by, _ in numbers
-    ]
-    for u in ends["u"]:
-        parameters += [signals.at_rest(u, "bias"), fading_time(u), *signals.limit_parameters(u)]
+    ends, joined = _joined(matrices, measured, manipulated)
+    parameters = [number for matrix in joined.values() for number in matrix.signals()]
+    parameters += fading_parameters(ends["u"])
     return control_law(
         "conditioned_linear",
-        lambda sample: _equations(sample, ends),
+        lambda sample: _equations(sample, ends, joined),
         measured=ends["e"],
         controlled=ends["e"],
         manipulated=ends["u"],
@@ -218,11 +226,8 @@ def _joined(
     matrices: ConditionedMatrices,
     measured: Sequence[Signal | str],
     manipulated: Sequence[Signal | str],
-) -> tuple[_Ends, list[tuple[Signal, str, Signal, float]]]:
-    """Return the signals that the matrices join, and what each number is of which and its value.
-
-    Those of z have no unit.
-    """
+) -> tuple[_Ends, dict[str, Matrix]]:
+    """Return the signals that the matrices join, those of z having no unit, and the matrices."""
     place = "conditioned linear law"
     shown = signals.process_signals(measured, f"{place}, measured")
     moved = signals.process_signals(manipulated, f"{place}, manipulated")
@@ -236,46 +241,33 @@ def _joined(
         )
     memory = tuple(map(Signal, elements("memory", counts["z"])))
     ends = {"z": memory, "e": shown, "u": moved}
-    return ends, [
-        (ends[to][j], called, ends[by][k], float(value))
+    return ends, {
+        called: Matrix(
+            called, ends[to], ends[by], _WORDS, used=getattr(matrices, name) != 0.0, digits=9
+        )
         for called, (name, to, by) in _MATRICES.items()
-        for (j, k), value in np.ndenumerate(getattr(matrices, name))
-        if value != 0.0
-    ]
+    }
 
 
-def _equations(sample: Sample, ends: _Ends) -> None:
+def _equations(sample: Sample, ends: _Ends, joined: dict[str, Matrix]) -> None:
     names = [y.name for y in ends["e"]]
     reading = Reading.of(sample, names, names)
-    errors = {y: reading.measurements[y] - reading.setpoints[y] for y in names}
+    errors = {path(y, "error"): reading.measurements[y] - reading.setpoints[y] for y in names}
+    sample.named |= errors
     values = {"z": [sample[z.name] for z in ends["z"]], "e": [*errors.values()], "u": []}
-    goes_on = is_time_step(sample["time_step"])
-    time_step = ca.if_else(goes_on, sample["time_step"], 1)
 
-    def product(called: str, to: Signal) -> ca.SX:
-        total, (_, _, by) = ca.SX(0), _MATRICES[called]
-        for each, value in zip(ends[by], values[by], strict=True):
-            if (name := effect(to, called, each)) in sample.symbols:
-                total = total + sample[name] * value
-        return total
+    def product(called: str) -> list[ca.SX]:
+        _, _, by = _MATRICES[called]
+        return joined[called].times(sample.symbols, values[by])
 
-    for y, error in errors.items():
-        sample.name(y, {"error": error})
-    for u in ends["u"]:
-        bias, fading, integral = sample.of(u, "bias", "fading_time", "integral")
-        asked = product("memory_gain", u) + product("error_gain", u)
+    shares = zip(ends["u"], product("memory_gain"), product("error_gain"), strict=True)
+    for u, of_memory, of_error in shares:
+        asked, bias = of_memory + of_error, sample[path(u, "bias")]
         sample.name(u, {"asked": asked})
-        output = output_stage(
-            sample,
-            u,
-            reading,
-            proportional=bias + asked,
-            increment=-tracking_share(time_step, fading) * integral,
-            anti_windup="conditional_integration",
-        )
-        values["u"].append(output - bias)
-    known = all_of([reading.numbers, reading.sensors, goes_on])
-    for z in ends["z"]:
-        value = product("transition", z) + product("error_effect", z) + product("output_effect", z)
+        values["u"].append(fading_output(sample, u, reading, bias + asked) - bias)
+    known = all_of([reading.numbers, reading.sensors, is_time_step(sample["time_step"])])
+    products = map(product, ("transition", "error_effect", "output_effect"))
+    for z, kept, entered, told in zip(ends["z"], *products, strict=True):
+        value = kept + entered + told
         usable = ca.logic_and(known, is_number(value))
         sample.next_state[z.name] = ca.if_else(usable, value, sample[z.name])

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from typing import Self
 
+from clepsydra.controllers.complexity import Complexity
 from clepsydra.controllers.parameters import (
     check_finite,
     check_initial_state,
@@ -65,6 +68,8 @@ class Controller:
     free_outputs : tuple of str
         Outputs of the law that no signal of the process takes: a watchdog, say. In a loop it is
         "controller." + its name.
+    structure : Complexity
+        What its law is made of; a model where nothing else is said.
     slowed : float
         How many times slower than its method asked for it is, so that its loops bear each other;
         1 where it is as the method has it.
@@ -104,6 +109,7 @@ class Controller:
     notes: tuple[str, ...] = ()
     free_inputs: dict[str, float] = field(default_factory=dict)
     free_outputs: tuple[str, ...] = ()
+    structure: Complexity = Complexity.MODEL
     slowed: float = 1.0
 
     def __post_init__(self) -> None:
@@ -137,6 +143,33 @@ class Controller:
         shown = f"{self.slowed:.3g}"
         # One that is hardly slower is so by the digits in which it differs.
         return f"{self.name}, slowed {f'{self.slowed:.7g}' if shown == '1' else shown} times"
+
+    def described(
+        self, design: str, notes: Iterable[str] = (), slowed: float | None = None
+    ) -> Self:
+        """Return it with how it was found, further notes, and how much it was slowed down.
+
+        Examples
+        --------
+        >>> import clepsydra as cl
+        >>> found = cl.design.simc(cl.load("three-tanks")).described("By hand.", slowed=2.0)
+        >>> found.design, found.title
+        ('By hand.', 'PI, SIMC, slowed 2 times')
+        """
+        slowed = self.slowed if slowed is None else slowed
+        return replace(self, design=design, notes=(*self.notes, *notes), slowed=slowed)
+
+    @property
+    def further_measurements(self) -> tuple[str, ...]:
+        """What it measures and does not control."""
+        return tuple(name for name in self.measurements if name not in self.setpoints)
+
+    @property
+    def complexity(self) -> Complexity:
+        """How much it asks for: its structure, and for a model what it has to measure."""
+        if self.structure is Complexity.MODEL and self.further_measurements:
+            return Complexity.MODEL_WITH_MORE_MEASUREMENTS
+        return self.structure
 
     @property
     def input_wires(self) -> dict[str, str]:

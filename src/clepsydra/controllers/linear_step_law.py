@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.controllers.blocks.validity import LARGEST_NUMBER
 from clepsydra.controllers.parameters import remembered_parameters
-from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.program.entries import is_ring
 from clepsydra.program.step_law import StepLaw
 
@@ -77,22 +74,6 @@ class StepLawDerivatives:
         self._longer = {
             place: entry.length - 1 for place, entry in enumerate(law.state) if is_ring(entry)
         }
-        if isinstance(law, PythonLaw):
-            self._function: Callable[..., Any] = law.jacobians
-            return
-        state, inputs, parameters = (
-            ca.SX.sym(n, law.function.numel_in(k)) for k, n in enumerate("xup")
-        )
-        next_state, outputs, _ = law.function(state, inputs, parameters)
-        self._function = ca.Function(
-            "jacobians",
-            [state, inputs, parameters],
-            [
-                ca.densify(ca.jacobian(expression, symbols))
-                for expression in (next_state, outputs)
-                for symbols in (state, inputs)
-            ],
-        )
 
     def at(
         self,
@@ -123,7 +104,7 @@ class StepLawDerivatives:
         at = {**state, **remembered_parameters(law, values)}
         step_x, step_u, output_x, output_u = (
             np.array(matrix)
-            for matrix in self._function(
+            for matrix in law.jacobians(
                 [at.get(entry.name, 0.0) for entry in law.state],
                 [usual.get(s.part, inputs.get(s.name, 0.0)) for s in law.inputs],
                 [ends[p.part] if p.part in ends else values[p.name] for p in law.parameters],

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import casadi as ca
 
@@ -31,6 +33,9 @@ _FORMER = {
     "manipulated": "pump.out", "status": "pump.status", "last_output": "pump.last_output",
     "low_limit": "pump.low_limit", "high_limit": "pump.high_limit",
 }  # fmt: skip
+
+#: When what is asked for counts, and what the status word is told.
+_COUNTS = ("usable", "numbers", "sensors")
 
 
 def check_paths(place: str, names: Iterable[str]) -> None:
@@ -77,7 +82,7 @@ class OwnSignals:
     --------
     >>> own = OwnSignals("my_law.py", (Signal("level.pv"),), (Signal("gain"),),
     ...                  (Signal("pump.out"),), ())
-    >>> [signal.name for signal in own.whole_inputs]
+    >>> [signal.name for signal in own.whole["inputs"]]
     ['level.pv', 'level.good', 'pump.mode', 'pump.manual', 'pump.tracking', 'time_step']
     """
 
@@ -96,20 +101,18 @@ class OwnSignals:
                 f"{self.place}, outputs", ", ".join(names) or "none", "outputs like pump.out",
                 "name each so after what it moves, and wire it to the process by the controller",
             )  # fmt: skip
-        # What was written first, since what is added to it would be twice there too.
-        whole = *self.outputs, *self.whole_inputs, *self.whole_parameters, *self.whole_state
-        every_name = [signal.name for signal in whole]
-        for name in every_name:
-            if every_name.count(name) > 1:
+        # What is added to an output that was written twice would be there twice, too.
+        self._refuse_twice(self.outputs)
+        self._refuse_twice([signal for group in self.whole.values() for signal in group])
+
+    def _refuse_twice(self, signals: Sequence[Signal | DelayRing]) -> None:
+        names = [signal.name for signal in signals]
+        for name in names:
+            if names.count(name) > 1:
                 raise InputError(
                     self.place, name, "a name for one input, parameter, state or output",
                     "leave out or rename one",
                 )  # fmt: skip
-
-    @property
-    def moved(self) -> tuple[Signal, ...]:
-        """What each output moves."""
-        return tuple(replace(signal, name=signal.owner) for signal in self.outputs)
 
     @property
     def sensors(self) -> tuple[str, ...]:
@@ -121,93 +124,71 @@ class OwnSignals:
         """The inputs that have to be numbers: measurements and setpoints."""
         return tuple(signal.name for signal in self.inputs if signal.part in ("pv", "sp"))
 
-    @property
-    def whole_inputs(self) -> list[Signal]:
-        """Those of the user, but the last outputs, and those that are added."""
-        added = [
-            Signal(name, low=0.0, high=1.0, initial=1.0, kind="boolean") for name in self.sensors
-        ]
-        added += signals.output_inputs(self.moved)
-        known = [signal.name for signal in added]
-        last = [path(signal, "last_output") for signal in self.moved]
-        return [*(s for s in self.inputs if s.name not in (*known, *last)), *added]
-
-    @property
-    def whole_parameters(self) -> list[Signal]:
-        """Those of the user, and the limits of each output."""
-        limits = [p for output in self.moved for p in signals.limit_parameters(output)]
-        own = {parameter.name for parameter in self.parameters}
-        return [*self.parameters, *(p for p in limits if p.name not in own)]
-
-    @property
-    def whole_state(self) -> list[Signal | DelayRing]:
-        """That of the user, and the last outputs."""
-        return [*self.state, *map(signals.last_output, self.moved)]
-
-    @property
-    def whole_outputs(self) -> list[Signal]:
-        """out and status of each output."""
-        return [result for output in self.moved for result in signals.output_signals(output)]
-
+    @cached_property
     def end(self) -> StepLaw:
-        """Return what comes after the user's part, as a law with the inputs asked and usable."""
-        names = [path(output, "asked") for output in self.moved]
+        """What comes after the user's part: a law whose inputs are asked, and when it counts."""
+        moved = [replace(signal, name=signal.owner) for signal in self.outputs]
 
         def equations(symbols: Symbols) -> Equations:
             sample = Sample(symbols)
-            conditions = symbols["usable"], symbols["numbers"], symbols["sensors"]
-            self._end(sample, [symbols[name] for name in names], *conditions)
+            for output in moved:
+                asked = symbols[path(output, "asked")]
+                final_element(sample, output, Asked(asked, *(symbols[name] for name in _COUNTS)))
             return sample.equations()
 
         return step_law(
             "end",
             inputs=[
-                *(Signal(name) for name in (*names, "usable", "numbers", "sensors")),
-                *signals.output_inputs(self.moved),
+                *(Signal(path(output, "asked")) for output in moved),
+                *map(Signal, _COUNTS),
+                *signals.output_inputs(moved),
             ],
-            parameters=[p for output in self.moved for p in signals.limit_parameters(output)],
-            state=map(signals.last_output, self.moved),
-            outputs=self.whole_outputs,
+            parameters=[limit for output in moved for limit in signals.limit_parameters(output)],
+            state=map(signals.last_output, moved),
+            outputs=[result for output in moved for result in signals.output_signals(output)],
             equations=equations,
         )
 
-    def _end(
-        self, sample: Sample, asked: Sequence[ca.SX], usable: ca.SX, numbers: ca.SX, good: ca.SX
-    ) -> None:
-        for moved, value in zip(self.moved, asked, strict=True):
-            final_element(sample, moved, Asked(value, usable, numbers, good))
+    @cached_property
+    def whole(self) -> dict[str, Any]:
+        """The signals of the whole law by their groups: the user's, and those that are added."""
+        of_plant = self.end.inputs[len(self.outputs) + len(_COUNTS) :]
+        good = (Signal(n, low=0.0, high=1.0, initial=1.0, kind="boolean") for n in self.sensors)
+        added = [*good, *of_plant]
+        known = {signal.name for signal in (*added, *self.end.state)}
+        own = {parameter.name for parameter in self.parameters}
+        return {
+            "inputs": (*(signal for signal in self.inputs if signal.name not in known), *added),
+            "parameters": (
+                *self.parameters,
+                *(p for p in self.end.parameters if p.name not in own),
+            ),
+            "state": (*self.state, *self.end.state),
+            "outputs": self.end.outputs,
+        }
 
     def whole_law(self, law: StepLaw) -> StepLaw:
         """Return a law of expressions with the end added; its signals are those of the user."""
 
         def equations(symbols: Symbols) -> Equations:
-            raw = {s.name: symbols[s.name] for s in self.inputs}
-            valid = {name: is_number(raw[name]) for name in self.plant}
-            known = raw | {n: value_or_zero(raw[n], v) for n, v in valid.items()}
+            valid = {name: is_number(symbols[name]) for name in self.plant}
+            known = {name: value_or_zero(symbols[name], sound) for name, sound in valid.items()}
             true = ca.SX(1)
             numbers = all_of([*valid.values()]) if valid else true
             good = all_of([symbols[n] for n in self.sensors]) if self.sensors else true
             time_step_good = is_time_step(symbols["time_step"])
             usable = ca.logic_and(ca.logic_and(numbers, good), time_step_good)
-            if "time_step" in known:
+            if any(signal.name == "time_step" for signal in self.inputs):
                 known["time_step"] = ca.if_else(time_step_good, symbols["time_step"], 1)
             found = inner_equations(law, {**symbols, **known})
-            sample = Sample(symbols)
-            sample.named |= found.intermediates
-            sample.next_state |= {
+            asked = {path(s.owner, "asked"): found.outputs[s.name] for s in self.outputs}
+            counts = dict(zip(_COUNTS, (usable, numbers, good), strict=True))
+            end = inner_equations(self.end, {**symbols, **asked, **counts})
+            kept = {
                 name: ca.if_else(usable, value, symbols[name])
                 for name, value in found.next_state.items()
             }
-            asked = [found.outputs[signal.name] for signal in law.outputs]
-            self._end(sample, asked, usable, numbers, good)
-            return sample.equations()
+            names = {**found.intermediates, **end.intermediates}
+            return Equations({**kept, **end.next_state}, end.outputs, names)
 
-        return step_law(
-            law.name,
-            inputs=self.whole_inputs,
-            parameters=self.whole_parameters,
-            state=self.whole_state,
-            outputs=self.whole_outputs,
-            equations=equations,
-            description=law.description,
-        )
+        return step_law(law.name, **self.whole, equations=equations, description=law.description)

@@ -2,26 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from numbers import Real
 
+from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import path
 from clepsydra.controllers.signals import owners
 from clepsydra.program.entries import Entry, signal_of
 from clepsydra.program.step_law import StepLaw
-
-
-def is_finite_number(value: object) -> bool:
-    """Tell whether a value is a finite real number; text and truth values are none.
-
-    Examples
-    --------
-    >>> [is_finite_number(value) for value in (2, 0.5, "2", True, float("inf"))]
-    [True, True, False, False, False]
-    """
-    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def check_parameters(law: StepLaw, values: Mapping[str, float], place: str) -> None:

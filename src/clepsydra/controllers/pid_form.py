@@ -5,8 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, get_args
 
+from clepsydra.base.arguments import check_choice
 from clepsydra.base.errors import InputError
-from clepsydra.controllers.blocks.anti_windup import IN_WORDS, AntiWindup, check_anti_windup
+from clepsydra.base.quantity import declared
+from clepsydra.controllers.blocks.anti_windup import IN_WORDS, AntiWindup
+from clepsydra.process.declared import choice, flag, part
 
 Actions = Literal["P", "PI", "PD", "PID"]
 Algorithm = Literal["isa", "series", "parallel", "velocity"]
@@ -69,34 +72,32 @@ class PidForm:
     (True, False, False)
     """
 
-    actions: Actions = "PI"
-    algorithm: Algorithm = "isa"
-    derivative_on: DerivativeOn = "measurement"
-    error: ErrorShape = "linear"
-    anti_windup: AntiWindup = "back_calculation"
-    setpoint_ramp: bool = False
-    remote_setpoint: bool = False
+    actions: Actions = choice(get_args(Actions), "PI", words="what it answers to the error with")
+    algorithm: Algorithm = choice(get_args(Algorithm), words="how its actions are joined")
+    derivative_on: DerivativeOn = choice(get_args(DerivativeOn), words="what is differentiated")
+    error: ErrorShape = choice(get_args(ErrorShape), words="how the error acts")
+    anti_windup: AntiWindup = choice(
+        get_args(AntiWindup), words="what integrals do while an output is at a limit"
+    )
+    setpoint_ramp: bool = part(lambda table, key, known: table.has(key), default=False)
+    remote_setpoint: bool = flag(
+        default=False, words="whether a host computer may give the setpoint"
+    )
 
     def __post_init__(self) -> None:
-        for what, value, known in (
-            ("actions", self.actions, get_args(Actions)),
-            ("algorithm", self.algorithm, get_args(Algorithm)),
-            ("derivative_on", self.derivative_on, get_args(DerivativeOn)),
-            ("error", self.error, get_args(ErrorShape)),
-        ):
-            if value not in known:
-                expected = f"one of {', '.join(known)}"
-                raise InputError(f"PID form, {what}", value, expected, "correct the name")
-        check_anti_windup(self.anti_windup)
+        for name, each in declared(PidForm).items():
+            value, known = getattr(self, name), each.schema.get("enum")
+            if known is not None:
+                check_choice(f"PID form, {name}", value, known)
         if self.algorithm == "velocity" and not self.has_integral:
             raise InputError(
-                "PID form, velocity", self.actions, "PI or PID: without integral action nothing "
+                "PID form, actions", self.actions, "PI or PID: without integral action nothing "
                 "brings the increments of a velocity form back to the setpoint",
                 "choose another algorithm, or add integral action",
             )  # fmt: skip
         if self.error != "linear" and self.algorithm in ("series", "velocity"):
             raise InputError(
-                f"PID form, {self.algorithm}", self.error, "linear error",
+                "PID form, error", self.error, "linear error",
                 "choose the isa or parallel algorithm for gap or squared action",
             )  # fmt: skip
 

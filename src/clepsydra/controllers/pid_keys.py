@@ -4,9 +4,16 @@ from __future__ import annotations
 
 from clepsydra.base.key import Key
 from clepsydra.controllers.signals import LARGEST_PARAMETER, SHORTEST_TIME, TRACKING_TIME, signed
+from clepsydra.process.joined_unit import Time
 
-#: The gains of a loop, with the time that their unit has beside those of the signals.
-GAINS = {"proportional_gain": "", "integral_gain": "/s", "derivative_gain": " s"}
+#: The gains of a loop, with what their unit has beside those of the signals.
+GAINS: dict[str, Time] = {"proportional_gain": "1", "integral_gain": "1/s", "derivative_gain": "s"}
+#: What a reader calls a parameter of a loop, where it is not the same.
+SHORT_NAMES = {
+    "proportional_gain": "gain",
+    "setpoint_low_limit": "setpoint_low",
+    "setpoint_high_limit": "setpoint_high",
+}
 _FAR, _WAY = LARGEST_PARAMETER, "from {measurement} to {output}"
 _TIME = SHORTEST_TIME, _FAR, 60.0
 _RATIO, _RATE = "{output}/{measurement}", "{output}/({measurement} s)"
@@ -86,3 +93,22 @@ LAST_APPLIED = Key("last_applied", "{output}", "what was applied of its output",
 LOCAL_SETPOINT = _measured("local_setpoint", "local setpoint of {measurement}")
 REMOTE_SETPOINT = _measured("remote_setpoint", "remote setpoint of {measurement}")
 SETPOINT_SOURCE = _choice("setpoint_source")
+
+
+def _moved(name: str, words: str) -> Key:
+    """Return the key of a value of the output, or of a share in it."""
+    return Key(f"faceplate.{name}", "{output}", words, like="output")
+
+
+#: What an operator sees of a loop in any form, of one that has terms, and of its derivative.
+FACEPLATE: tuple[Key, ...] = (
+    _measured("faceplate.pv", "{measurement} as the loop uses it"),
+    _measured("faceplate.sp", "setpoint that {measurement} follows"),
+    Key("faceplate.error", "{measurement}", "setpoint less measurement, {measurement}"),
+    _moved("op", "what stands at {output}"),
+)
+TERMS = (
+    _moved("p_part", "P part of what is asked of {output}"),
+    _moved("i_part", "I part of that, the bias of a loop without integral action"),
+)
+D_PART = _moved("d_part", "D part of that")

@@ -12,11 +12,14 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
-from clepsydra.linear.lie_derivatives import InputAffineEquations
+from clepsydra.linear.lie_derivatives import (
+    Constant,
+    InputAffineEquations,
+    ProcessSymbols,
+    process_symbols,
+)
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
-from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.linear.process_symbols import Constant, ProcessSymbols, process_symbols
 from clepsydra.program.step_law import Symbols
 
 #: A number of the model may be changed by this factor at run time, so never to zero.
@@ -27,15 +30,15 @@ NEARLY_EMPTY = 0.02
 
 
 @dataclass(frozen=True, eq=False)
-class ProcessEquations:
+class ProcessEquations(ProcessSymbols):
     """ẋ = f(x, u) and y = h(x) with the linear model at any x and u, as expressions.
 
     Of the states it has those that act on the controlled outputs, at once or through others.
 
     Parameters
     ----------
-    symbols : ProcessSymbols
-        Of u and what is constant.
+    point, inputs, moved, constants
+        As in `ProcessSymbols`.
     outputs, states : tuple of str
     state : casadi.SX [n]
         The symbol of x.
@@ -50,31 +53,10 @@ class ProcessEquations:
     ('tank.level', 'tank.impurity')
     """
 
-    symbols: ProcessSymbols
     outputs: tuple[str, ...]
     states: tuple[str, ...]
     state: ca.SX
     rates: ca.SX
-
-    @property
-    def point(self) -> OperatingPoint:
-        """Of the process."""
-        return self.symbols.point
-
-    @property
-    def inputs(self) -> tuple[str, ...]:
-        """Names of the inputs that are moved."""
-        return self.symbols.inputs
-
-    @property
-    def moved(self) -> ca.SX:
-        """The symbols of u [m]."""
-        return self.symbols.moved
-
-    @property
-    def constants(self) -> tuple[Constant, ...]:
-        """Parameters, disturbances and the inputs that are left alone."""
-        return self.symbols.constants
 
     @cached_property
     def A(self) -> ca.SX:
@@ -96,13 +78,9 @@ class ProcessEquations:
 
         A state that does not act on the controlled outputs stands at the operating point.
         """
-        return self.symbols.readings(self._whole_state, [measurement])
-
-    @property
-    def _whole_state(self) -> ca.SX:
-        own = dict(zip(self.states, ca.vertsplit(self.state), strict=True))
-        at = self.point.as_dict()
-        return ca.vertcat(*(own.get(s.name, at[s.name]) for s in self.point.process.state))
+        at = self.point.as_dict() | dict(zip(self.states, ca.vertsplit(self.state), strict=True))
+        state = ca.vertcat(*(at[signal.name] for signal in self.point.process.state))
+        return self.readings_in(state, [measurement])
 
     def signals_of_states(self) -> list[Signal]:
         """Return the signals of the states."""
@@ -169,11 +147,11 @@ def process_equations(model: LinearModel) -> ProcessEquations:
     whole = {signal.name: ca.SX.sym(signal.identifier) for signal in process.state}
     symbols = process_symbols(point, model.inputs)
     x = ca.vertcat(*whole.values())
-    rates = symbols.rates(x)
-    kept = _acting(rates, symbols.readings(x, model.outputs), x)
+    rates = symbols.rates_in(x)
+    kept = _acting(rates, symbols.readings_in(x, model.outputs), x)
     names = tuple(process.state[place].name for place in kept)
     return ProcessEquations(
-        symbols=symbols,
+        **vars(symbols),
         outputs=model.outputs,
         states=names,
         state=ca.vertcat(*(whole[name] for name in names)),

@@ -9,12 +9,12 @@ from typing import Any, cast
 
 import numpy as np
 
+from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
 from clepsydra.base.user_code import line_of, shortened, words_of
 from clepsydra.controllers.blocks.validity import LARGEST_NUMBER
 from clepsydra.controllers.own_signals import OwnSignals
-from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.program.entries import signal_of
 from clepsydra.program.step_law import StepLaw
 
@@ -122,13 +122,10 @@ def python_law(
     own = OwnSignals(place, tuple(inputs), tuple(parameters), tuple(outputs), tuple(state))
     return PythonLaw(
         name,
-        tuple(own.whole_inputs),
-        tuple(own.whole_parameters),
-        tuple(own.whole_state),
-        tuple(own.whole_outputs),
-        (),
-        cast(Any, _PythonFunction(name, step, own, file)),
-        ("A law in Python: see its file.",),
+        **own.whole,
+        intermediates=(),
+        function=cast(Any, _PythonFunction(name, step, own, file)),
+        description=("A law in Python: see its file.",),
     )
 
 
@@ -137,24 +134,20 @@ class _PythonFunction:
 
     def __init__(self, name: str, step: Step, own: OwnSignals, file: Path | None) -> None:
         self.name, self._step, self._own, self._file = name, step, own, file
-        self._end = own.end()
-        groups = own.state, own.whole_inputs, own.whole_parameters, own.outputs, self._end.state
-        self._names = [[entry.name for entry in group] for group in groups]
 
     def __call__(
         self, state: Any, inputs: Any, parameters: Any
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        own, end = self._own, self._end
-        kept_names, input_names, parameter_names, output_names, last_names = self._names
-        x, u, p = (np.asarray(v, float).ravel().tolist() for v in (state, inputs, parameters))
-        given = dict(zip(input_names, u, strict=True))
-        values = dict(zip(parameter_names, p, strict=True))
-        states = dict(zip((*kept_names, *last_names), x, strict=True))
-        kept, last = ({name: states[name] for name in group} for group in (kept_names, last_names))
+        own, whole, end = self._own, self._own.whole, self._own.end
+        states, given, values = (
+            {entry.name: float(v) for entry, v in zip(whole[group], np.ravel(found), strict=True)}
+            for group, found in (("state", state), ("inputs", inputs), ("parameters", parameters))
+        )
+        kept, last = ({s.name: states[s.name] for s in group} for group in (own.state, end.state))
         numbers = all(abs(given[name]) <= LARGEST_NUMBER for name in own.plant)
         sensors = all(given[name] != 0.0 for name in own.sensors)
         usable = numbers and sensors and 0.0 < given["time_step"] <= LARGEST_NUMBER
-        following, asked = kept, dict.fromkeys(output_names, 0.0)
+        following, asked = kept, dict.fromkeys((output.name for output in own.outputs), 0.0)
         if usable:
             following, asked = self._stepped(kept, given | last, values)
         told = {path(output.owner, "asked"): asked[output.name] for output in own.outputs}
@@ -164,7 +157,7 @@ class _PythonFunction:
             [float(told[signal.name]) for signal in end.inputs],
             [values[parameter.name] for parameter in end.parameters],
         )
-        following_state = [*(following[name] for name in kept_names), *np.array(ended).ravel()]
+        following_state = [*(following[name] for name in kept), *np.array(ended).ravel()]
         return np.array(following_state), np.array(outputs).ravel(), np.zeros(0)
 
     def _stepped(self, state: _Named, inputs: _Named, parameters: _Named) -> tuple[_Named, _Named]:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.key import Key
+from clepsydra.base.key import Key, ratio_of_units
 from clepsydra.base.signal import Signal, effect, path
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.blocks.mode import Mode
@@ -27,25 +27,17 @@ PV = Key("pv", "{measurement}", "measured {measurement}", like="measurement")
 GOOD = Key("good", "1", "sensor of {measurement} is good", 0.0, 1.0, 1.0, kind="boolean")
 SP = Key("sp", "{measurement}", "setpoint of {measurement}", like="measurement")
 #: What every output has.
-MODE = Key(
-    "mode",
-    words="mode of {output}: 0 manual, 1 automatic, 2 tracking",
-    low=float(min(Mode)),
-    high=float(max(Mode)),
-    default=float(Mode.AUTOMATIC),
-    kind="integer",
-)
+_MODES = "mode of {output}: 0 manual, 1 automatic, 2 tracking"
+_LOW, _HIGH, _USUAL = map(float, (min(Mode), max(Mode), Mode.AUTOMATIC))
+MODE = Key("mode", "1", _MODES, _LOW, _HIGH, _USUAL, kind="integer")
 MANUAL = Key("manual", "{output}", "value of {output} in manual", like="output")
 TRACKING = Key("tracking", "{output}", "value of {output} in tracking", like="output")
 OUT = Key("out", "{output}", "value of {output}", like="output")
-STATUS = Key(
-    "status",
-    words="sum of 1 automatic, 2 tracking, 4 at low limit, 8 at high limit, 16 sensor fault, "
-    "32 invalid input, 64 invalid time step, 128 at rate limit",
-    low=0.0,
-    high=255.0,
-    kind="integer",
+_BITS = (
+    "sum of 1 automatic, 2 tracking, 4 at low limit, 8 at high limit, 16 sensor fault, "
+    "32 invalid input, 64 invalid time step, 128 at rate limit"
 )
+STATUS = Key("status", "1", _BITS, 0.0, 255.0, kind="integer")
 LAST_OUTPUT = Key("last_output", "{output}", "{output} in the last sample")
 INTEGRAL = Key("integral", "{output}", "integral part of {output}")
 TIME_STEP = Key("time_step", "s", "time since the last sample", 0.0, default=1.0)
@@ -64,14 +56,8 @@ def signed(name: str, unit: str, words: str, default: float = 0.0) -> Key:
 
 LOW_LIMIT = signed("low_limit", "{output}", "low limit of {output}")
 HIGH_LIMIT = signed("high_limit", "{output}", "high limit of {output}")
-TRACKING_TIME = Key(
-    "tracking_time",
-    "s",
-    "time in which back-calculation takes the integral out of saturation",
-    SHORTEST_TIME,
-    LARGEST_PARAMETER,
-    60.0,
-)
+_TRACKING = "time in which back-calculation takes the integral out of saturation"
+TRACKING_TIME = Key("tracking_time", "s", _TRACKING, SHORTEST_TIME, LARGEST_PARAMETER, 60.0)
 
 
 def process_signals(given: Sequence[Signal | str], place: str) -> tuple[Signal, ...]:
@@ -229,22 +215,6 @@ def output_signals(signal: Signal) -> list[Signal]:
     return [replace(out, description=words), STATUS.of(signal)]
 
 
-def ratio_of_units(numerator: str, *denominators: str) -> str:
-    """Return the unit of a gain.
-
-    Examples
-    --------
-    >>> ratio_of_units("V", "m"), ratio_of_units("V", "V"), ratio_of_units("V", "V", "s")
-    ('V/m', 'V/V', 'V/(V s)')
-    >>> ratio_of_units("m^3/s", "mol/m^3")
-    'm^3/s/(mol/m^3)'
-    """
-    below = [f"({unit})" if "/" in unit else unit for unit in denominators if unit != "1"]
-    if not below:
-        return numerator
-    return f"{numerator}/({' '.join(below)})" if len(below) > 1 else f"{numerator}/{below[0]}"
-
-
 def per(quantity: Signal, *others: Signal | str) -> Signal:
     """Return what has the units of one quantity for each of others, in SI and as shown.
 
@@ -255,9 +225,9 @@ def per(quantity: Signal, *others: Signal | str) -> Signal:
     >>> gain.unit, gain.display_unit, per(level, pump, "s").display_unit
     ('1/m', '%/cm', 'cm/(% s)')
     """
-    unit = ratio_of_units(quantity.unit, *(o if isinstance(o, str) else o.unit for o in others))
-    shown = (o if isinstance(o, str) else o.shown_unit for o in others)
-    return of_units(unit, ratio_of_units(quantity.shown_unit, *shown))
+    units = [Signal("", o) if isinstance(o, str) else o for o in others]
+    shown = ratio_of_units(quantity.shown_unit, *(each.shown_unit for each in units))
+    return of_units(ratio_of_units(quantity.unit, *(each.unit for each in units)), shown)
 
 
 def of_units(unit: str, shown: str) -> Signal:
@@ -288,14 +258,8 @@ def gain(name: str, of: Signal | str, initial: float, description: str) -> Signa
     3.0
     """
     units = of_units(of, of) if isinstance(of, str) else of_units(of.unit, of.shown_unit)
-    return replace(
-        units,
-        name=name,
-        low=-LARGEST_PARAMETER,
-        high=LARGEST_PARAMETER,
-        initial=initial,
-        description=description,
-    )
+    ends = -LARGEST_PARAMETER, LARGEST_PARAMETER
+    return Signal(name, units.unit, units.display_unit, *ends, initial, description=description)
 
 
 def coefficient(name: str, of: Signal | str, description: str) -> Signal:
@@ -379,14 +343,8 @@ def duration(name: str, description: str) -> Signal:
     >>> duration("integral_time", "integral time").unit
     's'
     """
-    return Signal(
-        name,
-        "s",
-        low=SHORTEST_TIME,
-        high=LARGEST_PARAMETER,
-        initial=60.0,
-        description=description,
-    )
+    low, high = SHORTEST_TIME, LARGEST_PARAMETER
+    return Signal(name, "s", "", low, high, 60.0, description=description)
 
 
 def like(signal: Signal, name: str, description: str) -> Signal:
@@ -397,12 +355,5 @@ def like(signal: Signal, name: str, description: str) -> Signal:
     >>> like(Signal("level_1", "V", high=10.0), "level_1.sp", "setpoint of level_1").high
     10.0
     """
-    return Signal(
-        name,
-        signal.unit,
-        display_unit=signal.display_unit,
-        low=signal.low,
-        high=signal.high,
-        initial=signal.initial,
-        description=description,
-    )
+    units, ends = (signal.unit, signal.display_unit), (signal.low, signal.high)
+    return Signal(name, *units, *ends, signal.initial, description=description)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import casadi as ca
 
@@ -11,7 +11,7 @@ from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import tracking_share
 from clepsydra.controllers.blocks.matrix import Matrix
 from clepsydra.controllers.blocks.output_stage import output_stage
-from clepsydra.controllers.blocks.sample import Sample
+from clepsydra.controllers.blocks.sample import Reading, Sample
 from clepsydra.controllers.blocks.validity import is_time_step
 from clepsydra.controllers.observers.linear_state import LinearState
 from clepsydra.controllers.observers.structure import ObserverStructure
@@ -102,45 +102,56 @@ def state_feedback_law(
         fed_back = state.feedback.times(sample.symbols, state.deviations(sample, known))
         fed_forward = ahead.times(sample.symbols, list(wishes.values()))
         applied = [
-            output_stage(
-                sample,
-                u,
-                reading,
-                proportional=sample[path(u, "bias")] - back + forward,
-                increment=fading(sample, u),
-                anti_windup="conditional_integration",
-            )
+            fading_output(sample, u, reading, sample[path(u, "bias")] - back + forward)
             for u, back, forward in zip(state.manipulated, fed_back, fed_forward, strict=True)
         ]
         state.move_on(sample, known, applied)
 
     parameters = [*state.parameters(), *state.feedback.signals(), *ahead.signals()]
-    for u in state.manipulated:
-        parameters += [signals.at_rest(u, "bias"), fading_time(u), *signals.limit_parameters(u)]
+    parameters += fading_parameters(state.manipulated)
     return state.law("state_feedback", equations, parameters)
 
 
-def fading_time(u: Signal) -> Signal:
-    """Return fading_time of an output.
+def fading_parameters(manipulated: Iterable[Signal]) -> list[Signal]:
+    """Return bias, fading_time and limits of each output.
 
     Examples
     --------
-    >>> fading_time(Signal("pump")).name
-    'pump.fading_time'
+    >>> [each.part for each in fading_parameters([Signal("pump")])]
+    ['bias', 'fading_time', 'low_limit', 'high_limit']
     """
-    words = f"time in which a bumpless start of {u.name} fades"
-    return signals.duration(path(u, "fading_time"), words)
+    found = []
+    for u in manipulated:
+        words = f"time in which a bumpless start of {u.name} fades"
+        fading_time = signals.duration(path(u, "fading_time"), words)
+        found += [signals.at_rest(u, "bias"), fading_time, *signals.limit_parameters(u)]
+    return found
 
 
-def fading(sample: Sample, u: Signal) -> ca.SX:
-    """Return the increment of an integral that only makes a start bumpless: −min(Δt/Tf, 1) b.
+def fading_output(sample: Sample, u: Signal, reading: Reading, asked: ca.SX) -> ca.SX:
+    """Return what stands at an output whose integral b only makes a start bumpless.
+
+    b⁺ = b − min(Δt/Tf, 1) b, unless that pushes further into saturation.
+
+    Parameters
+    ----------
+    sample : Sample
+    u : Signal
+    reading : Reading
+    asked : casadi.SX
+        What the law asks for, with the bias.
 
     Examples
     --------
-    >>> given = {"pump.integral": 5.0, "pump.fading_time": 10.0, "time_step": 2.0}
-    >>> float(fading(Sample({name: ca.DM(value) for name, value in given.items()}), Signal("pump")))
-    -1.0
+    See `state_feedback_law`.
     """
     time_step = ca.if_else(is_time_step(sample["time_step"]), sample["time_step"], 1)
     integral, time = sample.of(u, "integral", "fading_time")
-    return -tracking_share(time_step, time) * integral
+    return output_stage(
+        sample,
+        u,
+        reading,
+        proportional=asked,
+        increment=-tracking_share(time_step, time) * integral,
+        anti_windup="conditional_integration",
+    )

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.controllers import signals
+from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.controllers.structure.law import structure_law
-from clepsydra.controllers.structure.output_block import OutputBlock
-from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.program.step_law import StepLaw
 
 
@@ -128,15 +125,8 @@ def variable_structure_pid_law(
     (10.0, 9.5)
     """
     chosen = variable_structure_form(form or PidForm())
-    pairs = signals.paired(measured, manipulated, "PID law")
-    loops = [PidBlock.of(y, chosen, output) for y, output in pairs]
-    followed = {measurement.name: measurement for measurement, _ in pairs}
-    return structure_law(
-        f"variable_structure_{chosen.actions.lower()}",
-        [block for loop in loops for block in (loop, OutputBlock(loop.moved, loop.name))],
-        setpoints=followed,
-        measured=list(followed.values()),
-    )
+    law = multiloop_pid_law(measured, manipulated, chosen)
+    return replace(law, name=f"variable_structure_{chosen.actions.lower()}")
 
 
 def family(form: PidForm) -> str:

@@ -7,10 +7,11 @@ from typing import Literal, get_args
 
 import casadi as ca
 
+from clepsydra.base.arguments import check_choice
 from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.anti_windup import AntiWindup, check_name, next_in_force
+from clepsydra.controllers.blocks.anti_windup import AntiWindup, next_in_force
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.validity import is_number
 from clepsydra.controllers.blocks.variable_structure import winds_up
@@ -59,8 +60,8 @@ def check_virtual_anti_windup(anti_windup: str, alpha_on: str) -> None:
     clepsydra.base.errors.InputError: alpha_on: got 'volts', expected one of virtual, input; \
 correct the name.
     """
-    check_name("anti_windup", anti_windup, ANTI_WINDUPS)
-    check_name("alpha_on", alpha_on, get_args(AlphaOn))
+    check_choice("anti_windup", anti_windup, ANTI_WINDUPS)
+    check_choice("alpha_on", alpha_on, get_args(AlphaOn))
 
 
 def rate_unit(unit: str, order: int) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 from clepsydra.base.rounding import rounded
 from clepsydra.base.signal import Signal, path
@@ -11,6 +12,7 @@ from clepsydra.controllers.plant_shell.edge import at_port, in_shown_units
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import shell_sources, with_plant_shell
 from clepsydra.controllers.signals import owners
+from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.printing.identifiers import identifier_of
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.tagged import TaggedLaw
@@ -54,6 +56,17 @@ class Exportable:
     def process(self) -> Process:
         """The process that the controller was designed for."""
         return self.point.process
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """What tells which program was exported."""
+        return {
+            "name": self.program.name,
+            "digest": digest(self.program),
+            "controller": self.controller.name,
+            "process": self.process.address,
+            "sampling_period": self.process.sampling_period,
+        }
 
     @property
     def wires(self) -> dict[str, str]:
@@ -134,6 +147,22 @@ def described(process: Process) -> str:
     variant = f", variant {', '.join(process.variant)}" if process.variant else ""
     file = process.path.name if process.path else f"{process.name} of the catalogue"
     return f"{process.title} ({file}{variant})"
+
+
+def process_origin(point: OperatingPoint) -> Origin:
+    """Return where the numbers of a printed process come from.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.equilibrium import find_equilibrium
+    >>> from clepsydra.process.reader import load_process
+    >>> process_origin(find_equilibrium(load_process("quadruple-tank"))).default_source
+    'process file'
+    """
+    process = point.process
+    return Origin(
+        "The process", described(process), "", process.sampling_period, {}, "process file"
+    )
 
 
 def _at_rest(controller: Controller, point: OperatingPoint) -> Program:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from clepsydra.base.signal import Signal
+from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.motion_block import MotionBlock, motion_at_rest
 from clepsydra.loop.process_period import process_period
-from clepsydra.loop.step_size import check_substeps
+from clepsydra.loop.step_size import check_substeps, substeps_for
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.entries import Entry
@@ -20,7 +21,7 @@ from clepsydra.program.unfused import without_fused
 HELD = "held"
 
 
-def process_program(point: OperatingPoint, substeps: int) -> Program:
+def process_program(point: OperatingPoint, substeps: int | None = None) -> Program:
     """Return one sampling period of a process, with no fused operation.
 
     The program starts with the process at rest. Its inputs are the inputs and disturbances of
@@ -32,8 +33,8 @@ def process_program(point: OperatingPoint, substeps: int) -> Program:
     ----------
     point : OperatingPoint
         Where it starts.
-    substeps : int
-        Integration steps in a sampling period, see `clepsydra.loop.step_size.substeps_for`.
+    substeps : int, optional
+        Integration steps in a sampling period; as many as `substeps_for` says if left out.
 
     Returns
     -------
@@ -54,6 +55,7 @@ def process_program(point: OperatingPoint, substeps: int) -> Program:
     ('quadruple_tank', 'held.tank_1.level', 0.12263)
     """
     process = point.process
+    substeps = substeps_for(linearise(point)) if substeps is None else substeps
     check_substeps(substeps, process)
     motion = MotionBlock(process.motion, process.sampling_period, substeps)
     moving = process_period(process, motion, (), shown="end")

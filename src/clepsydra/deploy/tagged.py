@@ -64,9 +64,10 @@ class TaggedLaw:
     def _wired(self) -> dict[str, str]:
         """What the law calls the signals that it measures and moves, to the process signal."""
         controller = self.controller
-        wires = controller.input_wires | controller.output_wires
-        ends = {Signal(name): wire for name, wire in wires.items()}
-        return {end.owner: wire for end, wire in ends.items() if end.part in ("pv", "out")}
+        measured = {Signal(name): wire for name, wire in controller.input_wires.items()}
+        moved = {Signal(name): wire for name, wire in controller.output_wires.items()}
+        found = {end.owner: wire for end, wire in measured.items() if end.part == "pv"}
+        return found | {end.owner: wire for end, wire in moved.items() if end.part == "out"}
 
     @cached_property
     def name(self) -> Callable[[str], str]:

@@ -3,18 +3,26 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
-from clepsydra.base.words import time_text
-from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.pid_form import PidForm
-from clepsydra.designs.loops.multiloop import PairedLoop
-from clepsydra.designs.loops.pairing import Pairing
+from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loops.pid_settings import PidSettings
-from clepsydra.designs.loops.published_rule import PublishedRule, RuleActions, design_by_rule
-from clepsydra.designs.loops.words import lag, slope
+from clepsydra.designs.loops.published_rule import (
+    AS_PUBLISHED,
+    PublishedRule,
+    RuleActions,
+    design_by_rule,
+)
+from clepsydra.designs.loops.words import model_words
 from clepsydra.designs.models.first_order_delay import FirstOrderDelay
 from clepsydra.designs.models.reaction_curve import reaction_curve
-from clepsydra.linear.linear_model import LinearModel
+
+if TYPE_CHECKING:
+    from clepsydra.controllers.controller import Controller
+    from clepsydra.controllers.pid_form import PidForm
+    from clepsydra.designs.loops.multiloop import PairedLoop
+    from clepsydra.designs.loops.pairing import Pairing
+    from clepsydra.linear.linear_model import LinearModel
 
 METHOD = "AMIGO"
 SOURCE = "Åström and Hägglund 2006"
@@ -69,6 +77,13 @@ def amigo_settings(model: FirstOrderDelay, actions: RuleActions = "PI") -> PidSe
     )
 
 
+@design(
+    "amigo",
+    "PI or PID by AMIGO",
+    Studied(50, "PI, AMIGO"),
+    Studied(140, "PID, AMIGO", {"actions": "PID"}),
+    keys=(AS_PUBLISHED,),
+)
 def design_amigo(
     model: LinearModel,
     pairing: Pairing | None = None,
@@ -81,7 +96,7 @@ def design_amigo(
     The first-order model comes from the exact step response, as the authors take it: L where
     the steepest tangent leaves the start, T the time from there to 63 %; half a sampling
     period counts as delay. Unless `as_published`, all loops are slowed down by one factor
-    until together they have a sensitivity peak of 2 (`designs.loops.detuning`). The rules
+    until together they have a sensitivity peak of 2 (`designs.slowing_down`). The rules
     themselves aim at a peak of 1.4 of each loop alone.
 
     Parameters
@@ -134,8 +149,4 @@ def design_amigo(
 
 def _rule(loop: PairedLoop, delay: float, actions: RuleActions) -> tuple[PidSettings, str]:
     model = reaction_curve(loop.element, delay, method=METHOD).model
-    words = (
-        f"{slope(model.slope, loop.output, loop.input)}, {lag(model.time_constant)}, "
-        f"delay {time_text(model.delay)}"
-    )
-    return amigo_settings(model, actions), words
+    return amigo_settings(model, actions), model_words(model, loop.output, loop.input)

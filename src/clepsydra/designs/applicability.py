@@ -47,3 +47,21 @@ element has no lag.
         yield
     except NotApplicable as refusal:
         raise NotApplicable(refusal.method, f"{what}: {refusal.reason}") from None
+
+
+@contextmanager
+def as_reasons_of(method: str) -> Iterator[None]:
+    """Tell why a method does not apply in the name of another, which is built on it.
+
+    Examples
+    --------
+    >>> with as_reasons_of("fuzzy PI"):
+    ...     raise NotApplicable("SIMC", "it has no delay")
+    Traceback (most recent call last):
+        ...
+    clepsydra.designs.applicability.NotApplicable: fuzzy PI is not applicable: it has no delay.
+    """
+    try:
+        yield
+    except NotApplicable as refusal:
+        raise NotApplicable(method, refusal.reason) from None

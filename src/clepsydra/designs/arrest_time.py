@@ -10,13 +10,16 @@ from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.designs.applicability import NotApplicable, reasons_about
+from clepsydra.designs.arguments.argument import number
+from clepsydra.designs.arguments.of_process import one_deviation
+from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loops.averaging_room import averaging_room, is_level, largest_load
-from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT, as_given, detune
-from clepsydra.designs.loops.multiloop import MultiloopPid, PairedLoop, note_on_peak, pi_only
+from clepsydra.designs.loops.multiloop import MultiloopPid, PairedLoop, pi_only
 from clepsydra.designs.loops.pairing import Pairing
 from clepsydra.designs.loops.pid_settings import PidSettings, slowed_down
 from clepsydra.designs.models.first_order_delay import FirstOrderDelay, half_rule
 from clepsydra.designs.request import in_shown_unit, positive_number
+from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT, note_on_peak
 from clepsydra.linear.linear_model import LinearModel
 
 METHOD = "arrest time"
@@ -122,6 +125,17 @@ class _Averaging(NamedTuple):
     words: str
 
 
+@design(
+    "arrest_time",
+    "PI that averages, by its arrest time",
+    Studied(10, "PI, arrest time"),
+    keys=(
+        number("arrest_time", "a time", "arrest time of all loops", unit="s", example='"5 min"'),
+        one_deviation(
+            "deviation", "how far levels may move at the load steps that the process names"
+        ),
+    ),
+)
 def design_arrest_time(
     model: LinearModel,
     pairing: Pairing | None = None,
@@ -195,16 +209,15 @@ def design_arrest_time(
     )
     notes = [f"{words}."]
     if arrest_time is None:
-        found = detune(lambda factor: slowed_down(settings, factor), together.peak, METHOD)
+        found = together.detuned(lambda factor: slowed_down(settings, factor))
         if found.factor > 1.0:
             notes.append(
                 f"The loops were slowed down {found.factor:.3g} times, so that together they keep "
                 f"a sensitivity peak of {SENSITIVITY_LIMIT:g}: the levels move further."
             )
     else:
-        choice = f"an arrest time of {arrest_time:g} s"
-        found = as_given(settings, together.peak, METHOD, choice)
-        notes += note_on_peak(found, "choose a longer arrest time")
+        found = together.as_given(settings, f"an arrest time of {arrest_time:g} s")
+        notes += note_on_peak(found.peak, "choose a longer arrest time")
     return together.controller(found, _SOURCE, notes)
 
 

@@ -8,14 +8,14 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.key import ratio_of_units
 from clepsydra.base.rounding import rounded, rounded_matrix
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.parameters import check_parameters
 from clepsydra.controllers.pid_keys import GAINS
-from clepsydra.controllers.signals import ratio_of_units
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.designs.gain_units import gain_from_percent, has_range, percent_gain
+from clepsydra.designs.gain_units import gain_from_percent, percent_gain
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
 from clepsydra.program.step_law import StepLaw
@@ -103,7 +103,7 @@ def rounded_values(
     loops = {
         path(block.owner, gain): (block.measurement, block.moved)
         for block in law.blocks
-        if isinstance(block, PidBlock) and has_range(block.measurement) and has_range(block.moved)
+        if isinstance(block, PidBlock) and block.measurement.has_range and block.moved.has_range
         for gain in GAINS
     }
     return rounded_numbers(law.parameters, values, point, loops)

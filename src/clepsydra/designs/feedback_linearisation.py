@@ -2,46 +2,49 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Sequence
+from functools import partial
 
-import casadi as ca
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import elements, path
+from clepsydra.base.signal import path
 from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.feedback_linearisation import FAMILY, feedback_linearisation_law
 from clepsydra.controllers.linearised_process import LinearisedProcess
 from clepsydra.controllers.observers.model_observer import ModelObserver
+from clepsydra.controllers.parameters import remembered_parameters
 from clepsydra.controllers.virtual_input import (
     AlphaOn,
     VirtualAntiWindup,
     check_virtual_anti_windup,
 )
 from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.at_operating_point import numbers_at
+from clepsydra.designs.design import Studied, design
 from clepsydra.designs.designed_values import designed_values
 from clepsydra.designs.kalman import kalman_gain, process_noise
 from clepsydra.designs.loops.control_authority import (
     DESIGN_STEP,
     check_ranges,
-    control_authority,
+    control_authorities,
 )
 from clepsydra.designs.request import positive_number
 from clepsydra.designs.saturation_rate import rates_in_words, saturation_rates
+from clepsydra.designs.slowing_down import note_on_slowing, slow_down
 from clepsydra.designs.states.observed_process import observed_process
-from clepsydra.designs.states.slowing_down import note_on_slowing, slow_down
 from clepsydra.designs.states.state_controllers import sensitivity_peak
 from clepsydra.designs.virtual_settings import (
+    ARGUMENTS,
     VirtualSettings,
     checked_settings,
     settings_for,
     settling_time,
 )
 from clepsydra.linear.internal_dynamics import internal_dynamics
-from clepsydra.linear.lie_derivatives import InputAffineEquations, NotLinearisable
+from clepsydra.linear.lie_derivatives import NotLinearisable
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.relative_degree import VectorRelativeDegree, relative_degree
@@ -52,6 +55,12 @@ NAME = "Feedback linearisation"
 SMALLEST_EFFECT = 1e-3
 
 
+@design(
+    "feedback_linearisation",
+    "feedback linearisation",
+    Studied(250, "Feedback linearisation"),
+    keys=ARGUMENTS,
+)
 def design_feedback_linearisation(
     model: LinearModel,
     *,
@@ -141,29 +150,20 @@ every 78.4 s (a zero at +0.0128 rad/s).
         raise NotApplicable(METHOD, internal.words)
     observer, correction = _observer(model, linearised, measurements)
 
-    def designed(chosen: Sequence[VirtualSettings], rates: Sequence[float]) -> Controller:
-        return feedback_linearisation_controller(
-            model,
-            linearised,
-            chosen,
-            anti_windup=anti_windup,
-            rates=rates,
-            alpha_on=alpha_on,
-            observer=observer,
-            correction=correction,
-        )
-
-    def peak(controller: Controller) -> float:
-        return sensitivity_peak(controller, model)
-
-    blank = [1.0] * len(model.outputs)
+    designed = partial(
+        feedback_linearisation_controller,
+        model,
+        linearised,
+        anti_windup=anti_windup,
+        alpha_on=alpha_on,
+        observer=observer,
+        correction=correction,
+    )
+    rates, slowed = [1.0] * len(model.outputs), 1.0
     notes: tuple[str, ...] = ()
-    slowed = 1.0
     if settings is not None:
-        chosen, words = (
-            checked_settings(settings, model.outputs, linearised.degrees, METHOD),
-            "settings as given",
-        )
+        chosen = checked_settings(settings, model.outputs, linearised.degrees, METHOD)
+        words = "settings as given"
     else:
         times = _shortest_times(linearised)
         if closed_loop_time_constant is not None:
@@ -175,33 +175,32 @@ every 78.4 s (a zero at +0.0128 rad/s).
             )
             times = [time] * len(times)
         elif internal.stable:
-            found = slow_down(
-                lambda factor: designed(_settings(times, factor, linearised), blank), peak, METHOD
-            )
+
+            def slower(factor: float) -> Controller:
+                longer = [factor * time for time in times]
+                return designed(_settings(longer, linearised), rates=rates)
+
+            found = slow_down(slower, lambda each: sensitivity_peak(each, model), METHOD)
             slowed = found.factor
             times = [slowed * time for time in times]
             notes = note_on_slowing(found, "every output")
-        chosen = _settings(times, 1.0, linearised)
+        chosen = _settings(times, linearised)
         words = "time constants " + ", ".join(
             f"{time_text(time)} of {name}" for time, name in zip(times, model.outputs, strict=True)
         )
-    controller = designed(chosen, blank)
-    if internal.stable and math.isinf(peak(controller)):
+    controller = designed(chosen, rates=rates)
+    if internal.stable and math.isinf(sensitivity_peak(controller, model)):
         raise NotApplicable(METHOD, f"the sampled loop is unstable with {words}")
-    rates = blank
     if anti_windup == "variable_structure":
         rates, said = _rates(chosen, linearised, alpha, alpha_on)
         words += said
     found_words = internal.words if internal.stable else f"Unstable: {internal.words}."
-    degrees = ", ".join(
-        f"{degree} of {name}"
-        for degree, name in zip(linearised.degrees, model.outputs, strict=True)
-    )
-    return dataclasses.replace(
-        designed(chosen, rates),
-        design=f"Input-output linearisation, relative degree {degrees}; {words}.",
-        notes=(found_words, *_notes(linearised, observer, controller), *notes),
-        slowed=slowed,
+    pairs = zip(linearised.degrees, model.outputs, strict=True)
+    degrees = ", ".join(f"{degree} of {name}" for degree, name in pairs)
+    return designed(chosen, rates=rates).described(
+        f"Input-output linearisation, relative degree {degrees}; {words}.",
+        (found_words, *_notes(linearised, observer, controller), *notes),
+        slowed,
     )
 
 
@@ -249,7 +248,7 @@ def feedback_linearisation_controller(
     1.0
     """
     point = operating_point_of(model)
-    process, at = point.process, point.as_dict()
+    at = point.as_dict()
     try:
         known = LinearisedProcess(linearised, observer)
     except InputError as refusal:
@@ -259,45 +258,37 @@ def feedback_linearisation_controller(
     law = feedback_linearisation_law(
         linearised, anti_windup=anti_windup, alpha_on=alpha_on, observer=observer
     )
-    smallest = _smallest_pivots(linearised)
-    values = known.values()
-    if observer is not None and correction is not None:
-        values |= observer.values(correction)
-    state: dict[str, float] = {}
-    for j, (y, chosen) in enumerate(zip(model.outputs, settings, strict=True)):
-        values |= {
-            path(y, "virtual_gain"): chosen.gain,
-            path(y, "virtual_integral_gain"): chosen.integral_gain,
-            path(y, "setpoint_weight"): chosen.setpoint_weight,
-            path(y, "smallest_effect"): smallest[j],
-        }
-        damping = elements(path(y, "virtual_damping"), len(chosen.damping))
-        values |= dict(zip(damping, chosen.damping, strict=True))
-        if anti_windup == "variable_structure":
-            what = "saturation_rate" if alpha_on == "virtual" else "saturation_feedback"
-            values[path(y, what)] = float(rates[j])
-        if anti_windup == "back_calculation":
-            values[path(y, "tracking_time")] = 1.0 / rates[j]
-    for name in model.inputs:
-        signal = process.signal(name)
-        values |= {path(name, "low_limit"): signal.low, path(name, "high_limit"): signal.high}
-        state[path(name, "last_output")] = at[name]
-    if observer is not None:
-        for signal, name in zip(observer.state(), observer.estimated, strict=True):
-            state[signal.name] = at[name]
-    values = designed_values(law, values, operating_point_of(model), METHOD)
-    for y in model.outputs:
-        # At rest ν is zero: the integral holds what the setpoint weight leaves.
-        left = 1.0 - values[path(y, "setpoint_weight")]
-        state[path(y, "virtual_integral")] = values[path(y, "virtual_gain")] * left * at[y]
-        state[path(y, "was_in_force")] = 1.0
+    alphas = np.array(rates)
+    values = numbers_at(
+        point,
+        law.parameters,
+        virtual_gain=[chosen.gain for chosen in settings],
+        virtual_integral_gain=[chosen.integral_gain for chosen in settings],
+        setpoint_weight=[chosen.setpoint_weight for chosen in settings],
+        virtual_damping=[share for chosen in settings for share in chosen.damping],
+        smallest_effect=_smallest_pivots(linearised),
+        saturation_rate=alphas,
+        saturation_feedback=alphas,
+        tracking_time=1.0 / alphas,
+        correction=[] if correction is None else correction[correction != 0.0],
+    )
+    values = designed_values(law, values, point, METHOD)
+    # At rest ν is zero: the integral holds what the setpoint weight leaves.
+    integrals = [
+        values[path(y, "virtual_gain")] * (1.0 - values[path(y, "setpoint_weight")]) * at[y]
+        for y in model.outputs
+    ]
+    estimates = [] if observer is None else [at[name] for name in observer.estimated]
+    state = numbers_at(
+        point, law.state, virtual_integral=integrals, was_in_force=1.0, estimate=estimates
+    )
     return Controller(
         name=NAME,
         family=FAMILY,
         design="",
         law=law,
         values=values,
-        initial_state=state,
+        initial_state=state | remembered_parameters(law, values),
         measurements=known.measurements,
         setpoints=model.outputs,
         manipulated=model.inputs,
@@ -315,13 +306,8 @@ def _smallest_pivots(linearised: VectorRelativeDegree) -> list[float]:
     return pivots
 
 
-def _settings(
-    times: Sequence[float], factor: float, linearised: VectorRelativeDegree
-) -> list[VirtualSettings]:
-    return [
-        settings_for(factor * time, degree)
-        for time, degree in zip(times, linearised.degrees, strict=True)
-    ]
+def _settings(times: Sequence[float], linearised: VectorRelativeDegree) -> list[VirtualSettings]:
+    return [settings_for(*each) for each in zip(times, linearised.degrees, strict=True)]
 
 
 def _shortest_times(linearised: VectorRelativeDegree) -> list[float]:
@@ -330,14 +316,11 @@ def _shortest_times(linearised: VectorRelativeDegree) -> list[float]:
     The step moves d^r y/dt^r by its size over τ^r at once.
     """
     point = linearised.equations.point
-    process, at = point.process, point.as_dict()
     inverse = np.linalg.inv(linearised.at_point)
-    rooms = np.array(
-        [control_authority(process.signal(n), at[n]) for n in linearised.equations.inputs]
-    )
+    rooms = control_authorities(point, linearised.equations.inputs)
     times = []
     for j, name in enumerate(linearised.equations.outputs):
-        step = DESIGN_STEP * process.signal(name).span
+        step = DESIGN_STEP * point.process.signal(name).span
         used = float(np.max(np.abs(inverse[:, j]) * step / rooms))
         times.append(float(used ** (1.0 / linearised.degrees[j])))
     return times
@@ -354,33 +337,17 @@ def _observer(
         else:
             return None, None
     observed = observed_process(model, measurements, METHOD)
-    noise = process_noise(observed, _horizon(linearised))
+    noise = process_noise(observed, max(_shortest_times(linearised)))
     correction = kalman_gain(observed.held, observed.shown, noise, METHOD).gain
     names = [signal.name for signal in observed.estimated]
     # States that act on them away from the operating point only run along uncorrected.
-    names += [name for name in _acting(linearised.equations, names) if name not in names]
+    names += [name for name in linearised.equations.acting_on(names) if name not in names]
     uncorrected = np.zeros((len(names) - len(correction), correction.shape[1]))
     correction = np.vstack([correction, uncorrected])
     observer = ModelObserver(
         linearised.equations, tuple(names), observed.measurements, correction != 0.0
     )
     return observer, correction
-
-
-def _acting(equations: InputAffineEquations, names: Sequence[str]) -> list[str]:
-    """Return the states that act on others, at once or through further ones."""
-    found = list(names)
-    for name in found:
-        rate = equations.rates[equations.states.index(name)]
-        for place, other in enumerate(equations.states):
-            if other not in found and ca.depends_on(rate, equations.state[place]):
-                found.append(other)
-    return found
-
-
-def _horizon(linearised: VectorRelativeDegree) -> float:
-    """Return about the time that a response takes [s]."""
-    return max(_shortest_times(linearised))
 
 
 def _rates(

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cache
+from itertools import product
 
 import casadi as ca
 import numpy as np
 
 from clepsydra.base.signal import path
-from clepsydra.controllers.at_rest import state_at_rest
+from clepsydra.controllers.complexity import Complexity
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.fuzzy.fuzzy_input import FuzzyInput
+from clepsydra.controllers.fuzzy.fuzzy_output import FuzzyOutput
 from clepsydra.controllers.fuzzy.inference import surface
-from clepsydra.controllers.fuzzy.kinds import FuzzyInput, FuzzyOutput
 from clepsydra.controllers.fuzzy.law import FAMILY, fuzzy_law
 from clepsydra.controllers.fuzzy.membership import (
     Membership,
@@ -20,10 +21,13 @@ from clepsydra.controllers.fuzzy.membership import (
     right_shoulder,
     triangle,
 )
-from clepsydra.controllers.fuzzy.rule import Rule, rule_table
+from clepsydra.controllers.fuzzy.rule import All, Is, Rule
 from clepsydra.controllers.fuzzy.system import FuzzySystem, LinguisticVariable
-from clepsydra.designs.applicability import NotApplicable
-from clepsydra.designs.designed_values import designed_values
+from clepsydra.designs.applicability import as_reasons_of
+from clepsydra.designs.arguments.argument import number
+from clepsydra.designs.at_operating_point import controller_at, numbers_at
+from clepsydra.designs.design import Studied, design
+from clepsydra.designs.loops.closed_loop_time import CLOSED_LOOP_TIME
 from clepsydra.designs.loops.pairing import Pairing
 from clepsydra.designs.request import in_shown_unit, positive_number
 from clepsydra.designs.simc import design_simc
@@ -36,15 +40,13 @@ SETS = ("NL", "NS", "ZO", "PS", "PL")
 _LARGE_ERROR = 0.5
 
 
-def standard_rules(error: str, change: str, output: str, prefix: str = "R") -> tuple[Rule, ...]:
+def standard_rules(error: str, change: str, output: str) -> tuple[Rule, ...]:
     """Return MacVicar-Whelan's table with five sets: the output is the sum of both inputs.
 
     Parameters
     ----------
     error, change, output : str
         Linguistic variables, each with the sets NL, NS, ZO, PS and PL.
-    prefix : str
-        Of the rules' names.
 
     References
     ----------
@@ -57,12 +59,13 @@ def standard_rules(error: str, change: str, output: str, prefix: str = "R") -> t
     >>> len(rules), str(rules[0]), str(rules[7])
     (25, 'if e is NL and de is NL then u is NL', 'if e is NS and de is ZO then u is NS')
     """
-    middle = len(SETS) // 2
-    cells = [
-        [{output: SETS[int(np.clip(i + j - middle, 0, len(SETS) - 1))]} for j in range(len(SETS))]
-        for i in range(len(SETS))
-    ]
-    return rule_table(prefix, (error, SETS), (change, SETS), cells)
+    last = len(SETS) - 1
+    rules = list[Rule]()
+    for i, j in product(range(len(SETS)), repeat=2):
+        condition = All((Is(error, SETS[i]), Is(change, SETS[j])))
+        sum_of_both = min(max(i + j - last // 2, 0), last)
+        rules.append(Rule(f"R{len(rules) + 1}", condition, (Is(output, SETS[sum_of_both]),)))
+    return tuple(rules)
 
 
 def standard_sets() -> dict[str, Membership]:
@@ -82,26 +85,18 @@ def standard_sets() -> dict[str, Membership]:
     }
 
 
-def standard_system(
-    loops: Sequence[tuple[str, str]] = (("level", "pump"),), points: int = 101
-) -> FuzzySystem:
-    """Return the standard table for some loops: error and change of one signal, rate of another.
+def standard_system(points: int = 101) -> FuzzySystem:
+    """Return the standard table of a loop: from error and change of a signal to a rate.
 
     Examples
     --------
-    >>> system = standard_system([("level_1", "pump_1"), ("level_2", "pump_2")])
-    >>> len(system.rules), [variable.name for variable in system.inputs][:3]
-    (50, ['level_1.error', 'level_1.change', 'level_2.error'])
+    >>> system = standard_system()
+    >>> len(system.rules), [variable.name for variable in system.inputs]
+    (25, ['error', 'change'])
     """
-    sets, rules = standard_sets(), list[Rule]()
-    inputs, outputs = list[LinguisticVariable](), list[LinguisticVariable]()
-    for measured, moved in loops:
-        names = path(measured, "error"), path(measured, "change"), path(moved, "rate")
-        *read, rate = (LinguisticVariable(name, -1.0, 1.0, sets) for name in names)
-        inputs += read
-        outputs.append(rate)
-        rules += standard_rules(*names, path(measured, "R"))
-    return FuzzySystem(tuple(inputs), tuple(outputs), tuple(rules), points)
+    names = "error", "change", "rate"
+    error, change, rate = (LinguisticVariable(n, -1.0, 1.0, standard_sets()) for n in names)
+    return FuzzySystem((error, change), (rate,), standard_rules(*names), points)
 
 
 @cache
@@ -119,6 +114,20 @@ def slopes_at_rest() -> tuple[float, float]:
     return float(by_error), float(by_change)
 
 
+@design(
+    "fuzzy_pi",
+    "fuzzy PI by the standard table",
+    Studied(270, "Fuzzy PI"),
+    keys=(
+        number(
+            "largest_error",
+            "a share of the range",
+            "error at which the rules end, a share of the range",
+            example="0.5",
+        ),
+        CLOSED_LOOP_TIME,
+    ),
+)
 def design_fuzzy_pi(
     model: LinearModel,
     pairing: Pairing | None = None,
@@ -180,24 +189,21 @@ def design_fuzzy_pi(
         f"{METHOD}, largest_error", largest_error, "a share of the range above 0",
         "0.5 is half of the range",
     )  # fmt: skip
-    try:
+    with as_reasons_of(METHOD):
         linear = design_simc(model, pairing, closed_loop_time_constant=closed_loop_time_constant)
-    except NotApplicable as refusal:
-        raise NotApplicable(METHOD, refusal.reason) from None
     point = operating_point_of(model)
-    process, at = point.process, point.as_dict()
+    process = point.process
     measured = [process.signal(name) for name in linear.measurements]
     moved = [process.signal(name) for name in linear.manipulated]
     law = fuzzy_law(
-        measured,
-        moved,
-        standard_system(list(zip(linear.measurements, linear.manipulated, strict=True))),
-        [FuzzyInput(w, y) for y in linear.measurements for w in ("error", "measurement_rate")],
-        [FuzzyOutput("increment")] * len(moved),
+        standard_system(),
+        [FuzzyInput(what, y) for y in measured for what in ("error", "measurement_rate")],
+        [FuzzyOutput(u, "increment") for u in moved],
+        loops=linear.measurements,
         name="fuzzy_pi",
     )
     by_error, by_change = slopes_at_rest()
-    values = {parameter.name: parameter.initial for parameter in law.parameters}
+    values = numbers_at(point, law.parameters)
     for y, u in zip(measured, moved, strict=True):
         gain = linear.values[path(y, "proportional_gain")]
         time = linear.values[path(y, "integral_time")]
@@ -206,26 +212,20 @@ def design_fuzzy_pi(
             path(y, "error.gain"): scale,
             path(y, "change.gain"): -scale * time * by_error / by_change,
             path(u, "output_gain"): gain / (time * scale * by_error),
-            path(u, "low_limit"): u.low,
-            path(u, "high_limit"): u.high,
         }
-    values = designed_values(law, values, operating_point_of(model), METHOD)
-    inputs = {path(y, what): at[y.name] for y in measured for what in ("sp", "pv")}
-    inputs |= {path(u, "tracking"): at[u.name] for u in moved}
     large = ", ".join(f"{in_shown_unit(y, share * y.span)} of {y.name}" for y in measured)
-    return Controller(
-        name="Fuzzy PI",
-        family=FAMILY,
+    return controller_at(
+        point,
+        "Fuzzy PI",
+        FAMILY,
+        law,
+        values,
+        method=METHOD,
+        structure=Complexity.ADVANCED_LOOPS,
         design=(
             "Incremental fuzzy PI by MacVicar-Whelan's table of 25 rules for each loop, an error "
             f"of {large} being large; at rest its gains are those of SIMC. {linear.design}"
         ),
-        law=law,
-        values=values,
-        initial_state=state_at_rest(law, values, inputs),
-        measurements=linear.measurements,
-        setpoints=linear.setpoints,
-        manipulated=linear.manipulated,
         notes=(
             *linear.notes,
             "Its proportional part acts on the measurement alone, and its gain falls as the error "

@@ -2,28 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import path
 from clepsydra.base.words import listed, time_text
-from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.blocks.schedule import Schedule
+from clepsydra.controllers.complexity import Complexity
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.gain_scheduling import FAMILY, scheduled_law, scheduled_lqi_law
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.designs.applicability import NotApplicable, reasons_about
-from clepsydra.designs.bryson import acceptable_deviations, design_lqi
-from clepsydra.designs.designed_values import designed_values, kind
-from clepsydra.designs.loops.detuning import Detuned, detune
+from clepsydra.designs.applicability import NotApplicable, as_reasons_of
+from clepsydra.designs.arguments.argument import word
+from clepsydra.designs.arguments.of_process import OVER, POINTS
+from clepsydra.designs.at_operating_point import controller_at
+from clepsydra.designs.design import Studied, design
+from clepsydra.designs.designed_values import kind
+from clepsydra.designs.loops.closed_loop_time import TimedLoop
 from clepsydra.designs.loops.law_settings import law_settings
-from clepsydra.designs.loops.multiloop import MultiloopPid, PairedLoop, checked_form
+from clepsydra.designs.loops.multiloop import Detuned, MultiloopPid, checked_form
 from clepsydra.designs.loops.pairing import Pairing, checked_pairing
-from clepsydra.designs.loops.pid_settings import PidSettings
-from clepsydra.designs.models.first_order_delay import half_rule
-from clepsydra.designs.models.second_order_delay import half_rule_of_second_order
+from clepsydra.designs.lqi import design_lqi
 from clepsydra.designs.operating_plan import (
     Follows,
     PlannedPoint,
@@ -34,7 +34,9 @@ from clepsydra.designs.operating_plan import (
     planned_points,
 )
 from clepsydra.designs.request import in_shown_unit
-from clepsydra.designs.simc import simc_pid_settings, simc_settings
+from clepsydra.designs.simc import simc_loop
+from clepsydra.designs.states.bryson_rule import DEVIATIONS, acceptable_deviations
+from clepsydra.designs.states.linear_quadratic import ANTI_WINDUP
 from clepsydra.designs.states.relevant_states import without_idle_states
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
@@ -45,7 +47,19 @@ LQI_METHOD = "gain-scheduled LQI"
 #: The scheduling variable is filtered over this share of the shortest time that the gains act in.
 _FILTER = 0.2
 
+_SCHEDULE = (
+    OVER,
+    word("follows", "what of it the schedule follows", Follows),
+    POINTS,
+)
 
+
+@design(
+    "gain_scheduled_pid",
+    "PI or PID whose gains follow the operating point",
+    Studied(110, "PI, gain scheduling"),
+    keys=_SCHEDULE,
+)
 def design_gain_scheduled_pid(
     model: LinearModel,
     pairing: Pairing | None = None,
@@ -121,26 +135,24 @@ def design_gain_scheduled_pid(
 
     together = loops_at(model)
     delay = together.process.sampling_period / 2.0
-    shortest = [_shortest(loop, actions, delay) for loop in together.loops]
 
-    def settings_at(place: MultiloopPid, times: Sequence[float]) -> list[PidSettings]:
-        return [
-            _settings(loop, actions, delay, time)
-            for loop, time in zip(place.loops, times, strict=True)
-        ]
+    def timed(place: MultiloopPid) -> list[TimedLoop]:
+        return [simc_loop(loop, delay, actions, PID_METHOD) for loop in place.loops]
+
+    shortest = [loop.shortest for loop in timed(together)]
 
     def detuned(place: MultiloopPid, times: Sequence[float]) -> Detuned:
-        def at(factor: float) -> list[PidSettings]:
-            return settings_at(place, [factor * time for time in times])
-
-        return detune(at, place.peak, PID_METHOD)
+        loops = list(zip(timed(place), times, strict=True))
+        return place.detuned(
+            lambda factor: [loop.settings_at(factor * time) for loop, time in loops]
+        )
 
     found = detuned(together, shortest)
     times = [found.factor * time for time in shortest]
     plain = together.controller(found, "SIMC (Skogestad 2003)", [])
 
     def values_at(place: LinearModel) -> dict[str, float]:
-        settings = detuned(loops_at(place), times).settings
+        settings = detuned(loops_at(place), times).design
         found = {
             path(output, name): value
             for output, setting in zip(outputs, settings, strict=True)
@@ -160,6 +172,16 @@ def design_gain_scheduled_pid(
     )
 
 
+@design(
+    "gain_scheduled_lqi",
+    "LQI whose gains follow the operating point",
+    Studied(190, "LQI, gain scheduling"),
+    keys=(
+        *DEVIATIONS,
+        ANTI_WINDUP,
+        *_SCHEDULE,
+    ),
+)
 def design_gain_scheduled_lqi(
     model: LinearModel,
     *,
@@ -180,7 +202,7 @@ def design_gain_scheduled_lqi(
     model : LinearModel
         Of a process at an operating point; its outputs follow the setpoints.
     maximum_errors, maximum_moves, anti_windup
-        As for `designs.bryson.design_lqi`.
+        As for `designs.lqi.design_lqi`.
     over, follows, points
         As for `design_gain_scheduled_pid`.
 
@@ -210,7 +232,7 @@ def design_gain_scheduled_lqi(
     >>> [controller.values[name] for name in elements("schedule.point", 2)]
     [4.0, 8.0]
     """
-    with _named(LQI_METHOD):
+    with as_reasons_of(LQI_METHOD):
         plain = design_lqi(
             model,
             maximum_errors=maximum_errors,
@@ -279,11 +301,7 @@ def _designed(
     signal = process.signal(over)
     followed = path(over, "pv" if wish.follows == "measurement" else "sp")
     schedule = Schedule(followed, signal, len(plan))
-    names = [
-        name
-        for name in plan[0].values
-        if every or largest_change(plan[0].values, plan, {name: name}) > 1e-9
-    ]
+    names = [name for name in plan[0].values if every or largest_change(plan, {name: name}) > 1e-9]
     law = law_of(schedule, names)
     fixed = {p.name for p in law.parameters}
     values = {name: value for name, value in plain.values.items() if name in fixed}
@@ -292,27 +310,21 @@ def _designed(
         values |= zip(schedule.values(name), (point.values[name] for point in plan), strict=True)
     kinds = scheduled.kinds
     values["schedule.filter_time"] = _filter_time(plan, kinds, process.sampling_period)
-    values = designed_values(law, values, operating_point_of(model), scheduled.method)
-    at = operating_point_of(model).as_dict()
-    rest = {path(name, "sp"): at[name] for name in plain.setpoints}
-    rest |= {path(name, "pv"): at[name] for name in plain.measurements}
-    rest |= {path(name, "tracking"): at[name] for name in plain.manipulated}
     peaks = ", ".join(f"{point.peak:.2f} at {in_shown_unit(signal, point.place)}" for point in plan)
     highest = max(between, default=max(point.peak for point in plan))
-    return Controller(
-        name=scheduled.name,
-        family=FAMILY,
+    return controller_at(
+        operating_point_of(model),
+        scheduled.name,
+        FAMILY,
+        law,
+        values,
+        method=scheduled.method,
+        structure=max(plain.structure, Complexity.ADVANCED_LOOPS),
         design=(
             f"{scheduled.words}; designed at {len(plan)} operating points of {over} and "
             f"interpolated linearly over {'its setpoint' if wish.follows == 'setpoint' else 'it'}; "
             f"sensitivity peaks {peaks}, halfway between neighbours at most {highest:.2f}."
         ),
-        law=law,
-        values=values,
-        initial_state=state_at_rest(law, values, rest),
-        measurements=plain.measurements,
-        setpoints=plain.setpoints,
-        manipulated=plain.manipulated,
         notes=(
             f"{_listed([kinds[name] for name in names])} follow {over} by tables; a change of "
             "them alone moves no output.",
@@ -330,34 +342,6 @@ def _filter_time(plan: Sequence[PlannedPoint], kinds: Mapping[str, str], period:
         if kinds[name] in ("integral_time", "tracking_time")
     ]
     return max(period, _FILTER * min(times, default=10.0 * period / _FILTER))
-
-
-def _shortest(loop: PairedLoop, actions: str, delay: float) -> float:
-    """Return the shortest closed-loop time constant that delay and input allow [s], as SIMC."""
-    with reasons_about(loop.pair):
-        model = (
-            half_rule(loop.element, delay, method=PID_METHOD)
-            if actions == "PI"
-            else half_rule_of_second_order(loop.element, delay, method=PID_METHOD)
-        )
-    return max(model.delay, 1.0 / (abs(model.slope) * loop.largest_gain) - model.delay)
-
-
-def _settings(loop: PairedLoop, actions: str, delay: float, time: float) -> PidSettings:
-    with reasons_about(loop.pair):
-        if actions == "PI":
-            return simc_settings(half_rule(loop.element, delay, method=PID_METHOD), time)
-        reduced = half_rule_of_second_order(loop.element, delay, method=PID_METHOD)
-        return simc_pid_settings(reduced, time)
-
-
-@contextmanager
-def _named(method: str) -> Iterator[None]:
-    """Give a refusal the name of this method."""
-    try:
-        yield
-    except NotApplicable as refusal:
-        raise NotApplicable(method, refusal.reason) from None
 
 
 def _listed(kinds: Sequence[str]) -> str:

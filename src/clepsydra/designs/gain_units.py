@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
 
-from clepsydra.base.arguments import require_type
+from clepsydra.base.arguments import is_finite_number, require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.designs.loops.pid_settings import (
     ParallelSettings,
     PidSettings,
@@ -229,19 +228,8 @@ def _check(settings: PidSettings) -> None:
         raise InputError("derivative time", derivative_time, "a time from 0 s", "give seconds")
 
 
-def has_range(signal: Signal) -> bool:
-    """Return whether a signal has the finite scale that percent are of.
-
-    Examples
-    --------
-    >>> has_range(Signal("level", "m", low=0.0, high=5.0)), has_range(Signal("level", "m"))
-    (True, False)
-    """
-    return math.isfinite(signal.percent_span) and signal.percent_span > 0.0
-
-
 def _span(signal: Signal) -> float:
-    if not has_range(signal):
+    if not signal.has_range:
         raise InputError(
             signal.name,
             f"a range from {signal.low:g} to {signal.high:g} {signal.unit}",

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
+from dataclasses import replace
 from itertools import chain
 
+from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import elements
 from clepsydra.base.words import time_text
 from clepsydra.controllers.conditioned_linear import FAMILY, conditioned_linear_law
 from clepsydra.controllers.conditioned_linear import MOST_STATES as MOST_STATES_OF_A_LAW
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.designs.designed_values import designed_values
+from clepsydra.designs.arguments.argument import number, whole_number
+from clepsydra.designs.at_operating_point import controller_at, numbers_at
+from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loop_shaping.conditioning import conditioned_matrices
 from clepsydra.designs.loop_shaping.coprime_factors import METHOD, CoprimeFactors, coprime_factors
 from clepsydra.designs.loop_shaping.order_reduction import reduced_plant
@@ -26,15 +27,10 @@ from clepsydra.designs.loop_shaping.robust_controller import (
 )
 from clepsydra.designs.loop_shaping.shaped_plant import ShapedPlant, shaped_plant
 from clepsydra.designs.loops.control_authority import check_ranges
-from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT
 from clepsydra.designs.loops.pairing import Pairing
 from clepsydra.designs.simc import design_simc
-from clepsydra.designs.states.state_controllers import (
-    output_at_rest,
-    parts_values,
-    rest_values,
-    sensitivity_peak,
-)
+from clepsydra.designs.slowing_down import note_on_peak
+from clepsydra.designs.states.state_controllers import sensitivity_peak
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 
@@ -44,6 +40,15 @@ LARGEST_GAMMA = 4.0
 REDUCTION_COST = 1.02
 
 
+@design(
+    "glover_mcfarlane",
+    "robust control by Glover and McFarlane",
+    Studied(260, "Glover-McFarlane on PI, SIMC"),
+    keys=(
+        number("relaxation", "a factor", "γ as a multiple of its least", above=1.0, example="1.1"),
+        whole_number("order", "how many states of the controller are kept"),
+    ),
+)
 def design_glover_mcfarlane(
     model: LinearModel,
     pairing: Pairing | None = None,
@@ -200,26 +205,10 @@ def _controller(model: LinearModel, plant: ShapedPlant, robust: RobustController
     matrices = conditioned_matrices(plant, robust)
     law = conditioned_linear_law(measured, moved, matrices)
     fading = max(1.0 / plant.crossover, plant.period)
-    values = {
-        **matrices.values(measured, moved),
-        **rest_values(point, shaping.inputs),
-        **parts_values("fading_time", shaping.inputs, [fading] * len(moved)),
-    }
-    initial = dict.fromkeys(elements("memory", len(matrices.transition)), 0.0)
-    initial |= output_at_rest(point, shaping.inputs)
-    values = designed_values(law, values, point, METHOD)
-    return Controller(
-        name=f"{METHOD} on {shaping.name}",
-        family=FAMILY,
-        design="",
-        law=law,
-        values=values,
-        initial_state=initial,
-        measurements=shaping.outputs,
-        setpoints=shaping.outputs,
-        manipulated=shaping.inputs,
-        slowed=shaping.slowed,
-    )
+    values = numbers_at(point, law.parameters, fading_time=fading, **matrices.numbers())
+    name, state = f"{METHOD} on {shaping.name}", numbers_at(point, law.state)
+    found = controller_at(point, name, FAMILY, law, values, state, method=METHOD)
+    return replace(found, slowed=shaping.slowed)
 
 
 def _described(
@@ -243,19 +232,12 @@ def _described(
             f"γ_min is {smallest:.2f}, above {LARGEST_GAMMA:g}: the process cannot follow the "
             "shape of this loop robustly; choose a slower pre-compensator."
         )
-    if peak > SENSITIVITY_LIMIT:
-        notes.append(
-            f"The sensitivity peak is {peak:.2f}, above {SENSITIVITY_LIMIT:g}: choose a slower "
-            "pre-compensator."
-        )
-    return dataclasses.replace(
-        found,
-        design=(
-            f"Loop shaped by {plant.precompensator.name}, crossover "
-            f"{plant.crossover:.3g} rad/s; γ_min = {smallest:.3f}, so that up to "
-            f"{100.0 / smallest:.0f} % of the normalised coprime factors can be off; {order} "
-            f"keeps γ = {achieved:.3f}; a bumpless start fades in "
-            f"{time_text(1.0 / plant.crossover)}; sensitivity peak {peak:.2f}."
-        ),
-        notes=tuple(notes),
+    notes += note_on_peak(peak, "choose a slower pre-compensator")
+    return found.described(
+        f"Loop shaped by {plant.precompensator.name}, crossover "
+        f"{plant.crossover:.3g} rad/s; γ_min = {smallest:.3f}, so that up to "
+        f"{100.0 / smallest:.0f} % of the normalised coprime factors can be off; {order} "
+        f"keeps γ = {achieved:.3f}; a bumpless start fades in "
+        f"{time_text(1.0 / plant.crossover)}; sensitivity peak {peak:.2f}.",
+        notes,
     )

@@ -7,11 +7,12 @@ from typing import NamedTuple
 import numpy as np
 
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.designs.loops.control_authority import control_authority
+from clepsydra.designs.loops.control_authority import control_authorities
 from clepsydra.designs.request import in_shown_unit
 from clepsydra.designs.sampled.sampled_cost import sampled_cost
 from clepsydra.designs.states.observed_process import ObservedProcess
 from clepsydra.designs.states.riccati import optimal_regulator
+from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 
 METHOD = "Kalman filter"
@@ -160,12 +161,7 @@ def process_noise(observed: ObservedProcess, horizon: float) -> Noise:
     """
     model, period = observed.model, observed.period
     process = operating_point_of(model).process
-    steps = {
-        name: size
-        for element in process.elements
-        for name, size in element.load_steps().items()
-        if name in model.disturbances and size != 0.0
-    }
+    steps = load_steps(model)
     loads = np.array([steps.get(name, 0.0) for name in model.disturbances])
     variances = input_variances(observed)
     n, N = len(model.states), len(observed.held)
@@ -194,6 +190,23 @@ def process_noise(observed: ObservedProcess, horizon: float) -> Noise:
     return Noise(W, np.diag(deviations**2), f"sensor noise {words}")
 
 
+def load_steps(model: LinearModel) -> dict[str, float]:
+    """Return the typical steps of the disturbances of a model that have one.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> load_steps(cl.load("three-tanks").linear)  # [m³/s]
+    {'inflow_3': 1e-05}
+    """
+    return {
+        name: size
+        for element in operating_point_of(model).process.elements
+        for name, size in element.load_steps().items()
+        if name in model.disturbances and size != 0.0
+    }
+
+
 def input_variances(observed: ObservedProcess) -> np.ndarray:
     """Return how unsure each input is of itself: the square of a tenth of its authority.
 
@@ -207,13 +220,9 @@ def input_variances(observed: ObservedProcess) -> np.ndarray:
     >>> input_variances(seen).round(9)
     array([0.09, 0.09])
     """
-    point = operating_point_of(observed.model)
-    at = point.as_dict()
-    authorities = [
-        control_authority(point.process.signal(name), at[name]) for name in observed.model.inputs
-    ]
-    variances: np.ndarray = (INPUT_SHARE * np.array(authorities)) ** 2
-    return variances
+    model = observed.model
+    authorities = control_authorities(operating_point_of(model), model.inputs)
+    return np.square(INPUT_SHARE * authorities)
 
 
 def _accumulated(A: np.ndarray, intensity: np.ndarray, period: float) -> np.ndarray:

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
-from clepsydra.base.words import time_text
-from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.pid_form import PidForm
 from clepsydra.designs.applicability import reasons_about
-from clepsydra.designs.loops import words
-from clepsydra.designs.loops.closed_loop_time import TimedLoop, design_by_time
-from clepsydra.designs.loops.multiloop import MultiloopPid, PairedLoop, pi_only
-from clepsydra.designs.loops.pairing import Pairing
+from clepsydra.designs.design import Studied, design
+from clepsydra.designs.loops.closed_loop_time import CLOSED_LOOP_TIME, TimedLoop, design_by_time
 from clepsydra.designs.loops.pid_settings import PidSettings
+from clepsydra.designs.loops.words import model_words
 from clepsydra.designs.models.first_order_delay import FirstOrderDelay, half_rule
-from clepsydra.linear.linear_model import LinearModel
+
+if TYPE_CHECKING:
+    from clepsydra.controllers.controller import Controller
+    from clepsydra.controllers.pid_form import PidForm
+    from clepsydra.designs.loops.multiloop import PairedLoop
+    from clepsydra.designs.loops.pairing import Pairing
+    from clepsydra.linear.linear_model import LinearModel
 
 METHOD = "lambda"
 #: The closed loop is slower than this many delays, unless the user asks for more speed.
@@ -67,6 +70,7 @@ def lambda_settings(model: FirstOrderDelay, closed_loop_time_constant: float) ->
     return PidSettings(1.0 / (model.slope * (time + delay)), model.time_constant)
 
 
+@design("lambda", "PI by lambda tuning", Studied(30, "PI, lambda"), keys=(CLOSED_LOOP_TIME,))
 def design_lambda(
     model: LinearModel,
     pairing: Pairing | None = None,
@@ -81,7 +85,7 @@ def design_lambda(
     effective delays and at which a setpoint step of a tenth of the measurement's range does not
     saturate the input; a self-regulating loop is not made faster than its own lag. Then all are
     lengthened by one factor until the sampled loops together have a sensitivity peak of 2
-    (`designs.loops.detuning`). A given λ is used as it is. An element whose lag is more than ten
+    (`designs.slowing_down`). A given λ is used as it is. An element whose lag is more than ten
     times λ is taken as integrating: to cancel such a lag would leave loads to be answered as
     slowly.
 
@@ -125,6 +129,8 @@ def design_lambda(
     >>> round(controller.values["level.integral_time"], 6)
     7230.0
     """
+    from clepsydra.designs.loops.multiloop import MultiloopPid, pi_only
+
     together = MultiloopPid(model, pairing, pi_only(form, METHOD), METHOD)
     delay = together.process.sampling_period / 2.0
     return design_by_time(
@@ -150,8 +156,7 @@ def _timed(loop: PairedLoop, delay: float, given: float | None) -> TimedLoop:
     return TimedLoop(
         lambda time: lambda_settings(model, time),
         shortest,
-        f"{words.slope(lag.slope, loop.output, loop.input)}, "
-        f"{words.lag(lag.time_constant)}{taken}, delay {time_text(lag.delay)}",
+        model_words(lag, loop.output, loop.input, taken),
     )
 
 

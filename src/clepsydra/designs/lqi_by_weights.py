@@ -2,36 +2,43 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
-
-import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.words import time_text
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.designs.bryson import (
-    acceptable_deviations,
-    refuse_more_inputs,
+from clepsydra.designs.arguments.weights import WEIGHTS
+from clepsydra.designs.design import design
+from clepsydra.designs.sampled.sampling_period import check_sampling_period
+from clepsydra.designs.slowing_down import note_on_peak
+from clepsydra.designs.states.bryson_rule import acceptable_deviations
+from clepsydra.designs.states.linear_quadratic import (
+    ANTI_WINDUP,
+    METHOD,
+    lqi_gains,
     slowest_time_constant,
 )
-from clepsydra.designs.loops.control_authority import check_ranges
-from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT
-from clepsydra.designs.sampled.sampling_period import check_sampling_period
-from clepsydra.designs.states.linear_quadratic import METHOD, lqi_gains, lqi_gains_by_weights
-from clepsydra.designs.states.measured_states import measurements_of_states, with_outputs
+from clepsydra.designs.states.measured_states import measurements_of_states, of_measurements
 from clepsydra.designs.states.quadratic_weights import (
     QuadraticWeights,
+    by_weights,
     checked_weights,
-    of_weights,
 )
+from clepsydra.designs.states.robust_lqi import check_lqi
 from clepsydra.designs.states.state_controllers import lqi_controller, sensitivity_peak
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.linearise import operating_point_of
 
 
+@design(
+    "lqi_by_weights",
+    "LQI by given weights",
+    keys=(
+        WEIGHTS,
+        ANTI_WINDUP,
+    ),
+)
 def design_lqi_by_weights(
     model: LinearModel,
     weights: QuadraticWeights,
@@ -77,12 +84,7 @@ def design_lqi_by_weights(
     ('level_1', 'level_2', 'level_3')
     """
     period = check_sampling_period(model)
-    if model.delays is not None:
-        raise NotApplicable(
-            METHOD, "the process has dead time, and its law has no states for what is on its way"
-        )
-    refuse_more_inputs(model, METHOD)
-    check_ranges(operating_point_of(model).process, model.outputs, model.inputs, METHOD)
+    check_lqi(model, METHOD, model.delays)
     checked_weights(weights, model)
     if weights.integrals is None:
         raise InputError(
@@ -93,38 +95,24 @@ def design_lqi_by_weights(
         )
     measurements = measurements_of_states(model, METHOD)
     usual = acceptable_deviations(model, None, None, METHOD)
-    try:
-        gains = lqi_gains_by_weights(model, weights, period, usual.horizon)
-    except NotApplicable as refusal:
-        # Whose fault it is tell the usual weights: where these work, it is that of those given.
-        lqi_gains(model, *usual.sizes(), usual.horizon, period)
-        raise of_weights(refusal) from None
-    feedback = np.linalg.solve(with_outputs(model, measurements).C.T, gains.feedback.T).T
+    gains = by_weights(
+        lambda each: lqi_gains(model, each, period, usual.horizon), weights, usual.weights(model)
+    )
     slowest = slowest_time_constant(gains.eigenvalues, period)
     controller = lqi_controller(
         "LQI, weights",
         model,
         measurements,
-        feedback,
+        of_measurements(model, measurements, gains.feedback),
         gains.integral,
-        [max(slowest, period)] * len(model.inputs),
+        max(slowest, period),
         anti_windup,
     )
     peak = sensitivity_peak(controller, model)
     if math.isinf(peak):
         raise NotApplicable(METHOD, "the sampled loop with its gains is unstable")
-    notes = controller.notes
-    if peak > SENSITIVITY_LIMIT:
-        notes = (
-            *notes,
-            f"The sensitivity peak is {peak:.2f}, above {SENSITIVITY_LIMIT:g}: weigh "
-            "the inputs more.",
-        )
-    return dataclasses.replace(
-        controller,
-        design=(
-            f"LQI with given weights; slowest closed-loop time constant {time_text(slowest)}, "
-            f"sensitivity peak {peak:.2f}."
-        ),
-        notes=notes,
+    return controller.described(
+        f"LQI with given weights; slowest closed-loop time constant {time_text(slowest)}, "
+        f"sensitivity peak {peak:.2f}.",
+        note_on_peak(peak, "weigh the inputs more"),
     )

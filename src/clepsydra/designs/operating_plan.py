@@ -5,20 +5,22 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from functools import lru_cache
 from typing import Literal, NamedTuple
 
 import numpy as np
 
+from clepsydra.base.arguments import check_choice, is_finite_number
 from clepsydra.base.errors import ClepsydraError, InputError
+from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.schedule import FEWEST_POINTS, MOST_POINTS
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.designs.designed_values import kind
-from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT
+from clepsydra.designs.designed_values import kind as kind_of
 from clepsydra.designs.request import in_shown_unit
 from clepsydra.designs.sampled.sampled_loop import SampledLoops
+from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT
 from clepsydra.designs.states.measured_states import with_outputs
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linear_model import LinearModel
@@ -82,7 +84,7 @@ class ScheduledDesign(NamedTuple):
     Examples
     --------
     >>> import clepsydra as cl
-    >>> from clepsydra.designs.bryson import design_lqi
+    >>> from clepsydra.designs.lqi import design_lqi
     >>> plain = design_lqi(cl.load("quadruple-tank").linear)
     >>> ScheduledDesign(plain, lambda model: {}, "LQI", "LQI, gain scheduling", "").plain.setpoints
     ('level_1', 'level_2')
@@ -97,7 +99,89 @@ class ScheduledDesign(NamedTuple):
     @property
     def kinds(self) -> dict[str, str]:
         """What each parameter is, the gains of one matrix being of one kind."""
-        return {parameter.name: kind(parameter) for parameter in self.plain.law.parameters}
+        return {parameter.name: kind_of(parameter) for parameter in self.plain.law.parameters}
+
+    def peak(self, there: LinearModel, values: Mapping[str, float]) -> float:
+        """Return the sensitivity peak of the plain controller with these values on a model."""
+        plain = self.plain
+        seen = with_outputs(there, plain.measurements)
+        return SampledLoops(plain, seen).at({**plain.values, **values}).maximum_sensitivity
+
+
+class _Along(NamedTuple):
+    """The operating points along which a design is scheduled."""
+
+    model: LinearModel
+    scheduled: ScheduledDesign
+    over: str
+
+    @property
+    def signal(self) -> Signal:
+        return operating_point_of(self.model).process.signal(self.over)
+
+    def designed_at(self, place: float) -> PlannedPoint:
+        there = model_at(self.model, {self.over: place})
+        values = self.scheduled.at(there)
+        return PlannedPoint(place, values, self.scheduled.peak(there, values))
+
+    def needed_at(self, place: float) -> PlannedPoint:
+        """Return the design at a point without which there is no schedule."""
+        try:
+            return self.designed_at(place)
+        except ClepsydraError as refusal:
+            raise NotApplicable(
+                self.scheduled.method, f"at {self.over} {place:g}: {refusal}"
+            ) from None
+
+    def end(self, high: bool) -> list[PlannedPoint]:
+        """Return the design nearest to an end of the range at which there is one, if any."""
+        signal, rest = self.signal, operating_point_of(self.model).as_dict()[self.over]
+        margin, sign = _MARGIN * signal.span, 1.0 if high else -1.0
+        end = signal.high - margin if high else signal.low + margin
+        if math.isfinite(signal.span) and (end - rest) * sign > margin:
+            for way in _WAYS:
+                with suppress(ClepsydraError):
+                    return [self.designed_at(rest + way * (end - rest))]
+        return []
+
+    def outermost(self) -> list[PlannedPoint]:
+        """Return the design of the model between those nearest to the ends of the range."""
+        rest = operating_point_of(self.model).as_dict()[self.over]
+        values = self.scheduled.at(self.model)
+        own = PlannedPoint(rest, values, self.scheduled.peak(self.model, values))
+        return sorted([*self.end(False), *self.end(True), own], key=lambda point: point.place)
+
+    def between(self, plan: Sequence[PlannedPoint]) -> list[float]:
+        """Return the peaks halfway between neighbours, with interpolated settings."""
+        found = []
+        for low, high in itertools.pairwise(plan):
+            there = model_at(self.model, {self.over: 0.5 * (low.place + high.place)})
+            values = {name: 0.5 * (value + high.values[name]) for name, value in low.values.items()}
+            found.append(self.scheduled.peak(there, values))
+        return found
+
+    def checked(self, points: Sequence[float]) -> list[float]:
+        over, signal, place = self.over, self.signal, f"{self.scheduled.method}, points"
+        numbers = isinstance(points, (list, tuple, np.ndarray)) and all(
+            is_finite_number(value) for value in points
+        )
+        count = len(points) if numbers else 0
+        if not FEWEST_POINTS <= count <= MOST_POINTS or any(np.diff(points) <= 0.0):
+            raise InputError(
+                place,
+                points,
+                f"{FEWEST_POINTS} to {MOST_POINTS} rising numbers",
+                f"give values of {over} in {signal.unit}",
+            )
+        outside = [value for value in points if not signal.low <= value <= signal.high]
+        if outside:
+            raise InputError(
+                place,
+                outside[0],
+                f"a number from {signal.low:g} to {signal.high:g} {signal.unit}",
+                f"choose points within the range of {over}",
+            )
+        return [float(value) for value in points]
 
 
 def planned_points(
@@ -121,7 +205,7 @@ def planned_points(
     Examples
     --------
     >>> import clepsydra as cl
-    >>> from clepsydra.designs.bryson import design_lqi
+    >>> from clepsydra.designs.lqi import design_lqi
     >>> model = cl.load("quadruple-tank").linear
     >>> design = ScheduledDesign(
     ...     design_lqi(model), lambda place: design_lqi(place).values, "LQI", "LQI", "")
@@ -137,51 +221,40 @@ def planned_points(
             f"{len(model.inputs)} inputs for {len(model.outputs)} controlled outputs leave other "
             "operating points open",
         )
-    if wish.over is not None and wish.over not in outputs:
-        raise InputError(
-            f"{method}, over", wish.over, f"one of {', '.join(outputs)}", "correct the name"
-        )
+    if wish.over is not None:
+        check_choice(f"{method}, over", wish.over, outputs)
     if wish.points is not None:
-        over = wish.over or outputs[0]
-        places = _checked_points(model, over, wish.points, method)
-        plan = [_needed(model, scheduled, over, place) for place in places]
-        return over, plan, _between(model, scheduled, over, plan)
+        along = _Along(model, scheduled, wish.over or outputs[0])
+        plan = [along.needed_at(place) for place in along.checked(wish.points)]
+        return along.over, plan, along.between(plan)
     candidates = (wish.over,) if wish.over is not None else outputs
-    best: tuple[float, str, list[PlannedPoint]] | None = None
-    for over in candidates:
-        ends = [_end(model, scheduled, over, high) for high in (False, True)]
-        found = [point for point in ends if point is not None]
-        rest = operating_point_of(model).as_dict()[over]
-        values = scheduled.at(model)
-        plan = sorted(
-            [*found, PlannedPoint(rest, values, _peak(scheduled, model, values))],
-            key=lambda point: point.place,
-        )
-        kinds = scheduled.kinds
-        change = largest_change(values, plan, {name: kinds[name] for name in values})
-        if len(plan) >= FEWEST_POINTS and (best is None or change > best[0]):
-            best = change, over, plan
-    if best is None:
+    kinds = scheduled.kinds
+    changes = [
+        (largest_change(plan, {name: kinds[name] for name in plan[0].values}), along, plan)
+        for along in (_Along(model, scheduled, over) for over in candidates)
+        if len(plan := along.outermost()) >= FEWEST_POINTS
+    ]
+    if not changes:
         raise NotApplicable(
             method, f"there is no other operating point along {' or '.join(candidates)}"
         )
-    change, over, plan = best
+    change, along, plan = max(changes, key=lambda each: each[0])
     if change < _LEAST_CHANGE:
         raise NotApplicable(
             method,
             f"its gains change by less than {100.0 * _LEAST_CHANGE:g} % over the range of "
             f"{' or '.join(candidates)}: fixed gains do as well",
         )
-    for low, high in itertools.pairwise(plan):
-        plan = [*plan, _needed(model, scheduled, over, 0.5 * (low.place + high.place))]
-    plan = sorted(plan, key=lambda point: point.place)
-    between = _between(model, scheduled, over, plan)
+    pairs = itertools.pairwise(plan)
+    halfway = [along.needed_at(0.5 * (low.place + high.place)) for low, high in pairs]
+    plan = sorted([*plan, *halfway], key=lambda point: point.place)
+    between = along.between(plan)
     while max(between) > SENSITIVITY_LIMIT * _CLOSE and len(plan) < _MOST:
         worst = int(np.argmax(between))
         place = 0.5 * (plan[worst].place + plan[worst + 1].place)
-        plan.insert(worst + 1, _needed(model, scheduled, over, place))
-        between = _between(model, scheduled, over, plan)
-    return over, plan, between
+        plan.insert(worst + 1, along.needed_at(place))
+        between = along.between(plan)
+    return along.over, plan, between
 
 
 def model_at(model: LinearModel, asked: Mapping[str, float]) -> LinearModel:
@@ -243,7 +316,7 @@ def peaks_elsewhere(
     Examples
     --------
     >>> import clepsydra as cl
-    >>> from clepsydra.designs.bryson import design_lqi
+    >>> from clepsydra.designs.lqi import design_lqi
     >>> model = cl.load("averaging-tank").linear
     >>> design = ScheduledDesign(design_lqi(model), lambda place: {}, "LQI", "LQI", "")
     >>> peaks_elsewhere(model, design, "volume", [PlannedPoint(2.0, {}, 1.0)])[0].split(", ")
@@ -265,7 +338,7 @@ def peaks_elsewhere(
         for end in (signal.low, signal.high):
             place = 0.5 * (at[name] + end)
             try:
-                peak = _peak(scheduled, model_at(model, {name: place}), values)
+                peak = scheduled.peak(model_at(model, {name: place}), values)
             except ClepsydraError:
                 continue
             text = f"{peak:.2f}" if math.isfinite(peak) else "infinite: the loop is unstable"
@@ -276,17 +349,13 @@ def peaks_elsewhere(
     return notes
 
 
-def largest_change(
-    values: Mapping[str, float], plan: Sequence[PlannedPoint], kinds: Mapping[str, str]
-) -> float:
+def largest_change(plan: Sequence[PlannedPoint], kinds: Mapping[str, str]) -> float:
     """Return the largest change of a value over the points, a share of its largest magnitude.
 
     Of gains of one kind, those near zero beside the others do not count.
 
     Parameters
     ----------
-    values : mapping
-        Values to compare with too.
     plan : sequence of PlannedPoint
     kinds : mapping
         Name to its kind, of those that count.
@@ -294,17 +363,18 @@ def largest_change(
     Examples
     --------
     >>> plan = [PlannedPoint(1.0, {"gain": 4.0}, 1.5), PlannedPoint(2.0, {"gain": 5.0}, 1.5)]
-    >>> largest_change({"gain": 4.5}, plan, {"gain": "gain"})
+    >>> largest_change(plan, {"gain": "gain"})
     0.2
     """
-    largest = 0.0
-    sizes = {name: max(abs(point.values[name]) for point in plan) for name in kinds}
-    for name, own in kinds.items():
-        alike = max(size for other, size in sizes.items() if kinds[other] == own)
-        if sizes[name] < 0.05 * alike or sizes[name] == 0.0:
-            continue
-        numbers = [point.values[name] for point in plan] + [values[name]]
-        largest = max(largest, (max(numbers) - min(numbers)) / sizes[name])
+    largest, alike = 0.0, dict[str, float]()
+    numbers = {name: [point.values[name] for point in plan] for name in kinds}
+    sizes = {name: max(map(abs, found)) for name, found in numbers.items()}
+    for name, kind in kinds.items():
+        alike[kind] = max(alike.get(kind, 0.0), sizes[name])
+    for name, kind in kinds.items():
+        if sizes[name] != 0.0 and sizes[name] >= 0.05 * alike[kind]:
+            span = max(numbers[name]) - min(numbers[name])
+            largest = max(largest, span / sizes[name])
     return largest
 
 
@@ -324,87 +394,3 @@ def _found_at(
         return linearise(found).select([name for name, _ in outputs], moved)
     except ClepsydraError as refusal:
         return refusal
-
-
-def _end(
-    model: LinearModel, scheduled: ScheduledDesign, over: str, high: bool
-) -> PlannedPoint | None:
-    """Return the point nearest to an end of the range at which there is a design."""
-    point = operating_point_of(model)
-    signal, rest = point.process.signal(over), point.as_dict()[over]
-    if not math.isfinite(signal.span):
-        return None
-    end = signal.high - _MARGIN * signal.span if high else signal.low + _MARGIN * signal.span
-    if (end - rest) * (1.0 if high else -1.0) <= _MARGIN * signal.span:
-        return None
-    for way in _WAYS:
-        place = rest + way * (end - rest)
-        try:
-            return _designed_at(model, scheduled, over, place)
-        except ClepsydraError:
-            continue
-    return None
-
-
-def _designed_at(
-    model: LinearModel, scheduled: ScheduledDesign, over: str, place: float
-) -> PlannedPoint:
-    there = model_at(model, {over: place})
-    values = scheduled.at(there)
-    return PlannedPoint(place, values, _peak(scheduled, there, values))
-
-
-def _needed(
-    model: LinearModel, scheduled: ScheduledDesign, over: str, place: float
-) -> PlannedPoint:
-    """Return the design at a point without which there is no schedule."""
-    try:
-        return _designed_at(model, scheduled, over, place)
-    except ClepsydraError as refusal:
-        raise NotApplicable(scheduled.method, f"at {over} {place:g}: {refusal}") from None
-
-
-def _between(
-    model: LinearModel, scheduled: ScheduledDesign, over: str, plan: Sequence[PlannedPoint]
-) -> list[float]:
-    """Return the peaks halfway between neighbours, with interpolated settings."""
-    found = []
-    for low, high in itertools.pairwise(plan):
-        there = model_at(model, {over: 0.5 * (low.place + high.place)})
-        values = {name: 0.5 * (value + high.values[name]) for name, value in low.values.items()}
-        found.append(_peak(scheduled, there, values))
-    return found
-
-
-def _peak(scheduled: ScheduledDesign, there: LinearModel, values: Mapping[str, float]) -> float:
-    """Return the sensitivity peak of the plain controller with these values on a model."""
-    plain = scheduled.plain
-    seen = with_outputs(there, plain.measurements)
-    return SampledLoops(plain, seen).at({**plain.values, **values}).maximum_sensitivity
-
-
-def _checked_points(
-    model: LinearModel, over: str, points: Sequence[float], method: str
-) -> list[float]:
-    signal = operating_point_of(model).process.signal(over)
-    place = f"{method}, points"
-    numbers = isinstance(points, (list, tuple, np.ndarray)) and all(
-        is_finite_number(value) for value in points
-    )
-    count = len(points) if numbers else 0
-    if not FEWEST_POINTS <= count <= MOST_POINTS or any(np.diff(points) <= 0.0):
-        raise InputError(
-            place,
-            points,
-            f"{FEWEST_POINTS} to {MOST_POINTS} rising numbers",
-            f"give values of {over} in {signal.unit}",
-        )
-    outside = [value for value in points if not signal.low <= value <= signal.high]
-    if outside:
-        raise InputError(
-            place,
-            outside[0],
-            f"a number from {signal.low:g} to {signal.high:g} {signal.unit}",
-            f"choose points within the range of {over}",
-        )
-    return [float(value) for value in points]

@@ -6,12 +6,13 @@ import math
 from dataclasses import replace
 from typing import Literal
 
+from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.designs.applicability import NotApplicable, reasons_about
-from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT, Detuned, as_given, detune
+from clepsydra.designs.arguments.frequency import angle, angular_frequency
+from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loops.margin_settings import (
     METHOD,
     lag_needed,
@@ -19,11 +20,12 @@ from clepsydra.designs.loops.margin_settings import (
     pi_for_margin,
     pid_for_margin,
 )
-from clepsydra.designs.loops.multiloop import MultiloopPid, PairedLoop, checked_form, note_on_peak
+from clepsydra.designs.loops.multiloop import Detuned, MultiloopPid, PairedLoop, checked_form
 from clepsydra.designs.loops.pairing import Pairing
 from clepsydra.designs.loops.pid_settings import slowed_down
 from clepsydra.designs.models.transfer_element import TransferElement
 from clepsydra.designs.request import positive_number
+from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT, note_on_peak
 from clepsydra.linear.linear_model import LinearModel
 
 #: The lag of the PI at the default crossover is at least this, which makes ω Ti at most 3.
@@ -108,6 +110,16 @@ def default_crossover(
     return low
 
 
+@design(
+    "phase_margin",
+    "PI or PID by phase margin",
+    Studied(40, "PI, phase margin"),
+    Studied(130, "PID, phase margin", {"actions": "PID"}),
+    keys=(
+        angle("phase_margin", 'the phase margin of each loop, `"60 deg"`'),
+        angular_frequency("crossover", "where the loops cross over"),
+    ),
+)
 def design_phase_margin(
     model: LinearModel,
     pairing: Pairing | None = None,
@@ -122,7 +134,7 @@ def design_phase_margin(
     this margin. Without a given crossover each takes the highest at which a PI has ω Ti ≤ 3, or
     a PID has to lead by no more than 30°, and a setpoint step of a tenth of the measurement's
     range does not saturate the input; then all are slowed down by one factor, K/F and F·Ti,
-    until the sampled loops together have a sensitivity peak of 2 (`designs.loops.detuning`), which
+    until the sampled loops together have a sensitivity peak of 2 (`designs.slowing_down`), which
     changes the margins: the notes give what they became. A given crossover is used as it is,
     and where no form is given a loop that a PI cannot lead enough gets a PID.
 
@@ -167,7 +179,7 @@ def design_phase_margin(
     delay = together.process.sampling_period / 2.0
     for loop in together.loops:
         with reasons_about(loop.pair):
-            _check_element(loop.element)
+            loop.element.check(METHOD, math.inf)
     if form is None and crossover is not None:
         lags = [lag_needed(loop.element, delay, phase_margin, crossover) for loop in together.loops]
         if min(lags) <= 0.0:
@@ -184,10 +196,9 @@ def design_phase_margin(
             settings.append(rule(loop.element, delay, phase_margin, frequency))
         crossovers.append(frequency)
     if crossover is None:
-        found = detune(lambda factor: slowed_down(settings, factor), together.peak, METHOD)
+        found = together.detuned(lambda factor: slowed_down(settings, factor))
     else:
-        choice = f"a crossover of {crossover:g} rad/s"
-        found = as_given(settings, together.peak, METHOD, choice)
+        found = together.as_given(settings, f"a crossover of {crossover:g} rad/s")
     return together.controller(
         found,
         f"Phase margin of {math.degrees(phase_margin):.0f}° at "
@@ -210,18 +221,11 @@ def _check(phase_margin: float, crossover: float | None) -> None:
         positive_number(place, crossover, "a frequency above 0 rad/s", "give it in rad/s")
 
 
-def _check_element(element: TransferElement) -> None:
-    if any(root.real >= 0.0 for root in element.poles):
-        raise NotApplicable(METHOD, "the element is unstable without control")
-    if element.integrators < 0:
-        raise NotApplicable(METHOD, "the input cannot hold the output: its static gain is zero")
-
-
 def _notes(found: Detuned, loops: list[PairedLoop], delay: float) -> list[str]:
     if found.factor > 1.0:
         margins = [
             margin_of(loop.element, delay, setting)
-            for loop, setting in zip(loops, found.settings, strict=True)
+            for loop, setting in zip(loops, found.design, strict=True)
         ]
         reached = " and ".join(
             f"{math.degrees(margin):.0f}° at {crossover:.3g} rad/s" for crossover, margin in margins
@@ -230,4 +234,4 @@ def _notes(found: Detuned, loops: list[PairedLoop], delay: float) -> list[str]:
             f"The loops were slowed down {found.factor:.3g} times, so that together they keep a "
             f"sensitivity peak of {SENSITIVITY_LIMIT:g}; by itself each now has {reached}."
         ]
-    return note_on_peak(found, "choose a lower crossover or a larger margin")
+    return [*note_on_peak(found.peak, "choose a lower crossover or a larger margin")]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -13,20 +12,26 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.designs.bryson import slowest_time_constant
+from clepsydra.designs.arguments.frequency import angular_frequency
+from clepsydra.designs.arguments.numbers import poles
+from clepsydra.designs.arguments.of_process import MEASUREMENTS
+from clepsydra.designs.design import Studied, design
 from clepsydra.designs.kalman import process_noise
-from clepsydra.designs.loops.control_authority import DESIGN_STEP, check_ranges, control_authority
-from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT
+from clepsydra.designs.loops.control_authority import DESIGN_STEP, check_ranges, control_authorities
 from clepsydra.designs.request import positive_number
+from clepsydra.designs.slowing_down import SlowedDown, note_on_peak, note_on_slowing, slow_down
 from clepsydra.designs.states.estimation import Estimation, input_noise, with_loads
 from clepsydra.designs.states.feedback_controller import feedback_controller, states_to_feed_back
-from clepsydra.designs.states.linear_quadratic import check_independent, refuse_feedthrough
+from clepsydra.designs.states.linear_quadratic import (
+    check_independent,
+    refuse_feedthrough,
+    slowest_time_constant,
+)
 from clepsydra.designs.states.observed_process import ObservedProcess
 from clepsydra.designs.states.observer_placement import bessel_correction, placed_correction
 from clepsydra.designs.states.placement import checked_poles, placed_gain
 from clepsydra.designs.states.precompensator import precompensator
 from clepsydra.designs.states.slow_modes import place_slow_modes
-from clepsydra.designs.states.slowing_down import SlowedDown, note_on_slowing, slow_down
 from clepsydra.designs.states.state_controllers import sensitivity_peak
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
@@ -71,6 +76,19 @@ class Placed(NamedTuple):
         return self._replace(bandwidth=self.bandwidth / factor)
 
 
+@design(
+    "pole_placement",
+    "state feedback by pole placement",
+    Studied(290, "State feedback, pole placement"),
+    keys=(
+        poles(
+            "poles", 'list of poles z = e^(sT) of the sampled loop, complex ones as `"0.9+0.1j"`'
+        ),
+        angular_frequency("bandwidth", "of Bessel poles that take the place of a list"),
+        poles("observer_poles", "list of poles of the observer, as `poles`"),
+        MEASUREMENTS,
+    ),
+)
 def design_pole_placement(
     model: LinearModel,
     *,
@@ -146,12 +164,7 @@ def design_pole_placement(
     check_independent(model, METHOD)
     observed, measured = states_to_feed_back(model, measurements, METHOD)
     _check_request(poles, bandwidth, observer_poles, observed, measured)
-    moves = np.array(
-        [
-            control_authority(process.signal(name), operating_point_of(model).as_dict()[name])
-            for name in model.inputs
-        ]
-    )
+    moves = control_authorities(operating_point_of(model), model.inputs)
     request = Placed(poles, observer_poles, bandwidth or 0.0, OBSERVER_RATIO)
     if poles is None and bandwidth is None:
         request = request._replace(bandwidth=_largest_bandwidth(observed, moves))
@@ -177,13 +190,10 @@ def design_pole_placement(
     slowed = note_on_slowing(
         found, "the regulator with its observer" if estimation else "the regulator"
     )
-    return dataclasses.replace(
-        controller,
-        design=_in_words(request.slower(found.factor), observed, regulator_poles, estimation)
-        + f", sensitivity peak {found.peak:.2f}.",
-        notes=(*controller.notes, *slowed, *_note_on_peak(found.peak)),
-        slowed=found.factor,
-    )
+    words = _in_words(request.slower(found.factor), observed, regulator_poles, estimation)
+    notes = *slowed, *note_on_peak(found.peak, "choose slower poles")
+    said = f"{words}, sensitivity peak {found.peak:.2f}."
+    return controller.described(said, notes, found.factor)
 
 
 def _check_request(
@@ -240,7 +250,7 @@ def _observer(observed: ObservedProcess, asked: Placed, regulator_poles: np.ndar
         )
     else:
         correction = placed_correction(*matrices, asked.observer_poles, whole.sizes, spans, period)
-    return Estimation(whole.estimated, whole.held, whole.moved, whole.shown, correction)
+    return Estimation.of(whole, correction)
 
 
 def _largest_bandwidth(observed: ObservedProcess, moves: np.ndarray) -> float:
@@ -288,14 +298,6 @@ def _quiet(request: Placed, observed: ObservedProcess, moves: np.ndarray) -> Pla
     return request
 
 
-def _note_on_peak(peak: float) -> tuple[str, ...]:
-    if peak <= SENSITIVITY_LIMIT:
-        return ()
-    return (
-        f"The sensitivity peak is {peak:.2f}, above {SENSITIVITY_LIMIT:g}: choose slower poles.",
-    )
-
-
 def _in_words(
     request: Placed,
     observed: ObservedProcess,
@@ -309,9 +311,7 @@ def _in_words(
     )
     words = f"Pole placement, {pattern}"
     if estimation is not None:
-        words += (
-            f"; Luenberger observer for {', '.join(each.name for each in estimation.estimated)}"
-        )
+        words += f"; Luenberger observer for {estimation.names}"
         if request.observer_poles is None:
             words += f", {request.ratio:.3g} times as fast"
     slowest = slowest_time_constant(regulator_poles, observed.period)

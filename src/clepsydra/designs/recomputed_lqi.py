@@ -4,55 +4,37 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal, path
-from clepsydra.base.words import time_text
+from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.observers.measured_state import MeasuredState, ProcessState
 from clepsydra.controllers.process_equations import ProcessEquations, process_equations
-from clepsydra.controllers.recomputed_lqi import FAMILY, cost_names, recomputed_lqi_law
+from clepsydra.controllers.recomputed_lqi import FAMILY, recomputed_lqi_law
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.designs.bryson import (
-    acceptable_deviations,
-    refuse_more_inputs,
-    slowest_time_constant,
-    tracking_times,
+from clepsydra.designs.arguments.argument import whole_number
+from clepsydra.designs.arguments.of_process import MEASUREMENTS
+from clepsydra.designs.design import Studied, design
+from clepsydra.designs.designed_values import rounded_numbers, rounded_symmetric
+from clepsydra.designs.sampled.steps_in_a_sample import steps_in_a_sample
+from clepsydra.designs.states.bryson_rule import DEVIATIONS, acceptable_deviations
+from clepsydra.designs.states.linear_quadratic import (
+    ANTI_WINDUP,
+    LqiGains,
+    check_independent,
+    refuse_feedthrough,
 )
-from clepsydra.designs.designed_values import designed_values, rounded_numbers, rounded_symmetric
-from clepsydra.designs.extended_kalman import (
+from clepsydra.designs.states.process_filter import (
     FoundFilter,
     acting_model,
     extended_kalman,
-    notes_on_filter,
-    refuse_dead_time,
+    process_state_controller,
 )
-from clepsydra.designs.loops.control_authority import check_ranges
-from clepsydra.designs.sampled.steps_in_a_sample import steps_in_a_sample
-from clepsydra.designs.states.linear_quadratic import (
-    LqiGains,
-    bryson_weights,
-    check_independent,
-    refuse_feedthrough,
-    scaled_cost,
-)
-from clepsydra.designs.states.measured_states import with_outputs
-from clepsydra.designs.states.nonlinear_lqi_values import (
-    gain_values,
-    output_values,
-)
-from clepsydra.designs.states.riccati import Regulator, optimal_regulator
-from clepsydra.designs.states.slowing_down import note_on_slowing, slow_down
-from clepsydra.designs.states.state_controllers import (
-    lqi_controller,
-    output_at_rest,
-    parts_values,
-    sensitivity_peak,
-)
+from clepsydra.designs.states.robust_lqi import StateLqi, check_lqi
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 
@@ -64,37 +46,22 @@ MOST_STATES = 10
 #: A linear model that changes by less, as a share of its entries, is the same everywhere.
 _LEAST_CHANGE = 1e-6
 #: Of the ranges, where the linear model is compared.
+_NOTE = "Its gains are states, which start at those of the operating point."
+_GAINS = ("feedback", "integral_gain")
 _SHARES = (0.1, 0.3, 0.7, 0.9)
 
 
-class StationaryLqi(NamedTuple):
-    """The regulator to which the recursion comes at the operating point.
-
-    Parameters
-    ----------
-    gains : LqiGains
-    cost : ndarray [n + q, n + q]
-        P in scaled states and errors.
-    sizes : ndarray [n]
-        In which the states are scaled.
-    errors, moves, horizons : ndarray [q], [m], [q]
-        The largest deviations and how long they may last.
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> StationaryLqi(LqiGains(one, one, np.array([0.5])), np.eye(2), *[np.ones(1)] * 4).sizes
-    array([1.])
-    """
-
-    gains: LqiGains
-    cost: np.ndarray
-    sizes: np.ndarray
-    errors: np.ndarray
-    moves: np.ndarray
-    horizons: np.ndarray
-
-
+@design(
+    "recomputed_lqi",
+    "LQI recomputed in each sample",
+    Studied(200, "LQI, recomputed"),
+    keys=(
+        MEASUREMENTS,
+        *DEVIATIONS,
+        ANTI_WINDUP,
+        whole_number("steps", "steps of the Riccati equation in a sample"),
+    ),
+)
 def design_recomputed_lqi(
     model: LinearModel,
     *,
@@ -106,12 +73,12 @@ def design_recomputed_lqi(
 ) -> Controller:
     """Design LQI control whose gains follow the operating point without a table.
 
-    At the operating point its gains are those of `designs.bryson.design_lqi`; elsewhere they
+    At the operating point its gains are those of `designs.lqi.design_lqi`; elsewhere they
     follow from the same largest deviations and the linear model at the present state and at the
     inputs, filtered over the horizon. Where sensors show every state they are read; else, or
     where measurements are chosen, an extended Kalman filter estimates the states
-    (`designs.extended_kalman`). Where the sensitivity peak at the operating point is above 2, moves
-    are made smaller and the horizon longer by one factor until it is 2.
+    (`designs.lqi_extended_kalman`). Where the sensitivity peak at the operating point is above 2,
+    moves are made smaller and the horizon longer by one factor until it is 2.
 
     Parameters
     ----------
@@ -120,7 +87,7 @@ def design_recomputed_lqi(
     measurements : sequence of str, optional
         What the filter reads; naming them asks for the filter.
     maximum_errors, maximum_moves : mapping, optional
-        As for `designs.bryson.design_lqi`.
+        As for `designs.lqi.design_lqi`.
     anti_windup : {"back_calculation", "conditional_integration", "none"}
     steps : int
         Of the Riccati difference equation in a sample.
@@ -148,7 +115,7 @@ def design_recomputed_lqi(
     At the operating point the gains are those of LQI by Bryson's rule:
 
     >>> import clepsydra as cl
-    >>> from clepsydra.designs.bryson import design_lqi
+    >>> from clepsydra.designs.lqi import design_lqi
     >>> model = cl.load("averaging-tank").linear
     >>> gains = [design_lqi(model).values["inflow.integral_gain.volume"],
     ...          design_recomputed_lqi(model).initial_state["inflow.integral_gain.volume"]]
@@ -157,9 +124,7 @@ def design_recomputed_lqi(
     """
     process = operating_point_of(model).process
     _check_steps(steps)
-    refuse_dead_time(model, NAME)
-    refuse_more_inputs(model, NAME)
-    check_ranges(process, model.outputs, model.inputs, NAME)
+    check_lqi(model, NAME, process.motion.delays, "its equations have")
     refuse_feedthrough(model, NAME)
     check_independent(model, NAME)
     equations = process_equations(model)
@@ -169,76 +134,58 @@ def design_recomputed_lqi(
             NAME, "the linear model is the same in every state, so that its gains never change"
         )
     acting = acting_model(model, equations)
-    period = process.sampling_period
     deviations = acceptable_deviations(acting, maximum_errors, maximum_moves, NAME)
-    source, found_filter = _source(model, equations, measurements, deviations.horizon)
-
-    def designed(factor: float) -> tuple[Controller, StationaryLqi]:
-        asked = deviations.slower(factor)
-        horizons = np.full(len(asked.errors), asked.horizon)
-        stationary = stationary_lqi(acting, *asked.sizes(), horizons, period)
-        linear = _linear(acting, source, found_filter, stationary, asked.horizon, anti_windup)
-        return linear, stationary
-
-    found = slow_down(designed, lambda design: sensitivity_peak(design[0], model), NAME)
-    asked = deviations.slower(found.factor)
-    linear, stationary = found.design
-    times = [linear.values.get(path(u, "tracking_time"), 1.0) for u in model.inputs]
+    source, by = _source(model, equations, measurements, deviations.horizon)
+    estimation = None if by is None else by.estimation
+    lqi = StateLqi(NAME, acting, deviations, source.measurements, anti_windup, estimation)
+    found = lqi.robust(model)
+    linear, asked = found.controller, found.asked
+    errors, moves = asked.sizes()
     controller = recomputed_lqi_controller(
-        equations, source, found_filter, stationary, asked.horizon, times, anti_windup, steps
+        source,
+        found.gains,
+        anti_windup,
+        steps,
+        by,
+        largest_error=errors,
+        largest_move=moves,
+        horizon=asked.horizon,
+        input_filter_time=asked.horizon,
+        tracking_time=[
+            linear.values[p.name] for p in linear.law.parameters if p.part == "tracking_time"
+        ],
     )
-    slowest = slowest_time_constant(stationary.gains.eigenvalues, period)
-    estimated, notes = "", linear.notes
-    if found_filter is not None:
-        notes = notes_on_filter(found_filter)
-        estimated = (
-            f"; extended Kalman filter for {', '.join(equations.states)}, {found_filter.words}"
-        )
     of_a_sample = "one step" if steps == 1 else f"{steps} steps"
-    return dataclasses.replace(
-        controller,
-        design=(
-            f"LQI with Bryson's weights, {asked.in_words(process)}, an error lasting at most "
-            f"{time_text(asked.horizon)}; in every sample {of_a_sample} of the Riccati equation "
-            f"with the linear model at the present state{estimated}; at the operating point "
-            f"slowest closed-loop time constant {time_text(slowest)}, sensitivity peak "
-            f"{found.peak:.2f}."
-        ),
-        notes=(
-            *notes,
-            "Its gains are states, which start at those of the operating point.",
-            *note_on_slowing(found, "the regulator"),
-        ),
-        slowed=found.factor,
+    return found.described(
+        controller.described("", [_NOTE]),
+        f"; in every sample {of_a_sample} of the Riccati equation with the linear model at the "
+        f"present state{'' if by is None else f'; {by.words}'}",
+        "at the operating point ",
     )
 
 
 def recomputed_lqi_controller(
-    equations: ProcessEquations,
     source: ProcessState,
-    found_filter: FoundFilter | None,
-    stationary: StationaryLqi,
-    input_filter_time: float,
-    tracking_times: Sequence[float],
+    gains: LqiGains,
     anti_windup: AntiWindup,
     steps: int = 1,
+    by: FoundFilter | None = None,
+    **numbers: ArrayLike,
 ) -> Controller:
     """Return a recomputed LQI controller at rest at the operating point, judged by no rule.
 
     Parameters
     ----------
-    equations : ProcessEquations
     source : ProcessState
-    found_filter : FoundFilter or None
-        Where the source is an extended Kalman filter.
-    stationary : StationaryLqi
-        Its weights are those of the law.
-    input_filter_time : float
-        Time constant in which the model follows the inputs [s].
-    tracking_times : sequence of float
-        One for each input, for back-calculation [s].
+    gains : LqiGains
+        To which the recursion comes at the operating point.
     anti_windup : AntiWindup
     steps : int
+    by : FoundFilter, optional
+        Where the source is an extended Kalman filter.
+    **numbers : array_like
+        largest_error, largest_move and horizon [s] of the weights, input_filter_time [s], and for
+        back-calculation tracking_time [s].
 
     Raises
     ------
@@ -248,50 +195,31 @@ def recomputed_lqi_controller(
     Examples
     --------
     >>> import clepsydra as cl
+    >>> from clepsydra.designs.states.bryson_rule import bryson_weights
+    >>> from clepsydra.designs.states.linear_quadratic import lqi_gains
     >>> model = cl.load("averaging-tank").linear
-    >>> equations = process_equations(model)
-    >>> weights = np.array([1e3, 0.5]), np.array([0.5, 3e3]), np.array([2.0, 4.0])
-    >>> found = stationary_lqi(model, *weights, 0.1)
+    >>> errors, moves, horizons = np.array([1e3, 0.5]), np.array([0.5, 3e3]), np.array([2.0, 4.0])
+    >>> gains = lqi_gains(model, bryson_weights(model, errors, moves, horizons), 0.1, 4.0)
     >>> recomputed_lqi_controller(
-    ...     equations, MeasuredState(equations), None, found, 5.0, [1.0, 1.0], "none").measurements
+    ...     MeasuredState(process_equations(model)), gains, "none", largest_error=errors,
+    ...     largest_move=moves, horizon=horizons, input_filter_time=5.0).measurements
     ('concentration', 'volume')
     """
+    equations = source.equations
     _, doublings = steps_in_a_sample(equations, NAME)
     law = recomputed_lqi_law(source, anti_windup, doublings=doublings, steps=steps)
-    values = {"input_filter_time": input_filter_time}
-    for part, of, numbers in (
-        ("largest_error", equations.outputs, stationary.errors),
-        ("largest_move", equations.inputs, stationary.moves),
-        ("horizon", equations.outputs, stationary.horizons),
-        ("size", equations.states, stationary.sizes),
-    ):
-        values |= parts_values(part, of, numbers)
-    values |= output_values(equations, tracking_times, anti_windup)
-    constants = {parameter.name: parameter.initial for parameter in law.parameters}
-    found = gain_values(equations, stationary.gains)
-    gains = [entry for entry in law.state if isinstance(entry, Signal) and entry.name in found]
-    point = equations.point
-    state = output_at_rest(point, equations.inputs) | rounded_numbers(gains, found, point)
-    at = point.as_dict()
-    state |= {path(name, "filtered"): at[name] for name in equations.inputs}
-    if found_filter is not None:
-        values |= found_filter.values
-        state |= found_filter.state
-    values = designed_values(law, constants | values, point, NAME)
-    size, cost = len(stationary.cost), rounded_symmetric(stationary.cost)
-    entries = [float(cost[j, k]) for j in range(size) for k in range(j, size)]
-    state |= zip(cost_names(equations), entries, strict=True)
-    return Controller(
-        name=NAME,
-        family=FAMILY,
-        design="",
-        law=law,
-        values=values,
-        initial_state=state,
-        measurements=source.measurements,
-        setpoints=equations.outputs,
-        manipulated=equations.inputs,
+    cost = rounded_symmetric(gains.cost)
+    state = {
+        "feedback": gains.feedback,
+        "integral_gain": gains.integral,
+        "cost": cost[np.triu_indices(len(cost))],
+    }
+    controller = process_state_controller(
+        NAME, FAMILY, law, source, numbers | {"size": gains.sizes}, state, by
     )
+    entries = [entry for entry in law.state if isinstance(entry, Signal) and entry.matrix in _GAINS]
+    rounded = rounded_numbers(entries, controller.initial_state, equations.point)
+    return dataclasses.replace(controller, initial_state=rounded)
 
 
 def change_over_ranges(equations: ProcessEquations) -> float:
@@ -327,54 +255,6 @@ def _placed(signal: Signal, value: float, share: float) -> float:
     return signal.low + share * signal.span if np.isfinite(signal.span) else value
 
 
-def stationary_lqi(
-    model: LinearModel,
-    errors: np.ndarray,
-    moves: np.ndarray,
-    horizons: np.ndarray,
-    period: float,
-) -> StationaryLqi:
-    """Return the regulator and the cost to go to which the recursion comes where nothing moves.
-
-    Parameters
-    ----------
-    model : LinearModel
-        With the states of the equations.
-    errors, moves, horizons : ndarray [q], [m], [q]
-        ȳ [output unit], ū [input unit] and T [s] of Bryson's weights.
-    period : float
-        [s]
-
-    Raises
-    ------
-    NotApplicable
-        The Riccati equation has no stabilising solution.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> model = cl.load("averaging-tank").linear
-    >>> weights = np.array([1e3, 0.5]), np.array([0.5, 3e3]), np.array([2.0, 4.0])
-    >>> stationary_lqi(model, *weights, 0.1).cost.shape
-    (4, 4)
-    """
-    horizon = float(np.max(horizons))
-    weights = bryson_weights(model, errors, moves, horizon)
-    cost, sizes, scales = scaled_cost(model, weights, period, horizon)
-    n, q = len(sizes), len(errors)
-    sums = errors * horizons
-    C = period * model.C * sizes / sums[:, None]
-    held = np.block([[cost.held, np.zeros((n, q))], [C, np.eye(q)]])
-    moved = np.vstack([cost.moved, np.zeros((q, len(moves)))])
-    Q = np.eye(n + q)
-    Q[:n, :n] = cost.Q
-    N = np.vstack([cost.N, np.zeros((q, len(moves)))])
-    found: Regulator = optimal_regulator(held, moved, Q, N, cost.R, NAME)
-    gain = scales[:, None] * found.gain
-    gains = LqiGains(gain[:, :n] / sizes, gain[:, n:] / sums, found.eigenvalues)
-    return StationaryLqi(gains, found.cost, sizes, errors, moves, horizons)
-
-
 def _source(
     model: LinearModel,
     equations: ProcessEquations,
@@ -388,35 +268,6 @@ def _source(
             pass
     found = extended_kalman(model, equations, measurements, horizon, NAME)
     return found.observer, found
-
-
-def _linear(
-    acting: LinearModel,
-    source: ProcessState,
-    found_filter: FoundFilter | None,
-    stationary: StationaryLqi,
-    horizon: float,
-    anti_windup: AntiWindup,
-) -> Controller:
-    """Return LQI with the gains at rest: the linear model of the law at the operating point."""
-    gains, estimation = stationary.gains, None
-    feedback, times = gains.feedback, [horizon] * len(acting.inputs)
-    if found_filter is not None:
-        estimation = found_filter.estimation
-    else:
-        shown = with_outputs(acting, source.measurements).C
-        feedback = np.linalg.solve(shown.T, feedback.T).T
-        times = tracking_times(acting, source.measurements, feedback, gains, horizon)
-    return lqi_controller(
-        NAME,
-        acting,
-        source.measurements,
-        feedback,
-        gains.integral,
-        times,
-        anti_windup,
-        estimation,
-    )
 
 
 def _check_steps(steps: int) -> None:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
-from clepsydra.controllers.parameters import is_finite_number
 
 
 def positive_number(place: str, value: float, expected: str, remedy: str) -> float:

@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+from functools import partial
+from typing import TYPE_CHECKING
+
 from clepsydra.base.words import time_text
-from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.multiloop_pid import Decoupling
-from clepsydra.controllers.pid_form import PidForm
+from clepsydra.controllers.decoupling import Decoupling
 from clepsydra.designs.applicability import NotApplicable, reasons_about
-from clepsydra.designs.loops.closed_loop_time import TimedLoop, design_by_time
-from clepsydra.designs.loops.multiloop import MultiloopPid, PairedLoop, checked_form
-from clepsydra.designs.loops.pairing import Pairing
+from clepsydra.designs.arguments.argument import word
+from clepsydra.designs.design import Studied, design
+from clepsydra.designs.loops.closed_loop_time import CLOSED_LOOP_TIME, TimedLoop, design_by_time
 from clepsydra.designs.loops.pid_settings import PidSettings, SeriesSettings, from_series
-from clepsydra.designs.loops.words import lag, slope
+from clepsydra.designs.loops.words import model_words
 from clepsydra.designs.models.first_order_delay import FirstOrderDelay, half_rule
 from clepsydra.designs.models.second_order_delay import SecondOrderDelay, half_rule_of_second_order
-from clepsydra.linear.linear_model import LinearModel
+
+if TYPE_CHECKING:
+    from clepsydra.controllers.controller import Controller
+    from clepsydra.controllers.pid_form import PidForm
+    from clepsydra.designs.loops.multiloop import PairedLoop
+    from clepsydra.designs.loops.pairing import Pairing
+    from clepsydra.designs.loops.published_rule import RuleActions
+    from clepsydra.linear.linear_model import LinearModel
 
 METHOD = "SIMC"
 
@@ -77,6 +85,18 @@ def simc_pid_settings(model: SecondOrderDelay, closed_loop_time_constant: float)
     )
 
 
+@design(
+    "simc",
+    "PI or PID by SIMC",
+    Studied(20, "PI, SIMC"),
+    Studied(80, "PI, SIMC, static decoupling", {"decoupling": "static"}),
+    Studied(90, "PI, SIMC, dynamic decoupling", {"decoupling": "dynamic"}),
+    Studied(120, "PID, SIMC", {"actions": "PID"}),
+    keys=(
+        CLOSED_LOOP_TIME,
+        word("decoupling", "each loop also answers to what the others move", Decoupling),
+    ),
+)
 def design_simc(
     model: LinearModel,
     pairing: Pairing | None = None,
@@ -92,7 +112,7 @@ def design_simc(
     closed-loop time constant, each loop takes the shortest τc that is not below its effective
     delay and at which a setpoint step of a tenth of the measurement's range does not saturate
     the input by the gain of the rule; then all are lengthened by one factor until the sampled
-    loops together have a sensitivity peak of 2 (`designs.loops.detuning`). A given τc is used as it
+    loops together have a sensitivity peak of 2 (`designs.slowing_down`). A given τc is used as it
     is.
 
     Parameters
@@ -138,47 +158,53 @@ def design_simc(
     >>> round(controller.values["level_1.proportional_gain"], 6)
     3.0
     """
+    from clepsydra.designs.loops.multiloop import MultiloopPid, checked_form
+
     form, actions = checked_form(form, METHOD)
     together = MultiloopPid(model, pairing, form, METHOD, decoupling)
     delay = together.process.sampling_period / 2.0
-    source = "SIMC (Skogestad 2003)"
-    if actions == "PI":
-        loops = [_first_order(loop, delay) for loop in together.loops]
-        models = "First-order models by the half rule"
-        return design_by_time(together, loops, closed_loop_time_constant, source, models)
-    reduced = [_reduced_to_second_order(loop, delay) for loop in together.loops]
-    if not any(each.second_time_constant for each in reduced):
+    loops = [simc_loop(loop, delay, actions) for loop in together.loops]
+    if actions == "PID" and not any(loop.settings_at(1.0).derivative_time for loop in loops):
         raise NotApplicable(METHOD, "no element has a second lag, so that its PID would be the PI")
-    loops = [_second_order(*pair) for pair in zip(together.loops, reduced, strict=True)]
-    models = "Second-order models by the half rule"
-    return design_by_time(together, loops, closed_loop_time_constant, source, models)
-
-
-def _first_order(loop: PairedLoop, delay: float) -> TimedLoop:
-    with reasons_about(loop.pair):
-        model = half_rule(loop.element, delay, method=METHOD)
-    return TimedLoop(
-        lambda time: simc_settings(model, time),
-        _shortest(loop, model),
-        f"{slope(model.slope, loop.output, loop.input)}, {lag(model.time_constant)}, "
-        f"delay {time_text(model.delay)}",
+    order = "First" if actions == "PI" else "Second"
+    return design_by_time(
+        together,
+        loops,
+        closed_loop_time_constant,
+        "SIMC (Skogestad 2003)",
+        f"{order}-order models by the half rule",
     )
 
 
-def _reduced_to_second_order(loop: PairedLoop, delay: float) -> SecondOrderDelay:
+def simc_loop(
+    loop: PairedLoop, delay: float, actions: RuleActions, method: str = METHOD
+) -> TimedLoop:
+    """Return a loop by the half rule, its model of first order for PI and of second for PID.
+
+    Its shortest closed-loop time constant is what delay and input allow.
+
+    Parameters
+    ----------
+    loop : PairedLoop
+    delay : float
+        Of the loop outside the element: half a sampling period [s].
+    actions : {"PI", "PID"}
+    method : str
+        For the message.
+
+    Raises
+    ------
+    NotApplicable
+        As for the half rule.
+    """
+    model: FirstOrderDelay | SecondOrderDelay
     with reasons_about(loop.pair):
-        return half_rule_of_second_order(loop.element, delay, method=METHOD)
-
-
-def _second_order(loop: PairedLoop, model: SecondOrderDelay) -> TimedLoop:
-    return TimedLoop(
-        lambda time: simc_pid_settings(model, time),
-        _shortest(loop, model),
-        f"{slope(model.slope, loop.output, loop.input)}, {lag(model.time_constant)}, second time "
-        f"constant {time_text(model.second_time_constant)}, delay {time_text(model.delay)}",
-    )
-
-
-def _shortest(loop: PairedLoop, model: FirstOrderDelay | SecondOrderDelay) -> float:
-    """Return the shortest closed-loop time constant that delay and input allow [s]."""
-    return max(model.delay, 1.0 / (abs(model.slope) * loop.largest_gain) - model.delay)
+        if actions == "PI":
+            model = first = half_rule(loop.element, delay, method=method)
+            settings_at, more = partial(simc_settings, first), ""
+        else:
+            model = second = half_rule_of_second_order(loop.element, delay, method=method)
+            settings_at = partial(simc_pid_settings, second)
+            more = f", second time constant {time_text(second.second_time_constant)}"
+    shortest = max(model.delay, 1.0 / (abs(model.slope) * loop.largest_gain) - model.delay)
+    return TimedLoop(settings_at, shortest, model_words(model, loop.output, loop.input, more))

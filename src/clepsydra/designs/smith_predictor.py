@@ -14,6 +14,10 @@ from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.smith_predictor import FAMILY, PredictorShape, smith_predictor_law
 from clepsydra.designs.applicability import NotApplicable, reasons_about
+from clepsydra.designs.arguments.argument import word
+from clepsydra.designs.arguments.numbers import ASSIGNED_POLES, PENALTY
+from clepsydra.designs.design import Studied, design
+from clepsydra.designs.loops.closed_loop_time import CLOSED_LOOP_TIME
 from clepsydra.designs.loops.pairing import Pairing
 from clepsydra.designs.models.first_order_delay import half_rule
 from clepsydra.designs.models.transfer_element import TransferElement
@@ -25,9 +29,9 @@ from clepsydra.designs.polynomial.paired_models import (
     checked_request,
     modelled_pairs,
 )
-from clepsydra.designs.polynomial.polynomial_control import models_note, settings_words
 from clepsydra.designs.polynomial.sampled_model import ON_THE_CIRCLE, SampledModel
 from clepsydra.designs.polynomial.two_degree_of_freedom import two_degree_of_freedom
+from clepsydra.designs.polynomial_control import models_note, settings_words
 from clepsydra.designs.request import positive_number
 from clepsydra.designs.simc import simc_settings
 from clepsydra.linear.linear_model import LinearModel
@@ -42,6 +46,18 @@ _DAMPED = 0.5
 _POINTS = 4000
 
 
+@design(
+    "smith_predictor",
+    "Smith predictor",
+    Studied(230, "Smith predictor, LQ"),
+    Studied(240, "Smith predictor, PI", {"primary": "PI"}),
+    keys=(
+        word("primary", "what controls the model without its delay", Primary),
+        PENALTY,
+        ASSIGNED_POLES,
+        CLOSED_LOOP_TIME,
+    ),
+)
 def design_smith_predictor(
     model: LinearModel,
     pairing: Pairing | None = None,
@@ -60,7 +76,7 @@ def design_smith_predictor(
 
     - "polynomial": the spectral factor of A and B for q_u and the assigned poles make D, and
       A (1 − z^-1) P + B(1) z^-1 Q = D with r0 = D(1)/B(1) the controller. q_u and poles are
-      chosen as in `designs.polynomial.polynomial_control` where they are not given.
+      chosen as in `designs.polynomial_control` where they are not given.
     - "PI": SIMC for the lags of the model, with half a sampling period as delay.
 
     Where nothing is given all loops are slowed down by one factor until together they have a
@@ -276,16 +292,14 @@ def _fixed(pairs: Sequence[ModelledPair], feedback: Sequence[float]) -> dict[str
     for pair, kappa in zip(pairs, feedback, strict=True):
         y, model = pair.output, pair.model
         total = math.fsum(model.B)
-        values |= {path(y, "model_gain"): total, path(pair.input, "bias"): pair.resting_input}
+        values[path(y, "model_gain")] = total
         for part, numbers in (
             ("model_feedback", model.denominator),
             ("model_share", [b / total for b in model.numerator]),
         ):
             values |= dict(zip(elements(path(y, part), len(numbers)), numbers, strict=True))
         if kappa:
-            values |= {
-                path(y, "error_feedback"): kappa, path(y, "reference"): pair.resting_output,
-            }  # fmt: skip
+            values[path(y, "error_feedback")] = kappa
     return values
 
 

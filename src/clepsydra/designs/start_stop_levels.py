@@ -3,20 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
+from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import elements, path
 from clepsydra.base.units import from_si
 from clepsydra.controllers.at_rest import state_at_rest
+from clepsydra.controllers.complexity import Complexity
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.controllers.start_stop_levels import FAMILY, start_stop_law
 from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.arguments.argument import argument
+from clepsydra.designs.design import Studied, design
 from clepsydra.designs.designed_values import designed_values
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.process.pump import Pump
+from clepsydra.process.elements.pump import Pump
+
+if TYPE_CHECKING:
+    from clepsydra.process.process import Process
+    from clepsydra.process.table_reader import TableReader
 
 METHOD = "start/stop levels"
 #: Shares of the tank's height that the levels keep to.
@@ -24,6 +32,27 @@ LOWEST, HIGHEST = 0.2, 0.8
 _HOUR = 3600.0
 
 
+def _starts(table: TableReader, key: str, process: Process) -> float:
+    """Read how often a pump may start in an hour; a bare number will do."""
+    unit = "1/h" if isinstance(table.raw(key), str) else "1"
+    return table.quantity(key, unit, "a number of starts", 'write as in 6 or "6 1/h"', above=0.0)
+
+
+_STARTS_PER_HOUR = argument(
+    "starts_per_hour",
+    _starts,
+    'of one pump, `10` or `"10 1/h"`, above 0',
+    {"type": ["number", "string"]},
+    "quantity",
+)
+
+
+@design(
+    "start_stop_levels",
+    "pumps by start and stop levels",
+    Studied(280, "Start/stop levels"),
+    keys=(_STARTS_PER_HOUR,),
+)
 def design_start_stop_levels(model: LinearModel, *, starts_per_hour: float = 10.0) -> Controller:
     """Return levels at which pumps start and stop, with duty and standby.
 
@@ -119,6 +148,7 @@ class _Station:
         return Controller(
             name="Start/stop levels",
             family=FAMILY,
+            structure=Complexity.LOOPS,
             design=(
                 f"Start and stop levels for at most {starts_per_hour:g} starts an hour of a pump: "
                 f"{_litres(capacity)} need {volume:.3g} m³ between start and stop; "

@@ -8,6 +8,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
+from clepsydra.base.arguments import check_choice
 from clepsydra.base.errors import InputError
 from clepsydra.designs.models.first_order_delay import FirstOrderDelay
 from clepsydra.designs.models.step_record import StepRecord, step_record
@@ -66,10 +67,7 @@ def two_point_fopdt(
     >>> round(found.gain, 6), round(found.time_constant, 2), round(found.delay, 2)
     (2.0, 8.0, 4.0)
     """
-    if points not in get_args(Points):
-        raise InputError(
-            f"{PLACE}, points", points, f"one of {', '.join(get_args(Points))}", "correct the name"
-        )
+    check_choice(f"{PLACE}, points", points, get_args(Points))
     record = step_record(time, manipulated, measured, PLACE)
     gain = _gain(record)
     first, second = SHARES[points]

@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
-from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.pid_form import PidForm
-from clepsydra.designs.loops.multiloop import PairedLoop
-from clepsydra.designs.loops.pairing import Pairing
+from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loops.pid_settings import PidSettings, SeriesSettings, from_series
-from clepsydra.designs.loops.published_rule import PublishedRule, RuleActions, design_by_rule
+from clepsydra.designs.loops.published_rule import (
+    AS_PUBLISHED,
+    PublishedRule,
+    RuleActions,
+    design_by_rule,
+)
 from clepsydra.designs.models.ultimate_point import UltimatePoint, ultimate_point
 from clepsydra.designs.ziegler_nichols import words_on_ultimate
-from clepsydra.linear.linear_model import LinearModel
+
+if TYPE_CHECKING:
+    from clepsydra.controllers.controller import Controller
+    from clepsydra.controllers.pid_form import PidForm
+    from clepsydra.designs.loops.multiloop import PairedLoop
+    from clepsydra.designs.loops.pairing import Pairing
+    from clepsydra.linear.linear_model import LinearModel
 
 METHOD = "Tyreus-Luyben"
 SOURCE = "Tyreus and Luyben 1992, Luyben 1996"
@@ -43,6 +52,12 @@ def tyreus_luyben_settings(point: UltimatePoint, actions: RuleActions = "PI") ->
     return PidSettings(point.gain / 3.22, 2.2 * point.period)
 
 
+@design(
+    "tyreus_luyben",
+    "PI or PID by Tyreus and Luyben",
+    Studied(70, "PI, Tyreus-Luyben"),
+    keys=(AS_PUBLISHED,),
+)
 def design_tyreus_luyben(
     model: LinearModel,
     pairing: Pairing | None = None,
@@ -54,7 +69,7 @@ def design_tyreus_luyben(
 
     The ultimate point is computed from the model, with its dead time and half a sampling
     period of delay. Unless `as_published`, all loops are slowed down by one factor until
-    together they have a sensitivity peak of 2 (`designs.loops.detuning`).
+    together they have a sensitivity peak of 2 (`designs.slowing_down`).
 
     Parameters
     ----------

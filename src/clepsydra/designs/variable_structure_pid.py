@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from clepsydra.base.arguments import sequence_of
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import path
+from clepsydra.controllers.complexity import Complexity
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.variable_structure_pid import (
@@ -15,8 +16,9 @@ from clepsydra.controllers.variable_structure_pid import (
     variable_structure_form,
     variable_structure_pid_law,
 )
+from clepsydra.designs.arguments.numbers import ALPHA
+from clepsydra.designs.design import Studied, design
 from clepsydra.designs.designed_values import designed_values
-from clepsydra.designs.loops.detuning import as_given
 from clepsydra.designs.loops.multiloop import MultiloopPid, checked_form
 from clepsydra.designs.loops.pairing import Pairing
 from clepsydra.designs.loops.pid_settings import PidSettings
@@ -29,6 +31,12 @@ from clepsydra.linear.linearise import operating_point_of
 METHOD = "variable-structure PID"
 
 
+@design(
+    "variable_structure_pid",
+    "PI or PID with variable structure",
+    Studied(100, "PI, variable structure"),
+    keys=(ALPHA,),
+)
 def design_variable_structure_pid(
     model: LinearModel,
     pairing: Pairing | None = None,
@@ -140,6 +148,7 @@ def with_variable_structure(
         base,
         name=f"{form.actions}, variable structure",
         family=family(form),
+        structure=Complexity.ADVANCED_LOOPS,
         law=law,
         values=values,
     )
@@ -171,5 +180,5 @@ def _as_given(
                 f"{loop.output.name}",
                 "give K that sign and a finite Ti",
             )
-    found = as_given(settings, together.peak, METHOD, "these settings")
+    found = together.as_given(settings, "these settings")
     return together.controller(found, "Settings as given", ())

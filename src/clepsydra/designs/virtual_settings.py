@@ -8,15 +8,28 @@ from typing import NamedTuple
 
 import numpy as np
 
-from clepsydra.base.arguments import sequence_of
+from clepsydra.base.arguments import is_finite_number, sequence_of
 from clepsydra.base.errors import InputError
 from clepsydra.base.rounding import rounded
-from clepsydra.controllers.parameters import is_finite_number
+from clepsydra.controllers.virtual_input import AlphaOn, VirtualAntiWindup
+from clepsydra.designs.arguments.argument import flag, word
+from clepsydra.designs.arguments.numbers import ALPHA
+from clepsydra.designs.arguments.of_process import MEASUREMENTS
+from clepsydra.designs.loops.closed_loop_time import CLOSED_LOOP_TIME
 from clepsydra.designs.request import positive_number
 from clepsydra.designs.sampled.setpoint_response import settled_after
 
 #: Instants of a response in the time constant of its fastest mode.
 _FINE = 0.02
+#: What feedback linearisation may be asked for.
+ARGUMENTS = (
+    MEASUREMENTS,
+    CLOSED_LOOP_TIME,
+    word("anti_windup", "what integrals do while an output is at a limit", VirtualAntiWindup),
+    ALPHA,
+    word("alpha_on", "where α leads back", AlphaOn),
+    flag("despite_unstable_internal_dynamics", "`true` shows what happens"),
+)
 
 
 class VirtualSettings(NamedTuple):

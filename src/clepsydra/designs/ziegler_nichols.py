@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
-from typing import Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.arguments import check_choice
 from clepsydra.base.signal import Signal
 from clepsydra.base.words import time_text
-from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.pid_form import PidForm
-from clepsydra.designs.loops.multiloop import PairedLoop
-from clepsydra.designs.loops.pairing import Pairing
+from clepsydra.designs.arguments.argument import word
+from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loops.pid_settings import PidSettings
-from clepsydra.designs.loops.published_rule import PublishedRule, RuleActions, design_by_rule
+from clepsydra.designs.loops.published_rule import (
+    AS_PUBLISHED,
+    PublishedRule,
+    RuleActions,
+    design_by_rule,
+)
 from clepsydra.designs.loops.words import gain, slope
 from clepsydra.designs.models.reaction_curve import reaction_curve
 from clepsydra.designs.models.ultimate_point import UltimatePoint, ultimate_point
-from clepsydra.linear.linear_model import LinearModel
+
+if TYPE_CHECKING:
+    from clepsydra.controllers.controller import Controller
+    from clepsydra.controllers.pid_form import PidForm
+    from clepsydra.designs.loops.multiloop import PairedLoop
+    from clepsydra.designs.loops.pairing import Pairing
+    from clepsydra.linear.linear_model import LinearModel
 
 METHOD = "Ziegler-Nichols"
 Experiment = Literal["ultimate_point", "step_response"]
@@ -73,6 +82,16 @@ def ziegler_nichols_step_settings(
     return PidSettings(0.9 / (slope * delay), delay / 0.3)
 
 
+@design(
+    "ziegler_nichols",
+    "PI or PID by Ziegler and Nichols",
+    Studied(60, "PI, Ziegler-Nichols"),
+    Studied(150, "PID, Ziegler-Nichols", {"actions": "PID"}),
+    keys=(
+        word("experiment", "the experiment that the settings follow from", Experiment),
+        AS_PUBLISHED,
+    ),
+)
 def design_ziegler_nichols(
     model: LinearModel,
     pairing: Pairing | None = None,
@@ -86,7 +105,7 @@ def design_ziegler_nichols(
     What their experiments would find is computed from the model, with its dead time and half
     a sampling period of delay. The rules aim at a decay by a quarter from swing to swing,
     which is oscillatory and fragile: unless `as_published`, all loops are slowed down by one
-    factor until together they have a sensitivity peak of 2 (`designs.loops.detuning`).
+    factor until together they have a sensitivity peak of 2 (`designs.slowing_down`).
 
     Parameters
     ----------
@@ -127,13 +146,7 @@ def design_ziegler_nichols(
     >>> round(controller.values["level.integral_time"], 6)
     100.0
     """
-    if experiment not in get_args(Experiment):
-        raise InputError(
-            f"{METHOD}, experiment",
-            experiment,
-            f"one of {', '.join(get_args(Experiment))}",
-            "correct the name",
-        )
+    check_choice(f"{METHOD}, experiment", experiment, get_args(Experiment))
     rule = _from_ultimate_point if experiment == "ultimate_point" else _from_step_response
     return design_by_rule(
         model,

@@ -15,11 +15,11 @@ from clepsydra.engine.vector_statements import StatementPrinter
 from clepsydra.engine.vector_text import VectorText
 from clepsydra.engine.vector_turns import TurnPrinter
 from clepsydra.engine.workspace import POINTER, StoredValues, Workspace
+from clepsydra.program.operation import Operation
 from clepsydra.program.program import (
     Block,
     Conditional,
     Loop,
-    Operation,
     Program,
     Statement,
     read_by,

@@ -6,15 +6,8 @@ from clepsydra.engine.elementary_functions import elementary_function
 from clepsydra.engine.vector_rings import RingPrinter
 from clepsydra.engine.vector_text import VectorText
 from clepsydra.engine.vector_turns import TurnPrinter
-from clepsydra.program.program import (
-    LIBRARY,
-    Block,
-    Conditional,
-    Loop,
-    Operation,
-    Statement,
-    read_by,
-)
+from clepsydra.program.operation import LIBRARY, Operation
+from clepsydra.program.program import Block, Conditional, Loop, Statement, read_by
 
 _ARITHMETIC = {
     "add": "fadd",

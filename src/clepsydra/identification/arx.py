@@ -1,7 +1,8 @@
-"""ARX models with delay by least squares."""
+"""ARX models by least squares, with an offset where no rest is known."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,21 +11,23 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.designs.polynomial.sampled_model import SampledModel
 
-#: A direction of the regressors this much weaker than the strongest carries no information.
+#: A triangle whose diagonal shrinks by more is that of dependent columns.
 _RANK = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
 class ArxFit:
-    """A model y(k) = −Σ a_i y(k−i) + Σ b_j u(k−j−d) + e(k), fitted by least squares.
+    """A model y(k) = −Σ a_i y(k−i) + Σ b_j u(k−j−d) + c + e(k), fitted by least squares.
 
     Parameters
     ----------
     model : SampledModel
-    covariance : ndarray [2n, 2n]
-        Of a1 … an, b1 … bn.
     residuals : ndarray [rows]
         e(k) of the samples that were fitted, the last ones of the record.
+    jacobian : ndarray [rows, p]
+        Of the prediction by a1 … an, b1 … bn and, if there is one, c.
+    offset : float or None
+        c, which holds the rest of input and output; None where they are deviations from it.
 
     Examples
     --------
@@ -32,8 +35,9 @@ class ArxFit:
     """
 
     model: SampledModel
-    covariance: np.ndarray
     residuals: np.ndarray
+    jacobian: np.ndarray
+    offset: float | None = None
 
     @property
     def cost(self) -> float:
@@ -42,13 +46,21 @@ class ArxFit:
 
     @cached_property
     def coefficients(self) -> np.ndarray:
-        """a1 … an, b1 … bn."""
-        return np.array([*self.model.denominator, *self.model.numerator])
+        """a1 … an, b1 … bn and, if there is one, c."""
+        constant = () if self.offset is None else (self.offset,)
+        return np.array([*self.model.denominator, *self.model.numerator, *constant])
+
+    @cached_property
+    def covariance(self) -> np.ndarray:
+        """Of the coefficients [p, p], where the noise is white and enters as e(k)."""
+        sizes = np.linalg.norm(self.jacobian, axis=0)
+        inverse = np.linalg.inv(np.linalg.qr(self.jacobian / sizes, mode="r"))
+        variance = self.cost / (len(self.residuals) - len(sizes))
+        covariance: np.ndarray = variance * (inverse @ inverse.T) / np.outer(sizes, sizes)
+        return covariance
 
     def intervals(self, level: float = 0.95) -> np.ndarray:
-        """Return the confidence intervals of a1 … an, b1 … bn [2n, 2] by Student's t.
-
-        They hold where the noise is white and enters as e(k).
+        """Return the confidence intervals of the coefficients [p, 2] by Student's t.
 
         Parameters
         ----------
@@ -68,22 +80,48 @@ class ArxFit:
         reach = t.ppf(0.5 + 0.5 * level, freedom) * np.sqrt(np.diag(self.covariance))
         return np.stack([self.coefficients - reach, self.coefficients + reach], axis=1)
 
+    @property
+    def rounding(self) -> float:
+        """How far the arithmetic may be off in a predicted sample."""
+        size = float(np.max(np.abs(self.jacobian) @ np.abs(self.coefficients)))
+        return len(self.residuals) * float(np.finfo(float).eps) * size
+
+    def simulated(self, signal: np.ndarray, output: np.ndarray) -> np.ndarray:
+        """Return the output [N] that follows from the input and from the first n outputs."""
+        from scipy.signal import lfilter, lfiltic
+
+        order, delay = self.model.order, self.model.delay
+        late = np.concatenate([np.full(delay, signal[0]), signal])[: len(signal)]
+        driven = lfilter(self.model.B, [1.0], late - signal[0]) + math.fsum(self.model.B) * late[0]
+        start = lfiltic([1.0], self.model.A, output[order - 1 :: -1][:order])
+        after, _ = lfilter([1.0], self.model.A, driven[order:] + (self.offset or 0.0), zi=start)
+        return np.concatenate([output[:order], after])
+
 
 def fit_arx(
-    signal: np.ndarray, output: np.ndarray, *, order: int, delay: int, period: float
+    signal: np.ndarray,
+    output: np.ndarray,
+    *,
+    order: int,
+    delay: int,
+    period: float,
+    offset: bool = False,
 ) -> ArxFit:
     """Fit an ARX model of given order and delay by least squares.
 
     Parameters
     ----------
     signal, output : ndarray [N]
-        u and y as deviations from rest, sampled with the input held in between.
+        u and y, sampled with the input held in between: deviations from rest, or with an offset
+        as they were measured.
     order : int
         n
     delay : int
         d [samples]
     period : float
         T0 [s]
+    offset : bool
+        Whether there is a constant c.
 
     Raises
     ------
@@ -103,34 +141,60 @@ def fit_arx(
     >>> fit = fit_arx(u, tank.output(u), order=1, delay=3, period=1.0)
     >>> fit.coefficients.round(9), fit.cost < 1e-20
     (array([-0.9,  0.2]), True)
+    >>> raised = fit_arx(u + 3, tank.output(u) + 12, order=1, delay=3, period=1.0, offset=True)
+    >>> round(raised.offset, 6)
+    0.6
     """
     signal, output = checked_records(signal, output)
     order = whole_number("ARX, order", order, 1)
     delay = whole_number("ARX, delay", delay, 0)
-    needed = 2 * order + 1
+    parameters = 2 * order + offset
+    needed = parameters + 1
     if len(output) - order - delay < needed:
         raise InputError(
             "ARX, records", f"{len(signal)} samples",
             f"at least {needed + order + delay}, so that there are more equations than the "
-            f"{2 * order} parameters",
+            f"{parameters} parameters",
             "record for longer, or take a lower order or a shorter delay",
         )  # fmt: skip
-    F, y = regressors(signal, output, order, delay)
-    sizes = np.sqrt(np.mean(F**2, axis=0))
-    sizes[sizes == 0.0] = 1.0
-    _, strengths, directions = np.linalg.svd(F / sizes, full_matrices=False)
-    if strengths[-1] <= _RANK * strengths[0]:
+    solved = least_squares(signal, output, order, delay, offset=offset)
+    if solved is None:
         raise InputError(
             "ARX, signal", f"{len(signal)} samples",
-            f"an input that tells {2 * order} parameters apart",
+            f"an input that tells {parameters} parameters apart",
             "excite the process by more than a step or a single sine, or take a lower order",
         )  # fmt: skip
-    inverse = (directions.T / strengths**2) @ directions / np.outer(sizes, sizes)
-    theta = np.linalg.lstsq(F / sizes, y, rcond=None)[0] / sizes
-    residuals = y - F @ theta
-    variance = float(residuals @ residuals) / (len(y) - 2 * order)
-    model = SampledModel(tuple(theta[order:]), tuple(theta[:order]), delay, period)
-    return ArxFit(model, variance * inverse, residuals)
+    theta, residuals, jacobian = solved
+    model = SampledModel(tuple(theta[order : 2 * order]), tuple(theta[:order]), delay, period)
+    return ArxFit(model, residuals, jacobian, float(theta[-1]) if offset else None)
+
+
+def least_squares(
+    signal: np.ndarray, output: np.ndarray, order: int, delay: int, *, offset: bool
+) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """Return parameters, residuals and regressors; None where these depend on each other.
+
+    By QR of the regressors, as the normal equations would square their condition.
+
+    Examples
+    --------
+    >>> u = np.eye(12)[3]
+    >>> y = SampledModel((2.0,), (-0.5,), 0, 1.0).output(u)
+    >>> least_squares(u, y, order=1, delay=0, offset=False)[0].round(9)
+    array([-0.5,  2. ])
+    """
+    F, y = regressors(signal, output, order, delay)
+    if offset:
+        F = np.concatenate([F, np.ones((len(F), 1))], axis=1)
+    sizes = np.linalg.norm(F, axis=0)
+    if len(F) <= F.shape[1] or not np.all(sizes):
+        return None
+    basis, triangle = np.linalg.qr(F / sizes)
+    diagonal = np.abs(np.diag(triangle))
+    if diagonal.min() <= _RANK * diagonal.max():
+        return None
+    theta = np.linalg.solve(triangle, basis.T @ y) / sizes
+    return theta, y - F @ theta, F
 
 
 def regressors(

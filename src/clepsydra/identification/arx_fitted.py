@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from clepsydra.base.signal import Signal
-from clepsydra.identification.arx_with_rest import ArxWithRest, fit_arx_with_rest, longest_delay
+from clepsydra.identification.arx import ArxFit
+from clepsydra.identification.arx_choice import choose_arx, longest_delay
 from clepsydra.identification.estimate import Estimate, around, ratio_signal
 from clepsydra.identification.fitted_model import FittedModel
-from clepsydra.identification.input_effect import chance_of_no_effect
 from clepsydra.identification.noise_model import NoiseModel
 from clepsydra.identification.record import Record
-from clepsydra.identification.residual_tests import basis_of, residual_tests
+from clepsydra.identification.residual_tests import basis_of, chance_of_no_effect, residual_tests
 from clepsydra.identification.uncertainty import uncertainty
 from clepsydra.identification.validation import fit_percent
 
@@ -44,7 +44,7 @@ def arx_model(record: Record, manipulated: str, output: str) -> FittedModel:
     """
     u, y = record.moving(manipulated), record.moving(output)
     count = record.held_back
-    fit = fit_arx_with_rest(u[:count], y[:count], record.period)
+    fit = choose_arx(u[:count], y[:count], record.period)
     rows = len(fit.residuals)
     tests = residual_tests(fit.residuals, fit.jacobian, u[count - rows : count, None], fit.rounding)
     sure = uncertainty(fit.jacobian, fit.residuals, [tests.noise])
@@ -94,7 +94,7 @@ def arx_model(record: Record, manipulated: str, output: str) -> FittedModel:
     )
 
 
-def _chance(fit: ArxWithRest, y: np.ndarray, noise: NoiseModel | None, tried: int) -> float:
+def _chance(fit: ArxFit, y: np.ndarray, noise: NoiseModel | None, tried: int) -> float:
     """Return the probability that an input without effect does as well, at the best of delays."""
     order = fit.model.order
     by_itself = basis_of(np.delete(fit.jacobian, np.s_[order : 2 * order], axis=1))

@@ -158,7 +158,7 @@ def identify_model(
 
     Examples
     --------
-    >>> from clepsydra.identification.held_response import HeldResponse
+    >>> from clepsydra.identification.output_error import HeldResponse
     >>> u = 3.0 + np.tile(np.repeat([0.0, 1.0, -1.0], 20), 4)
     >>> since = np.maximum(np.arange(240.0) - 3.4, 0.0)
     >>> level = 0.12 + HeldResponse(u).to(0.04 * (1.0 - np.exp(-since / 15.0))[:, None])[:, 0]

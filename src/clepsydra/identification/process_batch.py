@@ -12,10 +12,8 @@ from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.equilibrium import NoEquilibrium, find_equilibrium
 from clepsydra.loop.motion_block import RING_PARTS, MotionBlock, ring_name
 from clepsydra.loop.open_loop_plan import plan_simulation
+from clepsydra.loop.process_period import process_period
 from clepsydra.process.process import Process
-from clepsydra.program.builder import BlockBuilder
-from clepsydra.program.program import Program
-from clepsydra.program.reader import inline
 
 
 class ProcessBatch:
@@ -128,27 +126,7 @@ class ProcessBatch:
 
     @cached_property
     def _kernel(self) -> Kernel:
-        process, motion = self.process, self.process.motion
-        state = self.motion.state
-        names = [s.name for s in (*state, *self.outside, *process.parameters)]
-        builder = BlockBuilder(len(names))
-        value = {name: index for index, name in enumerate(names)}
-        parameters = [value[signal.name] for signal in process.parameters]
-        contents = [value[signal.name] for signal in motion.contents]
-        shown = inline(builder, motion.to_state, [*contents, *parameters], fused=True)
-        measured = inline(builder, process.measure, [*shown, *parameters], fused=True)
-        outside = [value[signal.name] for signal in self.outside]
-        following = self.motion.move(
-            builder, [value[signal.name] for signal in state], [*outside, *parameters]
-        )
-        block = builder.finish([*following, *measured])
+        process = self.process
         return Kernel(
-            Program(
-                f"{process.name}, measured",
-                state,
-                self.outside,
-                process.parameters,
-                process.measurements,
-                block,
-            )
+            process_period(process, self.motion, (), shown="start", reading=process.measure)
         )

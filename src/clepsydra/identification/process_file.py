@@ -13,7 +13,7 @@ from clepsydra.base.units import from_si
 from clepsydra.identification.process_fit import ProcessFit
 from clepsydra.process.catalogue_names import catalogue_file
 from clepsydra.process.document import Document, parse
-from clepsydra.process.flow_splitter import FlowSplitter
+from clepsydra.process.elements.flow_splitter import FlowSplitter
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.identification.estimate import Estimate, around, by_logarithm
-from clepsydra.identification.process_search import ProcessSearch, is_positive
+from clepsydra.identification.estimate import Estimate
+from clepsydra.identification.process_search import ProcessSearch
 from clepsydra.identification.record import Record
 from clepsydra.identification.residual_tests import ResidualTests, residual_tests
 from clepsydra.identification.uncertainty import Uncertainty, uncertainty
@@ -259,18 +259,9 @@ def _result(search: ProcessSearch, x: np.ndarray, sizes: np.ndarray) -> ProcessF
                 validated=fit_percent(held, found[search.count :], mean),
             )
         )  # fmt: skip
-    estimates = []
-    for signal, value, reach in zip(search.parameters, x, sure.reach, strict=False):
-        if is_positive(signal):
-            amount = signal.initial * math.exp(value)
-            estimates.append(by_logarithm(signal, amount, float(reach)))
-        else:
-            estimates.append(around(signal, float(value), float(reach)))
-    start = []
-    for row, place in enumerate(search.states, len(search.parameters)):
-        span = search.span(place)
-        reach = float(span * sure.reach[row])
-        start.append(around(search.process.state[place], float(span * x[row]), reach))
+    searched = zip(search.unknowns, x, sure.reach, strict=True)
+    every = tuple(unknown.estimate(value, reach) for unknown, value, reach in searched)
+    estimates, start = every[: len(search.parameters)], every[len(search.parameters) :]
     values = {e.signal.name: e.value for e in estimates}
     fitted = tuple(
         replace(p, initial=values.get(p.name, p.initial)) for p in search.process.parameters
@@ -278,8 +269,8 @@ def _result(search: ProcessSearch, x: np.ndarray, sizes: np.ndarray) -> ProcessF
     return ProcessFit(
         process=replace(search.process, parameters=fitted),
         record=search.record,
-        estimates=tuple(estimates),
-        start=tuple(start),
+        estimates=estimates,
+        start=start,
         before=tuple(signal.initial for signal in search.parameters),
         outputs=tuple(outputs),
         sure=sure,

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
+from clepsydra.identification.estimate import Estimate, around, by_logarithm
 from clepsydra.identification.process_batch import ProcessBatch
 from clepsydra.identification.record import Record
 from clepsydra.process.process import Process
@@ -24,6 +25,57 @@ _ALIKE = 1e-5
 #: Share of a sensor's range that it does not resolve.
 _RESOLVED = 1e-5
 _TOLERANCE = 1e-10
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """A number that is searched, scaled to about one.
+
+    Parameters
+    ----------
+    signal : Signal
+    start : float
+        Where the search begins [SI].
+    scale : float or None
+        What it is divided by [SI]; None where its logarithm, from zero on, is searched.
+
+    Examples
+    --------
+    >>> Unknown(Signal("tank.level", "m", low=0.0, high=0.2), 0.1, 0.2).guess
+    0.5
+    """
+
+    signal: Signal
+    start: float
+    scale: float | None
+
+    @property
+    def guess(self) -> float:
+        """Scaled, to begin with."""
+        return 0.0 if self.scale is None else self.start / self.scale
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Scaled, with room for central differences."""
+        if self.scale is None:
+            return -10.0, 10.0
+        low, high = self.signal.low / self.scale, self.signal.high / self.scale
+        return low + 2.0 * _STEP, high - 2.0 * _STEP
+
+    def value(self, x: np.ndarray) -> np.ndarray:
+        """Return what some scaled values stand for [SI]."""
+        return self.start * np.exp(x) if self.scale is None else self.scale * x
+
+    def estimate(self, x: np.ndarray, reach: np.ndarray) -> Estimate:
+        """Return the estimate at a scaled value, with the half width of its interval."""
+        value = float(self.value(x))
+        if self.scale is None:
+            return by_logarithm(self.signal, value, float(reach))
+        return around(self.signal, value, float(self.scale * reach))
+
+
+def _scale(signal: Signal, start: float) -> float:
+    return signal.span if math.isfinite(signal.span) else max(abs(start), 1.0)
 
 
 class ProcessSearch:
@@ -55,24 +107,20 @@ class ProcessSearch:
         self.count = record.held_back
         self.parameters = checked_parameters(process, parameters)
         columns = {signal.name for signal in record.signals}
-        outside = [s for s in (*process.inputs, *process.disturbances) if s.name in columns]
-        if not outside:
-            raise InputError(
-                record.place,
-                f"columns {', '.join(s.name for s in record.signals)[:100]}",
-                f"an input of {process.name}, which may stand still "
-                f"({', '.join(s.name for s in (*process.inputs, *process.disturbances))})",
-                "name the columns as the process file names its signals",
-            )
+        sources = (*process.inputs, *process.disturbances)
+        outside = [s for s in sources if s.name in columns]
         self.outputs = [s for s in process.measurements if s.name in columns]
-        if not self.outputs:
-            raise InputError(
-                record.place,
-                f"columns {', '.join(s.name for s in record.signals)[:100]}",
-                f"a measurement of {process.name} "
-                f"({', '.join(s.name for s in process.measurements)})",
-                "name the columns as the process file names its sensors",
-            )
+        for found, what, known, kind in (
+            (outside, f"an input of {process.name}, which may stand still", sources, "signals"),
+            (self.outputs, f"a measurement of {process.name}", process.measurements, "sensors"),
+        ):
+            if not found:
+                raise InputError(
+                    record.place,
+                    f"columns {', '.join(s.name for s in record.signals)[:100]}",
+                    f"{what} ({', '.join(s.name for s in known)})",
+                    f"name the columns as the process file names its {kind}",
+                )
         given = {s.name: np.asarray(record.values[s.name], float) for s in outside}
         self.notes = tuple(
             f"{s.name} is not in the record and stays at its nominal value"
@@ -108,27 +156,18 @@ class ProcessSearch:
         self._at: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
 
     @property
+    def unknowns(self) -> list[Unknown]:
+        """What is searched: the parameters, then the states at the first row."""
+        states, start = self.process.state, self.start
+        return [
+            *(Unknown(s, s.initial, None if is_positive(s) else 1.0) for s in self.parameters),
+            *(Unknown(states[i], start[i], _scale(states[i], start[i])) for i in self.states),
+        ]
+
+    @property
     def guess(self) -> np.ndarray:
         """Scaled unknowns to begin with."""
-        scaled = [0.0 if is_positive(s) else s.initial for s in self.parameters]
-        return np.array([*scaled, *(self.start[i] / self.span(i) for i in self.states)])
-
-    def span(self, place: int) -> float:
-        """Return what a state is scaled by."""
-        span = self.process.state[place].span
-        return span if math.isfinite(span) else max(abs(self.start[place]), 1.0)
-
-    def _bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        low, high = [], []
-        for signal in self.parameters:
-            positive = is_positive(signal)
-            low.append(-10.0 if positive else signal.low + 2.0 * _STEP)
-            high.append(10.0 if positive else signal.high - 2.0 * _STEP)
-        for place in self.states:
-            signal, span = self.process.state[place], self.span(place)
-            low.append(signal.low / span + 2.0 * _STEP)
-            high.append(signal.high / span - 2.0 * _STEP)
-        return np.array(low), np.array(high)
+        return np.array([unknown.guess for unknown in self.unknowns])
 
     def _start(self) -> np.ndarray:
         """Return the state at the first row: at rest there, but where a sensor shows it."""
@@ -155,13 +194,11 @@ class ProcessSearch:
 
     def simulated(self, lanes: np.ndarray, samples: int | None = None) -> np.ndarray:
         """Return the outputs [lanes, outputs, samples] at scaled unknowns [unknowns, lanes]."""
-        values = {
-            signal.name: (signal.initial * np.exp(row) if is_positive(signal) else row)
-            for signal, row in zip(self.parameters, lanes, strict=False)
-        }
+        count = len(self.parameters)
+        found = [each.value(row) for each, row in zip(self.unknowns, lanes, strict=True)]
+        values = {s.name: row for s, row in zip(self.parameters, found, strict=False)}
         start = np.tile(self.start[:, None], (1, lanes.shape[1]))
-        for row, place in enumerate(self.states, len(self.parameters)):
-            start[place] = lanes[row] * self.span(place)
+        start[self.states] = np.reshape(found[count:], (len(self.states), lanes.shape[1]))
         return np.asarray(self.batch.measured(values, start, samples)[:, self.rows])
 
     def at(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -200,7 +237,7 @@ class ProcessSearch:
         """Return the unknowns of the least weighed squares, from some on."""
         from scipy.optimize import least_squares
 
-        low, high = self._bounds()
+        low, high = np.transpose([unknown.bounds for unknown in self.unknowns])
         found = least_squares(
             lambda x: (self.at(x)[0] / sizes[:, None]).ravel(),
             np.clip(x, low, high),

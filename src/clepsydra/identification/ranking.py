@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from clepsydra.identification.fitted_model import FittedModel
-from clepsydra.identification.input_effect import chance_of_no_effect
-from clepsydra.identification.residual_tests import SIGNIFICANT
+from clepsydra.identification.residual_tests import SIGNIFICANT, chance_of_no_effect
 from clepsydra.identification.validation import EQUAL, USEFUL
 
 RANKING_RULE = (

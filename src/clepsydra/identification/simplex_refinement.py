@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import InputError
-from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.designs.polynomial.element_sampling import sampled_transfer
 from clepsydra.designs.polynomial.sampled_model import SampledModel
 from clepsydra.identification.arx import checked_records, whole_number

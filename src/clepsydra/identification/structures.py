@@ -8,6 +8,8 @@ import numpy as np
 
 #: Lags that differ by less than this share are treated as a series around their mean.
 _CLOSE = 1e-3
+#: Of the two lags in their difference.
+_SIGNS = np.array([1.0, -1.0])
 
 
 class Responses(NamedTuple):
@@ -138,24 +140,15 @@ def _divided(time: np.ndarray, lags: np.ndarray) -> tuple[np.ndarray, ...]:
     apart = first - second
     if abs(apart) <= _CLOSE * (first + second):
         return _divided_near(time, lags)
+    ratios = time[:, None] / lags
+    decays = np.exp(-ratios)
     found = []
-    decays = np.exp(-time / first), np.exp(-time / second)
-    ratios = time / first, time / second
     for values, slopes in (
-        (
-            [lag * decay for lag, decay in zip(lags, decays, strict=True)],
-            [(1.0 + ratio) * decay for ratio, decay in zip(ratios, decays, strict=True)],
-        ),
-        (
-            decays,
-            [r / lag * decay for r, lag, decay in zip(ratios, lags, decays, strict=True)],
-        ),
+        (lags * decays, (1.0 + ratios) * decays),
+        (decays, ratios / lags * decays),
     ):
-        value = (values[0] - values[1]) / apart
-        by_lags = np.empty((len(time), 2))
-        by_lags[:, 0] = first / apart * (slopes[0] - value)
-        by_lags[:, 1] = second / apart * (value - slopes[1])
-        found += [value, by_lags]
+        value = (values[:, 0] - values[:, 1]) / apart
+        found += [value, _SIGNS * lags / apart * (slopes - value[:, None])]
     return tuple(found)
 
 
@@ -178,12 +171,6 @@ def _divided_near(time: np.ndarray, lags: np.ndarray) -> tuple[np.ndarray, ...]:
             (ratio**3 - 6.0 * ratio**2 + 6.0 * ratio) / mean**3 * decay,
         ),
     ):
-        by_lags = np.stack(
-            [
-                first * (0.5 * two + three * half / 6.0),
-                second * (0.5 * two - three * half / 6.0),
-            ],
-            axis=1,
-        )
+        by_lags = lags * (0.5 * two[:, None] + _SIGNS * three[:, None] * half / 6.0)
         found += [one + three * half**2 / 6.0, by_lags]
     return tuple(found)

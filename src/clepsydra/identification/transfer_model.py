@@ -12,10 +12,9 @@ from clepsydra.designs.models.second_order_delay import SecondOrderDelay
 from clepsydra.identification.control_settings import control_settings
 from clepsydra.identification.estimate import Estimate, around, by_logarithm, ratio_signal
 from clepsydra.identification.fitted_model import FittedModel
-from clepsydra.identification.input_effect import chance_of_no_effect
 from clepsydra.identification.output_error import LATEST, OutputErrorFit, fit_output_error
 from clepsydra.identification.record import Record
-from clepsydra.identification.residual_tests import residual_tests
+from clepsydra.identification.residual_tests import chance_of_no_effect, residual_tests
 from clepsydra.identification.structures import IPDT, SOPDT, Structure
 from clepsydra.identification.uncertainty import Uncertainty, uncertainty
 from clepsydra.identification.validation import USEFUL, fit_percent

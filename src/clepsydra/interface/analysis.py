@@ -5,25 +5,25 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from clepsydra.interface.shown import Shown
+from clepsydra.interface.shown import Answered
 from clepsydra.linear import analysis as inner
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
+    from clepsydra.base.section import Section
 
 
-class Analysis(Shown, inner.Analysis):
+class Analysis(Answered, inner.Analysis):
     """What the linear model says about a plant: `poles`, `zeros`, `pairing`, `model`, `words`, …
 
     Printed, it shows operating point, tables and sentences; all fields are those of
     `clepsydra.linear.analysis.Analysis`.
     """
 
-    def __rich__(self) -> RenderableType:
-        """Return the tables and sentences of a terminal."""
-        from clepsydra.report.tables import analysis_table
+    def answer(self) -> Section:
+        """Return its tables and sentences."""
+        from clepsydra.report.analysis_answer import analysis_answer
 
-        return analysis_table(self)
+        return analysis_answer(self)
 
     def report(self, path: str | Path) -> None:
         """Write a page with poles, Bode, Nyquist, step responses and relative gains."""

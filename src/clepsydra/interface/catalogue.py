@@ -5,9 +5,15 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from clepsydra.base.errors import InputError
+from clepsydra.base.section import Line, Mark, Section, Table
+from clepsydra.base.suggestion import suggestion
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
 
 
 @dataclass(frozen=True)
@@ -36,22 +42,33 @@ class CatalogueEntry:
         return {**asdict(self), "default_variants": list(self.default_variants)}
 
 
-def catalogue() -> tuple[CatalogueEntry, ...]:
-    """Return the processes of the catalogue, read without their equations.
+def catalogue(name: str | None = None) -> tuple[CatalogueEntry, ...]:
+    """Return the processes of the catalogue, or the one of this name, without their equations.
+
+    Raises
+    ------
+    InputError
+        No process has the name.
 
     Examples
     --------
     >>> [entry.name for entry in catalogue()][:2]
     ['averaging-tank', 'eight-tanks']
     """
+    names = catalogue_names()
+    if name is not None and name not in names:
+        raise InputError(
+            "processes", name, f"one of: {', '.join(names)}",
+            suggestion(name, names, "choose one of them"),
+        )  # fmt: skip
     entries = []
-    for name in catalogue_names():
-        tables = tomllib.loads(catalogue_file(name).read_text(encoding="utf-8"))
+    for key in names if name is None else [name]:
+        tables = tomllib.loads(catalogue_file(key).read_text(encoding="utf-8"))
         default = tables.get("default_variant", [])
         entries.append(
             CatalogueEntry(
-                name,
-                tables.get("title", name),
+                key,
+                tables.get("title", key),
                 tables.get("source", "not given"),
                 {
                     variant: table.get("description", "")
@@ -61,3 +78,51 @@ def catalogue() -> tuple[CatalogueEntry, ...]:
             )
         )
     return tuple(entries)
+
+
+def catalogue_screen(entries: tuple[CatalogueEntry, ...], *, whole: bool) -> RenderableType:
+    """Return processes as a table for a terminal, or each whole: its source and its variants.
+
+    Examples
+    --------
+    >>> type(catalogue_screen(catalogue(), whole=False)).__name__
+    'Screen'
+    """
+    from clepsydra.report.screen import Screen
+
+    parts: list[Line | Table | Section] = []
+    if whole:
+        parts += [_whole(entry) for entry in entries]
+    else:
+        rows = tuple((each.name, each.title, str(len(each.variants) or "")) for each in entries)
+        parts.append(Table("", ("process", "what it is", "variants"), rows, names=2, kept=2))
+        parts += [Line(""), Line("Sources and variants: --all, or the name of one."), Line("")]
+    subject = entries[0].name if len(entries) == 1 else "NAME"
+    parts += [
+        Line(f"Next: clepsydra study {subject}", Mark.COMMAND),
+        Line(f"      clepsydra new MINE --from {subject}", Mark.COMMAND),
+    ]
+    return Screen(Section("", tuple(parts)))
+
+
+def _whole(entry: CatalogueEntry) -> Section:
+    parts: list[Line] = [Line(f"{entry.title}."), Line(f"Source: {entry.source}.")]
+    for name, words in entry.variants.items():
+        taken = " (taken where none is named)" if name in entry.default_variants else ""
+        said = f": {words}" if words else ""
+        parts.append(Line(f"{entry.name}:{name}{taken}{said}", Mark.POINT))
+    return Section(entry.name, (*parts, Line("")))
+
+
+def schema_of_studies() -> dict[str, Any]:
+    """Return the JSON Schema of study files, for editors."""
+    from clepsydra.studies.file.reader import study_schema
+
+    return study_schema()
+
+
+def schema_of_processes() -> dict[str, Any]:
+    """Return the JSON Schema of process files, for editors."""
+    from clepsydra.process.schema import process_schema
+
+    return process_schema()

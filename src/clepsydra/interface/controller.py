@@ -8,21 +8,22 @@ from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
+from clepsydra.base.section import Line, Mark, Section, marked
 from clepsydra.controllers import controller as inner
 from clepsydra.controllers.controller import plain_name as plain_name
 from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.settings import settings_grid, values_of
-from clepsydra.interface.shown import Shown, lifted
+from clepsydra.interface.shown import Answered, lifted
 from clepsydra.loop.loop import Loop
 from clepsydra.studies.tuning.resting_states import rested_elsewhere
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
+    pass
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Controller(Shown, inner.Controller):
+class Controller(Answered, inner.Controller):
     """A step law with its numbers, for a plant; `cl.design` makes them.
 
     Printed, it shows the settings of its loops. `design` says how the numbers were found, `notes`
@@ -83,23 +84,15 @@ class Controller(Shown, inner.Controller):
         """Return it under another name, by which a study tells it apart."""
         return replace(self, name=name)
 
-    def __rich__(self) -> RenderableType:
+    def answer(self) -> Section:
         """Return name, design and settings."""
-        from rich.console import Group
-        from rich.text import Text
-
         from clepsydra.report.law_tables import law_grids
-        from clepsydra.report.tables import grid_table, hanging
 
-        parts: list[RenderableType] = [
-            Text(f"{self.title} for {self.plant.name}", style="bold"),
-            Text(self.design),
-        ]
-        grid = settings_grid(self)
-        grids = law_grids(self, self.plant.process) if grid is None else [grid]
-        parts += [grid_table(each) for each in grids]
-        parts += [hanging(f"•  {note}") for note in self.notes]
-        return Group(*parts)
+        settings = settings_grid(self)
+        tables = law_grids(self, self.plant.process) if settings is None else [settings]
+        notes = marked(Mark.POINT, self.notes)
+        title = f"{self.title} for {self.plant.name}"
+        return Section(title, (Line(self.design), *tables, *notes))
 
 
 def of_plant(controller: inner.Controller, plant: Plant) -> Controller:

@@ -2,9 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
-from clepsydra.controllers.multiloop_pid import Decoupling
+from clepsydra.controllers.decoupling import Decoupling
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.virtual_input import AlphaOn, VirtualAntiWindup
 from clepsydra.designs.loop_shaping.precompensator import Precompensator
@@ -12,6 +13,7 @@ from clepsydra.designs.loops.pairing import Pairing
 from clepsydra.designs.loops.pid_settings import PidSettings
 from clepsydra.designs.operating_plan import Follows
 from clepsydra.designs.polynomial.sampled_model import SampledModel
+from clepsydra.designs.regulator import ActsOn, RegulatorAntiWindup
 from clepsydra.designs.smith_predictor import Primary
 from clepsydra.designs.states.quadratic_weights import QuadraticWeights
 from clepsydra.designs.virtual_settings import VirtualSettings
@@ -65,7 +67,7 @@ def fuzzy_pi(
     plant: Plant,
     pairing: Pairing | None = ...,
     *,
-    largest_error: float = ...,
+    largest_error: Quantity = ...,
     closed_loop_time_constant: Quantity | None = ...,
 ) -> Controller:
     """Design an incremental fuzzy PI controller for each pair, from SIMC's linear one."""
@@ -98,7 +100,7 @@ def glover_mcfarlane(
     pairing: Pairing | None = ...,
     *,
     precompensator: Controller | Precompensator | None = ...,
-    relaxation: float = ...,
+    relaxation: Quantity = ...,
     order: int | None = ...,
 ) -> Controller:
     """Design the most robust controller of a loop that a pre-compensator has shaped."""
@@ -197,7 +199,7 @@ def polynomial(
     plant: Plant,
     pairing: Pairing | None = ...,
     *,
-    penalty: float | None = ...,
+    penalty: Quantity | None = ...,
     assigned_poles: Sequence[float] | None = ...,
     models: Sequence[SampledModel] | None = ...,
 ) -> Controller:
@@ -214,6 +216,20 @@ def recomputed_lqi(
 ) -> Controller:
     """Design LQI control whose gains follow the operating point without a table."""
 
+def regulator(
+    plant: Plant,
+    regulator: Any,
+    *,
+    sampling_period: Quantity | None = ...,
+    measurements: Sequence[str] | None = ...,
+    manipulated: Sequence[str] | None = ...,
+    units: Mapping[str, str] | None = ...,
+    acts_on: ActsOn = ...,
+    anti_windup: RegulatorAntiWindup = ...,
+    name: str = ...,
+) -> Controller:
+    """Return a controller with the matrices of a regulator, at rest at the operating point."""
+
 def simc(
     plant: Plant,
     pairing: Pairing | None = ...,
@@ -229,7 +245,7 @@ def smith_predictor(
     pairing: Pairing | None = ...,
     *,
     primary: Primary = ...,
-    penalty: float | None = ...,
+    penalty: Quantity | None = ...,
     assigned_poles: Sequence[float] | None = ...,
     closed_loop_time_constant: Quantity | None = ...,
     models: Sequence[SampledModel] | None = ...,

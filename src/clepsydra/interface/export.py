@@ -4,19 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.files import write_together
-from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers import controller as inner
-from clepsydra.controllers.plant_shell.settings import PlantShell
-from clepsydra.deploy import export as exports
-from clepsydra.deploy.exportable import exportable
-from clepsydra.deploy.fmi.write import FmiVersion
 from clepsydra.deploy.printing.identifiers import identifier_of as identifier_of
-from clepsydra.deploy.printing.precision import Precision
+from clepsydra.deploy.target import Delivery, target_of
 from clepsydra.interface.controller import of_plant
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.scenario import scenario_of
@@ -26,9 +22,6 @@ from clepsydra.loop.scenario import Scenario
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
-
-Target = Literal["st", "c", "fmu", "tuning"]
-Dialect = Literal["codesys", "matiec", "scl"]
 
 
 @dataclass(frozen=True, repr=False)
@@ -73,11 +66,11 @@ def export(
     controller: inner.Controller | None,
     plant: Plant,
     folder: str | Path = ".",
-    to: Target = "st",
+    to: str = "st",
     *,
-    dialect: Dialect = "codesys",
-    precision: Precision = "double",
-    fmi: FmiVersion = "3.0",
+    dialect: str | None = None,
+    precision: str | None = None,
+    fmi: str | None = None,
     fail_safe: Settings = None,
     sensor_delay: Settings = None,
     setpoint_rate: Settings = None,
@@ -96,11 +89,12 @@ def export(
     to : {"st", "c", "fmu", "tuning"}
         IEC 61131-3 Structured Text with a test project and PLCopen XML, C99, a functional mock-up
         unit, or PID settings in the vendors' forms and units.
-    dialect : {"codesys", "matiec", "scl"}
-        Of Structured Text.
-    precision : {"double", "single"}
+    dialect : {"codesys", "matiec", "scl"}, optional
+        Of Structured Text; of these options the first is taken if left out.
+    precision : {"double", "single"}, optional
         Of Structured Text and C.
-    fmi : {"3.0", "2.0"}
+    fmi : {"3.0", "2.0"}, optional
+        Version of the FMU.
     fail_safe : mapping, optional
         Input to its value while a sensor has failed, {"pump_1": "1 V"}; its low limit if left out.
     sensor_delay : mapping, optional
@@ -120,7 +114,8 @@ def export(
     Raises
     ------
     InputError
-        The controller cannot be exported, the target is unknown, or the folder cannot be written.
+        The controller cannot be exported, the target is unknown or has no such option, or the
+        folder cannot be written.
 
     Examples
     --------
@@ -131,19 +126,25 @@ def export(
     >>> [path.name for path in written.files]
     ['quadruple_tank_pi_simc.h', 'quadruple_tank_pi_simc.c']
     """
-    if to not in get_args(Target):
+    settings = {
+        "fail_safe": fail_safe,
+        "sensor_delay": sensor_delay,
+        "setpoint_rate": setpoint_rate,
+        "rate_limit": rate_limit,
+    }
+    given = {"precision": precision, "dialect": dialect, "fmi": fmi}
+    target, options = target_of(to, given, shell=any(settings.values()), process=controller is None)
+    shell = plant_shell(plant, **settings)
+    if controller is not None:
+        own = of_plant(controller, plant)
+        simulated = partial(_scenario, scenario, plant)
+        found = target.controller(Delivery(own, plant.point, simulated, shell), options)
+    elif target.process is not None:
+        found = target.process(plant.point, options)
+    else:
         raise InputError(
-            "export, to", to, f"one of {', '.join(get_args(Target))}",
-            suggestion(to, get_args(Target), "choose one of them"),
-        )  # fmt: skip
-    shell = plant_shell(
-        plant,
-        fail_safe=fail_safe,
-        sensor_delay=sensor_delay,
-        setpoint_rate=setpoint_rate,
-        rate_limit=rate_limit,
-    )
-    found = _files(controller, plant, to, dialect, precision, fmi, shell, scenario)
+            "export, controller", "none", 'a controller, or to="fmu"', "give a controller"
+        )
     place = Path(folder)
     place.mkdir(parents=True, exist_ok=True)
     return Exported(
@@ -151,28 +152,5 @@ def export(
     )
 
 
-def _files(
-    controller: inner.Controller | None,
-    plant: Plant,
-    to: Target,
-    dialect: Dialect,
-    precision: Precision,
-    fmi: FmiVersion,
-    shell: PlantShell,
-    scenario: Scenario | None,
-) -> exports.ExportedFiles:
-    if controller is None:
-        if to != "fmu":
-            raise InputError(
-                "export, controller", "none", 'a controller, or to="fmu"', "give a controller"
-            )
-        return exports.export_process_fmu(plant.point, version=fmi)
-    own = of_plant(controller, plant)
-    if to == "tuning":
-        return exports.export_tuning(own, plant.point, scenario or scenario_of(plant))
-    ready = exportable(own, plant.point, shell)
-    if to == "st":
-        return exports.export_structured_text(ready, dialect=dialect, precision=precision)
-    if to == "c":
-        return exports.export_c(ready, precision=precision)
-    return exports.export_controller_fmu(ready, version=fmi)
+def _scenario(given: Scenario | None, plant: Plant) -> Scenario:
+    return given or scenario_of(plant)

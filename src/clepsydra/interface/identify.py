@@ -15,18 +15,18 @@ from clepsydra.identification.process_file import write_fitted_process
 from clepsydra.identification.record import Record
 from clepsydra.identification.record_csv import read_record
 from clepsydra.interface.plant import Plant
-from clepsydra.interface.shown import Shown, lifted
+from clepsydra.interface.shown import Answered, lifted
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
+    from clepsydra.base.section import Section
 
 
-class _Page(Shown):
-    def __rich__(self) -> RenderableType:
+class _Page(Answered):
+    def answer(self) -> Section:
         """Return what was found, and what to do with it."""
-        from clepsydra.report.identification_screen import identification_screen
+        from clepsydra.report.identification_answer import identification_answer
 
-        return identification_screen(self)  # type: ignore[arg-type]
+        return identification_answer(self)  # type: ignore[arg-type]
 
     def report(self, path: str | Path) -> None:
         """Write a page with measured against simulated."""

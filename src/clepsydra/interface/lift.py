@@ -6,30 +6,21 @@ import functools
 import inspect
 import re
 from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Any, Concatenate, ParamSpec
 
 from clepsydra.base.arguments import require_type
 from clepsydra.controllers import controller as inner
+from clepsydra.designs.arguments.argument import Argument
+from clepsydra.designs.arguments.weights import OfModel
 from clepsydra.interface.controller import Controller, of_plant
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import arguments, with_unit
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.process.process import Process
-from clepsydra.studies.file.design_arguments import READERS, OfModelArgument
 
 P = ParamSpec("P")
 
-#: Arguments that are quantities of their own; a number is in the unit that the design asks for.
-IN_SI = (
-    "closed_loop_time_constant",
-    "arrest_time",
-    "phase_margin",
-    "crossover",
-    "bandwidth",
-    "starts_per_hour",
-)
-#: Arguments that are quantities of signals; a number is in the signal's display unit.
-OF_SIGNALS = ("maximum_errors", "maximum_moves", "deviation", "points")
 _MODEL = re.compile(r"^    model : LinearModel\n(?:        .*\n)*", re.MULTILINE)
 _OTHERS = re.compile(r"`designs\.[a-z_.]*design_(\w+)`")
 _PLANT = '    plant : Plant\n        As from ``cl.load("quadruple-tank")``.\n'
@@ -42,12 +33,12 @@ _QUANTITIES = """
 
 def of_model(
     design: Callable[Concatenate[LinearModel, P], inner.Controller],
+    declared: Mapping[str, Argument] = MappingProxyType({}),
 ) -> Callable[Concatenate[Plant, P], Controller]:
     """Return a design as a function of a plant; its other arguments stay.
 
-    Times, angles and rates may be text with a unit besides numbers.
+    Those that it declares may be what people write as well: text with a unit besides numbers.
     """
-
     signature = inspect.signature(design)
 
     @functools.wraps(design)
@@ -58,41 +49,45 @@ def of_model(
         _, *given_ones = signature.bind(None, *args, **kwargs).arguments.items()
         given = dict(given_ones)
         found = {
-            name: _read(design.__name__, name, value, given, plant) for name, value in given.items()
+            name: _read(design.__name__, declared[name], value, given, plant)
+            if name in declared
+            else value
+            for name, value in given.items()
         }
         return of_plant(design(plant.linear, **found), plant)  # type: ignore[call-arg]
 
     first, *others = signature.parameters.values()
     of_plant_ = first.replace(name="plant", annotation="Plant")
     designed.__signature__ = signature.replace(parameters=[of_plant_, *others])  # type: ignore[attr-defined]
+    designed.declared = declared  # type: ignore[attr-defined]
     designed.__doc__ = _documented(inspect.getdoc(design) or "")
     return designed
 
 
-def _read(design: str, name: str, value: Any, given: Mapping[str, Any], plant: Plant) -> Any:
+def _read(
+    design: str, argument: Argument, value: Any, given: Mapping[str, Any], plant: Plant
+) -> Any:
     """Return an argument as the design takes it, from text or a number in display units."""
-    if isinstance(value, inner.Controller):
+    if isinstance(value, inner.Controller) or value is None:
+        return value
+    if argument.given == "of signals":
+        value = _with_units(value, given, plant.process)
+    elif argument.given == "table" and isinstance(value, Mapping):
+        value = {what: dict(weights) for what, weights in value.items()}
+    elif argument.given != "quantity" or not isinstance(value, str):
         return value
     place = design.removeprefix("design_").replace("_", " ")
-    if name in OF_SIGNALS and value is not None:
-        value = _with_units(name, value, given, plant.process)
-    elif name in IN_SI:
-        if not isinstance(value, str):
-            return value
-    elif name == "weights" and isinstance(value, Mapping):
-        value = {what: dict(weights) for what, weights in value.items()}
-    else:
-        return value
-    found = READERS[name](arguments(place, {**given, name: value}), name, plant.process)
-    return found.of(plant.linear) if isinstance(found, OfModelArgument) else found
+    table = arguments(place, {**given, argument.name: value})
+    found = argument.read(table, argument.name, plant.process)
+    return found.of(plant.linear) if isinstance(found, OfModel) else found
 
 
-def _with_units(name: str, value: Any, given: Mapping[str, Any], process: Process) -> Any:
+def _with_units(value: Any, given: Mapping[str, Any], process: Process) -> Any:
     """Return numbers that belong to signals with the display units of these."""
     if isinstance(value, Mapping):
         units = {s.name: s.shown_unit for s in (*process.inputs, *process.measurements)}
         return {key: with_unit(each, units.get(key, "1")) for key, each in value.items()}
-    over = given.get("over") if name == "points" else process.controlled[0]
+    over = given.get("over", process.controlled[0])
     unit = next((s.shown_unit for s in process.measurements if s.name == over), "1")
     if isinstance(value, (list, tuple)):
         return [with_unit(each, unit) for each in value]

@@ -6,21 +6,21 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from clepsydra.interface.shown import Shown, lifted
+from clepsydra.interface.shown import Answered, lifted
 from clepsydra.papers import audit as inner
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
+    from clepsydra.base.section import Section
 
 
-class Audit(Shown, inner.Audit):
+class Audit(Answered, inner.Audit):
     """Every printed number of the documents with its verdict: `rows`."""
 
-    def __rich__(self) -> RenderableType:
-        """Return how many of what, and the findings."""
-        from clepsydra.papers.screen import audit_screen
+    def answer(self, *, every: bool = False) -> Section:
+        """Return how many of what, and on request every row that is not as printed."""
+        from clepsydra.papers.answer import audit_answer
 
-        return audit_screen(self)
+        return audit_answer(self, every=every)
 
     def report(self, path: str | Path) -> None:
         """Write a page with the reasons and the redrawn figures."""

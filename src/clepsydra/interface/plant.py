@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import ClepsydraError
 from clepsydra.base.files import whole_file
+from clepsydra.base.section import Mark, Section, Table, marked
 from clepsydra.base.signal import Signal
 from clepsydra.interface.analysis import Analysis
 from clepsydra.interface.quantities import Quantity, known, read_signal
-from clepsydra.interface.shown import Shown, lifted
+from clepsydra.interface.shown import Answered, lifted
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.equilibrium import NoEquilibrium, find_equilibrium
 from clepsydra.linear.linear_model import LinearModel
@@ -24,10 +25,10 @@ from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
+    pass
 
 
-class Plant(Shown):
+class Plant(Answered):
     """A process at an operating point: what is analysed, controlled, simulated and studied.
 
     `load` makes one. Printed, it lists its signals with their units, ranges and values at rest.
@@ -188,20 +189,16 @@ class Plant(Shown):
             for name, value in given.items()
         }  # fmt: skip
 
-    def __rich__(self) -> RenderableType:
+    def answer(self) -> Section:
         """Return its signals with ranges and values at rest."""
-        from rich.console import Group
-        from rich.text import Text
-
-        from clepsydra.report.analysis_tables import Grid
         from clepsydra.report.quantities import quantity_text, unit_text
-        from clepsydra.report.tables import grid_table, hanging
 
         process = self.process
+        notes: tuple[str, ...] = ()
         try:
-            rest, note = self.point.as_dict(), None
+            rest = self.point.as_dict()
         except ClepsydraError as error:
-            rest, note = {}, f"!  {error}"
+            rest, notes = {}, (str(error),)
         rows = []
         kinds = (
             ("manipulated", process.inputs),
@@ -225,13 +222,9 @@ class Plant(Shown):
                     )
                 )
         head = ("signal", "what it is", "at rest", "range", "unit")
-        parts: list[RenderableType] = [
-            Text(f"{process.title} ({process.address})", style="bold"),
-            grid_table(Grid("Signals", head, tuple(rows))),
-        ]
-        if note is not None:
-            parts.append(hanging(note, "yellow"))
-        return Group(*parts)
+        title = f"{process.title} ({process.address})"
+        table = Table("Signals", head, tuple(rows), names=2)
+        return Section(title, (table, *marked(Mark.WATCH, notes)))
 
 
 def load(

@@ -12,8 +12,8 @@ from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import to_si
 from clepsydra.process.document import Document
+from clepsydra.process.signal_values import check_in_range, read_value
 from clepsydra.process.table_reader import TableReader
-from clepsydra.studies.file.gains import check_in_range, read_value
 
 #: Text with a unit, "5 cm", "10 %" or "2 min", or a number in the display unit of its signal, the
 #: one that tables show, and in seconds for a time.

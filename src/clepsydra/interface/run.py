@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from clepsydra.base.section import Line, Section
 from clepsydra.base.units import from_si
 from clepsydra.base.words import time_text
 from clepsydra.interface.scores import Scores
-from clepsydra.interface.shown import Shown
+from clepsydra.interface.shown import Answered
 from clepsydra.loop import run as inner
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.open_loop_plan import Plan
@@ -23,10 +24,9 @@ from clepsydra.studies.trial import scores_of
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
-    from rich.console import RenderableType
 
 
-class _Drawn(Shown):
+class _Drawn(Answered):
     def plot(self) -> Figure:
         """Draw everything that was recorded, as a Matplotlib figure."""
         from clepsydra.report.plot import plot
@@ -60,19 +60,14 @@ class Run(_Drawn, inner.Run):
         """Every score of the run by its name, "iae[level_1]"; printed with units and words."""
         return Scores(scores_of(self), self.process, self.scenario.duration)
 
-    def __rich__(self) -> RenderableType:
+    def answer(self) -> Section:
         """Return what was simulated, and the scores that say most."""
-        from rich.console import Group
-        from rich.text import Text
-
         said = "; ".join(self._happened())
         head = (
             f"{self.controller.title} on {self.process.name}, {time_text(self.scenario.duration)}"
         )
-        parts: list[RenderableType] = [Text(head, style="bold")]
-        parts += [Text(f"{said}.")] if said else []
-        parts.append(self.scores.short())
-        return Group(*parts)
+        happened = (Line(f"{said}."),) if said else ()
+        return Section(head, (*happened, *self.scores.short().parts))
 
     def _happened(self) -> list[str]:
         """Return what happened, in words."""
@@ -112,11 +107,11 @@ class OpenLoopRun(_Drawn, Simulation):
         """Return a dataset over time [s]; each variable carries its unit and description."""
         return inner.dataset(self.signals, self.values, self.time, {"process": self.process.name})
 
-    def __rich__(self) -> RenderableType:
+    def answer(self) -> Section:
         """Return what it did and how sure that is."""
-        from clepsydra.report.simulation_screen import simulation_screen
+        from clepsydra.report.simulation_answer import simulation_answer
 
-        return simulation_screen(self.plan, self)
+        return simulation_answer(self.plan, self)
 
     def report(self, path: str | Path) -> None:
         """Write the simulation as one HTML file."""
@@ -157,7 +152,7 @@ class OpenLoopRun(_Drawn, Simulation):
             "signals": extremes,
             "events": [
                 {"time": e.time, "event": e.event, "words": e.words, "times": e.times}
-                for e in self.happenings
+                for e in self.events
             ],
             "balances": [
                 {

@@ -42,7 +42,12 @@ def scenario_of(
         return default_scenario(plant.linear, seed)
     changes = changes_of(events or [], plant, controlled=True)
     length = _length(plant, changes, duration)
-    samples = max(1, samples_before(length, period))
+    samples = samples_before(length, period)
+    if samples < 2:
+        raise InputError(
+            "duration", time_text(length, 4), f"at least {time_text(2 * period, 4)}, two samples",
+            "lengthen it, or shorten the sampling period of the process",
+        )  # fmt: skip
     if samples > MOST_SAMPLES:
         raise InputError(
             "duration", time_text(length, 4),

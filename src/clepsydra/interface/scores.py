@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from clepsydra.interface.shown import Shown
+from clepsydra.base.section import Section, Table
+from clepsydra.interface.shown import Answered
 from clepsydra.process.process import Process
-from clepsydra.report.analysis_tables import Grid
-from clepsydra.scores.catalogue import SCORES
+from clepsydra.scores.score import SCORES
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
+    pass
 
 #: What says most of a loop, in the order of a table.
 _SHORT = ("iae", "overshoot", "settling_time", "total_variation")
 
 
-class Scores(Shown, dict[str, float]):
+class Scores(Answered, dict[str, float]):
     """Score to its value, "iae[level_1]", in SI or the unit of its definition.
 
     Parameters
@@ -33,17 +33,16 @@ class Scores(Shown, dict[str, float]):
         super().__init__(values)
         self._process, self._duration = process, duration
 
-    def __rich__(self) -> RenderableType:
+    def answer(self) -> Section:
         """Return all of them."""
         return self._table(tuple(SCORES))
 
-    def short(self) -> RenderableType:
+    def short(self) -> Section:
         """Return a table of those that say most."""
         return self._table(_SHORT)
 
-    def _table(self, keys: tuple[str, ...]) -> RenderableType:
+    def _table(self, keys: tuple[str, ...]) -> Section:
         from clepsydra.report.score_tables import score_text
-        from clepsydra.report.tables import grid_table
 
         signals = list(dict.fromkeys(name.partition("[")[2].removesuffix("]") for name in self))
         rows = []
@@ -63,4 +62,4 @@ class Scores(Shown, dict[str, float]):
         used = [place for place in range(len(signals)) if any(row[place + 1] for row in rows)]
         head = ("score", *(signals[place] for place in used))
         body = tuple((row[0], *(row[place + 1] for place in used)) for row in rows)
-        return grid_table(Grid("Scores", head, body))
+        return Section("", (Table("Scores", head, body),))

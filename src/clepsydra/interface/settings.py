@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from clepsydra.base.arguments import require_type
+from clepsydra.base.arguments import is_finite_number, require_type
 from clepsydra.base.errors import InputError
+from clepsydra.base.section import Table
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import from_si
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.controllers.start_stop_levels import FAMILY, check_levels
 from clepsydra.controllers.structure.pid_block import PidBlock
-from clepsydra.designs.gain_units import has_range, percent_gain
+from clepsydra.designs.gain_units import percent_gain
 from clepsydra.interface.quantities import arguments, with_unit
+from clepsydra.process.joined_unit import BESIDE
 from clepsydra.process.table_reader import shown_value
-from clepsydra.report.analysis_tables import Grid
 from clepsydra.report.facts import gain_factor, gain_unit
 from clepsydra.report.quantities import number_text, unit_text
 from clepsydra.studies.file.law_parameters import (
@@ -112,7 +112,7 @@ def setting_of(loop: PidBlock, word: object, place: str) -> str:
 def unit_of(controller: Controller, loop: PidBlock, key: str) -> str:
     """Return the unit in which the table shows a setting."""
     if key in GAINS:
-        return table_unit(loop) + {"1": "", "1/s": "/s", "s": " s"}[GAINS[key]]
+        return table_unit(loop) + BESIDE[GAINS[key]]
     law = {parameter.name: parameter for parameter in controller.law.parameters}
     return law[parameter_of(loop, key)].shown_unit
 
@@ -124,7 +124,7 @@ def keys_of(loop: PidBlock) -> list[str]:
 
 def table_unit(loop: PidBlock) -> str:
     """Return the unit in which the table shows K: %/%, or that of the signals without a range."""
-    if has_range(loop.measurement) and has_range(loop.moved):
+    if loop.measurement.has_range and loop.moved.has_range:
         return "%/%"
     above, below = (f"({s.shown_unit})" for s in (loop.moved, loop.measurement))
     return f"{above}/{below}"
@@ -147,7 +147,7 @@ def _read(
     return found
 
 
-def settings_grid(controller: Controller) -> Grid | None:
+def settings_grid(controller: Controller) -> Table | None:
     """Return the settings of each loop in the words and units of `values_of`; None for none."""
     loops = loops_of(controller.law)
     if not loops:
@@ -159,7 +159,7 @@ def settings_grid(controller: Controller) -> Grid | None:
         own = keys_of(loop)
         cells = [_cell(controller, loop, key, law) if key in own else "" for key in keys]
         rows.append((name, loop.moved.name, *cells))
-    return Grid(
+    return Table(
         "Settings", ("loop", "moves", *(SYMBOLS.get(key, key) for key in keys)), tuple(rows)
     )
 
@@ -171,7 +171,7 @@ def _cell(controller: Controller, loop: PidBlock, key: str, law: Mapping[str, Si
         signal = law[parameter]
         shown = from_si(value, signal.unit, signal.shown_unit)
         return f"{number_text(shown, 4)} {unit_text(signal.shown_unit)}".strip()
-    time = {"1": "", "1/s": "/s", "s": " s"}[GAINS[key]]
+    time = BESIDE[GAINS[key]]
     if table_unit(loop) == "%/%":
         return f"{number_text(abs(percent_gain(value, loop.measurement, loop.moved)), 4)} %/%{time}"
     shown = abs(value) * gain_factor(loop.measurement, loop.moved)

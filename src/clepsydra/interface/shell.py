@@ -8,7 +8,7 @@ from clepsydra.base.arguments import require_type
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity, arguments, known, with_unit
-from clepsydra.studies.file.gains import read_rate, read_value
+from clepsydra.process.signal_values import read_rate, read_value
 
 #: Signal to a value of its setting.
 Settings = Mapping[str, Quantity] | None

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
+    from clepsydra.base.section import Section
+
 _WIDTH = 100
 
 
@@ -31,6 +33,30 @@ class Shown:
     def __str__(self) -> str:
         """Return the same."""
         return repr(self)
+
+
+class Answered(Shown):
+    """What answers in sections: in text, in colour, and as Markdown in a notebook."""
+
+    def answer(self) -> Section:
+        """Return what it says."""
+        raise NotImplementedError
+
+    def shown(self, **more: bool) -> RenderableType:
+        """Return the answer for a terminal, with what `answer` is asked for beside it."""
+        from clepsydra.report.screen import Screen
+
+        return Screen(self.answer(**more))
+
+    def __rich__(self) -> RenderableType:
+        """Return what a terminal shows."""
+        return self.shown()
+
+    def _repr_markdown_(self) -> str:
+        """Return what a notebook shows."""
+        from clepsydra.report.markdown import markdown
+
+        return markdown(self.answer())
 
 
 _Kind = TypeVar("_Kind")

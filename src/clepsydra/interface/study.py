@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from clepsydra.base.arguments import require_type, sequence_of
+from clepsydra.base.arguments import is_finite_number, require_type, sequence_of
 from clepsydra.base.errors import InputError
+from clepsydra.base.section import Section
 from clepsydra.controllers import controller as inner
 from clepsydra.interface.controller import Controller, of_plant
 from clepsydra.interface.events import Events
@@ -17,16 +18,17 @@ from clepsydra.interface.quantities import Quantity
 from clepsydra.interface.run import Run
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.scores import Scores
-from clepsydra.interface.shown import Shown, lifted
+from clepsydra.interface.shown import Answered, lifted
 from clepsydra.interface.subject import read_subject
 from clepsydra.loop.step_size import substeps_for
 from clepsydra.studies import result as results
 from clepsydra.studies.file.request import ControllerRequest, Maker, StudyRequest
+from clepsydra.studies.ranking import verdict
+from clepsydra.studies.recommendation import recommend
 from clepsydra.studies.study import StudyProgress, controller_names, run_study
 
 if TYPE_CHECKING:
     import pandas
-    from rich.console import RenderableType
 
 
 class Candidate(results.Candidate):
@@ -41,10 +43,11 @@ class Candidate(results.Candidate):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Study(Shown, results.StudyResult):
+class Study(Answered, results.StudyResult):
     """The controllers of a study in order of rank, and what came out.
 
-    Printed, it shows the verdict, the ranking and the reasons.
+    Printed, it shows what to use with which settings, how good it is, what to watch, and the first
+    of the ranking.
 
     Parameters
     ----------
@@ -82,6 +85,27 @@ class Study(Shown, results.StudyResult):
             )  # fmt: skip
         return by_name[name]
 
+    @property
+    def recommended(self) -> Candidate:
+        """The simplest controller that is good enough, which may be the best.
+
+        Raises
+        ------
+        InputError
+            No controller applies, or all are unsafe.
+        """
+        advice = recommend(self.ranking, self.accept)
+        if advice is None and self.ranking:
+            why = f"see why: {self.best.reason[:200]}"
+            raise InputError("study", "only unsafe controllers", "one that is safe", why)
+        return self.best if advice is None else advice.simplest  # type: ignore[return-value]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the study as values for JSON, in SI; an unreached score is infinite."""
+        advice = recommend(self.ranking, self.accept)
+        recommended = None if advice is None else advice.simplest.controller.name
+        return {**super().as_dict(), "recommended": recommended, "accept": self.accept}
+
     def report(self, path: str | Path) -> None:
         """Write the study as one HTML file."""
         from clepsydra.report.html import write_report
@@ -90,7 +114,7 @@ class Study(Shown, results.StudyResult):
 
     def save(self, path: str | Path) -> None:
         """Write the trajectories of all runs as one Parquet file."""
-        from clepsydra.loop.parquet import write_parquet
+        from clepsydra.loop.trajectory_file import write_parquet
 
         write_parquet([candidate.run for candidate in self.ranking], Path(path))
 
@@ -109,11 +133,21 @@ class Study(Shown, results.StudyResult):
         names = [each.controller.name for each in self.ranking]
         return pandas.DataFrame(rows, index=pandas.Index(names, name="controller"))
 
-    def __rich__(self) -> RenderableType:
-        """Return the ranking of a terminal."""
-        from clepsydra.report.tables import ranking_table
+    def answer(self, *, every: bool = False, why: bool = False, refused: bool = False) -> Section:
+        """Return what to use, and on request what stands behind it.
 
-        return ranking_table(self)
+        Parameters
+        ----------
+        every : bool
+            Whether with the whole ranking.
+        why : bool
+            Whether with the reason of every place, all warnings and the rule.
+        refused : bool
+            Whether with what does not apply.
+        """
+        from clepsydra.report.study_answer import study_answer
+
+        return study_answer(self, every=every, why=why, refused=refused)
 
 
 def study(
@@ -124,6 +158,7 @@ def study(
     duration: Quantity | None = None,
     seed: int | None = None,
     only: str | None = None,
+    accept: float = results.ACCEPTED,
     folder: str | Path | None = None,
     progress: Callable[[StudyProgress], None] | None = None,
 ) -> Study:
@@ -143,6 +178,8 @@ def study(
         Of noise and tuning; 1, or that of the study file, if left out.
     only : str, optional
         The name of the one design that is wanted, "PI, SIMC".
+    accept : float
+        The simplest controller whose mean error is at most so many times the best is recommended.
     folder : str or Path, optional
         Where a tuning keeps what it has computed until it is done, to go on after control-C.
     progress : callable, optional
@@ -168,14 +205,17 @@ def study(
     >>> found.best.controller.name
     'PI, AMIGO'
     """
+    if not (is_finite_number(accept) and accept >= 1.0):
+        raise InputError(
+            "study, accept", str(accept), "a number from 1", "give how many times the best error"
+        )
     kept = None if folder is None else Path(folder)
     if isinstance(plant, (str, Path)):
         plant = read_subject(plant, seed)
     if isinstance(plant, StudyRequest):
         _check_alone(controllers, events, duration)
         found = run_study(plant, progress=progress, tuning_folder=kept, only=only)
-        own = Plant(plant.process)
-        return _of_plant(found, own)
+        return _of_plant(found, Plant(plant.process), accept)
     require_type(plant, Plant, "plant", "a plant", 'give one, as from cl.load("quadruple-tank")')
     substeps_for(plant.linear)  # a process that cannot be simulated is refused before all else
     scenario = scenario_of(plant, events, duration, 1 if seed is None else seed)
@@ -191,7 +231,7 @@ def study(
         seed=1 if seed is None else seed,
     )
     found = run_study(request, progress=progress, tuning_folder=kept, only=only)
-    return _of_plant(found, plant)
+    return _of_plant(found, plant, accept)
 
 
 def names_of(subject: Plant | StudyRequest) -> tuple[str, ...]:
@@ -241,7 +281,7 @@ def _made(controller: inner.Controller) -> Maker:
     return lambda analysis, model: controller
 
 
-def _of_plant(found: results.StudyResult, plant: Plant) -> Study:
+def _of_plant(found: results.StudyResult, plant: Plant, accept: float) -> Study:
     ranking = tuple(
         lifted(
             Candidate,
@@ -252,4 +292,5 @@ def _of_plant(found: results.StudyResult, plant: Plant) -> Study:
         )
         for each in found.ranking
     )
-    return lifted(Study, found, ranking=ranking, plant=plant)
+    said = verdict(plant.process, ranking, accept)
+    return lifted(Study, found, ranking=ranking, plant=plant, accept=accept, verdict=said)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
+from clepsydra.base.section import Line, Section
 from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers import controller as inner
 from clepsydra.interface.controller import Controller, of_plant
@@ -18,13 +19,14 @@ from clepsydra.interface.quantities import Quantity, arguments, with_unit
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.settings import setting_of, unit_of
 from clepsydra.interface.shown import lifted
+from clepsydra.process.declared import keys_of
 from clepsydra.studies.file.law_parameters import loops_of
-from clepsydra.studies.file.tuning_reader import TUNING_KEYS, read_tuning
+from clepsydra.studies.file.tuning_reader import Tuning, read_tuning
 from clepsydra.studies.tuning.result import TuningResult
-from clepsydra.studies.tuning.search import Progress
+from clepsydra.studies.tuning.tune import Progress, Search
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
+    pass
 
 #: The limits of a tuning, and the keys that study files have for them.
 _LIMITS = {
@@ -47,11 +49,8 @@ class TunedController(Controller):
 
     tuning: TuningResult = field(kw_only=True)
 
-    def __rich__(self) -> RenderableType:
+    def answer(self) -> Section:
         """Return name, what the tuning achieved, and settings."""
-        from rich.console import Group
-        from rich.text import Text
-
         found = self.tuning
         words = (
             f"Tuned by {found.evaluations} simulations: objective {found.objective:.3g} from "
@@ -59,7 +58,8 @@ class TunedController(Controller):
             f"{found.start_maximum_sensitivity:.2f}"
         )
         words += f"; it stands on {', '.join(found.binding)}." if found.binding else "."
-        return Group(super().__rich__(), Text(words))
+        made = super().answer()
+        return replace(made, parts=(*made.parts, Line(words)))
 
 
 def tune(
@@ -129,15 +129,13 @@ def tune(
     written |= _limits(limits or {}, plant)
     if parameters is not None:
         written["parameters"] = _bounds(parameters, start)
-    table = arguments("tuning", written, TUNING_KEYS)
+    table = arguments("tuning", written, keys_of(Tuning))
     request = read_tuning(table, plant.process)
     found = request.run(
         start,
         plant.measured,
         scenario_of(plant, events, duration, seed),
-        seed=seed,
-        progress=progress,
-        state_file=None if state_file is None else Path(state_file),
+        Search(seed=seed, progress=progress, state_file=state_file),
     )
     tuned = lifted(Controller, found.controller, plant=plant)
     return lifted(TunedController, replace(tuned, name=f"{start.name}, tuned"), tuning=found)

@@ -10,7 +10,7 @@ from clepsydra.controllers import controller as inner
 from clepsydra.deploy.proof import proof as inner_proof
 from clepsydra.deploy.proof.of_study import controller_item, process_item_of
 from clepsydra.deploy.proof.proof import FEWEST, ProofProgress, prove
-from clepsydra.deploy.proof.targets import EXPORTS, Export, exports_of
+from clepsydra.deploy.proof.run import proved_targets as proved_targets
 from clepsydra.interface.controller import of_plant
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.scenario import scenario_of
@@ -42,7 +42,7 @@ def verify(
     controllers: inner.Controller | Sequence[inner.Controller],
     plant: Plant,
     *,
-    to: Export | Sequence[Export] = EXPORTS,
+    to: str | Sequence[str] | None = None,
     scans: int = FEWEST,
     seed: int = 1,
     fail_safe: Settings = None,
@@ -60,7 +60,7 @@ def verify(
     ----------
     controllers : Controller or sequence of Controller
     plant : Plant
-    to : {"c", "st", "fmu"} or several, optional
+    to : str or sequence of str, optional
         What is run, each in all that it has: dialects, versions, precisions; all if left out.
     scans : int
         Random scans of each, at least 10,000.
@@ -101,8 +101,8 @@ def verify(
         rate_limit=rate_limit,
     )
     scenario = scenario or scenario_of(plant)
-    chosen = exports_of(to)
-    part = "" if chosen == EXPORTS else f"-{'-'.join(chosen)}"
+    chosen = proved_targets(to)
+    part = "" if chosen == proved_targets(None) else f"-{'-'.join(chosen)}"
     items = [controller_item(of_plant(each, plant), plant.point, scenario, shell) for each in many]
     found = prove(
         [*items, process_item_of(plant.point)],

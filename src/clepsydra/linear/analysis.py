@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.json_values import json_values
 from clepsydra.linear.analysis_words import (
     words_on_dead_time,
     words_on_gain,
@@ -18,20 +19,19 @@ from clepsydra.linear.analysis_words import (
     words_on_zero_directions,
     words_on_zeros,
 )
-from clepsydra.linear.compared import compared
-from clepsydra.linear.dead_time_structure import dead_times
+from clepsydra.linear.controllability import Reach, reach_of, words_about_reach
+from clepsydra.linear.dead_time import dead_times
 from clepsydra.linear.directionality import Directionality, directionality, few_frequencies
-from clepsydra.linear.equilibrium_several import find_equilibria
+from clepsydra.linear.directions import ZeroDirection, zero_directions
+from clepsydra.linear.equilibrium import find_equilibria
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
-from clepsydra.linear.niederlinski import niederlinski_index
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.linear.poles import origin_radius
-from clepsydra.linear.reach import Reach, reach_of, words_about_reach
-from clepsydra.linear.relative_gain_array import relative_gains, suggest_pairing
+from clepsydra.linear.ranges import in_known_ranges
+from clepsydra.linear.relative_gain_array import niederlinski_index, relative_gains, suggest_pairing
 from clepsydra.linear.roots import Roots, roots_of
 from clepsydra.linear.static_gain import static_gain
-from clepsydra.linear.zero_directions import ZeroDirection, zero_directions
 from clepsydra.linear.zeros import minimum_phase
 from clepsydra.process.process import Process
 
@@ -120,44 +120,40 @@ class Analysis:
         units |= {"condition_numbers": "1", "relative_gains": "1", "share": "1", "margin": "1/s"}
         units |= {"distance_to_uncontrollability": "1/s", "distance_to_unobservability": "1/s"}
         units |= {"hankel_singular_values": "1"}
-        relative = self.relative_gain_array
-        return {
+        values = {
             "process": process.name,
             "operating_point": self.operating_point.as_dict(),
             "residual": self.operating_point.residual,
-            "states": list(model.states),
-            "inputs": list(model.inputs),
-            "disturbances": list(model.disturbances),
-            "outputs": list(model.outputs),
-            "A": model.A.tolist(),
-            "B": model.B.tolist(),
-            "C": model.C.tolist(),
-            "D": model.D.tolist(),
-            "E": model.E.tolist(),
-            "poles": [_complex(root) for root in self.poles],
-            "zeros": [_complex(root) for root in self.zeros],
+            "states": model.states,
+            "inputs": model.inputs,
+            "disturbances": model.disturbances,
+            "outputs": model.outputs,
+            **{name: getattr(model, name) for name in "ABCDE"},
+            "poles": self.poles,
+            "zeros": self.zeros,
             "minimum_phase": self.minimum_phase,
-            "time_constants": [_finite_or_none(value) for value in self.time_constants],
-            "static_gain": [[_finite_or_text(value) for value in row] for row in self.static_gain],
-            "rga": None if relative is None else relative.tolist(),
-            "pairing": [list(pair) for pair in self.pairing],
-            "niederlinski_index": _finite_or_none(self.niederlinski_index),
-            "dead_times": [[_finite_or_none(time) for time in row] for row in self.dead_times],
+            "time_constants": self.time_constants,
+            "static_gain": [
+                [gain if np.isfinite(gain) else str(float(gain)) for gain in row]
+                for row in self.static_gain
+            ],
+            "rga": self.relative_gain_array,
+            "pairing": self.pairing,
+            "niederlinski_index": self.niederlinski_index,
+            "dead_times": self.dead_times,
             "roots_note": self.roots_note,
             "directionality": self.directionality.as_dict(),
             "reach": None if self.reach is None else self.reach.as_dict(),
             "right_half_plane_zeros": [
-                {
-                    "zero": _complex(found.zero),
-                    "inputs": [_complex(share) for share in found.input_direction],
-                    "outputs": [_complex(share) for share in found.output_direction],
-                }
-                for found in self.right_half_plane_zeros
+                {"zero": zero, "inputs": inputs, "outputs": outputs}
+                for zero, inputs, outputs in self.right_half_plane_zeros
             ],
             "units": units,
-            "words": list(self.words),
-            "warnings": list(self.operating_point.warnings),
+            "words": self.words,
+            "warnings": self.operating_point.warnings,
         }
+        found: dict[str, Any] = json_values(values)
+        return found
 
 
 def analyse(
@@ -236,7 +232,7 @@ def _comparable(model: LinearModel) -> LinearModel:
     """Return what relative gains are taken of: only those of a square process need no ranges."""
     if len(model.inputs) == len(model.outputs):
         return model
-    return compared(model) or model
+    return in_known_ranges(model) or model
 
 
 def _rationally_minimum(roots: Roots) -> bool:
@@ -248,22 +244,10 @@ def _blocking_zeros(model: LinearModel, roots: Roots) -> list[ZeroDirection]:
     radius = origin_radius(roots.zeros_of.A)
     if not np.any(roots.zeros.real > radius):
         return []
-    found = zero_directions(compared(roots.zeros_of) or roots.zeros_of)
+    found = zero_directions(in_known_ranges(roots.zeros_of) or roots.zeros_of)
     farthest = np.abs(roots.zeros).max() * (1.0 + 1e-6)
     return [
         each
         for each in found
         if each.zero.real > radius and each.zero.imag >= 0.0 and abs(each.zero) <= farthest
     ]
-
-
-def _complex(root: complex) -> dict[str, float]:
-    return {"re": float(root.real), "im": float(root.imag)}
-
-
-def _finite_or_none(value: float | None) -> float | None:
-    return float(value) if value is not None and np.isfinite(value) else None
-
-
-def _finite_or_text(value: float) -> float | str:
-    return float(value) if np.isfinite(value) else str(float(value))

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from clepsydra.base.words import time_text
+from clepsydra.linear.directions import ZeroDirection
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.poles import origin_radius
-from clepsydra.linear.zero_directions import ZeroDirection
 
 # Relative gains in this range need no more than independent single loops.
 _EASY = (0.67, 1.5)

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from clepsydra.linear.internal_delays import refuse_delays
-from clepsydra.linear.linear_model import LinearModel
+from clepsydra.base.json_values import json_values
+from clepsydra.linear.dead_time import at_rest, without_dead_time
+from clepsydra.linear.distance_to_uncontrollability import distance_to_uncontrollability
+from clepsydra.linear.hankel_singular_values import HankelSingularValues, hankel_singular_values
+from clepsydra.linear.linear_model import LinearModel, refuse_delays
 from clepsydra.linear.poles import poles
+from clepsydra.linear.ranges import in_known_ranges
+from clepsydra.linear.roots import PADE_ORDER
 
 # Below this share a mode counts as not reached at all.
 NOT_AT_ALL = 1e-10
@@ -189,3 +195,92 @@ def words_on_reach(model: LinearModel, weak: float = 0.01) -> list[str]:
             else:
                 words.append(f"{hardly} {where}): a share of {mode.share:.1g}.")
     return words
+
+
+@dataclass(frozen=True, eq=False)
+class Reach:
+    """Controllability and observability of each mode, with every signal in its range.
+
+    With dead time the modes are those of the process with the dead times at zero: what is late
+    is reached and shown all the same. Hankel singular values do count the dead time, by a Padé
+    approximation.
+
+    Parameters
+    ----------
+    controllability, observability : list of ModeMargin
+    distance_to_uncontrollability, distance_to_unobservability : float or None
+        [1/s], the smallest change of the matrices that cuts some mode off; None without states.
+    hankel : HankelSingularValues
+        [1]
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> len(cl.load("wet-well").analysis.reach.controllability)
+    3
+    """
+
+    controllability: list[ModeMargin]
+    observability: list[ModeMargin]
+    distance_to_uncontrollability: float | None
+    distance_to_unobservability: float | None
+    hankel: HankelSingularValues
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return it as values for JSON, a mode as its pole, shares and main state."""
+        values = {
+            **vars(self),
+            "hankel_singular_values": self.hankel.values,
+            "poles_without_hankel_singular_value": self.hankel.split_off,
+        }
+        del values["hankel"]
+        found: dict[str, Any] = json_values(values)
+        return found
+
+
+def reach_of(model: LinearModel) -> Reach | None:
+    """Return how well the modes are reached and shown; None where a signal has no range.
+
+    Parameters
+    ----------
+    model : LinearModel
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> one = np.eye(1)
+    >>> reach_of(LinearModel(-0.02 * one, 0.04 * one, one[:, :0], one, 0.0 * one,
+    ...                      ("tank.level",), ("pump",), (), ("level",))) is None
+    True
+    """
+    shares = in_known_ranges(model)
+    if shares is None:
+        return None
+    resting = at_rest(shares)
+    moved = shown = None
+    if resting.states:
+        moved = distance_to_uncontrollability(resting.A, resting.B).value
+        shown = distance_to_uncontrollability(resting.A.T, resting.C.T).value
+    return Reach(
+        controllability_margins(resting),
+        observability_margins(resting),
+        moved,
+        shown,
+        hankel_singular_values(without_dead_time(shares, PADE_ORDER)),
+    )
+
+
+def words_about_reach(model: LinearModel) -> list[str]:
+    """Return sentences on modes that are hardly reached or shown; none without ranges.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> one = np.eye(1)
+    >>> words_about_reach(LinearModel(-0.02 * one, 0.04 * one, one[:, :0], one, 0.0 * one,
+    ...                               ("tank.level",), ("pump",), (), ("level",)))
+    []
+    """
+    shares = in_known_ranges(model)
+    # Two modes alike, as of two equal pumps, are one sentence.
+    return [] if shares is None else list(dict.fromkeys(words_on_reach(at_rest(shares))))

@@ -9,16 +9,85 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from clepsydra.base.errors import InputError
-from clepsydra.linear.compared import compared
+from clepsydra.base.json_values import json_values
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.poles import integrators
+from clepsydra.linear.ranges import in_known_ranges
 from clepsydra.linear.relative_gain_array import relative_gain_array
 from clepsydra.linear.response import frequency_response
-from clepsydra.linear.singular_values import condition_numbers, singular_values
 
 # The few frequencies of a table, in each decade.
 _NICE = (1.0, 3.0)
 _MOST = 9
+
+
+def singular_values(model: LinearModel, omegas: ArrayLike) -> np.ndarray:
+    """Return the singular values of G(jω): the gains of the strongest to the weakest direction.
+
+    They depend on units; `in_ranges(model)` gives those that compare. There a smallest value
+    below one says that some combination of outputs cannot be moved through its range.
+
+    Parameters
+    ----------
+    model : LinearModel
+    omegas : array_like [l]
+        [rad/s]
+
+    Returns
+    -------
+    ndarray [l, min(q, m)]
+        Falling. [output unit / input unit], where all outputs and all inputs share one.
+
+    Raises
+    ------
+    InputError
+        A frequency is not finite or is a pole.
+
+    Examples
+    --------
+    >>> A, B = -np.eye(2), np.array([[3.0, 0.0], [0.0, 4.0]])
+    >>> model = LinearModel(A, B, B[:, :0], np.eye(2), np.zeros((2, 2)), ("a", "b"),
+    ...                     ("u", "v"), (), ("y", "z"))
+    >>> singular_values(model, 0.0)
+    array([[4., 3.]])
+    """
+    return np.asarray(np.linalg.svd(frequency_response(model, omegas), compute_uv=False))
+
+
+def condition_numbers(model: LinearModel, omegas: ArrayLike) -> np.ndarray:
+    """Return the condition number of G(jω), its largest over its smallest singular value.
+
+    Above about ten, a controller that inverts the model follows its small errors. Like the
+    singular values it depends on units.
+
+    Parameters
+    ----------
+    model : LinearModel
+    omegas : array_like [l]
+        [rad/s]
+
+    Returns
+    -------
+    ndarray [l]
+        [1]; infinite where some combination of outputs answers to no input.
+
+    Raises
+    ------
+    InputError
+        A frequency is not finite or is a pole.
+
+    Examples
+    --------
+    >>> A, B = -np.eye(2), np.array([[3.0, 0.0], [0.0, 4.0]])
+    >>> model = LinearModel(A, B, B[:, :0], np.eye(2), np.zeros((2, 2)), ("a", "b"),
+    ...                     ("u", "v"), (), ("y", "z"))
+    >>> condition_numbers(model, 0.0).round(6)
+    array([1.333333])
+    """
+    sizes = singular_values(model, omegas)
+    largest, smallest = sizes[:, 0], sizes[:, -1]
+    nothing = smallest <= np.finfo(float).eps * largest
+    return np.where(nothing, np.inf, largest / np.where(nothing, 1.0, smallest))
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,22 +121,8 @@ class Directionality:
 
     def as_dict(self) -> dict[str, Any]:
         """Return it as values for JSON; a relative gain is {"re": …, "im": …} or null."""
-        sizes, ratios = self.singular_values, self.condition_numbers
-        return {
-            "frequencies": self.frequencies.tolist(),
-            "singular_values": None if sizes is None else sizes.tolist(),
-            "condition_numbers": None if ratios is None else [_finite(v) for v in ratios],
-            "relative_gains": [
-                [
-                    [
-                        {"re": float(v.real), "im": float(v.imag)} if np.isfinite(v) else None
-                        for v in row
-                    ]
-                    for row in array
-                ]
-                for array in self.relative_gains
-            ],
-        }
+        found: dict[str, Any] = json_values(vars(self))
+        return found
 
 
 def directionality(model: LinearModel, omegas: ArrayLike) -> Directionality:
@@ -92,7 +147,7 @@ def directionality(model: LinearModel, omegas: ArrayLike) -> Directionality:
     (1,)
     """
     frequencies = np.atleast_1d(np.asarray(omegas, float))
-    shares = compared(model)
+    shares = in_known_ranges(model)
     gains = []
     for gain in frequency_response(shares or model, frequencies):
         try:
@@ -119,8 +174,7 @@ def few_frequencies(model: LinearModel, poles: np.ndarray) -> np.ndarray:
     array([0.   , 0.003, 0.01 , 0.03 , 0.1  ])
     """
     rates = np.abs(poles[np.abs(poles) > 0.0])
-    if model.delays is not None:
-        rates = np.append(rates, 1.0 / model.delays.times)
+    rates = np.append(rates, 1.0 / model.times)
     low, high = (rates.min() / 9.0, rates.max() * 9.0) if rates.size else (0.01, 100.0)
     decades = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
     nice = [float(f"{share:g}e{k}") for k in decades for share in _NICE]
@@ -128,7 +182,3 @@ def few_frequencies(model: LinearModel, poles: np.ndarray) -> np.ndarray:
     if len(chosen) > _MOST:
         chosen = [chosen[i] for i in np.linspace(0, len(chosen) - 1, _MOST).round().astype(int)]
     return np.array(chosen if integrators(model.A) else [0.0, *chosen])
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None

@@ -11,6 +11,8 @@ import numpy as np
 _SHARP = 0.99
 _MOST = 20_000
 _STARTS = 5
+# To this share of the height minima are compared, and the lowest is found.
+_ROUGH, _FINE = 1e-6, 1e-12
 
 
 class Distance(NamedTuple):
@@ -78,10 +80,13 @@ def distance_to_uncontrollability(A: np.ndarray, B: np.ndarray) -> Distance:
     if not n:
         raise ValueError("distance to uncontrollability: the pair has no states")
 
+    whole, diagonal, states = np.hstack([A, B]).astype(complex), A.diagonal(), np.arange(n)
+
     def sizes(points: np.ndarray) -> np.ndarray:
-        shifted = A - points[:, None, None] * np.eye(n)
-        tests = np.concatenate([shifted, np.broadcast_to(B, (len(points), *B.shape))], axis=2)
-        return np.asarray(np.linalg.svd(tests, compute_uv=False)[:, -1])
+        tests = np.empty((*points.shape, *whole.shape), complex)
+        tests[...] = whole
+        tests[..., states, states] = diagonal - points[..., None]
+        return np.asarray(np.linalg.svd(tests, compute_uv=False)[..., -1])
 
     starts = np.linalg.eigvals(A).astype(complex)
     value, root = _descend(sizes, starts)
@@ -124,15 +129,19 @@ def _descend(
     """Return the lowest place found from the starts, and from none of them uphill."""
     from scipy.optimize import minimize
 
+    def lowered(place: complex, accuracy: float) -> complex:
+        found = minimize(
+            lambda place: float(sizes(np.array(complex(*place)))),
+            [place.real, place.imag],
+            method="Nelder-Mead",
+            options={"xatol": 1e3 * accuracy * max(abs(place), best), "fatol": accuracy * best},
+        )
+        return complex(*found.x)
+
     heights = sizes(starts)
     best, root = float(heights.min()), complex(starts[int(np.argmin(heights))])
-    for start in starts[np.argsort(heights)[:_STARTS]]:
-        found = minimize(
-            lambda place: float(sizes(np.array([complex(*place)]))[0]),
-            [start.real, start.imag],
-            method="Nelder-Mead",
-            options={"xatol": 1e-9 * max(abs(start), best), "fatol": 1e-12 * best},
-        )
-        if found.fun < best:
-            best, root = float(found.fun), complex(*found.x)
-    return best, root
+    # All starts are followed as far as it takes to tell their minima apart, and one to the end.
+    tried = np.array([lowered(start, _ROUGH) for start in starts[np.argsort(heights)[:_STARTS]]])
+    end = lowered(tried[int(np.argmin(sizes(tried)))], _FINE)
+    found = float(sizes(np.array(end)))
+    return (found, end) if found < best else (best, root)

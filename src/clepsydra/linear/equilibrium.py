@@ -1,8 +1,9 @@
-"""The equilibrium of a process: from given inputs, or from given outputs."""
+"""The equilibria of a process: from given inputs, or from given outputs."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from clepsydra.linear.equilibrium_reasons import (
     reasons_of_harm,
     reasons_outside_ranges,
     reasons_without_solution,
+    shown,
     undetermined,
     warnings_of_sensors,
 )
@@ -25,6 +27,11 @@ from clepsydra.process.process import Process
 _DIGITS = 14
 # Starts that are tried where the search from the initial levels fails: shares of the height.
 _OTHER_STARTS = (0.1, 0.9)
+# All states at these shares of their ranges, then so many random mixtures, always the same.
+_SHARES = (0.02, 0.2, 0.4, 0.6, 0.8, 0.98)
+_MIXTURES = 6
+# Two solutions nearer than this share of the range in every state are one.
+_SAME = 1e-6
 
 
 class NoEquilibrium(ClepsydraError):
@@ -120,28 +127,20 @@ def find_equilibrium(
     )
     if refused:
         raise NoEquilibrium(process, refused)
-    local = search.derivatives.at(state, manipulated, request.disturbances)
+    point = OperatingPoint.at(process, state, manipulated, request.disturbances)
     warnings = [
         f"{signal.name} stands on its floor: the tank is empty and has no linear model there"
         for signal, value in zip(process.state, state, strict=True)
         if signal.unit == "m" and value <= signal.low
     ]
-    warnings += warnings_of_sensors(process, local.measured)
+    warnings += warnings_of_sensors(process, point.measurements)
     free_names = undetermined(search, solution)
     if free_names:
         warnings.append(
             f"{' and '.join(free_names)} may take other values as well: the given signals do not "
             "determine them, and they were left near their initial values"
         )
-    return OperatingPoint(
-        process=process,
-        state=state,
-        inputs=manipulated,
-        disturbances=request.disturbances,
-        measurements=local.measured,
-        residual=float(np.abs(local.rates).max(initial=0.0)),
-        warnings=(*process.warnings, *warnings),
-    )
+    return replace(point, warnings=(*process.warnings, *warnings))
 
 
 def _rounded(values: np.ndarray) -> np.ndarray:
@@ -166,3 +165,94 @@ def _by_continuation(search: EquilibriumSearch) -> Iterate | None:
         return None
     ways = (by_pseudo_transient(search, share) for share in (None, *_OTHER_STARTS))
     return next((found for found in ways if found is not None), None)
+
+
+def find_equilibria(
+    process: Process,
+    inputs: Mapping[str, float] | None = None,
+    outputs: Mapping[str, float] | None = None,
+    disturbances: Mapping[str, float] | None = None,
+) -> list[OperatingPoint]:
+    """Find the equilibria of a request, `find_equilibrium`'s first.
+
+    Newton's method from all states low, high and in between, and from mixtures of these. That
+    it finds no other is no proof that there is none. Where the given signals leave a level
+    open, only the first is returned, since every level is one.
+
+    Parameters
+    ----------
+    process : Process
+    inputs, outputs, disturbances : mapping, optional
+        As in `find_equilibrium`.
+
+    Returns
+    -------
+    list of OperatingPoint
+        Each within all ranges. Where there are several, each has a warning that names another.
+
+    Raises
+    ------
+    NoEquilibrium, InputError
+        As in `find_equilibrium`.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> len(find_equilibria(load_process("quadruple-tank")))
+    1
+    """
+    first = find_equilibrium(process, inputs, outputs, disturbances)
+    search = EquilibriumSearch(process, read_request(process, inputs, outputs, disturbances))
+    spans = search.spans[: len(first.state)]
+    solution = search.run_from(search.unknowns_at(first.state, first.inputs))
+    if undetermined(search, solution):
+        return [first]
+    found = [first]
+    numbers = np.random.default_rng(1)
+    starts = [np.full(len(spans), share) for share in _SHARES]
+    starts += list(numbers.random((_MIXTURES, len(spans))))
+    for shares in starts:
+        low = np.where(np.isfinite(search.floors), search.floors, first.state - 0.5 * spans)
+        attempt = search.run_from(search.unknowns_at(low + shares * spans, first.inputs))
+        if not attempt.solved or reasons_outside_ranges(search, attempt):
+            continue
+        state, manipulated = search.values(attempt.unknowns)
+        if any(_same(search, state, manipulated, known) for known in found):
+            continue
+        point = OperatingPoint.at(process, state, manipulated, first.disturbances)
+        found.append(
+            replace(
+                point,
+                warnings=(*process.warnings, *warnings_of_sensors(process, point.measurements)),
+            )
+        )
+    if len(found) == 1:
+        return found
+    return [
+        replace(point, warnings=(*point.warnings, _another(point, found[0 if place else 1])))
+        for place, point in enumerate(found)
+    ]
+
+
+def _same(
+    search: EquilibriumSearch, state: np.ndarray, inputs: np.ndarray, known: OperatingPoint
+) -> bool:
+    there = search.unknowns_at(known.state, known.inputs)
+    here = search.unknowns_at(state, inputs)
+    return bool(np.all(np.abs(here - there) <= _SAME * np.maximum(1.0, np.abs(there))))
+
+
+def _another(point: OperatingPoint, other: OperatingPoint) -> str:
+    """Return the sentence on another equilibrium, with what differs most in it."""
+    process = point.process
+    here, there = point.as_dict(), other.as_dict()
+    different = [
+        f"{s.name} at {shown(s, there[s.name])} instead of {shown(s, here[s.name])}"
+        for s in (*process.state, *process.inputs)
+        if abs(there[s.name] - here[s.name]) > _SAME * (s.span if np.isfinite(s.span) else 1.0)
+    ]
+    return (
+        f"there is another equilibrium for the same signals, with {' and '.join(different[:3])}"
+        f"{' and more' if len(different) > 3 else ''}: which of them the process comes to depends "
+        "on where it starts"
+    )

@@ -36,7 +36,11 @@ def reasons_outside_ranges(search: EquilibriumSearch, solved: Iterate) -> tuple[
     """
     process = search.process
     state, inputs = search.values(solved.unknowns)
-    reasons = _inputs_outside(process, inputs)
+    reasons = [
+        f"{signal.name} would have to be {shown(signal, value)}, {outside}"
+        for signal, value in zip(process.inputs, inputs, strict=True)
+        if (outside := _outside(signal, value))
+    ]
     for signal, value in zip(process.state, state, strict=True):
         if value > signal.high + _AT_LIMIT * abs(signal.high):
             where = "its rim" if signal.unit == "m" else "the top of its range,"
@@ -115,7 +119,7 @@ def reasons_without_solution(search: EquilibriumSearch, stuck: Iterate) -> tuple
     if not stuck.finite:
         names = [
             name
-            for name, slopes in zip(_row_names(search), stuck.jacobian, strict=True)
+            for name, slopes in zip(search.row_names, stuck.jacobian, strict=True)
             if not np.isfinite(slopes).all()
         ]
         return (f"the equations of {' and '.join(names)} have no finite derivative on the way",)
@@ -126,7 +130,7 @@ def reasons_without_solution(search: EquilibriumSearch, stuck: Iterate) -> tuple
     if below:
         return tuple(below)
     worst = int(np.argmax(np.abs(stuck.residuals) / stuck.row_sizes))
-    name = _row_names(search)[worst]
+    name = search.row_names[worst]
     return (
         f"the search did not converge; the largest remainder is {stuck.residuals[worst]:.3g} "
         f"(SI) in {name}: ask for another operating point",
@@ -151,7 +155,7 @@ def undetermined(search: EquilibriumSearch, solved: Iterate) -> list[str]:
     []
     """
     _, right = _null_spaces(search, solved)
-    return _taking_part(_unknown_names(search), right)
+    return _taking_part(search.unknown_names, right)
 
 
 def warnings_of_sensors(process: Process, measured: np.ndarray) -> list[str]:
@@ -170,16 +174,18 @@ def warnings_of_sensors(process: Process, measured: np.ndarray) -> list[str]:
     ['level_2 would read 11 V, outside its range from 0 V to 10 V: it cannot be controlled there']
     """
     return [
-        f"{signal.name} would read {shown(signal, value)}, outside its range from "
-        f"{shown(signal, signal.low)} to {shown(signal, signal.high)}: it cannot be controlled "
-        "there"
+        f"{signal.name} would read {shown(signal, value)}, {outside}: it cannot be controlled there"
         for signal, value in zip(process.measurements, measured, strict=True)
-        if not signal.low - _slack(signal) <= value <= signal.high + _slack(signal)
+        if (outside := _outside(signal, value))
     ]
 
 
-def _slack(signal: Signal) -> float:
-    return _AT_LIMIT * (signal.span if np.isfinite(signal.span) else 0.0)
+def _outside(signal: Signal, value: float) -> str:
+    """Return in words that a value is beyond its range by more than rounding, "" where not."""
+    slack = _AT_LIMIT * (signal.span if np.isfinite(signal.span) else 0.0)
+    if signal.low - slack <= value <= signal.high + slack:
+        return ""
+    return f"outside its range from {shown(signal, signal.low)} to {shown(signal, signal.high)}"
 
 
 def shown(signal: Signal, value: float) -> str:
@@ -200,15 +206,15 @@ def _accumulation(search: EquilibriumSearch, stuck: Iterate) -> tuple[str, ...]:
     if not np.any(np.abs(left.T @ stuck.residuals) > np.abs(left.T) @ stuck.rounding):
         return ()
     states = len(process.state)
-    free = [process.inputs[place].name for place in request.free_inputs]
+    free = search.unknown_names[states:]
     if _taking_part(free, right[states:]):
-        outputs = _taking_part(_row_names(search)[states:], left[states:])
+        outputs = _taking_part(search.row_names[states:], left[states:])
         return (
             f"{' and '.join(outputs)} cannot take the asked "
             f"{'values' if len(outputs) > 1 else 'value'}: {' and '.join(free)} cannot set the "
             "asked outputs independently",
         )
-    levels = _taking_part(_row_names(search)[:states], right[:states])
+    levels = _taking_part(search.row_names[:states], right[:states])
     if not levels:
         return ()
     if len(levels) > 1:
@@ -263,28 +269,3 @@ def _levels_below(search: EquilibriumSearch, unknowns: np.ndarray) -> list[str]:
         for signal, is_below in zip(search.process.state, below, strict=True)
         if is_below
     ]
-
-
-def _inputs_outside(process: Process, inputs: np.ndarray) -> list[str]:
-    reasons = []
-    for signal, value in zip(process.inputs, inputs, strict=True):
-        slack = _AT_LIMIT * max(abs(signal.low), abs(signal.high))
-        slack = slack if np.isfinite(slack) else 0.0
-        if not signal.low - slack <= value <= signal.high + slack:
-            reasons.append(
-                f"{signal.name} would have to be {shown(signal, value)}, outside its range from "
-                f"{shown(signal, signal.low)} to {shown(signal, signal.high)}"
-            )
-    return reasons
-
-
-def _unknown_names(search: EquilibriumSearch) -> list[str]:
-    process = search.process
-    free = [process.inputs[place].name for place in search.request.free_inputs]
-    return [signal.name for signal in process.state] + free
-
-
-def _row_names(search: EquilibriumSearch) -> list[str]:
-    process = search.process
-    asked = [process.measurements[place].name for place in search.request.outputs]
-    return [signal.name for signal in process.state] + asked

@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from clepsydra.base.signal import Signal
-from clepsydra.linear.derivatives import Derivatives
 from clepsydra.linear.equilibrium_request import EquilibriumRequest
+from clepsydra.linear.linearise import Derivatives
 from clepsydra.process.process import Process
 
 # Singular values below this share of the largest count as zero.
@@ -115,6 +115,9 @@ class EquilibriumSearch:
         self.derivatives = Derivatives(process)
         free = [process.inputs[place] for place in request.free_inputs]
         self._signals = [*process.state, *free]
+        asked = [process.measurements[place] for place in request.outputs]
+        self.unknown_names = [signal.name for signal in self._signals]
+        self.row_names = [signal.name for signal in (*process.state, *asked)]
         self.spans = np.array([_span(signal) for signal in self._signals])
         self.floors = np.array([signal.low for signal in process.state])
         # Only what drains by a root has a floor: a concentration, a speed or a valve position
@@ -122,6 +125,7 @@ class EquilibriumSearch:
         metres = np.array([signal.unit == "m" for signal in process.state], bool)
         floored = np.isfinite(self.floors) & metres
         self.floored = np.concatenate([floored, np.zeros(len(free), bool)])
+        self._origins = np.where(floored, self.floors, 0.0)
 
     def start(self, share: float | None) -> np.ndarray:
         """Return unknowns with every level at a share of its height, or at its initial value."""
@@ -143,8 +147,7 @@ class EquilibriumSearch:
         floored = self.floored[:states]
         scaled, spans = unknowns[:states], self.spans[:states]
         risen = np.where(scaled <= FLOOR, 0.0, scaled) ** 2
-        floors = np.where(floored, self.floors, 0.0)
-        state = np.where(floored, floors + spans * risen, spans * scaled)
+        state = np.where(floored, self._origins + spans * risen, spans * scaled)
         inputs = self.request.inputs.copy()
         inputs[list(self.request.free_inputs)] = unknowns[states:] * self.spans[states:]
         return state, inputs
@@ -153,8 +156,7 @@ class EquilibriumSearch:
         """Return the unknowns that stand for a state [n] and inputs [m], SI."""
         states = len(self.process.state)
         floored, spans = self.floored[:states], self.spans[:states]
-        floors = np.where(floored, self.floors, 0.0)
-        shares = (state - floors) / spans
+        shares = (state - self._origins) / spans
         scaled = np.where(floored, np.sqrt(np.maximum(shares, 0.0)), shares)
         free = inputs[list(self.request.free_inputs)] / self.spans[states:]
         return np.concatenate([scaled, free])
@@ -194,6 +196,8 @@ class EquilibriumSearch:
             trial = self._evaluate(current.unknowns + length * step)
             if np.linalg.norm(trial.residuals / sizes) < (1.0 - 1e-4 * length) * merit:
                 return trial
+            if current.solved:  # only rounding is left, which no shorter step lessens
+                return None
             length /= 2.0
         return None
 
@@ -202,8 +206,7 @@ class EquilibriumSearch:
         rows, columns = list(request.outputs), list(request.free_inputs)
         above = np.where(self.floored, np.maximum(unknowns, _CONTINUED), unknowns)
         scaled, spans = above[:states], self.spans[:states]
-        floors = np.where(self.floored[:states], self.floors, 0.0)
-        risen = np.where(self.floored[:states], floors + spans * scaled**2, spans * scaled)
+        risen = self._origins + spans * np.where(self.floored[:states], scaled**2, scaled)
         _, inputs = self.values(unknowns)
         local = self.derivatives.at(risen, inputs, request.disturbances)
         slopes = self.state_slopes(above)

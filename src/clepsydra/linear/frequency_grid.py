@@ -7,8 +7,8 @@ from contextlib import suppress
 import numpy as np
 
 from clepsydra.base.errors import InputError
+from clepsydra.linear.dead_time import same_at_the_origin, undisturbed, without_dead_time
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.pade import same_at_the_origin, undisturbed, without_dead_time
 from clepsydra.linear.poles import origin_radius
 from clepsydra.linear.zeros import zeros
 

@@ -1,19 +1,140 @@
-"""The highest point of a curve over frequency, exact with dead time."""
+"""The highest point of a curve over frequency, exact with dead time, and where to look for it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
-from clepsydra.linear.highest_point import highest_point
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.response import transfer_at
-from clepsydra.linear.sensitivity import SensitivityPeak
 
+# A maximum that can rise by less than this share is found: nine digits, and four of its place.
+_RISE = 1e-9
+# A maximum is looked at again at so many points between its neighbours.
+_POINTS = 21
+# Each look is ten times closer: after so many, neighbours differ in their last digits only.
+_LOOKS = 16
+_PER_DECADE = 8
+# Each pole turns the phase by half a turn; so many frequencies follow it.
+_PER_POLE = 8
+# So far beyond the poles, and ten times farther, the curve is the one at zero or at infinity.
+_BEYOND = np.array([1e2, 1e3])
+# Nearer to each other than this share of the least damping ratio, frequencies are one.
+_APART = 1e-3
 Curve = Callable[[np.ndarray], np.ndarray]
 
 _PHASES = 2048
+
+
+class SensitivityPeak(NamedTuple):
+    """The largest singular value of S over frequency, and where it stands.
+
+    Parameters
+    ----------
+    peak : float
+        max over ω of σ_max(S(jω)) [1]; infinite when the closed loop is unstable.
+    frequency : float
+        [rad/s]; infinite where S only approaches its peak with rising frequency, not a number
+        when the closed loop is unstable.
+
+    Examples
+    --------
+    >>> SensitivityPeak(peak=1.6, frequency=0.03).peak
+    1.6
+    """
+
+    peak: float
+    frequency: float
+
+
+def highest_point(
+    curve: Callable[[np.ndarray], np.ndarray], grid: np.ndarray
+) -> tuple[float, float]:
+    """Return the maximum of a curve over frequency, and where it stands.
+
+    Every maximum on the grid that can be the highest is looked at more closely between its
+    neighbours, and so on with what is seen there. A parabola through three points rises above
+    the middle one by an eighth of the drop to the lower side at most; half of it is
+    allowed.
+
+    Parameters
+    ----------
+    curve : function
+        Of frequencies [l] to values [l], none below zero.
+    grid : ndarray [l]
+        Rising, above zero [rad/s], close enough to show every maximum.
+
+    Returns
+    -------
+    tuple of float
+        The value, to nine digits, and the frequency, to four [rad/s].
+
+    Examples
+    --------
+    The resonance 1/(s² + 0.2 s + 1):
+
+    >>> found = highest_point(lambda w: 1.0 / abs(1.0 - w**2 + 0.2j * w), np.geomspace(0.1, 10, 9))
+    >>> round(found[0], 6), round(found[1], 3)
+    (5.025189, 0.99)
+    """
+    best = (0.0, float(grid[0]))
+    rows = np.log(grid)[None]
+    for _ in range(_LOOKS):
+        frequencies = np.exp(rows)
+        values = curve(frequencies.ravel()).reshape(rows.shape)
+        place = np.unravel_index(int(values.argmax()), values.shape)
+        best = max(best, (float(values[place]), float(frequencies[place])))
+        before = np.concatenate([values[:, :1], values[:, :-1]], axis=1)
+        after = np.concatenate([values[:, 1:], values[:, -1:]], axis=1)
+        reach = values + (values - np.minimum(before, after)) / 2.0
+        tops = (values >= before) & (values >= after) & (reach > best[0] * (1.0 + _RISE))
+        row, column = np.nonzero(tops)
+        if not row.size:
+            break
+        low = rows[row, np.maximum(column - 1, 0)]
+        high = rows[row, np.minimum(column + 1, rows.shape[1] - 1)]
+        steps = (high - low) / (_POINTS - 1)
+        rows = np.append(steps * np.arange(_POINTS - 1)[:, None] + low, [high], axis=0).T
+    return best
+
+
+def frequencies_of(poles: np.ndarray) -> np.ndarray:
+    """Return frequencies that show every maximum of a rational response with these poles.
+
+    Eight a decade, and at equal steps of the phase that each pole turns: so they stand close
+    around a resonance, and where many poles turn the phase fast.
+
+    Parameters
+    ----------
+    poles : ndarray [n], complex
+        None at zero [rad/s].
+
+    Returns
+    -------
+    ndarray [l]
+        Rising [rad/s], above zero.
+
+    Examples
+    --------
+    >>> resonance = frequencies_of(np.array([-0.001 + 1.0j, -0.001 - 1.0j]))
+    >>> int(np.sum(abs(resonance - 1.0) < 0.002))
+    7
+    """
+    sizes = np.abs(poles)
+    low, high = sizes.min() / 10.0, sizes.max() * 10.0
+    decades = np.geomspace(low, high, int(np.ceil(_PER_DECADE * np.log10(high / low))) + 1)
+    # Those of each pole stand between those of the others: equal poles share one fast turn.
+    shift = (np.arange(len(poles))[:, None] + 0.5) / len(poles)
+    turns = np.pi * ((np.arange(_PER_POLE) + shift) / _PER_POLE - 0.5)
+    around = (poles.imag[:, None] + np.abs(poles.real)[:, None] * np.tan(turns)).ravel()
+    around = around[(around > low) & (around < high)]
+    far = np.concatenate([sizes.min() / _BEYOND, sizes.max() * _BEYOND])
+    grid = np.sort(np.concatenate([decades, around, far]))
+    # Between two that agree but for rounding no slope is seen.
+    apart = _APART * np.min(np.abs(poles.real) / sizes)
+    return grid[np.diff(grid, prepend=0.0) > apart * grid]
 
 
 def highest(closed: LinearModel, grid: np.ndarray, curve: Curve) -> SensitivityPeak:

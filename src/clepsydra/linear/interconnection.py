@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Sized
 
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.linear.internal_delays import InternalDelays, no_delays
-from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linear_model import LinearModel, led_back
 
 
 def series(first: LinearModel, second: LinearModel) -> LinearModel:
@@ -46,27 +45,14 @@ def series(first: LinearModel, second: LinearModel) -> LinearModel:
             f"{len(second.inputs)}, one for each of {', '.join(second.inputs)}",
             "select as many outputs of the first model as the second has inputs",
         )
-    one, two = _delays_of(first), _delays_of(second)
-    return LinearModel(
-        A=_lower(first.A, second.B @ first.C, second.A),
-        B=np.vstack([first.B, second.B @ first.D]),
-        E=_side_by_side(first.E, second.E),
-        C=np.hstack([second.D @ first.C, second.C]),
-        D=second.D @ first.D,
-        states=first.states + second.states,
-        inputs=first.inputs,
-        disturbances=first.disturbances + second.disturbances,
-        outputs=second.outputs,
-        delays=InternalDelays(
-            times=np.concatenate([one.times, two.times]),
-            to_states=_lower(one.to_states, second.B @ one.to_outputs, two.to_states),
-            from_states=_lower(one.from_states, two.from_inputs @ first.C, two.from_states),
-            from_inputs=np.vstack([one.from_inputs, two.from_inputs @ first.D]),
-            from_disturbances=_side_by_side(one.from_disturbances, two.from_disturbances),
-            through=_lower(one.through, two.from_inputs @ one.to_outputs, two.through),
-            to_outputs=np.hstack([second.D @ one.to_outputs, two.to_outputs]),
-        ),
-    )
+    joined, m, q = parallel_channels(first, second), len(first.inputs), len(first.outputs)
+    at = joined.ports
+    passed = np.eye(len(joined.inputs), len(joined.outputs), k=-m)  # u₂ = y₁
+    passed[:, q:] = 0.0
+    matrix = led_back(joined.matrix, at.u, at.y, passed)
+    matrix = np.delete(matrix, slice(at.y.start, at.y.start + q), axis=0)
+    matrix = np.delete(matrix, slice(at.u.start + m, at.u.stop), axis=1)
+    return joined.with_matrix(matrix, joined.times, inputs=first.inputs, outputs=second.outputs)
 
 
 def parallel_channels(first: LinearModel, second: LinearModel) -> LinearModel:
@@ -84,30 +70,25 @@ def parallel_channels(first: LinearModel, second: LinearModel) -> LinearModel:
     >>> parallel_channels(tank, tank).A.diagonal()
     array([-0.02, -0.02])
     """
-    one, two = _delays_of(first), _delays_of(second)
-    delayed = {
-        name: _side_by_side(getattr(one, name), getattr(two, name))
-        for name in (
-            "to_states",
-            "from_states",
-            "from_inputs",
-            "from_disturbances",
-            "through",
-            "to_outputs",
-        )
-    }
-    return LinearModel(
-        A=_side_by_side(first.A, second.A),
-        B=_side_by_side(first.B, second.B),
-        E=_side_by_side(first.E, second.E),
-        C=_side_by_side(first.C, second.C),
-        D=_side_by_side(first.D, second.D),
-        states=first.states + second.states,
-        inputs=first.inputs + second.inputs,
-        disturbances=first.disturbances + second.disturbances,
-        outputs=first.outputs + second.outputs,
-        delays=InternalDelays(np.concatenate([one.times, two.times]), **delayed),
+    one, two = first.matrix, second.matrix
+    matrix = np.zeros(np.add(one.shape, two.shape))
+    matrix[: len(one), : one.shape[1]], matrix[len(one) :, one.shape[1] :] = one, two
+    # Sorted by their kind: the states of both, then what follows them.
+    both = (first, second)
+    rows = _order([(m.states, m.outputs, m.times) for m in both])
+    columns = _order([(m.states, m.inputs, m.disturbances, m.times) for m in both])
+    kinds = ("states", "inputs", "disturbances", "outputs")
+    return first.with_matrix(
+        matrix[np.ix_(rows, columns)],
+        np.concatenate([first.times, second.times]),
+        **{kind: getattr(first, kind) + getattr(second, kind) for kind in kinds},
+        point=None,
     )
+
+
+def _order(models: Sequence[tuple[Sized, ...]]) -> np.ndarray:
+    kinds = [np.repeat(range(len(groups)), [len(each) for each in groups]) for groups in models]
+    return np.argsort(np.concatenate(kinds), kind="stable")
 
 
 def feedback(loop: LinearModel, channels: Sequence[int] | None = None) -> LinearModel:
@@ -147,38 +128,15 @@ def feedback(loop: LinearModel, channels: Sequence[int] | None = None) -> Linear
     closed = np.zeros((size, size))
     for channel in range(size) if channels is None else channels:
         closed[channel, channel] = 1.0
-    factor = np.eye(size) + loop.D @ closed
-    if size and np.linalg.cond(factor) > 1e14:
+    if size and np.linalg.cond(np.eye(size) + loop.D @ closed) > 1e14:
         raise InputError(
             "feedback, D",
             loop.D.tolist(),
             "a loop whose direct gain is not -1",
             "the loop is not well posed: change the gain or count the lag of the actuator",
         )
-    outputs = np.linalg.inv(factor)  # y = outputs (C x + D r + to_outputs z)
-    back = closed @ outputs  # u = r - back (C x + D r + to_outputs z)
-    passed = np.eye(size) - back @ loop.D
-    late = _delays_of(loop)
-    return LinearModel(
-        A=loop.A - loop.B @ back @ loop.C,
-        B=loop.B @ passed,
-        E=loop.E,
-        C=outputs @ loop.C,
-        D=outputs @ loop.D,
-        states=loop.states,
-        inputs=loop.inputs,
-        disturbances=loop.disturbances,
-        outputs=loop.outputs,
-        delays=InternalDelays(
-            times=late.times,
-            to_states=late.to_states - loop.B @ back @ late.to_outputs,
-            from_states=late.from_states - late.from_inputs @ back @ loop.C,
-            from_inputs=late.from_inputs @ passed,
-            from_disturbances=late.from_disturbances,
-            through=late.through - late.from_inputs @ back @ late.to_outputs,
-            to_outputs=outputs @ late.to_outputs,
-        ),
-    )
+    at = loop.ports
+    return loop.with_matrix(led_back(loop.matrix, at.u, at.y, -closed), loop.times, point=None)
 
 
 def require_square(loop: LinearModel) -> int:
@@ -199,20 +157,3 @@ def require_square(loop: LinearModel) -> int:
             "give the loop transfer plant · controller or controller · plant",
         )
     return len(loop.inputs)
-
-
-def _delays_of(model: LinearModel) -> InternalDelays:
-    if model.delays is not None:
-        return model.delays
-    return no_delays(
-        len(model.states), len(model.inputs), len(model.disturbances), len(model.outputs)
-    )
-
-
-def _side_by_side(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    return _lower(first, np.zeros((len(second), first.shape[1])), second)
-
-
-def _lower(first: np.ndarray, across: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Return [[first, 0], [across, second]]."""
-    return np.block([[first, np.zeros((len(first), second.shape[1]))], [across, second]])

@@ -1,21 +1,116 @@
-"""The linear model of a process near an operating point."""
+"""The linear model of a process near an operating point, with the dead times inside it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from itertools import pairwise
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
-from clepsydra.linear.internal_delays import InternalDelays, refuse_delays
 
 if TYPE_CHECKING:
     import control
 
     from clepsydra.linear.operating_point import OperatingPoint
+
+
+@dataclass(frozen=True, eq=False)
+class InternalDelays:
+    """r signals w that leave a linear model and come back as z_i(t) = w_i(t - τ_i).
+
+    With them the model is ẋ = A x + B u + E d + to_states z, y = C x + D u + to_outputs z and
+    w = from_states x + from_inputs u + from_disturbances d + through z. A dead time at an
+    input, at an output, in a pipe between two tanks or inside a controller all have this form,
+    and joining two such models gives another one.
+
+    Parameters
+    ----------
+    times : ndarray [r]
+        Dead times τ [s], above zero.
+    to_states : ndarray [n, r]
+    from_states : ndarray [r, n]
+    from_inputs : ndarray [r, m]
+    from_disturbances : ndarray [r, k]
+    through : ndarray [r, r]
+        From one delayed signal to another that leaves at once.
+    to_outputs : ndarray [q, r]
+
+    Raises
+    ------
+    InputError
+        A dead time is not finite or not above zero.
+
+    Examples
+    --------
+    A tank whose outflow is what entered it 5 s ago, as a model without an input:
+
+    >>> one, none = np.eye(1), np.zeros((1, 0))
+    >>> InternalDelays(np.array([5.0]), -one, one, none, none, 0.0 * one, 0.0 * one).times
+    array([5.])
+    """
+
+    times: np.ndarray
+    to_states: np.ndarray
+    from_states: np.ndarray
+    from_inputs: np.ndarray
+    from_disturbances: np.ndarray
+    through: np.ndarray
+    to_outputs: np.ndarray
+
+    def __post_init__(self) -> None:
+        for time in np.ravel(self.times):
+            if not (np.isfinite(time) and time > 0.0):
+                raise InputError(
+                    "linear model, delays, times",
+                    float(time),
+                    "dead times above 0 s",
+                    "leave out a signal that is not delayed",
+                )
+
+
+def refuse_delays(delays: InternalDelays | None, what: str) -> None:
+    """Raise InputError for a model with dead time, where only a rational one has an answer.
+
+    Parameters
+    ----------
+    delays : InternalDelays or None
+        Of the model.
+    what : str
+        What was asked for, a plural: "poles".
+
+    Examples
+    --------
+    >>> refuse_delays(None, "poles")
+    """
+    if delays is not None:
+        raise InputError(
+            "linear model, delays",
+            f"dead times of {', '.join(f'{time:.6g}' for time in delays.times)} s",
+            f"a model without dead time, for {what}",
+            "approximate it by clepsydra.linear.dead_time.without_dead_time(model, order)",
+        )
+
+
+class Ports(NamedTuple):
+    """Where signals stand in [ẋ; y; w] = M [x; u; d; z]: in columns x, u, d, z, in rows x, y, w."""
+
+    x: slice
+    u: slice
+    d: slice
+    z: slice
+    y: slice
+    w: slice
+
+    @classmethod
+    def of(cls, n: int, m: int, k: int, q: int, r: int) -> Ports:
+        """Return those of n states, m inputs, k disturbances, q outputs and r delayed signals."""
+        columns, rows = np.cumsum([0, n, m, k, r]).tolist(), np.cumsum([n, q, r]).tolist()
+        return cls(*(slice(*ends) for ends in (*pairwise(columns), *pairwise(rows))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,15 +164,69 @@ class LinearModel:
     def __post_init__(self) -> None:
         n, m = len(self.states), len(self.inputs)
         k, q = len(self.disturbances), len(self.outputs)
+        shapes: dict[str, tuple[int, ...]]
         shapes = {"A": (n, n), "B": (n, m), "E": (n, k), "C": (q, n), "D": (q, m)}
+        if self.delays is not None:
+            r = len(self.delays.times)
+            shapes |= {
+                "delays.times": (r,),
+                "delays.to_states": (n, r),
+                "delays.from_states": (r, n),
+                "delays.from_inputs": (r, m),
+                "delays.from_disturbances": (r, k),
+                "delays.through": (r, r),
+                "delays.to_outputs": (q, r),
+            }
         for name, shape in shapes.items():
-            found = np.shape(getattr(self, name))
+            found = np.shape(attrgetter(name)(self))
             if found != shape:
                 raise ValueError(f"linear model: {name} is {found}, its names make {shape}")
-        if self.delays is not None:
-            self.delays.check_shapes(n, m, k, q)
-            if not len(self.delays.times):
-                object.__setattr__(self, "delays", None)
+        if self.delays is not None and not len(self.delays.times):
+            object.__setattr__(self, "delays", None)
+
+    @property
+    def times(self) -> np.ndarray:
+        """Dead times of the delayed signals [r], [s]."""
+        return np.zeros(0) if self.delays is None else self.delays.times
+
+    @property
+    def ports(self) -> Ports:
+        """Where the signals stand in `matrix`."""
+        groups = (self.states, self.inputs, self.disturbances, self.outputs, self.times)
+        return Ports.of(*map(len, groups))
+
+    @property
+    def matrix(self) -> np.ndarray:
+        """M of [ẋ; y; w] = M [x; u; d; z], in which the delayed signals are left open."""
+        at, late = self.ports, self.delays
+        matrix = np.zeros((at.w.stop, at.z.stop))
+        matrix[at.x, at.x], matrix[at.x, at.u], matrix[at.x, at.d] = self.A, self.B, self.E
+        matrix[at.y, at.x], matrix[at.y, at.u] = self.C, self.D
+        if late is not None:
+            matrix[at.x, at.z], matrix[at.y, at.z] = late.to_states, late.to_outputs
+            matrix[at.w, at.x], matrix[at.w, at.u] = late.from_states, late.from_inputs
+            matrix[at.w, at.d], matrix[at.w, at.z] = late.from_disturbances, late.through
+        return matrix
+
+    def with_matrix(self, M: np.ndarray, times: np.ndarray, **changes: Any) -> LinearModel:
+        """Return the model of another `matrix` and its dead times, with other fields changed too.
+
+        Parameters
+        ----------
+        M : ndarray [n + q + r, n + m + k + r]
+            No disturbance may act on an output directly: [y, d] is left out.
+        times : ndarray [r]
+            [s]
+        **changes
+            Names of another number of signals, and `point`.
+        """
+        kinds = ("states", "inputs", "disturbances", "outputs")
+        names = [changes.get(kind, getattr(self, kind)) for kind in kinds]
+        x, u, d, z, y, w = Ports.of(*map(len, [*names, times]))
+        late = InternalDelays(times, M[x, z], M[w, x], M[w, u], M[w, d], M[w, z], M[y, z])
+        return replace(
+            self, A=M[x, x], B=M[x, u], E=M[x, d], C=M[y, x], D=M[y, u], delays=late, **changes
+        )
 
     def select(
         self, outputs: Sequence[str] | None = None, inputs: Sequence[str] | None = None
@@ -106,7 +255,12 @@ class LinearModel:
             D=self.D[np.ix_(rows, columns)],
             inputs=tuple(self.inputs[column] for column in columns),
             outputs=tuple(self.outputs[row] for row in rows),
-            delays=None if self.delays is None else self.delays.select(rows, columns),
+            delays=self.delays
+            and replace(
+                self.delays,
+                from_inputs=self.delays.from_inputs[:, columns],
+                to_outputs=self.delays.to_outputs[rows],
+            ),
         )
 
     def to_control(self) -> control.StateSpace:
@@ -204,3 +358,22 @@ def _places(what: str, names: tuple[str, ...], wanted: Sequence[str] | None) -> 
             raise InputError(f"linear model, {what}", name, "each name once", "name it once")
         places.append(names.index(name))
     return places
+
+
+def led_back(matrix: np.ndarray, columns: slice, rows: slice, gain: np.ndarray) -> np.ndarray:
+    """Return M of a model whose rows are led back to some of its columns by a gain.
+
+    The lower linear fractional transformation, with all rows and columns kept:
+    M + M[:, u] K (I - M[y, u] K)⁻¹ M[y].
+
+    Examples
+    --------
+    An integrator of gain 3 under negative unity feedback:
+
+    >>> led_back(np.array([[0.0, 3.0], [1.0, 0.0]]), slice(1, 2), slice(1, 2), np.array([[-1.0]]))
+    array([[-3.,  3.],
+           [ 1.,  0.]])
+    """
+    shown = matrix[rows]
+    solved = np.linalg.solve(np.eye(len(shown)) - shown[:, columns] @ gain, shown)
+    return np.asarray(matrix + matrix[:, columns] @ gain @ solved)

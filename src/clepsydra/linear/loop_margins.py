@@ -13,11 +13,10 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.linear.disk_margin import DiskMargin, disk_margin
 from clepsydra.linear.frequency_grid import frequency_grid
-from clepsydra.linear.frequency_peak import highest
+from clepsydra.linear.frequency_peak import SensitivityPeak, highest
 from clepsydra.linear.interconnection import feedback
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.response import transfer_at
-from clepsydra.linear.sensitivity import SensitivityPeak
 from clepsydra.linear.stability import asymptotically_stable
 
 # Gains beyond these cross nothing worth a margin: dead time crosses the axis for ever.
@@ -148,12 +147,7 @@ def loop_margins(loop: LinearModel) -> LoopMargins:
     closed = feedback(loop)
     stable = asymptotically_stable(closed)
     grid = frequency_grid(loop, closed)
-    peaks = [_UNSTABLE, _UNSTABLE]
-    if stable:
-        peaks = [
-            highest(closed, grid, lambda values: np.abs(1.0 - values[:, 0, 0])),
-            highest(closed, grid, lambda values: np.abs(values[:, 0, 0])),
-        ]
+    sensitivity, complementary = sensitivity_peaks(closed, grid, stable)
     values = transfer_at(loop, 1j * grid)[:, 0, 0]
     at_unit_gain = [
         (omega, complex(transfer_at(loop, np.array([1j * omega]))[0, 0, 0]))
@@ -171,9 +165,22 @@ def loop_margins(loop: LinearModel) -> LoopMargins:
             Crossing(float(np.angle(-value) % (2.0 * np.pi)) / omega, omega)
             for omega, value in at_unit_gain
         ),
-        sensitivity=peaks[0],
-        complementary=peaks[1],
+        sensitivity=sensitivity,
+        complementary=complementary,
         disk=disk_margin(loop),
+    )
+
+
+def sensitivity_peaks(
+    closed: LinearModel, grid: np.ndarray, stable: bool
+) -> tuple[SensitivityPeak, SensitivityPeak]:
+    """Return the peaks of σ_max of S = I - T and of T, the closed loop; infinite if unstable."""
+    if not stable:
+        return _UNSTABLE, _UNSTABLE
+    identity = np.eye(len(closed.outputs))
+    return (
+        highest(closed, grid, lambda T: np.linalg.norm(identity - T, 2, axis=(1, 2))),
+        highest(closed, grid, lambda T: np.linalg.norm(T, 2, axis=(1, 2))),
     )
 
 

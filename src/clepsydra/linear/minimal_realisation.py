@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -61,8 +62,8 @@ def scaled_system(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) ->
         changed = False
         for state in range(len(A)):
             others = np.arange(len(A)) != state
-            driven = np.hypot(np.linalg.norm(A[state, others]), np.linalg.norm(B[state]))
-            shown = np.hypot(np.linalg.norm(A[others, state]), np.linalg.norm(C[:, state]))
+            driven = math.hypot(*A[state, others], *B[state])
+            shown = math.hypot(*A[others, state], *C[:, state])
             if driven == 0.0 or shown == 0.0:
                 continue
             factor = float(_power_of_two(np.sqrt(driven / shown)))

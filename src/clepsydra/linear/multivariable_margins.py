@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,11 +9,10 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.linear.disk_margin import DiskMargin, disk_margin
 from clepsydra.linear.frequency_grid import frequency_grid
-from clepsydra.linear.frequency_peak import highest
+from clepsydra.linear.frequency_peak import SensitivityPeak
 from clepsydra.linear.interconnection import feedback, parallel_channels, series
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.loop_margins import LoopMargins, loop_margins
-from clepsydra.linear.sensitivity import SensitivityPeak
+from clepsydra.linear.loop_margins import LoopMargins, loop_margins, sensitivity_peaks
 from clepsydra.linear.stability import asymptotically_stable
 
 
@@ -166,37 +164,17 @@ def _loop_at_both(plant: LinearModel, controller: LinearModel) -> LinearModel:
     """
     q = len(plant.outputs)
     joined = parallel_channels(controller, plant)  # inputs y, u; outputs u, y
-    order = [*range(q, q + len(plant.inputs)), *range(q)]
-    late = joined.delays
-    sign = np.concatenate([np.ones(len(plant.inputs)), -np.ones(q)])
-    return replace(
-        joined,
-        B=joined.B[:, order],
-        C=sign[:, None] * joined.C,
-        D=sign[:, None] * joined.D[:, order],
-        inputs=tuple(joined.inputs[place] for place in order),
-        delays=None
-        if late is None
-        else replace(
-            late,
-            from_inputs=late.from_inputs[:, order],
-            to_outputs=sign[:, None] * late.to_outputs,
-        ),
-    )
+    at, matrix = joined.ports, joined.matrix
+    matrix[:, at.u] = np.roll(matrix[:, at.u], -q, axis=1)
+    matrix[at.y][len(plant.inputs) :] *= -1.0
+    inputs = joined.inputs[q:] + joined.inputs[:q]
+    return joined.with_matrix(matrix, joined.times, inputs=inputs)
 
 
 def _margins(loop: LinearModel) -> MarginsAt:
     closed = feedback(loop)
-    size = len(loop.outputs)
-    if asymptotically_stable(closed):
-        grid = frequency_grid(loop, closed)
-        identity = np.eye(size)
-        sensitivity = highest(
-            closed, grid, lambda values: np.linalg.norm(identity - values, 2, axis=(1, 2))
-        )
-        complementary = highest(closed, grid, lambda values: np.linalg.norm(values, 2, axis=(1, 2)))
-    else:
-        sensitivity = complementary = SensitivityPeak(math.inf, math.nan)
+    grid, stable = frequency_grid(loop, closed), asymptotically_stable(closed)
+    sensitivity, complementary = sensitivity_peaks(closed, grid, stable)
     return MarginsAt(
         sensitivity=sensitivity,
         complementary=complementary,

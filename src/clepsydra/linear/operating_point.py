@@ -42,6 +42,17 @@ class OperatingPoint:
     residual: float
     warnings: tuple[str, ...] = ()
 
+    @classmethod
+    def at(
+        cls, process: Process, state: np.ndarray, inputs: np.ndarray, disturbances: np.ndarray
+    ) -> OperatingPoint:
+        """Return what is measured with these values, at rest or not, and how fast it moves."""
+        parameters = process.parameter_values
+        rates = np.array(process.dynamics(state, inputs, disturbances, parameters)).ravel()
+        measured = np.array(process.measure(state, parameters)).ravel()
+        residual = float(np.abs(rates).max(initial=0.0))
+        return cls(process, state, inputs, disturbances, measured, residual)
+
     def as_dict(self) -> dict[str, float]:
         """Return every signal's value by name, SI."""
         process = self.process

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clepsydra.linear.internal_delays import refuse_delays
-from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linear_model import LinearModel, refuse_delays
 
 # A root closer to the origin than this share of the fastest rate stands at the origin.
 ORIGIN = 1e-10

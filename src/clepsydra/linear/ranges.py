@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 
 from clepsydra.base.errors import InputError
+from clepsydra.linear.dead_time import undisturbed
 from clepsydra.linear.linear_model import LinearModel
 
 
@@ -57,26 +58,10 @@ def in_ranges(model: LinearModel, sizes: Mapping[str, float] | None = None) -> L
         np.array([_size(name, known) for name in group])
         for group in (model.states, model.inputs, model.disturbances, model.outputs)
     )
-    late = model.delays
-    return replace(
-        model,
-        A=model.A * states / states[:, None],
-        B=model.B * inputs / states[:, None],
-        E=model.E * disturbances / states[:, None],
-        C=model.C * states / outputs[:, None],
-        D=model.D * inputs / outputs[:, None],
-        point=None,
-        delays=None
-        if late is None
-        else replace(
-            late,
-            to_states=late.to_states / states[:, None],
-            from_states=late.from_states * states,
-            from_inputs=late.from_inputs * inputs,
-            from_disturbances=late.from_disturbances * disturbances,
-            to_outputs=late.to_outputs / outputs[:, None],
-        ),
-    )
+    delayed = np.ones(len(model.times))
+    columns = np.concatenate([states, inputs, disturbances, delayed])
+    rows = np.concatenate([states, outputs, delayed])
+    return model.with_matrix(model.matrix * columns / rows[:, None], model.times, point=None)
 
 
 def _spans(model: LinearModel) -> dict[str, float]:
@@ -97,3 +82,45 @@ def _size(name: str, known: Mapping[str, float]) -> float:
             "give the signal a range in the process file, or its size here",
         )
     return size
+
+
+def in_known_ranges(model: LinearModel) -> LinearModel | None:
+    """Return the model without disturbances and in ranges, or None where that says nothing.
+
+    A state without a range counts in the size of its value at rest, or in its unit where that
+    is zero; an input or an output without a range has nothing to be compared with.
+
+    Parameters
+    ----------
+    model : LinearModel
+
+    Returns
+    -------
+    LinearModel or None
+
+    Examples
+    --------
+    A model without a process has no ranges:
+
+    >>> import numpy as np
+    >>> one = np.eye(1)
+    >>> in_known_ranges(LinearModel(-0.02 * one, 0.04 * one, one[:, :0], one, 0.0 * one,
+    ...                      ("tank.level",), ("pump",), (), ("level",))) is None
+    True
+    """
+    if model.point is None:
+        return None
+    process, at = model.point.process, model.point.as_dict()
+    sizes = {}
+    for name in model.states:
+        try:
+            span = process.signal(name).span
+        except KeyError:  # a state of an approximated dead time, between -1 and 1
+            span = math.inf
+        if not (math.isfinite(span) and span > 0.0):
+            sizes[name] = abs(at.get(name, 0.0)) or 1.0
+    for name in (*model.inputs, *model.outputs):
+        span = process.signal(name).span
+        if not (math.isfinite(span) and span > 0.0):
+            return None
+    return in_ranges(undisturbed(model), sizes)

@@ -7,14 +7,13 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from clepsydra.linear.internal_delays import refuse_delays
 from clepsydra.linear.lie_derivatives import (
     InputAffineEquations,
     NotLinearisable,
     input_affine_equations,
     lie_derivative,
 )
-from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linear_model import LinearModel, refuse_delays
 from clepsydra.linear.linearise import operating_point_of
 
 #: A higher derivative is beyond what measurements and a model bear.

@@ -1,4 +1,4 @@
-"""The relative gain array, and the pairing of outputs with inputs that it suggests."""
+"""The relative gain array, the pairing that it suggests, and the pairing's Niederlinski index."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from clepsydra.base.errors import InputError
+from clepsydra.linear.dead_time import same_at_the_origin
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.pade import same_at_the_origin
 from clepsydra.linear.poles import integrators, origin_radius, poles
-from clepsydra.linear.response import evaluate_transfer
+from clepsydra.linear.response import evaluate_transfer, frequency_response
 from clepsydra.linear.zeros import zeros
 
 # A pair whose relative gain is not positive costs more than any set of pairs that have one.
@@ -178,3 +178,114 @@ def _cheapest_assignment(cost: np.ndarray) -> list[tuple[int, int]]:
     return [
         (int(row), int(column)) for row, column in zip(*linear_sum_assignment(cost), strict=True)
     ]
+
+
+def relative_gain_response(model: LinearModel, omegas: ArrayLike) -> np.ndarray:
+    """Return Λ(jω) = G ∘ (G⁻¹)ᵀ at each frequency, exact with dead time.
+
+    Near the crossover of the loops it should be close to one on the pairs that are chosen;
+    what it is at rest matters only to integral action.
+
+    Parameters
+    ----------
+    model : LinearModel
+    omegas : array_like [l]
+        [rad/s]
+
+    Returns
+    -------
+    ndarray [l, q, m], complex
+        [1]
+
+    Raises
+    ------
+    InputError
+        A frequency is not finite or is a pole (use `relative_gains` for the limit at zero), or
+        G is singular there: the frequency is a zero.
+
+    References
+    ----------
+    S. Skogestad and I. Postlethwaite, Multivariable Feedback Control, 2nd ed., 2005, chapter
+    3.
+
+    Examples
+    --------
+    >>> A, B = -np.eye(2), np.array([[2.0, 1.0], [1.0, 2.0]])
+    >>> model = LinearModel(A, B, B[:, :0], np.eye(2), np.zeros((2, 2)), ("a", "b"),
+    ...                     ("u", "v"), (), ("y", "z"))
+    >>> relative_gain_response(model, 0.1)[0].real.round(6).tolist()
+    [[1.333333, -0.333333], [-0.333333, 1.333333]]
+    """
+    frequencies = np.atleast_1d(np.asarray(omegas, float))
+    arrays = []
+    for frequency, gain in zip(frequencies, frequency_response(model, frequencies), strict=True):
+        try:
+            arrays.append(relative_gain_array(gain))
+        except InputError:
+            raise InputError(
+                f"relative gain array, ω = {frequency:.6g} rad/s",
+                gain.tolist(),
+                "a response of full rank",
+                "leave the frequency out: some combination of the outputs answers to no input",
+            ) from None
+    return np.array(arrays).reshape(len(frequencies), len(model.outputs), len(model.inputs))
+
+
+def niederlinski_index(
+    gain: ArrayLike,
+    pairing: Sequence[tuple[str, str]],
+    outputs: Sequence[str],
+    inputs: Sequence[str],
+) -> float:
+    """Return N = det G / Π g_ii with the paired elements on the diagonal.
+
+    With integral action in every loop and N < 0 the closed loop is unstable, however the loops
+    are tuned (for a stable process with proper rational loops). N > 0 is necessary only; for
+    two loops it says the same as a positive relative gain, since N = 1/λ.
+
+    Parameters
+    ----------
+    gain : array_like [q, m]
+        G(0) [output unit / input unit].
+    pairing : sequence of (output, input)
+    outputs, inputs : sequence of str
+        Names of the rows and of the columns of `gain`.
+
+    Returns
+    -------
+    float
+        [1]; infinite where a paired element is zero.
+
+    Raises
+    ------
+    InputError
+        A gain of the paired signals is not finite: the process integrates.
+
+    References
+    ----------
+    A. Niederlinski, A heuristic approach to the design of linear multivariable interacting
+    control systems, Automatica 7(6), 1971, 691-701.
+
+    Examples
+    --------
+    >>> pairs = [("level_1", "pump_1"), ("level_2", "pump_2")]
+    >>> niederlinski_index([[2.0, 1.0], [1.0, 2.0]], pairs, ("level_1", "level_2"),
+    ...                    ("pump_1", "pump_2"))
+    0.75
+    """
+    gains = np.asarray(gain, float)
+    rows = [list(outputs).index(output) for output, _ in pairing]
+    columns = [list(inputs).index(name) for _, name in pairing]
+    paired = gains[np.ix_(rows, columns)]
+    if not np.all(np.isfinite(paired)):
+        raise InputError(
+            "Niederlinski index, gain",
+            paired.tolist(),
+            "finite static gains",
+            "the index is defined for a process that does not integrate",
+        )
+    diagonal = np.diag(paired)
+    if np.any(diagonal == 0.0):
+        return float("inf")
+    # Row by row, so that large or small units cannot overflow the product.
+    return float(np.linalg.det(paired / diagonal[:, None]))

@@ -73,7 +73,7 @@ def transfer_at(model: LinearModel, points: np.ndarray) -> np.ndarray:
     --------
     A tank whose outflow answers to its level 1 s later, 1/(s + e^(-s)), at rest:
 
-    >>> from clepsydra.linear.internal_delays import InternalDelays
+    >>> from clepsydra.linear.linear_model import InternalDelays
     >>> one, none = np.eye(1), np.zeros((1, 0))
     >>> late = InternalDelays(np.ones(1), -one, one, 0.0 * one, none, 0.0 * one, 0.0 * one)
     >>> tank = LinearModel(0.0 * one, one, none, one, 0.0 * one, ("tank.level",), ("pump",), (),
@@ -85,14 +85,7 @@ def transfer_at(model: LinearModel, points: np.ndarray) -> np.ndarray:
     delays = model.delays
     if delays is None:
         return evaluate_transfer(model.A, model.B, model.C, model.D, points)
-    matrix, driven = characteristic_matrices(model, points)
-    try:
-        inner = np.linalg.solve(matrix, driven)
-    except np.linalg.LinAlgError:
-        size = matrix.shape[1]
-        ranks = (np.linalg.matrix_rank(pencil) for pencil in matrix)
-        at_pole = next(s for s, rank in zip(points, ranks, strict=True) if rank < size)
-        raise _at_a_pole(at_pole) from None
+    inner = _solved(*characteristic_matrices(model, points), points)
     return np.asarray(np.hstack([model.C, delays.to_outputs]) @ inner + model.D)
 
 
@@ -123,7 +116,7 @@ def characteristic_matrices(
 
     Examples
     --------
-    >>> from clepsydra.linear.internal_delays import InternalDelays
+    >>> from clepsydra.linear.linear_model import InternalDelays
     >>> one, none = np.eye(1), np.zeros((1, 0))
     >>> late = InternalDelays(np.ones(1), -one, one, 0.0 * one, none, 0.0 * one, 0.0 * one)
     >>> tank = LinearModel(0.0 * one, one, none, one, 0.0 * one, ("tank.level",), ("pump",), (),
@@ -135,17 +128,14 @@ def characteristic_matrices(
     delays = model.delays
     if delays is None:
         raise ValueError("characteristic matrices: the model has no dead time")
-    n, r, m = len(model.A), len(delays.times), len(model.inputs)
-    late = np.exp(-points[:, None] * delays.times)[:, :, None]
-    matrix = np.empty((len(points), n + r, n + r), complex)
-    matrix[:, :n, :n] = points[:, None, None] * np.eye(n) - model.A
-    matrix[:, :n, n:] = -delays.to_states
-    matrix[:, n:, :n] = -late * delays.from_states
-    matrix[:, n:, n:] = np.eye(r) - late * delays.through
-    driven = np.empty((len(points), n + r, m), complex)
-    driven[:, :n] = model.B
-    driven[:, n:] = late * delays.from_inputs
-    return matrix, driven
+    at, open_loop = model.ports, np.delete(model.matrix, model.ports.y, axis=0)
+    n, r = len(model.A), len(delays.times)
+    late = np.ones((len(points), n + r, 1), complex)
+    late[:, n:, 0] = np.exp(-points[:, None] * delays.times)
+    matrix = -late * np.delete(open_loop, slice(at.u.start, at.d.stop), axis=1)
+    matrix[:, :n, :n] += points[:, None, None] * np.eye(n)
+    matrix[:, n:, n:] += np.eye(r)
+    return matrix, late * open_loop[:, at.u]
 
 
 def evaluate_transfer(
@@ -177,18 +167,17 @@ def evaluate_transfer(
     array([[[1.5]]])
     """
     pencils = np.asarray(points)[:, None, None] * np.eye(len(A)) - A
-    try:
-        inner = np.linalg.solve(pencils, np.broadcast_to(B, (len(pencils), *B.shape)))
-    except np.linalg.LinAlgError:
-        at_pole = next(s for s in points if np.linalg.matrix_rank(s * np.eye(len(A)) - A) < len(A))
-        raise _at_a_pole(at_pole) from None
+    inner = _solved(pencils, B, points)
     return np.asarray(C @ inner + D)
 
 
-def _at_a_pole(point: complex) -> InputError:
-    return InputError(
-        "frequency response, s",
-        complex(point),
-        "a value that is no pole of the model",
-        "evaluate beside the pole; an integrating tank has no gain at frequency zero",
-    )
+def _solved(pencils: np.ndarray, driven: np.ndarray, points: np.ndarray) -> np.ndarray:
+    try:
+        return np.linalg.solve(pencils, driven)
+    except np.linalg.LinAlgError:
+        raise InputError(
+            "frequency response, s",
+            complex(points[np.argmin(np.linalg.matrix_rank(pencils))]),
+            "a value that is no pole of the model",
+            "evaluate beside the pole; an integrating tank has no gain at frequency zero",
+        ) from None

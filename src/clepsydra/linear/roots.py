@@ -6,9 +6,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from clepsydra.linear.dead_time_structure import dead_times, has_delay_in_loop, lags_of
+from clepsydra.linear.dead_time import (
+    at_rest,
+    dead_times,
+    has_delay_in_loop,
+    lags_of,
+    undisturbed,
+    without_dead_time,
+)
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.pade import at_rest, undisturbed, without_dead_time
 from clepsydra.linear.poles import poles, time_constants
 from clepsydra.linear.zeros import minimum_phase, zeros
 
@@ -64,7 +70,7 @@ def roots_of(model: LinearModel) -> Roots:
     --------
     1/(s + e^(-s)) has no finite zero and infinitely many poles, of which two are near:
 
-    >>> from clepsydra.linear.internal_delays import InternalDelays
+    >>> from clepsydra.linear.linear_model import InternalDelays
     >>> one, none = np.eye(1), np.zeros((1, 0))
     >>> late = InternalDelays(np.ones(1), -one, one, 0.0 * one, none, 0.0 * one, 0.0 * one)
     >>> roots_of(LinearModel(0.0 * one, one, none, one, 0.0 * one, ("tank.level",), ("pump",), (),

@@ -2,34 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
-from clepsydra.linear.highest_point import frequencies_of, highest_point
+from clepsydra.linear.frequency_peak import SensitivityPeak, frequencies_of, highest_point
 from clepsydra.linear.poles import origin_radius, rightmost_first
 from clepsydra.linear.response import evaluate_transfer
-
-
-class SensitivityPeak(NamedTuple):
-    """The largest singular value of S over frequency, and where it stands.
-
-    Parameters
-    ----------
-    peak : float
-        max over ω of σ_max(S(jω)) [1]; infinite when the closed loop is unstable.
-    frequency : float
-        [rad/s]; infinite where S only approaches its peak with rising frequency, not a number
-        when the closed loop is unstable.
-
-    Examples
-    --------
-    >>> SensitivityPeak(peak=1.6, frequency=0.03).peak
-    1.6
-    """
-
-    peak: float
-    frequency: float
 
 
 def closed_loop_poles(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> np.ndarray:

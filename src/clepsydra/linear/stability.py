@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.linear.internal_delays import InternalDelays
-from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linear_model import InternalDelays, LinearModel
 from clepsydra.linear.poles import origin_radius, poles
 from clepsydra.linear.response import characteristic_matrices
 
@@ -43,7 +42,7 @@ def asymptotically_stable(model: LinearModel) -> bool:
     --------
     The tank 1/(s + k e^(-s)) is stable while k < π/2:
 
-    >>> from clepsydra.linear.internal_delays import InternalDelays
+    >>> from clepsydra.linear.linear_model import InternalDelays
     >>> one, none = np.eye(1), np.zeros((1, 0))
     >>> for k in (1.57, 1.58):
     ...     late = InternalDelays(np.ones(1), -k * one, one, 0.0 * one, none, 0.0 * one, 0.0 * one)
@@ -90,7 +89,7 @@ def unstable_roots(model: LinearModel) -> int | None:
 
     Examples
     --------
-    >>> from clepsydra.linear.internal_delays import InternalDelays
+    >>> from clepsydra.linear.linear_model import InternalDelays
     >>> one, none = np.eye(1), np.zeros((1, 0))
     >>> late = InternalDelays(np.ones(1), -9.0 * one, one, 0.0 * one, none, 0.0 * one, 0.0 * one)
     >>> unstable_roots(LinearModel(0.0 * one, one, none, one, 0.0 * one,
@@ -213,5 +212,5 @@ def _undecidable(expected: str) -> InputError:
         "stability with dead time",
         "undecided",
         expected,
-        "approximate the dead time by clepsydra.linear.pade.without_dead_time(model, order)",
+        "approximate the dead time by clepsydra.linear.dead_time.without_dead_time(model, order)",
     )

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from clepsydra.linear.dead_time import same_at_the_origin
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.minimal_realisation import minimal_realisation
-from clepsydra.linear.pade import same_at_the_origin
 from clepsydra.linear.poles import integrators
 from clepsydra.linear.response import evaluate_transfer
 

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from clepsydra.base.errors import InputError
-from clepsydra.linear.internal_delays import InternalDelays
-from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linear_model import InternalDelays, LinearModel
 
 # Polynomials of this degree, on intervals shorter than the fastest time constant.
 _DEGREE = 12
@@ -94,12 +93,8 @@ def _by_steps(model: LinearModel, delays: InternalDelays, moments: np.ndarray) -
     last = float(moments.max(initial=0.0))
     count = int(np.floor(last / length * (1.0 + 1e-12))) + 1
     if count > _MOST_INTERVALS:
-        raise InputError(
-            "step response, delays",
-            f"dead times of {', '.join(f'{time:.9g}' for time in delays.times)} s",
-            f"a common measure longer than {last / _MOST_INTERVALS:.3g} s",
-            "round the dead times, or approximate them by "
-            "clepsydra.linear.pade.without_dead_time(model, order)",
+        raise _incommensurable(
+            delays, f"a common measure longer than {last / _MOST_INTERVALS:.3g} s"
         )
     # On each interval: ẋ = A x + B u + to_states z at all nodes but the first, where x goes on.
     nodes, slopes = _chebyshev(_DEGREE)
@@ -137,13 +132,7 @@ def _intervals(model: LinearModel, delays: InternalDelays) -> tuple[float, list[
     if max(abs(part * unit - time) for part, time in zip(parts, delays.times, strict=True)) > (
         1e-12 * unit
     ):
-        raise InputError(
-            "step response, delays",
-            f"dead times of {', '.join(f'{time:.9g}' for time in delays.times)} s",
-            "dead times with a common measure",
-            "round the dead times, or approximate them by "
-            "clepsydra.linear.pade.without_dead_time(model, order)",
-        )
+        raise _incommensurable(delays, "dead times with a common measure")
     shares = lcm(*(part.denominator for part in parts))
     whole = [part.numerator * (shares // part.denominator) for part in parts]
     common = gcd(*whole)
@@ -152,6 +141,16 @@ def _intervals(model: LinearModel, delays: InternalDelays) -> tuple[float, list[
     fastest = float(np.abs(np.linalg.eigvals(np.abs(model.A))).max(initial=0.0))
     splits = max(1, int(np.ceil(measure * fastest)))
     return measure / splits, [number // common * splits for number in whole]
+
+
+def _incommensurable(delays: InternalDelays, expected: str) -> InputError:
+    return InputError(
+        "step response, delays",
+        f"dead times of {', '.join(f'{time:.9g}' for time in delays.times)} s",
+        expected,
+        "round the dead times, or approximate them by "
+        "clepsydra.linear.dead_time.without_dead_time(model, order)",
+    )
 
 
 def _chebyshev(degree: int) -> tuple[np.ndarray, np.ndarray]:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clepsydra.linear.internal_delays import refuse_delays
-from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linear_model import LinearModel, refuse_delays
 from clepsydra.linear.minimal_realisation import (
     RANK_TOLERANCE,
     minimal_realisation,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clepsydra.process.equations import DELAYED, ENTERED, LEFT
+from clepsydra.process.balance import DELAYED, ENTERED, LEFT
 from clepsydra.process.process import Process
 
 

@@ -6,15 +6,15 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from clepsydra.base.arguments import check_choice, is_finite_number
+from clepsydra.base.conversion import Conversion, conversion
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.controllers.wiring import check_signals
 from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.motion_block import MotionBlock
 from clepsydra.loop.step_size import check_substeps
-from clepsydra.loop.wires import wire_conversions
 from clepsydra.process.process import Process
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.delay_ring import DelayRing
@@ -23,6 +23,46 @@ from clepsydra.program.reader import inline
 
 if TYPE_CHECKING:
     from clepsydra.loop.running_scores import RunningScores
+
+
+def wire_conversions(controller: Controller, process: Process) -> dict[str, Conversion]:
+    """Return the signals of a law that have another unit than what they are wired to.
+
+    Parameters
+    ----------
+    controller : Controller
+    process : Process
+
+    Returns
+    -------
+    dict
+        Input of the law to how it comes from the unit of the process, output to how it gets there.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> from clepsydra.controllers.plant_shell.edge import in_shown_units
+    >>> plant = cl.load("wet-well")
+    >>> controller = in_shown_units(cl.design.simc(plant))
+    >>> wire_conversions(controller, plant.process)["duty.out"]
+    Conversion(code='divide', number=100.0)
+    """
+    law = controller.law
+    units = {s.name: s.unit for s in (*process.measurements, *process.inputs)}
+    found: dict[str, Conversion | None] = {}
+    for signal in law.inputs:
+        found[signal.name] = conversion(_unit(signal, controller.input_wires, units), signal.unit)
+    for signal in law.outputs:
+        found[signal.name] = conversion(signal.unit, _unit(signal, controller.output_wires, units))
+    return {name: way for name, way in found.items() if way is not None}
+
+
+def _unit(signal: Signal, wires: Mapping[str, str], units: Mapping[str, str]) -> str:
+    """Return the unit of what a signal is wired to; its own where that is not of the process."""
+    if signal.kind != "real":
+        return signal.unit
+    wire = wires.get(signal.name, "")
+    return units.get(wire) or units.get(Signal(wire).owner, signal.unit)
 
 
 def closed_loop(
@@ -110,10 +150,7 @@ def _check_constant(
 ) -> None:
     known = [signal.name for signal in (*loop_inputs(process), *free_inputs(controller))]
     for name, value in constant.items():
-        if name not in known:
-            raise InputError(
-                "closed loop, constant", name, f"one of {', '.join(known)}", "correct the name"
-            )
+        check_choice("closed loop, constant", name, known)
         if not is_finite_number(value):
             raise InputError(
                 f"closed loop, constant, {name}", value, "a finite number", "give it in SI"

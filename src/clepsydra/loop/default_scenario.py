@@ -9,10 +9,10 @@ import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
+from clepsydra.linear.dead_time import at_rest
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.linear.pade import at_rest
 from clepsydra.linear.poles import origin_radius, time_constants
 from clepsydra.linear.zeros import zeros
 from clepsydra.loop.residence_times import residence_times, width_of_range
@@ -169,7 +169,7 @@ def segment_samples(model: LinearModel) -> tuple[int, int]:
     (60, 600)
     """
     process = operating_point_of(model).process
-    late = 0.0 if model.delays is None else float(model.delays.times.sum())
+    late = float(model.times.sum())
     controlled = at_rest(model.select(outputs=process.controlled))
     slowest = max(_slowest(process, controlled), DEAD_TIMES * late)
     length = _pretty_above(SLOWEST_TIMES * slowest)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import reduce
+from itertools import accumulate
+
 import casadi as ca
 
 from clepsydra.loop.motion_step import MotionStep
@@ -42,7 +45,7 @@ def located_step(step: MotionStep, check: ca.Function | None = None) -> ca.Funct
     >>> located_step(step).n_out()
     4
     """
-    events, memories = len(step.motion.events), step.held[0].numel()
+    events = len(step.motion.events)
     h, clock = ca.SX.sym("h"), ca.SX.sym("clock")
     count, time = ca.SX.sym("count", events), ca.SX.sym("time", events)
     m, *outside = step.held
@@ -81,10 +84,8 @@ def located_step(step: MotionStep, check: ca.Function | None = None) -> ca.Funct
     )
     start = ca.vertcat(0, step.integral, count, time, m, ca.SX.zeros(found.numel()))
     result = counted_loop("events", _MOST_EVENTS, turn, carried=start, invariants=invariants)
-    stop, reached, count_after, time_after, m_after, found_before = ca.vertsplit(
-        result,
-        _offsets(1, step.size, events, events, memories, found.numel()),
-    )
+    ends = [*accumulate((1, *step.located, found.numel()), initial=0)]
+    stop, reached, count_after, time_after, m_after, found_before = ca.vertsplit(result, ends)
     held = [m_after, *outside]
     finished = step.advance(h, stop, 1, reached, step.ring, *held)
     found_after = ca.fmax(found_before, checked(stop, 1, reached, finished, *held))
@@ -131,14 +132,4 @@ def _bracketed(step: MotionStep, h: ca.SX, start: ca.SX, now: ca.SX, at_end: ca.
 
 
 def _largest(values: ca.SX) -> ca.SX:
-    largest = ca.SX(-1)
-    for index in range(values.numel()):
-        largest = ca.fmax(largest, values[index])
-    return largest
-
-
-def _offsets(*sizes: int) -> list[int]:
-    offsets = [0]
-    for size in sizes:
-        offsets.append(offsets[-1] + size)
-    return offsets
+    return reduce(ca.fmax, ca.vertsplit(values), ca.SX(-1))

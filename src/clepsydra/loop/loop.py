@@ -16,7 +16,6 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.controllers.wiring import check_signals
 from clepsydra.engine.kernel import Kernel
-from clepsydra.engine.reference import LawEvaluation
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
@@ -25,17 +24,16 @@ from clepsydra.loop.closed_loop import (
     controller_name,
     free_inputs,
     loop_inputs,
+    wire_conversions,
 )
 from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.motion_block import motion_at_rest, recorded_signals, step_told
-from clepsydra.loop.python_loop import naming_sample, python_loop
-from clepsydra.loop.reference_motion import ReferenceMotion
 from clepsydra.loop.refinement import LARGEST_REFINEMENT, TOLERANCE, refined
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.solver import Solver, check_solver
 from clepsydra.loop.step_size import check_substeps, substeps_for
-from clepsydra.loop.wires import wire_conversions
+from clepsydra.loop.stepped_loop import stepped_loop
 from clepsydra.process.process import Process
 from clepsydra.scores.plant_flows import forced_flows
 
@@ -122,9 +120,10 @@ class Loop:
         count = self.substeps if substeps is None else substeps
         check_substeps(count, self.process)
         if solver == "reference":
-            return self._collect(scenario, self._by_reference(scenario, count), substeps=0)
+            found = stepped_loop(self, scenario, count, solver)
+            return self._collect(scenario, found, substeps=0)
         if isinstance(self.controller.law, PythonLaw):
-            return self._collect(scenario, python_loop(self, scenario, count), substeps=count)
+            return self._collect(scenario, stepped_loop(self, scenario, count), substeps=count)
         return self._by_kernel(scenario, self._kernel(scenario, count), count, {})
 
     def run_checked(self, scenario: Scenario, largest: int = LARGEST_REFINEMENT) -> Run:
@@ -214,39 +213,6 @@ class Loop:
     def law_parameters(self) -> dict[str, float]:
         """Return the parameters of the step law by their names in the closed loop."""
         return {controller_name(k): v for k, v in self.controller.values.items()}
-
-    def _by_reference(self, scenario: Scenario, substeps: int) -> dict[str, np.ndarray]:
-        process, controller, law = self.process, self.controller, self.controller.law
-        given = self.inputs_of(scenario)
-        at_rest = self.at_rest()
-        parameters = process.parameter_values
-        motion = ReferenceMotion(self.point, substeps, tuple(process.spilt.values()))
-        evaluation = LawEvaluation(
-            law,
-            np.array([controller.values[p.name] for p in law.parameters]),
-            np.array([controller.initial_state[x.name] for x in law.state]),
-        )
-        inner = inner_setpoints(controller, process)
-        rows: list[dict[str, float]] = []
-        for k in range(scenario.samples):
-            now = at_rest | {name: float(column[k]) for name, column in given.items()}
-            now |= {u.name: now[f"{u.name}.manual"] for u in process.inputs}
-            state = motion.state()
-            now |= {x.name: float(v) for x, v in zip(process.state, state, strict=True)}
-            now |= motion.recorded()
-            true = np.array(process.measure(state, parameters)).ravel()
-            noise = [now[f"{y.name}.noise"] for y in process.measurements]
-            shown = np.array(process.display(true + noise)).ravel()
-            now |= {y.name: float(v) for y, v in zip(process.measurements, shown, strict=True)}
-            with naming_sample(k, scenario.sampling_period):
-                outputs = evaluation.step(self.law_inputs(now))
-            now |= self.told_by_law(outputs)
-            after = dict(zip((x.name for x in law.state), evaluation.state, strict=True))
-            now |= {each.name: float(after[each.state]) for each in inner}
-            rows.append(now)
-            moved = np.array([now[u.name] for u in process.inputs])
-            motion.advance(moved, scenario.disturbances[k])
-        return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
     def at_rest(self) -> dict[str, float]:
         """Return the inputs of the closed loop at the operating point, in automatic."""

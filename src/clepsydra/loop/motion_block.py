@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 
 import casadi as ca
 import numpy as np
@@ -120,12 +121,8 @@ class MotionBlock:
             return tuple(self._step(builder, list(state), [], list(outside))[0])
         size, rings = len(self.state), len(self.rings)
         inner = BlockBuilder(size + rings + len(outside))
-        following, written = self._step(
-            inner,
-            list(range(size)),
-            list(range(size, size + rings)),
-            list(range(size + rings, size + rings + len(outside))),
-        )
+        given = range(size + rings + len(outside))
+        following, written = self._step(inner, *_parts(given, size, rings))
         body = inner.finish([*following, *written])
         return builder.loop(
             "integration", body, self.substeps, (), state, outside, self.rings,
@@ -140,11 +137,9 @@ class MotionBlock:
         step = MotionStep(motion, self.totals)
         integrated = step.size - len(motion.delays)
         events, memories = len(motion.events), len(motion.memories)
-        integral = state[:integrated] + [builder.constant(0.0)] * len(motion.delays)
-        m = state[integrated : integrated + memories]
-        flags = len(STATUS_SIGNALS) if self.watched else 0
-        dates = state[integrated + memories : len(state) - flags]
-        status = state[len(state) - flags :]
+        sizes = integrated, memories, events, events, bool(events)
+        integral, m, count, time, clock, status = _parts(state, *sizes)
+        integral += [builder.constant(0.0)] * len(motion.delays)
         invariants = [*ring, *outside]
         h, outside = self._held(builder, outside)
         zero, one = builder.constant(0.0), builder.constant(1.0)
@@ -156,21 +151,17 @@ class MotionBlock:
         whole = [h, zero, one, *integral, *after, *ring, *m, *outside]
         too_long = inline(builder, check, whole, fused=True) if check else []
         if events:
-            count, time, clock = dates[:events], dates[events:-1], dates[-1]
             guards = inline(builder, step.guards, [one, *after, *ring, *m, *outside], fused=True)
             happens = builder.operation("less_equal", zero, guards[0])
             for guard in guards[1:]:
                 fires = builder.operation("less_equal", zero, guard)
                 happens = builder.operation("or", happens, fires)
             carried = [*after, *count, *time, *m, *too_long]
-            invariants = [clock, *integral, *invariants]
+            invariants = [*clock, *integral, *invariants]
             body = self._located(step, check, len(carried), len(invariants))
             changed = builder.conditional("event", happens, body, carried, invariants)
-            after = list(changed[: step.size])
-            dates = list(changed[step.size : step.size + 2 * events])
-            dates.append(builder.operation("add", clock, one))
-            following = list(changed[step.size + 2 * events :][:memories])
-            too_long = list(changed[step.size + 2 * events + memories :])
+            after, count, time, following, too_long = _parts(changed, *step.located)
+            clock = [builder.operation("add", *clock, one)]
         written: list[int] = []
         if motion.delays:
             first = inline(builder, step.sent, [zero, *integral, *ring, *m, *outside], fused=True)
@@ -188,7 +179,7 @@ class MotionBlock:
             following = inline(
                 builder, step.updates, [one, *after, *ring, *following, *outside], fused=True
             )
-        return [*after[:integrated], *following, *dates, *status], written
+        return [*after[:integrated], *following, *count, *time, *clock, *status], written
 
     def _held(self, builder: BlockBuilder, outside: list[int]) -> tuple[int, list[int]]:
         """Return the length of a step, and what else is held."""
@@ -200,18 +191,20 @@ class MotionBlock:
         self, step: MotionStep, check: ca.Function | None, carried: int, invariants: int
     ) -> Block:
         """Return the block that repeats a step in which something happens."""
-        events, memories = len(self.motion.events), len(self.motion.memories)
         inner = BlockBuilder(carried + invariants)
-        count = list(range(step.size, step.size + events))
-        time = list(range(step.size + events, step.size + 2 * events))
-        m = list(range(step.size + 2 * events, step.size + 2 * events + memories))
-        clock, *rest = range(carried, carried + invariants)
-        integral, rest = rest[: step.size], rest[step.size :]
-        ring, outside = rest[: step.ring.numel()], rest[step.ring.numel() :]
+        _, count, time, m, _ = _parts(range(carried), *step.located)
+        held = range(carried, carried + invariants)
+        (clock,), integral, ring, outside = _parts(held, 1, step.size, step.ring.numel())
         h, outside = self._held(inner, outside)
         now = inner.operation("multiply", clock, h)
         arguments = [h, now, *integral, *ring, *count, *time, *m, *outside]
         return inner.finish(inline(inner, located_step(step, check), arguments, fused=True))
+
+
+def _parts(values: Iterable[int], *sizes: int) -> list[list[int]]:
+    """Return so many values each, one part after the other, and then the rest."""
+    rest = iter(values)
+    return [*(list(islice(rest, size)) for size in sizes), list(rest)]
 
 
 def step_told(period: float, substeps: int) -> dict[str, float]:

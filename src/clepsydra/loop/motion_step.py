@@ -40,6 +40,9 @@ class MotionStep:
         self.held = [
             ca.SX.sym(name, motion.rates.numel_in(index)) for index, name in enumerate("mudp", 2)
         ]
+        events = len(motion.events)
+        #: Sizes of what an event changes: integral, counts, dates, memories.
+        self.located = self.size, events, events, self.held[0].numel()
         self.ring = ca.SX.sym("ring", 3 * len(motion.delays))
         self.integral = ca.SX.sym("integral", self.size)
         self.advance = self._advance()

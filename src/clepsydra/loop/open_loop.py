@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from clepsydra.base.arguments import check_choice
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.balance import Balance, balances
-from clepsydra.loop.happenings import Happening, happenings
+from clepsydra.loop.events import Occurrence, events_of
 from clepsydra.loop.motion_block import (
     MotionBlock,
     motion_at_rest,
@@ -45,7 +46,7 @@ class Simulation:
     values : dict
         Name to trajectory [samples + 1] in SI: states, measurements (without noise), inputs,
         disturbances (held during a sample), volumes spilt, memories of switches.
-    happenings : tuple of Happening
+    events : tuple of Occurrence
         Events in order of time.
     balances : tuple of Balance
         Of the liquid and of each component.
@@ -68,16 +69,16 @@ class Simulation:
     time: np.ndarray
     signals: tuple[Signal, ...]
     values: dict[str, np.ndarray]
-    happenings: tuple[Happening, ...]
+    events: tuple[Occurrence, ...]
     balances: tuple[Balance, ...]
     substeps: int
     error_estimate: float | None = None
 
     @property
-    def end(self) -> Happening | None:
+    def end(self) -> Occurrence | None:
         """What ended the run before its time; None where nothing did."""
         ending = {event.name for event in self.process.motion.events if event.ends}
-        return next((each for each in self.happenings if each.event in ending), None)
+        return next((each for each in self.events if each.event in ending), None)
 
     def until_end(self) -> Simulation:
         """Return the run without what comes after its end, where all that is known stands still."""
@@ -149,6 +150,12 @@ def simulations(
     return lambda substeps: run.moved(kernel, substeps, step_told(run.period, substeps))
 
 
+def state_from(point: OperatingPoint, state: Mapping[str, float]) -> np.ndarray:
+    """Return the state of a point [n] but for what is given by name [SI]."""
+    signals = zip(point.process.state, point.state, strict=True)
+    return np.array([state.get(signal.name, value) for signal, value in signals], float)
+
+
 class _OpenLoop:
     def __init__(
         self,
@@ -170,11 +177,9 @@ class _OpenLoop:
         }
         self.period = process.sampling_period
         self.totals = tuple(signal.name for signal in process.motion.totals)
-        self.start = point.state.copy()
-        for place, signal in enumerate(process.state):
-            self.start[place] = state.get(signal.name, self.start[place])
+        start = state_from(point, state)
         self.contents = np.array(
-            process.motion.to_contents(self.start, process.parameter_values)
+            process.motion.to_contents(start, process.parameter_values)
         ).ravel()
 
     def kernel(self, substeps: int, *, adjustable: bool = False) -> Kernel:
@@ -209,8 +214,7 @@ class _OpenLoop:
         process = self.process
         motion = ReferenceMotion(self.point, substeps, self.totals, contents=self.contents)
         rows = []
-        moved = self._columns(process.inputs)
-        disturbed = self._columns(process.disturbances)
+        given = np.reshape(list(self.profiles.values()), (len(self.outside), self.samples))
         for sample in range(self.samples + 1):
             state = motion.state()
             measured = np.array(process.show(state, process.parameter_values)).ravel()
@@ -220,16 +224,9 @@ class _OpenLoop:
                 | motion.recorded()
             )
             if sample < self.samples:
-                motion.advance(moved[sample], disturbed[sample])
+                motion.advance(*np.split(given[:, sample], [len(process.inputs)]))
         values = {name: np.array([row[name] for row in rows]) for name in rows[0]}
         return self._collect(values, 0)
-
-    def _columns(self, signals: tuple[Signal, ...]) -> np.ndarray:
-        """Return the profiles of some signals [samples, signals]."""
-        columns = np.empty((self.samples, len(signals)))
-        for place, signal in enumerate(signals):
-            columns[:, place] = self.profiles[signal.name]
-        return columns
 
     def _check(self, profiles: Mapping[str, np.ndarray], state: Mapping[str, float]) -> None:
         for what, names, known in (
@@ -237,11 +234,7 @@ class _OpenLoop:
             ("state", state, [s.name for s in self.process.state]),
         ):
             for name in names:
-                if name not in known:
-                    raise InputError(
-                        f"simulation of {self.process.name}, {what}", name,
-                        f"one of {', '.join(known)}", "correct the name",
-                    )  # fmt: skip
+                check_choice(f"simulation of {self.process.name}, {what}", name, known)
         lengths = {len(values) for values in profiles.values()}
         if len(lengths) != 1 or 0 in lengths:
             raise InputError(
@@ -269,7 +262,7 @@ class _OpenLoop:
             time=time,
             signals=signals,
             values={s.name: values[s.name] for s in signals},
-            happenings=happenings(process, values),
+            events=events_of(process, values),
             balances=balances(
                 process,
                 self.contents,

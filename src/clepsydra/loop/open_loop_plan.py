@@ -8,18 +8,19 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from clepsydra.base.arguments import check_choice
 from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import to_si
 from clepsydra.base.words import time_text
+from clepsydra.linear.dead_time import at_rest
 from clepsydra.linear.equilibrium import NoEquilibrium, find_equilibrium
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.linear.pade import at_rest
 from clepsydra.linear.poles import time_constants
 from clepsydra.loop.duration import pretty_duration, read_duration, samples_before
-from clepsydra.loop.open_loop import Simulation, simulate, simulations
+from clepsydra.loop.open_loop import Simulation, simulate, simulations, state_from
 from clepsydra.loop.profile import Change, check_range, profiles_of
 from clepsydra.loop.refinement import TOLERANCE as TOLERANCE
 from clepsydra.loop.refinement import refined
@@ -83,14 +84,8 @@ class Plan:
     @property
     def first(self) -> OperatingPoint:
         """Every signal at the start of the run; nothing says that it is at rest there."""
-        process = self.process
-        state = np.array(
-            [
-                self.state.get(s.name, v)
-                for s, v in zip(process.state, self.point.state, strict=True)
-            ]
-        )
-        return _point_at(process, state, self.point.inputs, self.point.disturbances)
+        state = state_from(self.point, self.state)
+        return OperatingPoint.at(self.process, state, self.point.inputs, self.point.disturbances)
 
     def run(self, solver: Solver = "kernel") -> Simulation:
         """Simulate as planned.
@@ -189,8 +184,7 @@ def plan_simulation(
     >>> plan.first.as_dict()["tank_1.level"]
     0.0
     """
-    if start not in get_args(Start):
-        raise InputError("start", start, f"one of {', '.join(get_args(Start))}", "choose one")
+    check_choice("start", start, get_args(Start), "choose one")
     state = dict(state or {})
     changes = tuple(changes)
     complete = all(signal.name in state for signal in process.state)
@@ -226,23 +220,13 @@ def plan_simulation(
     return Plan(point, state, changes, samples, begins, substeps_for(model))
 
 
-def _point_at(
-    process: Process, state: np.ndarray, inputs: np.ndarray, disturbances: np.ndarray
-) -> OperatingPoint:
-    parameters = process.parameter_values
-    rates = np.array(process.dynamics(state, inputs, disturbances, parameters)).ravel()
-    measured = np.array(process.measure(state, parameters)).ravel()
-    residual = float(np.abs(rates).max(initial=0.0))
-    return OperatingPoint(process, state, inputs, disturbances, measured, residual)
-
-
 def _middle(process: Process) -> OperatingPoint:
     """Return the point where searches begin: levels half-way up, inputs at their nominal values."""
     state, inputs, disturbances = (
         np.array([signal.initial for signal in group])
         for group in (process.state, process.inputs, process.disturbances)
     )
-    return _point_at(process, state, inputs, disturbances)
+    return OperatingPoint.at(process, state, inputs, disturbances)
 
 
 def _emptied(rest: OperatingPoint) -> OperatingPoint:
@@ -255,7 +239,7 @@ def _emptied(rest: OperatingPoint) -> OperatingPoint:
             for signal, value in zip(process.state, rest.state, strict=True)
         ]
     )
-    return _point_at(process, state, rest.inputs, rest.disturbances)
+    return OperatingPoint.at(process, state, rest.inputs, rest.disturbances)
 
 
 def _model_near(rest: OperatingPoint) -> LinearModel:
@@ -267,7 +251,7 @@ def _model_near(rest: OperatingPoint) -> LinearModel:
 
 
 def _default_duration(model: LinearModel, changes: tuple[Change, ...]) -> float:
-    late = 0.0 if model.delays is None else float(model.delays.times.sum())
+    late = float(model.times.sum())
     resting = at_rest(model)
     constants = np.abs(time_constants(resting))
     finite = constants[np.isfinite(constants)]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
+import casadi as ca
+
 from clepsydra.base.signal import Signal
 from clepsydra.loop.motion_block import MotionBlock
 from clepsydra.process.process import Process
@@ -18,6 +20,7 @@ def process_period(
     recorded: tuple[Signal, ...],
     *,
     shown: Literal["start", "end"],
+    reading: ca.Function | None = None,
 ) -> Program:
     """Return the program that carries a process over one sampling period.
 
@@ -30,6 +33,8 @@ def process_period(
         What else of `motion.state` is an output.
     shown : {"start", "end"}
         The end of the period at which the outputs are taken.
+    reading : casadi.Function, optional
+        (x, p) → measurements, `Process.show` where left out.
 
     Returns
     -------
@@ -58,7 +63,7 @@ def process_period(
         by_name = dict(zip((s.name for s in state), moment, strict=True))
         contents = [by_name[s.name] for s in process.motion.contents]
         states = inline(builder, process.motion.to_state, [*contents, *parameters], fused=True)
-        measured = inline(builder, process.show, [*states, *parameters], fused=True)
+        measured = inline(builder, reading or process.show, [*states, *parameters], fused=True)
         return [*states, *measured, *(by_name[s.name] for s in recorded)]
 
     results = outputs(before) if shown == "start" else []

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.status import STATUS_BITS
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.loops.control_authority import check_ranges, control_authority
 from clepsydra.designs.models.transfer_element import transfer_element

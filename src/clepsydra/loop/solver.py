@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, get_args
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.arguments import check_choice
 
 #: The compiled kernel with RK4, or CVODES with switches located by SciPy's DOP853.
 Solver = Literal["kernel", "reference"]
@@ -25,6 +25,4 @@ def check_solver(solver: str) -> None:
     clepsydra.base.errors.InputError: solver: got 'euler', expected one of kernel, reference; \
 correct the name.
     """
-    known = get_args(Solver)
-    if solver not in known:
-        raise InputError("solver", solver, f"one of {', '.join(known)}", "correct the name")
+    check_choice("solver", solver, get_args(Solver))

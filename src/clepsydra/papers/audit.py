@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import multiprocessing
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from clepsydra.papers.documents import PACKAGES, load_document
-from clepsydra.papers.experiment import Document, Experiment, Findings
-from clepsydra.papers.figure import Figure
+from clepsydra.papers.document import Document, Findings, documents, load_document
 from clepsydra.papers.row import COUNTED, VERDICTS, Row
 
 
@@ -32,33 +30,13 @@ class AuditProgress:
     name: str
 
 
-@dataclass(frozen=True)
-class ExperimentAudit:
-    """An experiment with what it found."""
-
-    experiment: Experiment
-    rows: tuple[Row, ...]
-    figures: tuple[Figure, ...]
-
-
-@dataclass(frozen=True)
-class DocumentAudit:
-    """A document with what its experiments found.
-
-    Parameters
-    ----------
-    document : Document
-    experiments : tuple of ExperimentAudit
-        In the order of the document.
-    """
-
-    document: Document
-    experiments: tuple[ExperimentAudit, ...]
+class _Judged:
+    """Something with rows, and how often each verdict was given."""
 
     @property
     def rows(self) -> tuple[Row, ...]:
         """All rows."""
-        return tuple(row for each in self.experiments for row in each.rows)
+        raise NotImplementedError
 
     @property
     def counts(self) -> dict[str, int]:
@@ -68,7 +46,27 @@ class DocumentAudit:
 
 
 @dataclass(frozen=True)
-class Audit:
+class DocumentAudit(_Judged):
+    """A document with what its experiments found.
+
+    Parameters
+    ----------
+    document : Document
+    experiments : mapping
+        Name of each experiment to what it found, in the order of the document.
+    """
+
+    document: Document
+    experiments: Mapping[str, Findings]
+
+    @property
+    def rows(self) -> tuple[Row, ...]:
+        """All rows."""
+        return tuple(row for found in self.experiments.values() for row in found.rows)
+
+
+@dataclass(frozen=True)
+class Audit(_Judged):
     """All that was audited.
 
     Parameters
@@ -82,12 +80,6 @@ class Audit:
     def rows(self) -> tuple[Row, ...]:
         """All rows of all documents."""
         return tuple(row for document in self.documents for row in document.rows)
-
-    @property
-    def counts(self) -> dict[str, int]:
-        """How often each verdict was given."""
-        counted = Counter(row.verdict for row in self.rows)
-        return {verdict: counted[verdict] for verdict in VERDICTS}
 
     @property
     def summary(self) -> str:
@@ -106,7 +98,7 @@ class Audit:
 
 
 def audit(
-    documents: Sequence[str] = (),
+    keys: Sequence[str] = (),
     *,
     workers: int = 1,
     progress: Callable[[AuditProgress], None] | None = None,
@@ -115,8 +107,8 @@ def audit(
 
     Parameters
     ----------
-    documents : sequence of str
-        Keys; all if left out, each once.
+    keys : sequence of str
+        Of documents; all if left out, each once.
     workers : int
         Processes that share the experiments; with more than one, guard a script's start by
         ``if __name__ == "__main__"``.
@@ -127,45 +119,38 @@ def audit(
     ------
     InputError
         There is no such document.
-
-    Examples
-    --------
-    >>> from clepsydra.papers.documents import load_document
-    >>> [document.key for document in map(load_document, ["three-tanks"])]
-    ['three-tanks']
     """
-    loaded = [load_document(key) for key in dict.fromkeys(documents or PACKAGES)]
-    tasks = [(d.key, place) for d in loaded for place in range(len(d.experiments))]
-    found: dict[tuple[str, int], Findings] = {}
+    loaded = [load_document(key) for key in dict.fromkeys(keys or documents())]
+    tasks = [(document.key, name) for document in loaded for name in document.experiments]
+    found: dict[tuple[str, str], Findings] = {}
     with _results(tasks, min(workers, len(tasks))) as results:
-        for key, place, findings in results:
-            found[key, place] = findings
+        for key, name, findings in results:
+            found[key, name] = findings
             if progress is not None:
-                name = f"{key}: {load_document(key).experiments[place].title}"
-                progress(AuditProgress(len(found), len(tasks), name))
+                title = load_document(key).experiments[name]
+                progress(AuditProgress(len(found), len(tasks), f"{key}: {title}"))
     return Audit(tuple(_document_audit(document, found) for document in loaded))
 
 
-def _document_audit(document: Document, found: dict[tuple[str, int], Findings]) -> DocumentAudit:
-    parts = []
-    for place, experiment in enumerate(document.experiments):
-        findings = found[document.key, place]
-        parts.append(ExperimentAudit(experiment, findings.rows, findings.figures))
-    names = Counter((row.place, row.name) for part in parts for row in part.rows)
+def _document_audit(document: Document, found: dict[tuple[str, str], Findings]) -> DocumentAudit:
+    result = DocumentAudit(
+        document, {name: found[document.key, name] for name in document.experiments}
+    )
+    names = Counter((row.place, row.name) for row in result.rows)
     twice = [name for name, count in names.items() if count > 1]
     assert not twice, f"{document.key} judges {twice} more than once"
-    return DocumentAudit(document, tuple(parts))
+    return result
 
 
-def _run(task: tuple[str, int]) -> tuple[str, int, Findings]:
-    key, place = task
-    return key, place, load_document(key).experiments[place].findings(key)
+def _run(task: tuple[str, str]) -> tuple[str, str, Findings]:
+    key, name = task
+    return key, name, load_document(key).findings(name)
 
 
 @contextmanager
 def _results(
-    tasks: Sequence[tuple[str, int]], workers: int
-) -> Iterator[Iterator[tuple[str, int, Findings]]]:
+    tasks: Sequence[tuple[str, str]], workers: int
+) -> Iterator[Iterator[tuple[str, str, Findings]]]:
     if workers <= 1:
         yield map(_run, tasks)
         return

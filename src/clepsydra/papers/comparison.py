@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
-from clepsydra.papers.printed import printed_number
+from clepsydra.papers.printed import Printed, PrintedTable
 from clepsydra.papers.row import Row, Verdict
 
 if TYPE_CHECKING:
@@ -18,13 +18,9 @@ Evidence = tuple[str, bool]
 
 
 def compared(
-    place: str,
-    name: str,
-    printed: str,
+    printed: Printed,
     computed: float,
-    unit: str = "",
     *,
-    digits: int | None = None,
     tolerance: float = 0.0,
     zero: float = 0.0,
     why: str = "",
@@ -39,20 +35,16 @@ def compared(
 
     Parameters
     ----------
-    place, name : str
-    printed : str
-        As printed, so that its digits count.
+    printed : Printed
     computed : float
         In the unit of the print.
-    unit : str
-    digits : int, optional
-        Significant digits, where the print leaves out trailing zeros.
     tolerance : float
         Share of the computed number that is left open beside the printed digits.
     zero : float
         Numbers that are no larger are zero up to rounding, and agree without a difference.
     why : str
         What leaves it open; needed with a tolerance or a zero. Else what the number comes from.
+        The note of the line if left out.
     right_if : sequence of (words, bool)
         Other printed numbers that agree with the computed one and contradict this one.
     unprinted : str
@@ -60,15 +52,17 @@ def compared(
 
     Examples
     --------
-    >>> compared("(97b)", "F21", "13.8661", 13.866069, why="Riccati equation").verdict
+    >>> compared(Printed("(97b)", "F21", "13.8661", note="Riccati"), 13.866069).verdict
     'reproduced'
-    >>> row = compared("(97b)", "Fi12", "3.0536", 10**0.5, right_if=[("Fi12² is Q4 / R1", True)])
+    >>> line = Printed("(97b)", "Fi12", "3.0536")
+    >>> row = compared(line, 10**0.5, right_if=[("Fi12² is Q4 / R1", True)])
     >>> row.verdict, round(row.difference, 4)
     ('misprint', 0.0356)
     """
+    why, said = why or printed.note, f"{printed.place}, {printed.name}"
     if (tolerance or zero) and not why:
-        raise ValueError(f"{place}, {name}: a tolerance needs its reason")
-    number = printed_number(printed, digits)
+        raise ValueError(f"{said}: a tolerance needs its reason")
+    number = printed.number
     room = number.half_unit * (1.0 + 1e-9) + tolerance * abs(computed)
     right = bool(right_if) and all(holds for _, holds in right_if)
     verdict: Verdict
@@ -84,12 +78,60 @@ def compared(
         failed = "; ".join(words for words, holds in right_if if not holds)
         verdict, reason = "not reproducible", unprinted or failed or why
     if verdict != "reproduced" and not reason:
-        raise ValueError(f"{place}, {name}: {computed!r} is not {printed}, and no reason is given")
-    return Row(
-        place, name, number.value, float(computed), unit,
-        None if are_zero else _difference(float(computed), number.value), verdict, reason,
-        text=printed,
-    )  # fmt: skip
+        raise ValueError(f"{said}: {computed!r} is not {printed.text}, and no reason is given")
+    row = _row(printed, verdict, float(computed), reason, number.value)
+    difference = None if are_zero else _difference(float(computed), number.value)
+    return dataclasses.replace(row, difference=difference, text=printed.text)
+
+
+def compared_all(table: PrintedTable, place: str, computed: Mapping[str, float]) -> list[Row]:
+    """Compare the numbers of a place by name, whose notes say what they come from.
+
+    Examples
+    --------
+    >>> table = {("(97b)", "F21"): Printed("(97b)", "F21", "13.8661")}
+    >>> [row.verdict for row in compared_all(table, "(97b)", {"F21": 13.866069})]
+    ['reproduced']
+    """
+    return [compared(table[place, name], float(value)) for name, value in computed.items()]
+
+
+def compared_formulas(table: PrintedTable, place: str, computed: Mapping[str, Expr]) -> list[Row]:
+    """Compare the formulas of a place by name, whose notes say what they follow from."""
+    return [compared_formula(table[place, name], value) for name, value in computed.items()]
+
+
+def entries(name: str, matrix: Any) -> dict[str, Any]:
+    """Return the entries of a matrix by name, or by a pattern of it, row by row.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> list(entries("A", np.eye(2))), list(entries("row {}, column {}", np.eye(1)))
+    (['A11', 'A12', 'A21', 'A22'], ['row 1, column 1'])
+    """
+    rows, columns = matrix.shape
+    pattern = name if "{}" in name else f"{name}{{}}{{}}"
+    return {pattern.format(i + 1, j + 1): matrix[i, j] for i in range(rows) for j in range(columns)}
+
+
+def _row(
+    printed: Printed,
+    verdict: Verdict,
+    computed: float | str,
+    reason: str,
+    shown: float | str | None = None,
+) -> Row:
+    """Return the row of a line, whose note is the reason if there is no other.
+
+    It is "damaged text" where it would be a "misprint" or "not reproducible" and the line looks
+    damaged.
+    """
+    shown = printed.text if shown is None else shown
+    reason = reason or printed.note
+    if printed.damage and verdict in ("misprint", "not reproducible"):
+        verdict, reason = "damaged text", _joined(printed.damage, reason)
+    return Row(printed.place, printed.name, shown, computed, printed.unit, None, verdict, reason)
 
 
 def _difference(computed: float, printed: float) -> float | None:
@@ -99,7 +141,7 @@ def _difference(computed: float, printed: float) -> float | None:
 
 
 def compared_formula(
-    place: str, name: str, printed: Expr, computed: Expr, *, reason: str = ""
+    printed: Printed, computed: Expr, *, names: Mapping[str, Expr] | None = None, reason: str = ""
 ) -> Row:
     """Compare a printed formula with the one that follows from the document's equations.
 
@@ -108,76 +150,107 @@ def compared_formula(
 
     Parameters
     ----------
-    place, name : str
-    printed, computed : sympy expression
+    printed : Printed
+    computed : sympy expression
+    names : mapping, optional
+        What printed names mean that are not those of the computed symbols.
     reason : str
-        What the formula follows from, or what shows which is right.
+        What the formula follows from, or what shows which is right; the note if left out.
 
     Examples
     --------
     >>> from sympy import symbols
     >>> s, k = symbols("s K_p2")
-    >>> compared_formula("(52)", "V loop", k / (s + k), 1 / (1 + s / k)).verdict
+    >>> compared_formula(Printed("(52)", "V loop", "K_p2/(s + K_p2)"), 1 / (1 + s / k)).verdict
     'reproduced'
-    >>> compared_formula("(68)", "V loop", k / (s + k), k / (k - s), reason="(42)").verdict
+    >>> line = Printed("(68)", "V loop", "K_p2/(s + K_p2)", note="(42)")
+    >>> compared_formula(line, k / (k - s)).verdict
     'misprint'
     """
     from sympy import simplify
+    from sympy.parsing.sympy_parser import parse_expr
 
-    same = simplify(printed - computed) == 0
-    verdict: Verdict = "reproduced" if same else "misprint"
-    if not same and not reason:
-        raise ValueError(f"{place}, {name}: the formula differs, and no reason is given")
-    return Row(place, name, str(printed), str(computed), "", None, verdict, reason)
+    known = {symbol.name: symbol for symbol in computed.free_symbols} | dict(names or {})
+    same = simplify(parse_expr(printed.text, known) - computed) == 0
+    if not same and not (reason or printed.note):
+        raise ValueError(
+            f"{printed.place}, {printed.name}: the formula differs, and no reason is given"
+        )
+    return _row(printed, "reproduced" if same else "misprint", str(computed), reason)
 
 
-def stated(place: str, name: str, printed: str, right: str, is_right: bool, reason: str) -> Row:
+def compared_for_each(printed: Printed, cases: Iterable[tuple[Expr, Mapping[str, Expr]]]) -> Row:
+    """Compare one printed formula in several cases, each with what its names mean there.
+
+    The row shows one that differs, if any does, and else the first.
+    """
+    rows = [compared_formula(printed, computed, names=names) for computed, names in cases]
+    return next((row for row in rows if row.verdict != "reproduced"), rows[0])
+
+
+def stated(printed: Printed, right: str, is_right: bool, reason: str = "") -> Row:
     """Compare what is printed in words, a caption or a label, with what has to stand there.
 
     Parameters
     ----------
-    place, name : str
-    printed, right : str
-        What stands there, and what the check finds to be right.
+    printed : Printed
+    right : str
+        What the check finds to be right.
     is_right : bool
         Whether the printed words are right, as computed.
     reason : str
-        What the check is.
+        What the check is; the note if left out.
 
     Examples
     --------
-    >>> stated("Table 4", "caption", "regarding C(t)", "regarding V(t)", False, "eV").verdict
+    >>> line = Printed("Table 4", "caption", "regarding C(t)", note="eV")
+    >>> stated(line, "regarding V(t)", False).verdict
     'misprint'
     """
-    return Row(
-        place, name, printed, right, "", None, "reproduced" if is_right else "misprint", reason
-    )
+    return _row(printed, "reproduced" if is_right else "misprint", right, reason)
 
 
-def claimed(
-    place: str, name: str, claim: str, holds: bool, computed: str, unit: str = "", *, reason: str
-) -> Row:
+def claimed(printed: Printed, holds: bool, computed: str, reason: str = "") -> Row:
     """Judge a claim in words by what was computed.
 
     Parameters
     ----------
-    place, name : str
-    claim : str
+    printed : Printed
         What the document says, in short.
     holds : bool
         Whether it does.
     computed : str
         The figures that decide.
-    unit : str
     reason : str
+        The note if left out.
 
     Examples
     --------
-    >>> claimed("section 4", "overshoot", "no overshoot", False, "3.2 %", reason="of V").verdict
+    >>> line = Printed("section 4", "overshoot", "no overshoot", note="of V")
+    >>> claimed(line, False, "3.2 %").verdict
     'claim fails'
     """
-    verdict: Verdict = "claim holds" if holds else "claim fails"
-    return Row(place, name, claim, computed, unit, None, verdict, reason)
+    return _row(printed, "claim holds" if holds else "claim fails", computed, reason)
+
+
+def remark(printed: Printed, computed: str, reason: str = "") -> Row:
+    """Return a claim that holds in one reading of what the document leaves open, and not in all.
+
+    Parameters
+    ----------
+    printed : Printed
+        What the document has there.
+    computed : str
+        What we find.
+    reason : str
+        The note if left out.
+
+    Examples
+    --------
+    >>> remark(Printed("section 5", "speed", "is faster"), "settles sooner").verdict
+    'remark'
+    """
+    return _row(printed, "remark", computed, reason)
 
 
 def circular(row: Row, solved_from: str) -> Row:
@@ -191,36 +264,13 @@ def circular(row: Row, solved_from: str) -> Row:
 
     Examples
     --------
-    >>> row = compared("Table 7", "IE of V", "1.24E-02", 0.01242)
+    >>> row = compared(Printed("Table 7", "IE of V", "1.24E-02"), 0.01242)
     >>> circular(row, "The step follows from this cell.").verdict
     'consistent'
     """
     if row.verdict not in ("reproduced", "claim holds"):
         return row
     return dataclasses.replace(row, verdict="consistent", reason=_joined(solved_from, row.reason))
-
-
-def damaged(row: Row, looks_like: str) -> Row:
-    """Return a row that the conversion of the document to text seems to have damaged.
-
-    It is "damaged text" where it would be a "misprint" or "not reproducible"; what agrees is as
-    it was.
-
-    Parameters
-    ----------
-    row : Row
-    looks_like : str
-        What in the text looks like damage of the conversion.
-
-    Examples
-    --------
-    >>> row = compared("(98)", "Q4", "100", 10.0, right_if=[("Q4 of (97a)", True)])
-    >>> damaged(row, "A decimal point is lost.").verdict
-    'damaged text'
-    """
-    if row.verdict not in ("misprint", "not reproducible"):
-        return row
-    return dataclasses.replace(row, verdict="damaged text", reason=_joined(looks_like, row.reason))
 
 
 def undecided(row: Row, hangs_on: str) -> Row:
@@ -236,34 +286,13 @@ def undecided(row: Row, hangs_on: str) -> Row:
 
     Examples
     --------
-    >>> row = compared("Table 5", "rise", "6.3", 7.7, unprinted="The controller.")
+    >>> row = compared(Printed("Table 5", "rise", "6.3", note="The controller."), 7.7)
     >>> undecided(row, "It agrees in 1 of 4 readings.").verdict
     'remark'
     """
     if row.verdict != "not reproducible":
         return row
     return dataclasses.replace(row, verdict="remark", reason=_joined(hangs_on, row.reason))
-
-
-def remark(place: str, name: str, text: str, computed: str, unit: str = "", *, reason: str) -> Row:
-    """Return a claim that holds in one reading of what the document leaves open, and not in all.
-
-    Parameters
-    ----------
-    place, name : str
-    text : str
-        What the document has there.
-    computed : str
-        What we find.
-    unit : str
-    reason : str
-
-    Examples
-    --------
-    >>> remark("section 5", "speed", "is faster", "settles sooner, rises later", reason="").verdict
-    'remark'
-    """
-    return Row(place, name, text, computed, unit, None, "remark", reason)
 
 
 def _joined(*sentences: str) -> str:

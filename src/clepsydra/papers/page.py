@@ -88,15 +88,15 @@ def _chapter(audited: DocumentAudit) -> _Chapter:
     from markupsafe import Markup
 
     parts = []
-    for number, each in enumerate(audited.experiments):
+    for number, (name, found) in enumerate(audited.experiments.items()):
         pictures = tuple(
             _Picture(
                 f"{figure.number}: {figure.title}" if figure.number else figure.title,
                 figure.note,
                 Markup(figure_svg(figure, f"{audited.document.key}-{number}-{place}")),
             )
-            for place, figure in enumerate(each.figures)
+            for place, figure in enumerate(found.figures)
         )
-        parts.append(_Part(each.experiment.title, each.rows, pictures))
+        parts.append(_Part(audited.document.experiments[name], found.rows, pictures))
     notable = tuple(row for row in audited.rows if not row.is_as_printed)
     return _Chapter(audited, notable, tuple(parts))

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from clepsydra.base.signal import Signal
 from clepsydra.process.element import Element
-from clepsydra.process.names_among import names_among
-from clepsydra.process.sensor import Sensor
+from clepsydra.process.elements.sensor import Sensor
+from clepsydra.process.known_names import known_names
 from clepsydra.process.table_reader import TableReader
 
 
@@ -64,7 +64,7 @@ def read_averaging(
             "no such key, since no level or volume of a tank is controlled",
             "remove it, or name a level in controlled",
         )
-    names = names_among(
+    names = known_names(
         contents,
         table,
         "averaging",

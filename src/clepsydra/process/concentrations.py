@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 
 from clepsydra.base.signal import Signal
+from clepsydra.process import told
 from clepsydra.process.component import Component
+from clepsydra.process.declared import Part
 from clepsydra.process.disturbance_range import read_disturbance_range
 from clepsydra.program.step_law import Symbols
 
@@ -95,6 +97,16 @@ def read_concentrations(table: TableReader) -> dict[str, GivenConcentration]:
         low, high, nominal, step = read_disturbance_range(signal, unit, "concentration")
         given[name] = GivenConcentration(nominal, low, high, step)
     return given
+
+
+def brought() -> Any:
+    """Return the field of what brings liquid from outside: component to concentration."""
+    each = {"type": ["string", "object"]}
+    declared = Part(
+        lambda table, key, known: read_concentrations(table),
+        {"concentration": told.by_name("concentration of each component that it brings", each)},
+    )
+    return field(default_factory=dict, metadata={"declared": declared})
 
 
 def concentration_signals(

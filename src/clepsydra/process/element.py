@@ -1,31 +1,29 @@
 """An element: one part of a plant, with its equation.
 
-Each kind of element is one file with one subclass of `Element`, and is listed in
-`clepsydra.process.kinds`. The subclass says which keys a process file gives it, which signals
+Each kind of element is one file with one subclass of `Element`; `clepsydra.process.kinds` finds it
+in the folder `elements`. The subclass says which keys a process file gives it, which signals
 it brings, whom it is connected to, and what it contributes to the equations.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import ABC
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Self
 
 import casadi as ca
 
+from clepsydra.base.quantity import declared, quantities
 from clepsydra.base.signal import Signal
 from clepsydra.process.component import Component
+from clepsydra.process.declared import DeclaredKeys, Part, read_fields
 from clepsydra.process.flow import Flow
 from clepsydra.process.hybrid import Delay, Event
 from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
-
-
-#: The key of an element's tag in the plant's control system; who may have one lists it.
-TAG = "tag"
 
 
 @dataclass(frozen=True)
@@ -77,7 +75,7 @@ class Element(ABC):
     --------
     A subclass overrides what it has; a reservoir has no equation at all:
 
-    >>> from clepsydra.process.reservoir import Reservoir
+    >>> from clepsydra.process.elements.reservoir import Reservoir
     >>> basin = Reservoir("basin")
     >>> basin.kind, basin.receives, basin.states(), basin.connections()
     ('reservoir', True, (), ())
@@ -85,13 +83,17 @@ class Element(ABC):
 
     #: What the reader calls it: "tank".
     kind: ClassVar[str]
+    #: Its place in the list of a process's elements; own ones come last.
+    place: ClassVar[int] = 100
     #: The table of a process file that lists elements of this kind: "tanks".
     table: ClassVar[str]
-    #: The keys that a process file may give.
-    keys: ClassVar[tuple[str, ...]]
+    #: The keys that a process file may give: those that its fields declare, if nothing is said.
+    keys: ClassVar[tuple[str, ...]] = DeclaredKeys()  # type: ignore[assignment]
     #: How the process drawing shows it: "tank", "reservoir", "orifice", "pump", "valve", "flow",
     #: "splitter", "delay" or "sensor"; anything else is a plain box with its name.
     symbol: ClassVar[str] = "box"
+    #: A process file may give its tag.
+    tagged: ClassVar[bool] = False
     #: A flow can end here.
     receives: ClassVar[bool] = False
     #: A flow can be drawn from here.
@@ -106,13 +108,27 @@ class Element(ABC):
     display_units: Mapping[str, str] = field(default_factory=dict, compare=False, kw_only=True)
 
     @classmethod
-    @abstractmethod
     def read(cls, name: str, table: TableReader) -> Self:
-        """Make the element from its table of a process file."""
+        """Make the element from its table of a process file: its fields say what they hold."""
+        return cls(
+            name,
+            **read_fields(cls, table),
+            components=table.components,
+            display_units=table.display_units(*cls.keys),
+        )
 
     def connections(self) -> tuple[Connection, ...]:
-        """Return the elements that this one names."""
-        return ()
+        """Return the elements that this one names; what is submerged joins two tanks."""
+        return tuple(
+            Connection(
+                (key,),
+                name,
+                "tank" if getattr(self, "submerged", False) else each.wanted,
+                each.carries_flow,
+            )
+            for key, each in declared(type(self)).items()
+            if isinstance(each, Part) and each.wanted and (name := getattr(self, key))
+        )
 
     def states(self) -> tuple[Signal, ...]:
         """Return the states that it brings, as an engineer speaks of them."""
@@ -165,7 +181,11 @@ class Element(ABC):
 
     def parameters(self) -> tuple[Signal, ...]:
         """Return the parameters that it brings, with their values."""
-        return ()
+        found = (
+            each.parameter(self, self.display_units.get(each.name, ""))
+            for each in quantities(type(self))
+        )
+        return tuple(signal for signal in found if signal is not None)
 
     def flows(self, symbols: Symbols, received: Sequence[Flow]) -> tuple[Flow, ...]:
         """Return the flows that it causes; `received` is complete where it passes on."""
@@ -174,7 +194,12 @@ class Element(ABC):
     def rates(
         self, symbols: Symbols, received: Sequence[Flow], given: Sequence[Flow]
     ) -> dict[str, ca.SX]:
-        """Return the time derivative of each content and total, from the flows in and out."""
+        """Return what it adds to the time derivatives of contents and totals, by name.
+
+        They may be those of others: what a tank's level or a component's amount gains or loses
+        without a flow. What so crosses the boundary of the plant is added to the totals
+        "balance.entered.liquid" and "balance.left.liquid", or of the component, as well.
+        """
         return {}
 
     def stored(self, symbols: Symbols) -> dict[str, ca.SX]:

@@ -8,18 +8,16 @@ from typing import Any
 
 import casadi as ca
 
+from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
+from clepsydra.base.suggestion import suggestion
+from clepsydra.process.balance import DELAYED, balance_totals, conserved, crossing
 from clepsydra.process.component import Component
 from clepsydra.process.element import Element
 from clepsydra.process.flow import Flow
 from clepsydra.process.hybrid import Delay, Event
 from clepsydra.process.motion import FlowPath, Motion, MotionEvent
 from clepsydra.process.wiring import flow_order
-
-#: Totals of what crosses the boundary of the plant, for the balance of a run.
-ENTERED, LEFT = "balance.entered", "balance.left"
-#: Total of what is on its way through the delays, more than at first.
-DELAYED = "balance.delayed"
 
 
 @dataclass(frozen=True)
@@ -44,7 +42,7 @@ class JoinedEquations:
 
     Examples
     --------
-    >>> from clepsydra.process.tank import Tank
+    >>> from clepsydra.process.elements.tank import Tank
     >>> from clepsydra.process.vessels.prism import Prism
     >>> tank = Tank("tank", vessel=Prism(0.3, area=0.01))
     >>> joined = join([tank], Signal("gravity", "m/s^2", initial=9.81))
@@ -90,9 +88,9 @@ def join(
     --------
     A tank of 100 cm² that empties through 1 cm² falls from 20 cm at once by 1.98 cm/s.
 
-    >>> from clepsydra.process.orifice import Orifice
-    >>> from clepsydra.process.reservoir import Reservoir
-    >>> from clepsydra.process.tank import Tank
+    >>> from clepsydra.process.elements.orifice import Orifice
+    >>> from clepsydra.process.elements.reservoir import Reservoir
+    >>> from clepsydra.process.elements.tank import Tank
     >>> from clepsydra.process.vessels.prism import Prism
     >>> joined = join(
     ...     [Reservoir("basin"), Tank("tank", vessel=Prism(0.3, area=0.01)),
@@ -136,11 +134,8 @@ class _Join:
         self.delays: tuple[Delay, ...] = tuple(d for e in elements for d in e.delays())
         self.parameters = (*self._all("parameters"), gravity)
         self.inputs, self.disturbances = self._roles(manipulated)
-        self.balances = tuple(
-            Signal(f"{total}.{name}", unit)
-            for total in (ENTERED, LEFT, *((DELAYED,) if self.delays else ()))
-            for name, unit in self._conserved()
-        )
+        self.conserved = conserved(components)
+        self.balances = balance_totals(self.conserved, delayed=bool(self.delays))
         self.totals = (*self._all("totals"), *self.balances)
 
     def _all(self, what: str) -> tuple[Signal, ...]:
@@ -152,9 +147,6 @@ class _Join:
         for element in self.elements:
             merged |= getattr(element, what)(*arguments)
         return merged
-
-    def _conserved(self) -> list[tuple[str, str]]:
-        return [("liquid", "m^3"), *((c.name, c.amount_unit) for c in self.components)]
 
     def _roles(
         self, manipulated: Sequence[str] | None
@@ -215,7 +207,7 @@ class _Join:
             resets=ca.Function("resets", [fired, *arguments], [self._reset(events, fired, m)]),
             updates=ca.Function("updates", arguments, [_stacked(self.memories, updates)]),
             stored=ca.Function("stored", [c, p], [stored], ["c", "p"], ["stored"]),
-            stored_names=tuple(name for name, _ in self._conserved()),
+            stored_names=tuple(name for name, _ in self.conserved),
             flows=ca.Function(
                 "flows", arguments, [ca.vertcat(*(f.rate for f in moving.flows))], names, ["q"]
             ),
@@ -260,10 +252,12 @@ class _Join:
                 drawn[flow.source].append(flow)
             name = f"{flow.element}.flow"
             symbols[name] = symbols[name] + flow.rate if name in symbols else flow.rate
-        rates: dict[str, ca.SX] = {}
+        rates = crossing(flows, self.balances, self._outside)
         for element in self.elements:
-            rates |= element.rates(symbols, received[element.name], drawn[element.name])
-        rates |= self._crossing(flows)
+            added = element.rates(symbols, received[element.name], drawn[element.name])
+            for name, rate in added.items():
+                self._check_rate(element, name)
+                rates[name] = rates[name] + rate if name in rates else rate
         for delay in self.delays:
             if delay.conserves:
                 name = f"{DELAYED}.{delay.conserves}"
@@ -279,6 +273,16 @@ class _Join:
             symbols,
             tuple(flows),
         )
+
+    def _check_rate(self, element: Element, name: str) -> None:
+        known = [signal.name for signal in (*self.contents, *self.totals)]
+        if name not in known:
+            raise InputError(
+                f"{element.table}.{element.name}",
+                f"a rate of {name}"[:60],
+                "rates of contents and totals of the plant",
+                suggestion(name, known, f"choose from {', '.join(known)}"),
+            )
 
     def _flows(
         self, symbols: dict[str, ca.SX], *, pass_at_once: bool
@@ -335,17 +339,6 @@ class _Join:
             return {}
         return self.by_name[name].concentrations(symbols)
 
-    def _crossing(self, flows: Sequence[Flow]) -> dict[str, ca.SX]:
-        """Return what enters and leaves the plant, liquid first and then each component."""
-        crossing = {signal.name: ca.SX(0) for signal in self.balances}
-        for flow in flows:
-            amounts = {"liquid": flow.rate, **(flow.fluxes or {})}
-            for total, end in ((ENTERED, flow.source), (LEFT, flow.destination)):
-                if self._outside(end):
-                    for name, amount in amounts.items():
-                        crossing[f"{total}.{name}"] += amount
-        return crossing
-
     def _outside(self, name: str) -> bool:
         """Whether liquid there is not counted: beyond the plant, or in a reservoir."""
         return not name or self.by_name[name].endless
@@ -358,7 +351,7 @@ class _Join:
         return _stacked(self.memories, values)
 
     def _stored(self, symbols: Mapping[str, ca.SX]) -> ca.SX:
-        names = [name for name, _ in self._conserved()]
+        names = [name for name, _ in self.conserved]
         held = [element.stored(symbols) for element in self.elements]
         return ca.vertcat(*(sum((h[n] for h in held if n in h), start=ca.SX(0)) for n in names))
 

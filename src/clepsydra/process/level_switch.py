@@ -10,6 +10,7 @@ import casadi as ca
 
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
+from clepsydra.process import told
 from clepsydra.process.hybrid import Event, switch_memory
 from clepsydra.program.step_law import Symbols
 
@@ -17,9 +18,16 @@ if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
 
 #: The keys of a process file that `read_trips` and `read_starter` know.
-SWITCH_KEYS = (
-    "trip_above", "trip_below", "hysteresis", "start_above", "stop_below", "running",
-)  # fmt: skip
+TRIP_KEYS = {
+    "trip_above": told.by_name("levels of tanks above which it stops [m]"),
+    "trip_below": told.by_name("levels of tanks below which it stops [m]"),
+    "hysteresis": told.text("how far levels must come back before it may run again [m]"),
+}
+STARTER_KEYS = {
+    "start_above": told.by_name("level of one tank above which it starts by itself [m]"),
+    "stop_below": told.by_name("level of the same tank below which it stops [m]"),
+    "running": {"description": "whether it runs at first", "type": "boolean"},
+}
 
 
 @dataclass(frozen=True)

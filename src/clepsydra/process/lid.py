@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 #: The key of a process file that `read_lid` knows, and its values; the first is an open tank's.
 LID_KEY = "when_full"
-RISES, STOPS, ENDS = "level rises", "inflow stops", "run ends"
+LID_CHOICES = RISES, STOPS, ENDS = "level rises", "inflow stops", "run ends"
 #: Inflow comes back when this share of the capacity has left.
 _ROOM = 0.01
 
@@ -134,6 +134,6 @@ def read_lid(table: TableReader, tank: str, vessel: Vessel, *, spills: bool) -> 
                 "remove one of the two",
             )
         return None
-    choices = (STOPS, ENDS) if vessel.closed else (RISES, STOPS, ENDS)
+    choices = (STOPS, ENDS) if vessel.closed else LID_CHOICES
     choice = table.choice(LID_KEY, choices, choices[0])
     return None if choice == RISES else Lid(tank, vessel, ends=choice == ENDS)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from clepsydra.base.units import convertible
+from clepsydra.process import told
+from clepsydra.process.declared import part
 
 if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
@@ -71,6 +73,19 @@ def read_manipulated_signal(table: TableReader) -> ManipulatedSignal:
             at_most=high,
         )
     return ManipulatedSignal(unit, low, high, nominal)
+
+
+def actuator_signal() -> Any:
+    """Return the field `low` of an actuator, of which `high`, `nominal` and `unit` are filled."""
+    return part(
+        lambda table, key, known: read_manipulated_signal(table),
+        {
+            "range": told.quantities("range of the signal that moves it", 2),
+            "nominal": told.quantity("its signal at the operating point"),
+        },
+        fills=True,
+        required=("range",),
+    )
 
 
 def _unit(table: TableReader) -> str:

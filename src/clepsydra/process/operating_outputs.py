@@ -8,9 +8,9 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.units import from_si
 from clepsydra.process.document import Document
 from clepsydra.process.element import Element
-from clepsydra.process.sensor import Sensor
+from clepsydra.process.elements.sensor import Sensor
+from clepsydra.process.elements.tank import Tank
 from clepsydra.process.table_reader import TableReader, shown_value
-from clepsydra.process.tank import Tank
 
 
 def check_sensor_ranges(document: Document, elements: Sequence[Element]) -> None:
@@ -69,7 +69,7 @@ def read_nominal_outputs(
     Examples
     --------
     >>> from clepsydra.process.document import parse
-    >>> from clepsydra.process.pump import Pump
+    >>> from clepsydra.process.elements.pump import Pump
     >>> from clepsydra.process.vessels.prism import Prism
     >>> tank = Tank("tank", vessel=Prism(0.3, area=0.01))
     >>> sensor = Sensor("level", "tank", 0.0, 0.3)

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import casadi as ca
 
 from clepsydra.base.signal import Signal
-from clepsydra.process.element import Connection, Element
+from clepsydra.process.declared import filled, link, read_fields
+from clepsydra.process.element import Element
 from clepsydra.process.flow import Flow
 from clepsydra.program.step_law import Symbols
 
@@ -45,9 +46,9 @@ class Outlet(Element):
     symbol: ClassVar[str] = "orifice"
     quantities: ClassVar[Mapping[str, str]] = {}
 
-    source: str
-    destination: str
-    values: Mapping[str, float]
+    source: str = link("the name of a tank", "tank")
+    destination: str = link("the name of an element", "receiver")
+    values: Mapping[str, float] = filled()
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
@@ -66,17 +67,9 @@ class Outlet(Element):
         }
         return cls(
             name,
-            source=table.name("source", "the name of a tank"),
-            destination=table.name("destination", "the name of an element"),
+            **read_fields(cls, table),
             values=values,
             display_units=table.display_units(*values),
-        )
-
-    def connections(self) -> tuple[Connection, ...]:
-        """Return the tank above and the element below."""
-        return (
-            Connection(("source",), self.source, "tank"),
-            Connection(("destination",), self.destination, "receiver"),
         )
 
     def parameters(self) -> tuple[Signal, ...]:

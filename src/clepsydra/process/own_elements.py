@@ -17,9 +17,11 @@ from clepsydra.base.errors import ClepsydraError, InputError
 from clepsydra.base.input_file import read_input
 from clepsydra.base.signal import Signal
 from clepsydra.base.user_code import line_of, run_user_code, shortened, words_of
+from clepsydra.process.declared import undeclared
 from clepsydra.process.element import Connection, Element
 from clepsydra.process.flow import Flow
 from clepsydra.process.hybrid import Delay, Event
+from clepsydra.process.kinds import kinds_of
 from clepsydra.process.table_reader import TableReader, checked_name
 
 #: Methods of an element, and of what the tuple consists that each returns.
@@ -168,24 +170,26 @@ def _file(general: TableReader, path: Path, written: str) -> Path:
 def _kinds(file: Path, content: bytes) -> tuple[type[Element], ...]:
     """Return the kinds in a file; the same content gives the same kinds."""
     module = run_user_code(file, content, "own_elements")
-    found = [
-        value
-        for value in dict.fromkeys(v for v in vars(module).values() if inspect.isclass(v))
-        if issubclass(value, Element) and value.__module__ == module.__name__
-    ]
-    bases = {base for kind in found for base in kind.__mro__[1:]}
-    kinds = [kind for kind in found if not (inspect.isabstract(kind) and kind in bases)]
+    kinds = kinds_of(module)
     for kind in kinds:
         _check_kind(kind, file)
     return tuple(_guarded(kind, file) for kind in kinds)
 
 
+def _unread(kind: type[Element]) -> list[str]:
+    """Return the methods that a class lacks, as that which reads what its fields do not declare."""
+    missing = sorted(kind.__abstractmethods__)
+    own = inspect.getattr_static(kind, "read") is not inspect.getattr_static(Element, "read")
+    return missing if own or not undeclared(kind) else [*missing, "read"]
+
+
 def _check_kind(kind: type[Element], file: Path) -> None:
     place = _class_place(kind, file)
-    if inspect.isabstract(kind):
+    missing = _unread(kind)
+    if missing:
         raise InputError(
             place,
-            f"no method {', '.join(sorted(kind.__abstractmethods__))}",
+            f"no method {', '.join(missing)}",
             "a class that says how it is read",
             "add def read(cls, name, table) as a class method",
         )
@@ -210,7 +214,7 @@ def _check_kind(kind: type[Element], file: Path) -> None:
                 f"write as in {attribute} = {example}",
             )
     checked_name(kind.table, f"{place}.table")
-    keys = getattr(kind, "keys", None)
+    keys = kind.keys or None
     if not isinstance(keys, tuple) or not all(isinstance(key, str) for key in keys):
         raise InputError(
             f"{place}.keys",

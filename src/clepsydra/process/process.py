@@ -14,6 +14,7 @@ import numpy as np
 from clepsydra.base.signal import Signal
 from clepsydra.process.component import Component
 from clepsydra.process.motion import Motion, plain_motion
+from clepsydra.program.dense_function import DenseFunction
 
 if TYPE_CHECKING:
     from clepsydra.process.element import Element
@@ -124,6 +125,17 @@ class Process:
         """SX function (x [n], p [l]) → y [q]: what the sensors show of a state without noise."""
         x, p = (ca.SX.sym(name, self.measure.numel_in(i)) for i, name in enumerate("xp"))
         return ca.Function("show", [x, p], [self.display(self.measure(x, p))], ["x", "p"], ["y"])
+
+    @cached_property
+    def derivatives(self) -> DenseFunction:
+        """Function (x [n], u [m], d [k], p [l]) → dx/dt, y, and their slopes, of numbers.
+
+        Those of dx/dt are by x, u, d and p, those of y by x and p.
+        """
+        x, u, d, p = (ca.SX.sym(n, self.dynamics.numel_in(i)) for i, n in enumerate("xudp"))
+        f, h = self.dynamics(x, u, d, p), self.measure(x, p)
+        slopes = [ca.jacobian(f, v) for v in (x, u, d, p)] + [ca.jacobian(h, v) for v in (x, p)]
+        return DenseFunction("derivatives", [x, u, d, p], [f, h, *slopes])
 
     @cached_property
     def motion(self) -> Motion:

@@ -11,22 +11,23 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.input_file import read_input
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
+from clepsydra.process import told
 from clepsydra.process.averaging import read_averaging
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
 from clepsydra.process.component import Component
 from clepsydra.process.components import check_components, read_components
 from clepsydra.process.document import Document, kind_of, parse
 from clepsydra.process.element import Element
+from clepsydra.process.elements.tank import Tank
 from clepsydra.process.equations import join
-from clepsydra.process.kinds import KINDS
-from clepsydra.process.names_among import names_among
+from clepsydra.process.kinds import kinds
+from clepsydra.process.known_names import known_names
 from clepsydra.process.operating_outputs import check_sensor_ranges, read_nominal_outputs
 from clepsydra.process.own_elements import joining_own, read_own_kinds
 from clepsydra.process.process import Process
 from clepsydra.process.process_name import check_process_name
 from clepsydra.process.table_reader import TableReader, checked_name
 from clepsydra.process.tags import read_tags
-from clepsydra.process.tank import Tank
 from clepsydra.process.variants import (
     VARIANT_KEYS,
     choose_variants,
@@ -36,20 +37,23 @@ from clepsydra.process.variants import (
 from clepsydra.process.vessels.vessel import Vessel
 from clepsydra.process.wiring import check_wiring
 
-_GENERAL_KEYS = (
-    "name",
-    "title",
-    "source",
-    "gravity",
-    "sampling_period",
-    "controlled",
-    "averaging",
-    "manipulated",
-    "components",
-    "elements",
-    "operating_point",
-    *VARIANT_KEYS,
-)
+#: The keys of a process file beside the tables of its elements.
+GENERAL_KEYS = {
+    "name": told.text("letters, digits and hyphens; reports and data are named after it"),
+    "title": told.text("one line for people"),
+    "source": told.text("where the numbers come from, one line"),
+    "gravity": told.text("acceleration of gravity [m/s^2], above 0; 9.81 if left out"),
+    "sampling_period": told.text("of the controllers [s], above 0"),
+    "controlled": told.names("the sensors that follow setpoints"),
+    "averaging": told.names("controlled levels whose tank is there to smooth the flow"),
+    "manipulated": told.names("what controllers move; all pumps and valves if left out"),
+    "components": told.by_name("what is dissolved in the liquid", {"type": "object"}),
+    "elements": told.text("a Python file with elements of your own, which is run"),
+    "operating_point": told.by_name("measurements at the operating point"),
+    **VARIANT_KEYS,
+}
+#: Those that a process must have.
+REQUIRED_KEYS = ("name", "sampling_period", "controlled")
 
 
 def load_process(name_or_path: str | Path, variant: str | Sequence[str] | None = None) -> Process:
@@ -141,7 +145,7 @@ def _process(document: Document, path: Path | None, asked: tuple[str, ...] | Non
         )
     chosen = choose_variants(document, asked)
     document = chosen.document
-    known = (*_GENERAL_KEYS, *(kind.table for kind in KINDS))
+    known = (*GENERAL_KEYS, *(kind.table for kind in kinds()))
     own_kinds = read_own_kinds(TableReader(document, (), None), path, known)
     general = TableReader(document, (), (*known, *(kind.table for kind in own_kinds)))
     name = general.text("name", "a name", 'write as in name = "my-tanks"')
@@ -234,7 +238,7 @@ def _elements(
     """Read the elements of every kind, in the order of the file within each kind."""
     elements: list[Element] = []
     vessels: dict[str, Vessel] = {}
-    for kind in (*KINDS, *own_kinds):
+    for kind in (*kinds(), *own_kinds):
         if not general.has(kind.table):
             continue
         for name in TableReader(document, (kind.table,), None).present:
@@ -253,7 +257,7 @@ def _manipulated(general: TableReader, elements: Sequence[Element]) -> tuple[str
     if not general.has("manipulated"):
         return None
     known = [s.name for e in elements for s in (*e.inputs(), *e.disturbances())]
-    return names_among(
+    return known_names(
         known,
         general,
         "manipulated",
@@ -268,7 +272,7 @@ def _controlled(
 ) -> tuple[str, ...]:
     """Read the measurements that follow setpoints."""
     known = [signal.name for signal in measurements]
-    names = names_among(
+    names = known_names(
         known,
         general,
         "controlled",

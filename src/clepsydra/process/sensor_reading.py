@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import convertible, split_quantity
@@ -11,12 +10,21 @@ from clepsydra.base.units import convertible, split_quantity
 if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
 
+#: What of a tank a sensor may measure, beside concentrations.
+QUANTITIES = ("level", "volume")
 _SIGNALS = ("V", "A", "1")
 _PER = {"m": "/m", "m^3": "/m^3", "m^3/s": " s/m^3", "kg/m^3": " m^3/kg", "mol/m^3": " m^3/mol"}
 
 
-@dataclass(frozen=True)
-class SensorScale:
+class Measured(NamedTuple):
+    """What a sensor measures, the tank where it is, or the element whose flow it is."""
+
+    measured: str
+    tank: str = ""
+    flow: str = ""
+
+
+class SensorScale(NamedTuple):
     """The scale of a sensor.
 
     Parameters
@@ -29,8 +37,6 @@ class SensorScale:
         Signal per quantity in SI; None where it shows the quantity itself.
     zero : float or None
         The quantity that it shows as `low`; None where it shows 0 as 0.
-    shown_gain : str
-        The unit of the gain that the reader sees; empty for SI.
 
     Examples
     --------
@@ -43,7 +49,6 @@ class SensorScale:
     high: float
     gain: float | None = None
     zero: float | None = None
-    shown_gain: str = ""
 
 
 def gain_unit(signal: str, quantity: str) -> str:
@@ -58,7 +63,7 @@ def gain_unit(signal: str, quantity: str) -> str:
     return per.strip() if signal == "1" and not per.startswith("/") else f"{signal}{per}"
 
 
-def read_measured(table: TableReader) -> tuple[str, str, str]:
+def read_measured(table: TableReader) -> Measured:
     """Return what is measured, the tank where it is, and the element whose flow it is.
 
     Raises
@@ -72,25 +77,17 @@ def read_measured(table: TableReader) -> tuple[str, str, str]:
     >>> from clepsydra.process.table_reader import TableReader
     >>> document = parse(b"[sensors.meter]\\nflow = 'pump_1'", "plant.toml")
     >>> read_measured(TableReader(document, ("sensors", "meter"), None))
-    ('flow', '', 'pump_1')
+    Measured(measured='flow', tank='', flow='pump_1')
     """
     if table.has("flow"):
         for key in ("tank", "quantity", "component"):
-            if table.has(key):
-                raise table.refused(
-                    key, table.written(key), f"no {key} beside a flow", "remove one of the two"
-                )
-        return "flow", "", table.name("flow", "the name of an element that causes a flow")
+            table.refuse((key,), f"no {key} beside a flow", "remove one of the two")
+        flow = table.name("flow", "the name of an element that causes a flow")
+        return Measured("flow", flow=flow)
     tank = table.name("tank", "the name of a tank")
     if not table.has("component"):
-        return table.choice("quantity", ("level", "volume"), "level"), tank, ""
-    if table.has("quantity"):
-        raise table.refused(
-            "quantity",
-            table.written("quantity"),
-            "no quantity beside a component",
-            "remove one of the two",
-        )
+        return Measured(table.choice("quantity", QUANTITIES, "level"), tank)
+    table.refuse(("quantity",), "no quantity beside a component", "remove one of the two")
     known = [component.name for component in table.components]
     component = table.name("component", "the name of a component")
     if component not in known:
@@ -102,7 +99,7 @@ def read_measured(table: TableReader) -> tuple[str, str, str]:
             else "no component, since the file has none",
             suggestion(component, known, "correct the name, or add a table [components.…]"),
         )
-    return component, tank, ""
+    return Measured(component, tank)
 
 
 def read_scale(table: TableReader, quantity: str) -> SensorScale:
@@ -125,15 +122,12 @@ def read_scale(table: TableReader, quantity: str) -> SensorScale:
     >>> from clepsydra.process.table_reader import TableReader
     >>> text = b"[sensors.a]\\nspan = ['0 cm', '25 cm']\\nrange = ['4 mA', '20 mA']"
     >>> scale = read_scale(TableReader(parse(text, "plant.toml"), ("sensors", "a"), None), "m")
-    >>> scale.unit, round(scale.gain, 12), scale.shown_gain  # [A/m]
-    ('A', 0.064, 'mA/cm')
+    >>> scale.unit, round(scale.gain, 12)  # [A/m]
+    ('A', 0.064)
     """
-    shown = table.display_units("gain", "span", "range")
+    shown = table.display_units("range")
     if table.has("gain"):
-        if table.has("span"):
-            raise table.refused(
-                "span", table.written("span"), "either a gain or a span", "remove one of the two"
-            )
+        table.refuse(("span",), "either a gain or a span", "remove one of the two")
         unit = _signal(shown.get("range", ""), _SIGNALS)
         gain = table.quantity(
             "gain",
@@ -145,22 +139,12 @@ def read_scale(table: TableReader, quantity: str) -> SensorScale:
             above=0.0,
         )
         low, high = table.range("range", unit)
-        return SensorScale(unit, low, high, gain, shown_gain=shown.get("gain", ""))
+        return SensorScale(unit, low, high, gain)
     if table.has("span"):
         first, last = table.range("span", quantity)
         unit = _signal(shown.get("range", ""), (*_SIGNALS, quantity))
         low, high = table.range("range", unit)
-        below = shown.get("span", "")
-        above = shown.get("range", "")
-        simple = below.isalpha()
-        return SensorScale(
-            unit,
-            low,
-            high,
-            (high - low) / (last - first),
-            first,
-            f"{above}/{below if simple else f'({below})'}" if above and below else "",
-        )
+        return SensorScale(unit, low, high, (high - low) / (last - first), first)
     low, high = table.range("range", quantity)
     return SensorScale(quantity, low, high)
 

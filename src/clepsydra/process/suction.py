@@ -9,6 +9,8 @@ import casadi as ca
 
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
+from clepsydra.process import told
+from clepsydra.process.declared import part
 from clepsydra.process.hybrid import Event, switch_memory
 from clepsydra.process.vessels.vessel import Vessel
 from clepsydra.program.step_law import Symbols
@@ -176,6 +178,15 @@ def read_suction(table: TableReader, source: str, *, forced: bool = True) -> Suc
         at_most=Suction(source, vessel)._level(1.0 - 2 * _REGAINED),
     )
     return Suction(source, vessel, level, table.display_units(SUCTION_KEY)[SUCTION_KEY])
+
+
+def drawing() -> Any:
+    """Return the field of an element that draws from its source by force."""
+    return part(
+        lambda table, key, known: read_suction(table, known["source"]),
+        {SUCTION_KEY: told.text("level of its tank at which its intake draws air [m]")},
+        default=None,
+    )
 
 
 def drawn(element: str, flow: Any, symbols: Symbols, rest: Any = 0) -> ca.SX:

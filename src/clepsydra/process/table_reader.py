@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import copy
 import json
+import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import MISSING
 from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.quantity import Quantity
 from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import from_si, split_quantity, to_si, with_percent_hint
 from clepsydra.process.component import Component
@@ -106,6 +109,12 @@ class TableReader:
         """Return the error that says what is wrong with the value of a key."""
         return InputError(self.place(key), value, expected, remedy)
 
+    def refuse(self, keys: Iterable[str], expected: str, remedy: str) -> None:
+        """Refuse each of some keys that the table should not have."""
+        for key in keys:
+            if self.has(key):
+                raise self.refused(key, self.written(key), expected, remedy)
+
     def raw(self, key: str) -> object:
         """Return the value of a key as TOML has it."""
         return self._content[key]
@@ -201,6 +210,25 @@ class TableReader:
                 hinted = with_percent_hint(remedy, value, unit) if bound == at_most else remedy
                 raise self.refused(key, shown_value(value), f"{expected} {words} {shown}", hinted)
         return number
+
+    def declared(self, key: Quantity, known: Mapping[str, Any], default: Any) -> Any:
+        """Return the value of a declared key [its unit]; the default is `MISSING` for none.
+
+        `known` has the fields on which its unit and its upper bound may depend.
+        """
+        if default is not MISSING and key.name not in self._content:
+            return default
+        high = known[key.at_most] if key.at_most else key.high
+        low = key.lowest(known) if key.lowest else key.low
+        return self.quantity(
+            key.name,
+            key.unit_of(known),
+            key.expected,
+            key.remedy,
+            above=low if key.strict else None,
+            at_least=None if key.strict or low == -math.inf else low,
+            at_most=None if high == math.inf else high,
+        )
 
     def range(self, key: str, unit: str, *, at_least: float | None = None) -> tuple[float, float]:
         """Return the lower and upper end of a range [`unit`]."""

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.language_words import C_WORDS, STRUCTURED_TEXT_WORDS
+from clepsydra.process.declared import TAG
 from clepsydra.process.document import Document
-from clepsydra.process.element import TAG, Element
+from clepsydra.process.element import Element
 from clepsydra.process.table_reader import IDENTIFIER, shown_value
 
 _WORDS = frozenset(word.lower() for word in C_WORDS | STRUCTURED_TEXT_WORDS)
@@ -27,7 +28,7 @@ def read_tags(document: Document, elements: Sequence[Element]) -> dict[str, str]
     Examples
     --------
     >>> from clepsydra.process.document import parse
-    >>> from clepsydra.process.sensor import Sensor
+    >>> from clepsydra.process.elements.sensor import Sensor
     >>> document = parse(b"[sensors.level]\\ntag = 'LIC101'", "plant.toml")
     >>> read_tags(document, [Sensor("level", "tank", low=0.0, high=1.0)])
     {'level': 'LIC101'}

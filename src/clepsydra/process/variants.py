@@ -11,12 +11,20 @@ from typing import Any
 from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
 from clepsydra.base.words import listed
+from clepsydra.process import told
 from clepsydra.process.document import Document
 from clepsydra.process.table_reader import TableReader, shown_value
 from clepsydra.process.toml_lines import line_of
 
 #: Keys of a process file that say which variants it has, and so cannot vary themselves.
-VARIANT_KEYS = ("variants", "default_variant")
+VARIANT_KEYS = {
+    "variants": told.by_name("parts of the file that differ, by name", {"type": "object"}),
+    "default_variant": {
+        "description": "the variants in force where none is asked for",
+        "type": ["string", "array"],
+        "items": {"type": "string"},
+    },
+}
 
 #: Keys that a warning names at most.
 _SHOWN = 4

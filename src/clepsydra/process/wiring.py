@@ -36,8 +36,8 @@ def check_wiring(elements: Sequence[Element], place: Place) -> None:
 
     Examples
     --------
-    >>> from clepsydra.process.orifice import Orifice
-    >>> from clepsydra.process.tank import Tank
+    >>> from clepsydra.process.elements.orifice import Orifice
+    >>> from clepsydra.process.elements.tank import Tank
     >>> from clepsydra.process.vessels.prism import Prism
     >>> tank = Tank("tank", vessel=Prism(0.3, area=0.01))
     >>> elements = [tank, Orifice("outlet", "tank", "basn", 1e-4)]
@@ -88,8 +88,8 @@ def flow_order(elements: Sequence[Element]) -> tuple[Element, ...]:
 
     Examples
     --------
-    >>> from clepsydra.process.flow_splitter import FlowSplitter
-    >>> from clepsydra.process.reservoir import Reservoir
+    >>> from clepsydra.process.elements.flow_splitter import FlowSplitter
+    >>> from clepsydra.process.elements.reservoir import Reservoir
     >>> valve = FlowSplitter("valve", {"basin": 1.0})
     >>> [element.name for element in flow_order([valve, Reservoir("basin")])]
     ['valve', 'basin']

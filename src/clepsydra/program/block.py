@@ -12,7 +12,7 @@ import casadi as ca
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.step_law import Equations, Symbols
+from clepsydra.program.step_law import Equations, Symbols, is_scalar
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +85,7 @@ class Block:
                     place, f"no value for {port.name}", f"one scalar for each of {names}",
                     "wire the port",
                 )  # fmt: skip
-            if ca.SX(value := given[port.name]).numel() != 1:
+            if not is_scalar(value := given[port.name]):
                 shown = f"{' by '.join(map(str, ca.SX(value).shape))} values"
                 raise InputError(f"{place}, {port.name}", shown, "a scalar", "wire one of them")
 

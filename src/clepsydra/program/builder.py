@@ -10,19 +10,8 @@ from typing import Any
 import numpy as np
 
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import (
-    COMPARISONS,
-    EXACT,
-    LIBRARY,
-    LOGIC,
-    Block,
-    Call,
-    Conditional,
-    Loop,
-    Operation,
-    Program,
-    Statement,
-)
+from clepsydra.program.operation import COMPARISONS, EXACT, LIBRARY, LOGIC, Operation
+from clepsydra.program.program import Block, Call, Conditional, Loop, Program, Statement
 
 _ARITHMETIC: dict[str, Callable[..., Any]] = {
     "add": np.add,

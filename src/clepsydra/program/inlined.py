@@ -6,7 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from clepsydra.program.builder import BlockBuilder
-from clepsydra.program.program import Block, Call, Loop, Operation, Program
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Call, Loop, Program
 
 
 def inlined(program: Program) -> Program:

@@ -6,16 +6,8 @@ from collections import Counter
 from collections.abc import Container, Iterator, Sequence
 from dataclasses import replace
 
-from clepsydra.program.program import (
-    Block,
-    Call,
-    Conditional,
-    Loop,
-    Operation,
-    Statement,
-    read_by,
-    written_by,
-)
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Call, Conditional, Loop, Statement, read_by, written_by
 
 
 def needed_part(block: Block) -> tuple[Block, Counter[int]]:

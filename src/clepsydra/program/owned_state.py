@@ -10,7 +10,8 @@ from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.entries import Entry, signal_of
 from clepsydra.program.inlined import append, renamed
-from clepsydra.program.program import Call, Operation, Program
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Call, Program
 from clepsydra.program.variants import told_apart
 
 #: The input at which an instance begins anew.

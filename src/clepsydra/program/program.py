@@ -8,57 +8,7 @@ from functools import cached_property
 
 from clepsydra.base.signal import Signal, identifier
 from clepsydra.program.delay_ring import DelayRing
-
-#: Operations whose result is a truth value; their arguments are numbers.
-COMPARISONS = frozenset({"less", "less_equal", "equal", "not_equal"})
-#: Operations on truth values whose result is a truth value.
-LOGIC = frozenset({"not", "and", "or"})
-#: Operations that every target computes to the last bit.
-EXACT = frozenset(
-    {
-        "add",
-        "subtract",
-        "multiply",
-        "divide",
-        "negate",
-        "square_root",
-        "absolute",
-        "floor",
-        "ceiling",
-    }
-    | {"minimum", "maximum", "select", "number", "truth", "constant"}
-    | COMPARISONS
-    | LOGIC
-)
-#: Functions of the target's mathematical library, with their number of arguments.
-LIBRARY = {
-    "exp": 1, "log": 1, "sin": 1, "cos": 1, "tan": 1, "asin": 1, "acos": 1, "atan": 1,
-    "sinh": 1, "cosh": 1, "tanh": 1, "asinh": 1, "acosh": 1, "atanh": 1, "log1p": 1, "expm1": 1,
-    "erf": 1, "pow": 2, "atan2": 2, "fmod": 2, "hypot": 2, "copysign": 2,
-}  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Operation:
-    """One operation; its result is the value `target`.
-
-    `code` is a member of `EXACT` or `LIBRARY`:
-
-    - ``maximum(a, b)`` is ``a > b ? a : b``, ``minimum(a, b)`` is ``a < b ? a : b``;
-    - ``select(c, a, b)`` is ``c ? a : b`` with a truth value c;
-    - ``number(c)`` is ``c ? 1 : 0`` and ``truth(a)`` is ``a != 0``.
-
-    Examples
-    --------
-    >>> Operation(2, "add", (0, 1)).fused
-    False
-    """
-
-    target: int
-    code: str
-    arguments: tuple[int, ...] = ()
-    constant: float = 0.0
-    fused: bool = False
+from clepsydra.program.operation import Operation
 
 
 @dataclass(frozen=True)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import casadi as ca
+import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.dense_function import DenseFunction
 
 #: Named quantities of an equation, as CasADi scalars.
 Symbols = Mapping[str, ca.SX]
@@ -96,6 +99,17 @@ class StepLaw:
     description: tuple[str, ...] = ()
     blocks: tuple[Any, ...] = ()
     equations: Callable[[Symbols], Equations] | None = field(default=None, repr=False)
+
+    @cached_property
+    def jacobians(self) -> Callable[..., Sequence[np.ndarray]]:
+        """Function (state, inputs, parameters) → ∂x⁺/∂x, ∂x⁺/∂u, ∂y/∂x and ∂y/∂u, of numbers."""
+        symbols = [ca.SX.sym(n, self.function.numel_in(k)) for k, n in enumerate("xup")]
+        next_state, outputs, _ = self.function(*symbols)
+        return DenseFunction(
+            "jacobians",
+            symbols,
+            [ca.jacobian(of, by) for of in (next_state, outputs) for by in symbols[:2]],
+        )
 
 
 def step_law(
@@ -217,11 +231,23 @@ def function_of(
     return function, written
 
 
+def is_scalar(value: Any) -> bool:
+    """Tell whether what stands for a signal is one number or one expression.
+
+    Examples
+    --------
+    >>> is_scalar(ca.SX.sym("level")), is_scalar(2.0), is_scalar([1.0, 2.0])
+    (True, True, False)
+    """
+    # Nearly all are expressions already, and to convert one takes longer than all of the rest.
+    return (value if isinstance(value, ca.SX) else ca.SX(value)).numel() == 1
+
+
 def _stack(law: str, what: str, names: list[str], values: Mapping[str, Any]) -> ca.SX:
     if set(names) != set(values):
         missing, unknown = sorted(set(names) - set(values)), sorted(set(values) - set(names))
         raise ValueError(f"step law {law}: {what} lacks {missing} and has unknown {unknown}")
     for name in names:
-        if ca.SX(values[name]).numel() != 1:
+        if not is_scalar(values[name]):
             raise ValueError(f"step law {law}: {what} {name} is not a scalar")
     return ca.vertcat(*[values[name] for name in names]) if names else ca.SX(0, 1)

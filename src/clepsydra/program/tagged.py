@@ -7,7 +7,8 @@ from dataclasses import replace
 
 from clepsydra.base.signal import Signal
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import Block, Call, Loop, Operation, Program, Statement
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Call, Loop, Program, Statement
 
 
 def tagged_program(program: Program, tagged: Callable[[str], str]) -> Program:

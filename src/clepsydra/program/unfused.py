@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from clepsydra.program.program import Block, Call, Operation, Program, Statement
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Call, Program, Statement
 
 
 def without_fused(program: Program) -> Program:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from clepsydra.base.section import Table
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.analysis_words import root_text
 from clepsydra.linear.controllability import NOT_AT_ALL
@@ -22,22 +22,7 @@ from clepsydra.report.quantities import (
 )
 
 
-@dataclass(frozen=True)
-class Grid:
-    """A table of text with a title, a head and rows; the first column holds names.
-
-    Examples
-    --------
-    >>> Grid("Scenario", ("what", "size"), (("load inflow_1", "+2 cm³/s"),)).rows[0]
-    ('load inflow_1', '+2 cm³/s')
-    """
-
-    title: str
-    head: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-
-
-def operating_point_grid(point: OperatingPoint) -> Grid:
+def operating_point_grid(point: OperatingPoint) -> Table:
     """Return every signal of an operating point in its display unit and in percent.
 
     Examples
@@ -53,10 +38,10 @@ def operating_point_grid(point: OperatingPoint) -> Grid:
             value = values[signal.name]
             percent = percent_text(process, signal.name, value)
             rows.append((signal.name, quantity_text(signal, value, 4), percent))
-    return Grid("Operating point", ("signal", "value", "of range"), tuple(rows))
+    return Table("Operating point", ("signal", "value", "of range"), tuple(rows))
 
 
-def roots_grid(analysis: Analysis) -> Grid:
+def roots_grid(analysis: Analysis) -> Table:
     """Return poles with their time constants, then transmission zeros; a pair is one row.
 
     Examples
@@ -78,10 +63,10 @@ def roots_grid(analysis: Analysis) -> Grid:
     ]
     if not len(analysis.zeros):
         rows.append(("zero", "none", ""))
-    return Grid("Poles and zeros", ("", "rad/s", "time constant"), tuple(rows))
+    return Table("Poles and zeros", ("", "rad/s", "time constant"), tuple(rows))
 
 
-def static_gain_grid(analysis: Analysis) -> Grid:
+def static_gain_grid(analysis: Analysis) -> Table:
     """Return the static gain from inputs to outputs in display units.
 
     Examples
@@ -103,10 +88,10 @@ def static_gain_grid(analysis: Analysis) -> Grid:
         gains = analysis.static_gain[place] * scale[place]
         rows.append((f"{signal.name} [{unit_text(signal.shown_unit)}]", *_numbers(gains)))
     head = tuple(f"{signal.name} [{unit_text(signal.shown_unit)}]" for signal in inputs)
-    return Grid("Static gain", ("", *head), tuple(rows))
+    return Table("Static gain", ("", *head), tuple(rows))
 
 
-def relative_gain_grid(analysis: Analysis) -> Grid | None:
+def relative_gain_grid(analysis: Analysis) -> Table | None:
     """Return the relative gain array with the suggested pairs marked; None where there is none.
 
     Examples
@@ -126,10 +111,10 @@ def relative_gain_grid(analysis: Analysis) -> Grid | None:
             for name, gain in zip(model.inputs, gains, strict=True)
         ]
         rows.append((output, *marked))
-    return Grid("Relative gains, ● pairing", ("", *model.inputs), tuple(rows))
+    return Table("Relative gains, ● pairing", ("", *model.inputs), tuple(rows))
 
 
-def analysis_grids(analysis: Analysis) -> list[Grid]:
+def analysis_grids(analysis: Analysis) -> list[Table]:
     """Return every table of an analysis but the operating point.
 
     Examples
@@ -143,7 +128,7 @@ def analysis_grids(analysis: Analysis) -> list[Grid]:
     return [grid for grid in grids if grid is not None]
 
 
-def dead_time_grid(analysis: Analysis) -> Grid | None:
+def dead_time_grid(analysis: Analysis) -> Table | None:
     """Return the dead time of each pair; None where there is none.
 
     Examples
@@ -158,10 +143,10 @@ def dead_time_grid(analysis: Analysis) -> Grid | None:
         (output, *("several" if math.isnan(time) else time_cell(time) for time in times))
         for output, times in zip(analysis.model.outputs, analysis.dead_times, strict=True)
     )
-    return Grid("Dead time", ("", *analysis.model.inputs), rows)
+    return Table("Dead time", ("", *analysis.model.inputs), rows)
 
 
-def frequency_grid_table(analysis: Analysis) -> Grid:
+def frequency_grid_table(analysis: Analysis) -> Table:
     """Return singular values, condition number and relative gains at a few frequencies.
 
     Examples
@@ -184,10 +169,10 @@ def frequency_grid_table(analysis: Analysis) -> Grid:
         head.append(f"|λ| {output} by {name}")
         columns.append(_numbers(np.abs(gains)))
     rows = tuple(tuple(row) for row in zip(*columns, strict=True))
-    return Grid("Over frequency, in shares of the ranges", tuple(head), rows)
+    return Table("Over frequency, in shares of the ranges", tuple(head), rows)
 
 
-def reach_grid(analysis: Analysis) -> Grid | None:
+def reach_grid(analysis: Analysis) -> Table | None:
     """Return how well each mode is reached and shown; None where a range is missing.
 
     Examples
@@ -206,14 +191,14 @@ def reach_grid(analysis: Analysis) -> Grid | None:
         )
         if reached.pole.imag >= 0.0
     )
-    return Grid(
+    return Table(
         "Modes: how well the inputs reach them and the outputs show them",
         ("pole [rad/s]", "mainly", "reached", "shown"),
         rows,
     )
 
 
-def hankel_grid(analysis: Analysis) -> Grid | None:
+def hankel_grid(analysis: Analysis) -> Table | None:
     """Return the Hankel singular values, largest first; None where a range is missing.
 
     Examples
@@ -229,10 +214,10 @@ def hankel_grid(analysis: Analysis) -> Grid | None:
     values = [v for v in found.values if v > 1e-6 * found.values[0]]
     rows = [(str(place), number_text(float(v))) for place, v in enumerate(values, start=1)]
     rows += [("–", f"none for the pole at {root_text(pole)} rad/s") for pole in found.split_off]
-    return Grid("Hankel singular values, in shares of the ranges", ("", "value"), tuple(rows))
+    return Table("Hankel singular values, in shares of the ranges", ("", "value"), tuple(rows))
 
 
-def blocking_zeros_grid(analysis: Analysis) -> Grid | None:
+def blocking_zeros_grid(analysis: Analysis) -> Table | None:
     """Return zeros in the right half-plane with their directions; None where there are none.
 
     Examples
@@ -249,10 +234,10 @@ def blocking_zeros_grid(analysis: Analysis) -> Grid | None:
         shares = [*each.input_direction, *each.output_direction]
         rows.append((root_text(each.zero), *(_direction(share) for share in shares)))
     head = ("zero [rad/s]", *model.inputs, *model.outputs)
-    return Grid("Zeros in the right half-plane and their directions", head, tuple(rows))
+    return Table("Zeros in the right half-plane and their directions", head, tuple(rows))
 
 
-def further_grids(analysis: Analysis) -> list[Grid]:
+def further_grids(analysis: Analysis) -> list[Table]:
     """Return the tables that a page of analysis shows besides those of a study's report.
 
     Examples

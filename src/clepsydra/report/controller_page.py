@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.section import Table
 from clepsydra.base.signal import path
 from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
@@ -12,7 +13,6 @@ from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.controllers.signals import owners
 from clepsydra.program.called_blocks import without_untold
 from clepsydra.program.owned_state import with_owned_state
-from clepsydra.report.analysis_tables import Grid
 from clepsydra.report.block_picture import program_svg
 from clepsydra.report.controller_tables import ParameterTable, parameter_tables, status_words
 from clepsydra.report.facts import Facts, range_text
@@ -47,9 +47,9 @@ class ControllerPage:
         What it does in automatic.
     facts : list of Facts
         What is to be set, part by part.
-    grids : list of Grid
+    grids : list of Table
         Its matrices or levels.
-    margins, tuning : Grid or None
+    margins, tuning : Table or None
     parameters : list of ParameterTable
         Of the step law, in SI.
     scores : list of ScoreTable
@@ -66,9 +66,9 @@ class ControllerPage:
     standing: str
     law: list[str]
     facts: list[Facts]
-    grids: list[Grid]
-    margins: Grid | None
-    tuning: Grid | None
+    grids: list[Table]
+    margins: Table | None
+    tuning: Table | None
     parameters: list[ParameterTable]
     scores: list[ScoreTable]
     status: list[str]

@@ -38,9 +38,11 @@ def envelope(places: np.ndarray, values: np.ndarray, columns: int) -> tuple[np.n
     column = np.floor(places - places[0]).astype(np.int64)
     first = np.flatnonzero(np.diff(column, prepend=-1))
     last = np.append(first[1:], len(places)) - 1
-    order = np.lexsort((np.nan_to_num(values, nan=np.inf), column))
-    lowest = order[first]
-    order = np.lexsort((np.nan_to_num(values, nan=-np.inf), column))
-    highest = order[last]
+    counts = last - first + 1
+    below, above = np.nan_to_num(values, nan=np.inf), np.nan_to_num(values, nan=-np.inf)
+    least = np.flatnonzero(below == np.repeat(np.minimum.reduceat(below, first), counts))
+    most = np.flatnonzero(above == np.repeat(np.maximum.reduceat(above, first), counts))
+    lowest = least[np.searchsorted(least, first)]
+    highest = most[np.searchsorted(most, last, side="right") - 1]
     kept = np.unique(np.concatenate([first, lowest, highest, last]))
     return places[kept], values[kept]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from clepsydra.base.words import time_text
-from clepsydra.loop.happenings import Happening
+from clepsydra.loop.events import Occurrence
 
 #: An event that happens more often than this is one mark; else each time is one.
 _APART = 5
@@ -51,21 +51,21 @@ class EventMark:
         return str(number) if self.times == 1 else f"{number} (×{self.times})"
 
 
-def event_marks(happenings: Sequence[Happening]) -> tuple[EventMark, ...]:
+def event_marks(events: Sequence[Occurrence]) -> tuple[EventMark, ...]:
     """Return the marks of what happened, in order of their first time.
 
     Examples
     --------
-    >>> often = [Happening(float(t), "p.trips", "p trips", 1) for t in range(10, 299)]
+    >>> often = [Occurrence(float(t), "p.trips", "p trips", 1) for t in range(10, 299)]
     >>> (mark,) = event_marks(often)
     >>> mark.time, mark.times, mark.last
     (10.0, 289, 298.0)
     >>> len(event_marks(often[:3]))
     3
     """
-    by_event: defaultdict[str, list[Happening]] = defaultdict(list)
-    for happening in happenings:
-        by_event[happening.event].append(happening)
+    by_event: defaultdict[str, list[Occurrence]] = defaultdict(list)
+    for event in events:
+        by_event[event.event].append(event)
     marks = []
     for all_of_it in by_event.values():
         groups = [all_of_it] if len(all_of_it) > _APART else [[each] for each in all_of_it]

@@ -91,7 +91,7 @@ def gain_unit(measurement: Signal, moved: Signal) -> str:
     return f"{above or '1'}/{below}" if below else above
 
 
-def gain_text(value: float, measurement: Signal, moved: Signal) -> str:
+def gain_text(value: float, measurement: Signal, moved: Signal, digits: int = DIGITS) -> str:
     """Return a gain [SI] in display units.
 
     Examples
@@ -99,7 +99,7 @@ def gain_text(value: float, measurement: Signal, moved: Signal) -> str:
     >>> gain_text(250.0, Signal("level", "m", display_unit="cm"), Signal("pump", "V"))
     '2.500 V/cm'
     """
-    shown = number_text(value * gain_factor(measurement, moved), DIGITS)
+    shown = number_text(value * gain_factor(measurement, moved), digits)
     return f"{shown} {gain_unit(measurement, moved)}".strip()
 
 

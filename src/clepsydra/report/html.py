@@ -8,10 +8,11 @@ from pathlib import Path
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.files import whole_file
+from clepsydra.base.section import Table
 from clepsydra.base.words import time_text
 from clepsydra.controllers.blocks.status import STATUS_BITS
 from clepsydra.process.process import Process
-from clepsydra.report.analysis_tables import Grid, analysis_grids, operating_point_grid
+from clepsydra.report.analysis_tables import analysis_grids, operating_point_grid
 from clepsydra.report.colours import signal_colours
 from clepsydra.report.controller_page import controller_page
 from clepsydra.report.drawing import process_drawing
@@ -20,14 +21,15 @@ from clepsydra.report.panels import controlled_panels
 from clepsydra.report.resolution import RESOLUTION_WORDS
 from clepsydra.report.score_tables import (
     glossary,
-    is_recommended,
     ranking_columns,
     ranking_note,
     ranking_rows,
 )
+from clepsydra.report.study_answer import advised
 from clepsydra.report.template import rendered
 from clepsydra.report.trend_svg import trend_svg
 from clepsydra.report.trends import segment_words
+from clepsydra.studies.recommendation import recommend
 from clepsydra.studies.result import StudyResult
 
 
@@ -80,7 +82,8 @@ def report_text(result: StudyResult) -> str:
     """
     from markupsafe import Markup
 
-    first = result.ranking[0] if result.ranking else None
+    advice = recommend(result.ranking, result.accept)
+    first = next(iter(result.ranking), None) if advice is None else advice.simplest
     overview = ""
     if first is not None:
         title = f"Controlled levels under {first.controller.title}"
@@ -89,7 +92,8 @@ def report_text(result: StudyResult) -> str:
         "report.html.jinja",
         result=result,
         best=first,
-        recommended=is_recommended(result),
+        recommended=None if advice is None else first,
+        advised=[] if advice is None else advised(result, advice),
         overview=Markup(overview),
         map=Markup(map_svg(result, "Mean error and max|S| of every controller", "map")),
         drawing=Markup(process_drawing(result.process, result.point)),
@@ -168,10 +172,10 @@ def _version(package: str) -> str:
         return ""
 
 
-def _segments(result: StudyResult) -> Grid:
+def _segments(result: StudyResult) -> Table:
     rows = []
     for segment in result.scenario.segments:
         words = segment_words(result.process, segment)
         times = " – ".join(time_text(time, 4) for time in (segment.start, segment.stop))
         rows.append((f"{words[0]} {words[1]}", times, words[2]))
-    return Grid("Scenario", ("what happens", "time", "size"), tuple(rows))
+    return Table("Scenario", ("what happens", "time", "size"), tuple(rows))

@@ -56,7 +56,7 @@ def write_identification_page(found: Identification | ProcessFit, path: str | Pa
     >>> import clepsydra as cl
     >>> import tempfile
     >>> from clepsydra.identification.identification import identify_model
-    >>> from clepsydra.identification.simulated_record import record_of
+    >>> from clepsydra.identification.record import record_of
     >>> step = [cl.step("pump_1", "+0.5 V", at="20 s")]
     >>> run = cl.simulate(cl.load("quadruple-tank"), None, step, duration="2 min")
     >>> found = identify_model(record_of(run, {"level_1": 0.02}), "pump_1", "level_1")
@@ -76,7 +76,7 @@ def identification_text(found: Identification | ProcessFit) -> str:
     --------
     >>> import clepsydra as cl
     >>> from clepsydra.identification.process_fit import fit_process
-    >>> from clepsydra.identification.simulated_record import record_of
+    >>> from clepsydra.identification.record import record_of
     >>> step = [cl.step("pump_1", "+0.5 V", at="20 s")]
     >>> run = cl.simulate(cl.load("quadruple-tank"), None, step, duration="2 min")
     >>> page = identification_text(fit_process(run.process, record_of(run), ["outlet_1.area"]))

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import math
 
+from clepsydra.base.section import Table
 from clepsydra.identification.estimate import Estimate
 from clepsydra.identification.identification import Identification
 from clepsydra.identification.process_fit import ProcessFit
 from clepsydra.identification.residual_tests import ResidualTests
-from clepsydra.report.analysis_tables import Grid
 from clepsydra.report.quantities import number_text, unit_text
 
 
-def models_grid(found: Identification) -> Grid:
+def models_grid(found: Identification) -> Table:
     """Return the models by rank, with how well they fit and what is left.
 
     Examples
     --------
     >>> import clepsydra as cl
     >>> from clepsydra.identification.identification import identify_model
-    >>> from clepsydra.identification.simulated_record import record_of
+    >>> from clepsydra.identification.record import record_of
     >>> step = [cl.step("pump_1", "+0.5 V", at="20 s")]
     >>> run = cl.simulate(cl.load("quadruple-tank"), None, step, duration="2 min")
     >>> found = identify_model(record_of(run, {"level_1": 0.02}), "pump_1", "level_1")
@@ -38,17 +38,17 @@ def models_grid(found: Identification) -> Grid:
         for rank, model in enumerate(found.models, 1)
     ]
     head = ("model", "held back", "fitted", "parameters", "white?", "free of input?")
-    return Grid("Models by fit", head, tuple(rows))
+    return Table("Models by fit", head, tuple(rows))
 
 
-def estimates_grid(found: Identification) -> Grid:
+def estimates_grid(found: Identification) -> Table:
     """Return every parameter of every model with its 95 % interval.
 
     Examples
     --------
     >>> import clepsydra as cl
     >>> from clepsydra.identification.identification import identify_model
-    >>> from clepsydra.identification.simulated_record import record_of
+    >>> from clepsydra.identification.record import record_of
     >>> step = [cl.step("pump_1", "+0.5 V", at="20 s")]
     >>> run = cl.simulate(cl.load("quadruple-tank"), None, step, duration="2 min")
     >>> found = identify_model(record_of(run, {"level_1": 0.02}), "pump_1", "level_1")
@@ -60,17 +60,17 @@ def estimates_grid(found: Identification) -> Grid:
         for model in found.models
         for estimate in model.estimates
     ]
-    return Grid("Parameters", ("parameter", "value", "95 % interval", ""), tuple(rows))
+    return Table("Parameters", ("parameter", "value", "95 % interval", ""), tuple(rows))
 
 
-def parameters_grid(fit: ProcessFit) -> Grid:
+def parameters_grid(fit: ProcessFit) -> Table:
     """Return the parameters of a process: as the file has them, fitted, and the interval.
 
     Examples
     --------
     >>> import clepsydra as cl
     >>> from clepsydra.identification.process_fit import fit_process
-    >>> from clepsydra.identification.simulated_record import record_of
+    >>> from clepsydra.identification.record import record_of
     >>> step = [cl.step("pump_1", "+0.5 V", at="20 s")]
     >>> run = cl.simulate(cl.load("quadruple-tank"), None, step, duration="2 min")
     >>> fit = fit_process(run.process, record_of(run, {"level_1": 0.02}), ["outlet_1.area"])
@@ -82,17 +82,17 @@ def parameters_grid(fit: ProcessFit) -> Grid:
         old = number_text(Estimate(estimate.signal, before).shown[0])
         rows.append((estimate.signal.name, old, *estimate_cells(estimate)))
     head = ("parameter", "in the file", "fitted", "95 % interval", "")
-    return Grid("Parameters", head, tuple(rows))
+    return Table("Parameters", head, tuple(rows))
 
 
-def start_grid(fit: ProcessFit) -> Grid:
+def start_grid(fit: ProcessFit) -> Table:
     """Return the states at the first row as they were fitted.
 
     Examples
     --------
     >>> import clepsydra as cl
     >>> from clepsydra.identification.process_fit import fit_process
-    >>> from clepsydra.identification.simulated_record import record_of
+    >>> from clepsydra.identification.record import record_of
     >>> step = [cl.step("pump_1", "+0.5 V", at="20 s")]
     >>> run = cl.simulate(cl.load("quadruple-tank"), None, step, duration="2 min")
     >>> fit = fit_process(run.process, record_of(run, {"level_1": 0.02}), ["outlet_1.area"])
@@ -100,17 +100,17 @@ def start_grid(fit: ProcessFit) -> Grid:
     'tank_1.level'
     """
     rows = [(estimate.signal.name, *estimate_cells(estimate)) for estimate in fit.start]
-    return Grid("State at the first row", ("state", "fitted", "95 % interval", ""), tuple(rows))
+    return Table("State at the first row", ("state", "fitted", "95 % interval", ""), tuple(rows))
 
 
-def outputs_grid(fit: ProcessFit) -> Grid:
+def outputs_grid(fit: ProcessFit) -> Table:
     """Return how well each measurement is told.
 
     Examples
     --------
     >>> import clepsydra as cl
     >>> from clepsydra.identification.process_fit import fit_process
-    >>> from clepsydra.identification.simulated_record import record_of
+    >>> from clepsydra.identification.record import record_of
     >>> step = [cl.step("pump_1", "+0.5 V", at="20 s")]
     >>> run = cl.simulate(cl.load("quadruple-tank"), None, step, duration="2 min")
     >>> fit = fit_process(run.process, record_of(run, {"level_1": 0.02}), ["outlet_1.area"])
@@ -128,7 +128,7 @@ def outputs_grid(fit: ProcessFit) -> Grid:
         for output in fit.outputs
     ]
     head = ("measurement", "held back", "fitted", "white?", "free of input?")
-    return Grid("Fit of the measurements", head, tuple(rows))
+    return Table("Fit of the measurements", head, tuple(rows))
 
 
 def estimate_cells(estimate: Estimate) -> tuple[str, str, str]:

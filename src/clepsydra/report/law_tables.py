@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from clepsydra.base.section import Table
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.signals import owners
 from clepsydra.process.process import Process
 from clepsydra.program.entries import signal_of
-from clepsydra.report.analysis_tables import Grid
 from clepsydra.report.facts import DIGITS, Facts, known_signal, level_words
 from clepsydra.report.output_facts import output_facts
 from clepsydra.report.quantities import (
@@ -45,7 +45,7 @@ def law_words(controller: Controller) -> list[str]:
     Examples
     --------
     >>> import clepsydra as cl
-    >>> from clepsydra.designs.bryson import design_lqi
+    >>> from clepsydra.designs.lqi import design_lqi
     >>> controller = design_lqi(cl.load("quadruple-tank").linear)
     >>> law_words(controller)[0]
     'u = u° − F x + I within the limits, I⁺ = I + Δt G (r − y), x = y − y°, each sample. ° marks \
@@ -69,7 +69,7 @@ values at the operating point.'
     return [words, *([_OBSERVER] if observed else []), *description]
 
 
-def law_grids(controller: Controller, process: Process) -> list[Grid]:
+def law_grids(controller: Controller, process: Process) -> list[Table]:
     """Return the matrices of a controller with named rows and columns, in display units.
 
     A number is in the unit of its row per unit of its column. Levels of start and stop are a
@@ -197,7 +197,7 @@ def _matrix(
     rows: Sequence[Signal],
     columns: Sequence[Signal],
     controller: Controller,
-) -> Grid | None:
+) -> Table | None:
     values = controller.values
     names = [[path(path(row, stem), column.name) for column in columns] for row in rows]
     if not any(name in values for of_row in names for name in of_row):
@@ -209,7 +209,7 @@ def _matrix(
         (_named(row), *(number_text(gain, DIGITS) for gain in of_row))
         for row, of_row in zip(rows, shown.tolist(), strict=True)
     ]
-    return Grid(title, (title, *(_named(column) for column in columns)), tuple(body))
+    return Table(title, (title, *(_named(column) for column in columns)), tuple(body))
 
 
 def _named(signal: Signal) -> str:
@@ -217,7 +217,7 @@ def _named(signal: Signal) -> str:
     return f"{signal.name} [{unit}]" if unit else signal.name
 
 
-def _stages(controller: Controller, process: Process) -> Grid:
+def _stages(controller: Controller, process: Process) -> Table:
     level, values = process.signal(controller.measurements[0]), controller.values
     rows = []
     for number, stage in enumerate(owners(controller.law.parameters, "start_level"), start=1):
@@ -227,4 +227,4 @@ def _stages(controller: Controller, process: Process) -> Grid:
         )
         rows.append((f"stage {number}: {number} running", start, stop))
     title = f"Levels ({level.name})"
-    return Grid(title, (title, "starts at", "stops at"), tuple(rows))
+    return Table(title, (title, "starts at", "stops at"), tuple(rows))

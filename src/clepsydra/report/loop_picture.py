@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT
+from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT
 from clepsydra.process.process import Process
 from clepsydra.report.axes_box import draw_box, draw_legend
 from clepsydra.report.chart import LETTER, SIZE, Chart, Scale, thinned

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT
+from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT
 from clepsydra.report.axes_box import draw_box
 from clepsydra.report.chart import WIDTH, Chart, Scale
 from clepsydra.report.colours import MUTED

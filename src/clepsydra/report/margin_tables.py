@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from clepsydra.report.analysis_tables import Grid
+from clepsydra.base.section import Table
 from clepsydra.report.quantities import number_text, time_cell
 from clepsydra.studies.warnings.loop_response import LoopResponse
 
 
-def margin_grid(response: LoopResponse) -> Grid:
+def margin_grid(response: LoopResponse) -> Table:
     """Return gain, phase and delay margin of every channel broken alone, the others closed.
 
     Parameters
@@ -46,7 +46,7 @@ def margin_grid(response: LoopResponse) -> Grid:
         "loop broken at", "gain margin", "phase margin", "crossover [rad/s]", "delay margin",
         "max|S|",
     )  # fmt: skip
-    return Grid("Margins, the other loops closed", head, tuple(rows))
+    return Table("Margins, the other loops closed", head, tuple(rows))
 
 
 def margin_table(response: LoopResponse) -> dict[str, dict[str, float]]:

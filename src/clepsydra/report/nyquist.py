@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clepsydra.designs.gain_units import has_range
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.response import frequency_response
 from clepsydra.report.colours import INK, MUTED, signal_colours
@@ -49,7 +48,7 @@ def nyquist_figure(analysis: Analysis) -> Figure:
     """
     model, process = analysis.model, analysis.operating_point.process
     signals = [process.signal(name) for name in (*model.outputs, *model.inputs)]
-    percent = all(map(has_range, signals))
+    percent = all(signal.has_range for signal in signals)
     colours = signal_colours(process)
     omegas = shown_frequencies(analysis)
 

@@ -10,7 +10,7 @@ from clepsydra.controllers.blocks.anti_windup import IN_WORDS
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.pid_block import PidBlock
-from clepsydra.designs.gain_units import GainUnits, gain_units, has_range
+from clepsydra.designs.gain_units import GainUnits, gain_units
 from clepsydra.designs.loops.pid_settings import (
     ParallelSettings,
     PidSettings,
@@ -155,7 +155,7 @@ def _setpoint(
     return words + (", or from a remote source" if block.form.remote_setpoint else "")
 
 
-def _isa_settings(block: PidBlock, controller: Controller) -> PidSettings | None:
+def isa_settings(block: PidBlock, controller: Controller) -> PidSettings | None:
     """Return the settings in ISA form; None where there is none."""
     form, values = block.form, _values(block, controller)
     gain = values["proportional_gain"]
@@ -178,7 +178,7 @@ def _isa_settings(block: PidBlock, controller: Controller) -> PidSettings | None
 def _gains(
     block: PidBlock, controller: Controller, measurement: Signal, moved: Signal
 ) -> list[tuple[str, str]]:
-    settings, form = _isa_settings(block, controller), block.form
+    settings, form = isa_settings(block, controller), block.form
     if settings is None:
         proportional = _values(block, controller)["proportional_gain"]
         if proportional == 0.0:
@@ -189,7 +189,7 @@ def _gains(
     action = "reverse" if settings.gain > 0.0 else "direct"
     moves = "rises" if settings.gain > 0.0 else "falls"
     facts = [("action", f"{action}: the output {moves} when the measurement falls")]
-    if not (has_range(measurement) and has_range(moved)):
+    if not (measurement.has_range and moved.has_range):
         return [*facts, ("gain K", gain), *_times_alone(settings)]
     shown = gain_units(settings, measurement, moved)
     facts += [

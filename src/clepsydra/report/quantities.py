@@ -10,8 +10,8 @@ import numpy as np
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
 from clepsydra.base.words import time_unit
+from clepsydra.process.elements.sensor import Sensor
 from clepsydra.process.process import Process
-from clepsydra.process.sensor import Sensor
 from clepsydra.report.resolution import settled_reading
 
 _SUPERSCRIPTS = {"^2": "²", "^3": "³", "**2": "²", "**3": "³"}

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from clepsydra.loop.happenings import happenings
+from clepsydra.loop.events import events_of
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Segment
@@ -70,7 +70,7 @@ def recording_of(run: Run | Simulation) -> Recording:
     """
     process = run.process
     if isinstance(run, Simulation):
-        marks = event_marks(run.happenings)
+        marks = event_marks(run.events)
         return Recording(process, run.time, float(run.time[-1]), run.values, marks=marks)
     scenario = run.scenario
     columns = zip(process.measurements, scenario.noise.T, strict=True)
@@ -84,6 +84,6 @@ def recording_of(run: Run | Simulation) -> Recording:
         process.controlled,
         {signal.name: column for signal, column in columns if np.any(column)},
         scenario.segments,
-        event_marks(happenings(process, run.values)) if recorded else (),
+        event_marks(events_of(process, run.values)) if recorded else (),
         {signal.name: run.limits(signal.name) for signal in process.inputs},
     )

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from clepsydra.report.bodies import UP, Body, Pin, Point
 from clepsydra.report.flow_graph import FlowGraph
-from clepsydra.report.maze import Maze, straightened
+from clepsydra.report.grid_router import GridRouter, straightened
 from clepsydra.report.placement import Labels, Placement, place
 
 #: With more room and in another order each time; the last one runs through what is in the way.
@@ -113,23 +113,23 @@ class _Router:
     def __init__(self, placement: Placement, *, through: bool) -> None:
         self.placement, self.through = placement, through
         self.routes = Routes(placement, basin_uses=list(placement.draws))
-        self.maze = Maze(placement.width + 4, placement.height + 2)
+        self.grid = GridRouter(placement.width + 4, placement.height + 2)
         for body in placement.bodies.values():
             for area in body.areas:
-                self.maze.block(area)
+                self.grid.block(area)
             for pin in body.pins:
-                self.maze.dear[pin.end] = 4.0
+                self.grid.dear[pin.end] = 4.0
         for shelf, row in enumerate(placement.basin_rows):
             for x, there, _ in placement.draws:
                 if there == shelf:
-                    self.maze.block((x - 2, row + 1, x + 2, row + 3))
-            for x in range(self.maze.width):
-                self.maze.dear[x, row] = 8.0
+                    self.grid.block((x - 2, row + 1, x + 2, row + 3))
+            for x in range(self.grid.width):
+                self.grid.dear[x, row] = 8.0
 
     def lay_all(self, urgent: Sequence[tuple[str, str]]) -> tuple[str, str] | None:
         """Lay every pipe, some before others; return source and end of one that found no way."""
         for name, points in self.placement.fixed:
-            self.maze.lay(points)
+            self.grid.lay(points)
             line = name.removesuffix("<")
             body = self.placement.bodies[line]
             ends = body.symbol == "stub" or (not self._link_targets(line) and len(points) == 2)
@@ -214,18 +214,18 @@ class _Router:
 
     def _lay(self, way: _Way) -> bool:
         starts, goals = self._ends(way.start, way), self._ends(way.goal, way)
-        points = self.maze.find([e[0] for e in starts], [e[0] for e in goals], through=self.through)
+        points = self.grid.find([e[0] for e in starts], [e[0] for e in goals], through=self.through)
         if not points:
             return False
         first = self._inner(starts, points[0], way.start)
         last = self._inner(goals, points[-1], way.goal)
         points = straightened([*first[::-1], *points, *last])
-        self.maze.lay(points)
+        self.grid.lay(points)
         for end, point in ((way.start, points[0]), (way.goal, points[-1])):
             if isinstance(end, str):
                 self.routes.basin_uses.append((point[0], way.shelf, end))
                 row = self.placement.basin_rows[way.shelf]
-                self.maze.block((point[0] - 2, row + 1, point[0] + 2, row + 3))
+                self.grid.block((point[0] - 2, row + 1, point[0] + 2, row + 3))
         vessel = (
             not isinstance(way.goal, str)
             and way.goal == (way.goal[0], "in")

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from clepsydra.process.process import Process
 from clepsydra.report.quantities import display_factor, number_text, time_cell, unit_text
 from clepsydra.report.resolution import DEVIATION, INTEGRAND, settled
-from clepsydra.scores.catalogue import SCORES
-from clepsydra.scores.score import Of, Score
+from clepsydra.scores.score import SCORES, Of, Score
 from clepsydra.studies.ranking import RULE
 from clepsydra.studies.ranking_words import IDLE
 from clepsydra.studies.result import Candidate, Standing, StudyResult
@@ -201,23 +200,6 @@ def _short(reason: str) -> str:
     """Return what puts a controller behind another, without the numbers of its row."""
     words, more, _ = reason.rpartition(_NUMBERS_END)[2].partition(_NUMBERS_BEGIN)
     return f"{words}." if more else words
-
-
-def is_recommended(result: StudyResult) -> bool:
-    """Tell whether the first of the ranking is more than the least bad.
-
-    Parameters
-    ----------
-    result : StudyResult
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> plant = cl.load("three-tanks")
-    >>> is_recommended(cl.study(plant, [cl.design.simc(plant)]))
-    True
-    """
-    return bool(result.ranking) and result.ranking[0].standing is not Standing.UNSAFE
 
 
 def _aligned(values: Sequence[float]) -> list[str]:

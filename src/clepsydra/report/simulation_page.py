@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from clepsydra.base.files import whole_file
+from clepsydra.base.section import Table
 from clepsydra.base.words import time_text
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.open_loop_plan import Plan
-from clepsydra.report.analysis_tables import Grid
 from clepsydra.report.colours import signal_colours
 from clepsydra.report.drawing import process_drawing
 from clepsydra.report.html import address_text, versions_text
@@ -92,12 +92,12 @@ def simulation_text(plan: Plan, run: Simulation) -> str:
     )
 
 
-def _changes_grid(plan: Plan) -> Grid:
+def _changes_grid(plan: Plan) -> Table:
     changes = sorted(plan.changes, key=lambda change: (change.start, change.signal))
     rows = [(change_words(plan.process, change),) for change in changes[:_LISTED]]
     if len(changes) > _LISTED:
         rows.append((f"and {len(changes) - _LISTED} more",))
-    return Grid("What was done", ("change",), tuple(rows))
+    return Table("What was done", ("change",), tuple(rows))
 
 
 def _computation(plan: Plan, run: Simulation) -> list[tuple[str, str]]:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from clepsydra.base.section import Table
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
 from clepsydra.base.words import time_text
@@ -14,7 +15,6 @@ from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.open_loop_plan import TOLERANCE, Plan
 from clepsydra.loop.profile import Change
 from clepsydra.process.process import Process
-from clepsydra.report.analysis_tables import Grid
 from clepsydra.report.event_marks import event_marks
 from clepsydra.report.quantities import number_text, quantity_text, short_text, unit_text
 
@@ -35,7 +35,7 @@ def simulation_sentence(plan: Plan, run: Simulation) -> str:
     >>> simulation_sentence(plan, plan.run())
     'Starts at rest and runs for 60 s without any change; no events.'
     """
-    count = sum(event.times for event in run.happenings)
+    count = sum(event.times for event in run.events)
     events = "1 event" if count == 1 else f"{count or 'no'} events"
     if run.end is not None:
         events += f"; it ended at {time_text(run.end.time, 4)}: {run.end.words.partition(':')[0]}"
@@ -88,7 +88,7 @@ def change_words(process: Process, change: Change) -> str:
     return f"{words} at {time_text(change.start, 4)}" if change.start else f"{words} from the start"
 
 
-def trajectories_grid(run: Simulation) -> Grid:
+def trajectories_grid(run: Simulation) -> Table:
     """Return the first, last, smallest and largest value of each state, measurement and input.
 
     Of the disturbances and of the volumes spilt there are those that are not always the same.
@@ -112,7 +112,7 @@ def trajectories_grid(run: Simulation) -> Grid:
             ]
         ends = [quantity_text(signal, float(values[k]), 4) for k in (0, -1)]
         rows.append((signal.name, *ends, *extremes))
-    return Grid("Trajectories", ("", "start", "end", "smallest", "largest"), tuple(rows))
+    return Table("Trajectories", ("", "start", "end", "smallest", "largest"), tuple(rows))
 
 
 def shown_signals(run: Simulation) -> list[Signal]:
@@ -134,7 +134,7 @@ def shown_signals(run: Simulation) -> list[Signal]:
     return [*process.state, *process.measurements, *process.inputs, *moving]
 
 
-def events_grid(run: Simulation, most: int) -> Grid:
+def events_grid(run: Simulation, most: int) -> Table:
     """Return the events in order of time, the first `most` of them, numbered as in the picture.
 
     What happens often is one line, with how often and the last time.
@@ -145,18 +145,18 @@ def events_grid(run: Simulation, most: int) -> Grid:
     >>> events_grid(cl.simulate(cl.load("quadruple-tank"), duration="60 s"), most=5).rows
     ()
     """
-    marks = event_marks(run.happenings)
+    marks = event_marks(run.events)
     rows = [
         (str(number), time_text(mark.time, 4), mark.sentence)
         for number, mark in enumerate(marks[:most], 1)
     ]
     if len(marks) > most:
-        last = time_text(run.happenings[-1].time, 4)
+        last = time_text(run.events[-1].time, 4)
         rows.append(("…", "", f"and {len(marks) - most} more, the last at {last}"))
-    return Grid("Events", ("", "time", "what happened"), tuple(rows))
+    return Table("Events", ("", "time", "what happened"), tuple(rows))
 
 
-def balances_grid(run: Simulation) -> Grid:
+def balances_grid(run: Simulation) -> Table:
     """Return what entered, left and stayed of the liquid and of each component.
 
     Examples
@@ -176,7 +176,7 @@ def balances_grid(run: Simulation) -> Grid:
         )
         for balance in run.balances
     )
-    return Grid("Balance", ("", "entered", "left", "gained", "error"), rows)
+    return Table("Balance", ("", "entered", "left", "gained", "error"), rows)
 
 
 def _changes_text(plan: Plan) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.base.words import time_text, time_unit
 from clepsydra.linear.analysis import Analysis
-from clepsydra.linear.pade import without_dead_time
+from clepsydra.linear.dead_time import without_dead_time
 from clepsydra.linear.roots import PADE_ORDER
 from clepsydra.linear.step_response import step_response
 from clepsydra.report.colours import MUTED, signal_colours

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from clepsydra.base.section import Table
 from clepsydra.process.process import Process
-from clepsydra.report.analysis_tables import Grid
 from clepsydra.report.facts import DIGITS
 from clepsydra.report.quantities import number_text
 from clepsydra.report.score_tables import score_text
-from clepsydra.scores.catalogue import SCORES
+from clepsydra.scores.score import SCORES
 from clepsydra.studies.tuning.result import TuningResult
 
 
-def tuning_grid(tuning: TuningResult, process: Process, duration: float = 0.0) -> Grid:
+def tuning_grid(tuning: TuningResult, process: Process, duration: float = 0.0) -> Table:
     """Return objective, scores and max\\|S\\| before and after a tuning.
 
     Parameters
@@ -56,4 +56,4 @@ def tuning_grid(tuning: TuningResult, process: Process, duration: float = 0.0) -
             rows.append((f"{SCORES[name].title} of {signal}", *cells))
         else:
             rows.append((key, number_text(before), number_text(value)))
-    return Grid("Tuned by simulation", ("", "start", "tuned"), tuple(rows))
+    return Table("Tuned by simulation", ("", "start", "tuned"), tuple(rows))

@@ -85,7 +85,7 @@ def outline_of(element: Element) -> Outline:
 
     Examples
     --------
-    >>> from clepsydra.process.tank import Tank
+    >>> from clepsydra.process.elements.tank import Tank
     >>> from clepsydra.process.vessels.cone import Cone
     >>> funnel = Cone(height=1.0, floor_diameter=0.5, rim_diameter=1.0)
     >>> round(outline_of(Tank("a", vessel=funnel)).share(0.5), 3)

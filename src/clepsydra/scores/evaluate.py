@@ -7,10 +7,9 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from clepsydra.scores.catalogue import SCORES
 from clepsydra.scores.marks import along, marks, per_step
 from clepsydra.scores.sample import Sample
-from clepsydra.scores.score import Of, Score
+from clepsydra.scores.score import SCORES, Of, Score
 from clepsydra.scores.scored_run import ScoredRun
 from clepsydra.scores.trajectory import FloatArray
 

@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 import casadi as ca
 import numpy as np
 
+from clepsydra.process.elements.pump import Pump
+from clepsydra.process.elements.sensor import Sensor
+from clepsydra.process.elements.tank import Tank
 from clepsydra.process.motion import FlowPath
 from clepsydra.process.process import Process
-from clepsydra.process.pump import Pump
-from clepsydra.process.sensor import Sensor
-from clepsydra.process.tank import Tank
 from clepsydra.scores.plant_flows import plant_flows
 from clepsydra.scores.trajectory import FloatArray
 

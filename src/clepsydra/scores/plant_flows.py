@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from clepsydra.engine.many_points import at_many_points
-from clepsydra.process.forced_flow import ForcedFlow
+from clepsydra.process.elements.forced_flow import ForcedFlow
 from clepsydra.process.motion import FlowPath
 from clepsydra.process.process import Process
 from clepsydra.scores.trajectory import FloatArray

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.registry import Registry
 from clepsydra.scores.marks import along, elapsed
 from clepsydra.scores.sample import Expression, Fold, Sample
 from clepsydra.scores.trajectory import read_trajectories
@@ -19,10 +20,6 @@ from clepsydra.scores.trajectory import read_trajectories
 if TYPE_CHECKING:
     from clepsydra.process.process import Process
     from clepsydra.scores.scored_run import ScoredRun
-
-
-#: Every score that a loaded module declares, by its key.
-REGISTERED: dict[str, Score] = {}
 
 
 class Of(Enum):
@@ -86,7 +83,7 @@ class Score:
 
     Examples
     --------
-    >>> from clepsydra.scores.catalogue import SCORES
+    >>> from clepsydra.scores.score import SCORES
     >>> SCORES["iae"].title, SCORES["iae"].unit_rule
     ('IAE', 'signal unit × s')
     >>> SCORES["iae"].along([0.0, 2.0, 4.0], [1.0, 1.0, 1.0], [0.0, 1.0, 1.0])
@@ -132,11 +129,7 @@ class Score:
         InputError
             Another one has its key.
         """
-        if REGISTERED.setdefault(self.key, self) is not self:
-            raise InputError(
-                "scores", self.key, "a key that no other score has", "choose another key"
-            )
-        return self
+        return SCORES.add(self.key, self)
 
     def values(self, sample: Sample) -> tuple[Expression, ...]:
         """Return what is folded of a sample."""
@@ -191,6 +184,10 @@ class Score:
         reference = setpoint[0] if setpoint else np.zeros(clock.size)
         sample = along(clock, {"elapsed": counted}, now=judged, next_setpoint=reference)
         return self.folded(sample)
+
+
+#: Score by key, in the order of tables: by what it is of, then as the files build on each other.
+SCORES = Registry[Score]("clepsydra.scores", order=lambda score: list(Of).index(score.of))
 
 
 def in_sentence(title: str) -> str:

@@ -4,29 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.controllers.controller import Controller
-from clepsydra.loop.run import Run
 from clepsydra.process.process import Process
-from clepsydra.scores.catalogue import SCORES
-from clepsydra.scores.score import in_sentence
+from clepsydra.scores.score import SCORES, in_sentence
 from clepsydra.studies.ranking_words import (
     IDLE,
     STANDINGS,
     TIE,
-    peak_sentence,
     percent,
     reason,
     with_article,
 )
-from clepsydra.studies.result import Candidate, Standing
-from clepsydra.studies.tuning.result import TuningResult
+from clepsydra.studies.recommendation import recommend
+from clepsydra.studies.result import ACCEPTED, Candidate, Standing, TriedController
 from clepsydra.studies.warnings.harm import harms
-from clepsydra.studies.warnings.loop_response import LoopResponse
 from clepsydra.studies.warnings.margins import LARGEST_PEAK
 
 _GROUPS = (
@@ -62,32 +57,8 @@ _SMALLEST_SHARE, _SMALLEST_RATIO, _SMALLEST_CHANGE = 1e-6, 1e-6, 1e-9
 _SMALLEST_PERCENT = 0.1
 
 
-@dataclass(frozen=True, eq=False)
-class Trial:
-    """One controller with its run and scores, before it has a rank.
-
-    Parameters
-    ----------
-    controller : Controller
-    run : Run
-    scores : dict
-        As `clepsydra.scores.evaluate.score_run` returns them.
-    maximum_sensitivity : float
-        Not a number for a controller without setpoints, which has no linear loop.
-    warnings : tuple of str
-    response : LoopResponse or None
-        Of its linear loop, where there is one.
-    tuning : TuningResult or None
-        How it was tuned.
-    """
-
-    controller: Controller
-    run: Run
-    scores: dict[str, float]
-    maximum_sensitivity: float
-    warnings: tuple[str, ...]
-    response: LoopResponse | None = None
-    tuning: TuningResult | None = None
+class Trial(TriedController):
+    """One controller with its run and scores, before it has a rank."""
 
     @property
     def standing(self) -> Standing:
@@ -98,7 +69,7 @@ class Trial:
             return Standing.ROBUST
         if not math.isfinite(self.maximum_sensitivity):
             return Standing.UNSAFE
-        inner = self.response.inner_peak if self.response else None
+        inner = self.inner_peak
         peak = max(self.maximum_sensitivity, inner[1] if inner else 0.0)
         if peak > LARGEST_PEAK:
             return Standing.STABLE
@@ -164,46 +135,33 @@ def rank(trials: Sequence[Trial], scores: Sequence[str] = ()) -> tuple[Candidate
         criteria = judge.criteria(trial)
         candidates.append(
             Candidate(
-                controller=trial.controller,
-                run=trial.run,
-                scores=trial.scores,
-                maximum_sensitivity=trial.maximum_sensitivity,
+                **vars(trial),
                 standing=standing,
                 mean_error=float(np.mean(list(criteria.values()))),
-                rank=0,
-                reason="",
-                warnings=trial.warnings,
                 criteria=criteria,
                 wear=judge.wear(trial),
-                response=trial.response,
-                tuning=trial.tuning,
             )
         )
     groups = _groups(candidates)
     ordered = [(candidate, number) for number, group in enumerate(groups) for candidate in group]
     ranking = []
     for place, (candidate, group) in enumerate(ordered):
-        better = ordered[place - 1] if place else None
-        worse = ordered[1] if not place and len(ordered) > 1 else None
-        rival = better or worse
-        words = reason(
-            candidate,
-            better and better[0],
-            worse and worse[0],
-            tied=rival is not None and rival[1] == group,
-        )
+        rival, other = ordered[place - 1] if place else (*ordered, (None, None))[1]
+        words = reason(candidate, rival, ahead=not place, tied=other == group)
         ranking.append(replace(candidate, rank=place + 1, reason=words))
     return tuple(ranking)
 
 
-def verdict(process: Process, ranking: Sequence[Candidate]) -> str:
-    """Return the answer of a study in one sentence.
+def verdict(process: Process, ranking: Sequence[Candidate], accept: float = ACCEPTED) -> str:
+    """Return the answer of a study in one sentence: what to use, and what speaks for it.
 
     Parameters
     ----------
     process : Process
     ranking : sequence of Candidate
         Best first.
+    accept : float
+        As of `recommend`.
 
     Examples
     --------
@@ -213,27 +171,23 @@ def verdict(process: Process, ranking: Sequence[Candidate]) -> str:
     """
     if not ranking:
         return f"No controller of this study applies to {process.title}; the reasons are listed."
-    best = ranking[0]
-    if best.standing is Standing.UNSAFE:
+    best, advice = ranking[0], recommend(ranking, accept)
+    if advice is None:
         return (
             f"No controller of this study can be recommended for {process.title}; the least bad "
             f"is {best.controller.title}: {best.reason[0].lower()}{best.reason[1:]}"
         )
-    watch = (
-        f"watch: {best.warnings[0].rstrip('.')}"
-        if best.warnings
-        else "no level leaves its tank and no input saturates for long"
-    )
-    return (
-        f"{best.controller.title} controls {process.title} best{_lead(best, ranking[1:])}; "
-        f"{peak_sentence(best)}{watch}."
-    )
+    use = f"Use {advice.simplest.controller.title} on {process.title}"
+    if advice.simplest is best:
+        return f"{use}: the best{_lead(best, ranking[1:])}."
+    good_enough = advice.simplest.mean_error <= accept * best.mean_error
+    return f"{use}: the {'simplest that is good enough' if good_enough else 'best PI or PID'}."
 
 
 def _lead(best: Candidate, others: Sequence[Candidate]) -> str:
     """Return what decided between the winner and the next, by the rule of the ranking."""
     if not others:
-        return ""
+        return " that was tried"
     rival = others[0]
     name = rival.controller.title
     if best.standing is not rival.standing:

@@ -18,6 +18,8 @@ IDLE = 0.1
 #: From here on a multiple says more than a percentage.
 _MANY = 3.0
 
+#: Who moves the inputs by less more than another than this is as calm.
+_AS_CALM = 1.005
 #: Harms to the plant that a reason names.
 _NAMED_HARMS = 2
 
@@ -29,18 +31,16 @@ STANDINGS = {
 }
 
 
-def reason(
-    candidate: Candidate, better: Candidate | None, worse: Candidate | None, *, tied: bool
-) -> str:
+def reason(candidate: Candidate, rival: Candidate | None, *, ahead: bool, tied: bool) -> str:
     """Return how far it can be trusted, its deciding numbers, and what puts it where it is.
 
     Parameters
     ----------
     candidate : Candidate
-    better : Candidate or None
-        The one before it; None for the first.
-    worse : Candidate or None
-        The one after the first, which is compared with it; else not looked at.
+    rival : Candidate or None
+        The one before it; of the first the one after it.
+    ahead : bool
+        Whether it is the first.
     tied : bool
         Whether the wear decides between it and the one it is compared with.
 
@@ -48,15 +48,14 @@ def reason(
     --------
     `clepsydra.studies.ranking.rank` gives each candidate its reason:
 
-    >>> first = Candidate(None, None, {}, 1.5, Standing.ROBUST, 1.0, 1, "", (), {"error": 1.0})
-    >>> reason(first, None, None, tied=False)
+    >>> first = Candidate(None, None, {}, 1.5, (), standing=Standing.ROBUST, mean_error=1.0,
+    ...                   criteria={"error": 1.0})
+    >>> reason(first, None, ahead=True, tied=False)
     'Robust (max|S| 1.50). Error 1.00 times the best; the least total variation.'
     """
-    words = [f"{_standing(candidate)}.", _numbers(candidate)]
-    if better is not None:
-        words.append(_behind(candidate, better, tied))
-    elif worse is not None:
-        words.append(_ahead(candidate, worse, tied))
+    words = [trust_sentence(candidate), _numbers(candidate)]
+    if rival is not None:
+        words.append(_beside(candidate, rival, ahead, tied))
     return " ".join(words)
 
 
@@ -77,26 +76,21 @@ def _standing(candidate: Candidate) -> str:
 
 
 def _peaks(candidate: Candidate) -> str:
-    words, inner = f"max|S| {candidate.maximum_sensitivity:.2f}", _inner_peak(candidate)
+    words, inner = f"max|S| {candidate.maximum_sensitivity:.2f}", candidate.inner_peak
     return f"{words}, {inner[1]:.2f} in the inner loop of {inner[0]}" if inner else words
 
 
-def peak_sentence(candidate: Candidate) -> str:
-    """Return max|S| of a controller and of its inner loops, "max|S| is 1.50; "; else nothing.
+def trust_sentence(candidate: Candidate) -> str:
+    """Return how far a controller can be trusted, with max|S|, in a sentence.
 
     Examples
     --------
     >>> from types import SimpleNamespace
-    >>> peak_sentence(SimpleNamespace(maximum_sensitivity=1.5, response=None))
-    'max|S| is 1.50; '
+    >>> trust_sentence(SimpleNamespace(
+    ...     standing=Standing.ROBUST, maximum_sensitivity=1.5, inner_peak=None))
+    'Robust (max|S| 1.50).'
     """
-    if math.isnan(candidate.maximum_sensitivity):
-        return ""
-    return f"{_peaks(candidate).replace('max|S|', 'max|S| is', 1)}; "
-
-
-def _inner_peak(candidate: Candidate) -> tuple[str, float] | None:
-    return candidate.response.inner_peak if candidate.response else None
+    return f"{_standing(candidate)}."
 
 
 def _numbers(candidate: Candidate) -> str:
@@ -119,29 +113,20 @@ def _wear(multiple: float) -> str:
     return f"{multiple:.2f} times the least total variation"
 
 
-def _behind(candidate: Candidate, better: Candidate, tied: bool) -> str:
-    name = better.controller.title
-    if candidate.standing is not better.standing:
-        return f"Behind {name}, which is {STANDINGS[better.standing]}."
+def _beside(candidate: Candidate, rival: Candidate, ahead: bool, tied: bool) -> str:
+    name, place = rival.controller.title, "Ahead of" if ahead else "Behind"
+    worse, better = (rival, candidate) if ahead else (candidate, rival)
+    if worse.standing is not better.standing:
+        return f"{place} {name}, which is {'not ' if ahead else ''}{STANDINGS[better.standing]}."
+    if tied and worse.wear <= _AS_CALM * better.wear:
+        return f"Level with {name}, in errors and in moves."
     if tied:
-        if _as_calm(candidate, better):
-            return f"Level with {name}, in errors and in moves."
-        return f"Level with {name} to within 2 %, but {_moves(candidate.wear, better.wear)}."
-    return f"Behind {name}: {_larger(candidate, better, 'its')}."
+        which = "which" if ahead else "but"
+        return f"Level with {name} to within 2 %, {which} {_moves(worse.wear, better.wear)}."
+    return f"{place} {name}{', whose' if ahead else ': its'} {_larger(worse, better)}."
 
 
-def _ahead(candidate: Candidate, worse: Candidate, tied: bool) -> str:
-    name = worse.controller.title
-    if candidate.standing is not worse.standing:
-        return f"Ahead of {name}, which is not {STANDINGS[candidate.standing]}."
-    if tied:
-        if _as_calm(worse, candidate):
-            return f"Level with {name}, in errors and in moves."
-        return f"Level with {name} to within 2 %, which {_moves(worse.wear, candidate.wear)}."
-    return f"Ahead of {name}, {_larger(worse, candidate, 'whose')}."
-
-
-def _larger(worse: Candidate, better: Candidate, whose: str) -> str:
+def _larger(worse: Candidate, better: Candidate) -> str:
     """Return by how much, and in what most of all, one candidate is worse than another."""
     most = max(
         worse.criteria,
@@ -149,25 +134,21 @@ def _larger(worse: Candidate, better: Candidate, whose: str) -> str:
     )
     words = in_sentence(most)
     if not math.isfinite(worse.mean_error):
-        return f"{whose} {words} has no end"
+        return f"{words} has no end"
     ratio = worse.mean_error / better.mean_error
     more = (
         f"{percent(100 * (ratio - 1))} larger" if ratio < _MANY else f"{ratio:.3g} times as large"
     )
     if len(worse.criteria) == 1:
-        return f"{whose} {words} is {more}"
+        return f"{words} is {more}"
     return (
-        f"{whose} mean is {more}, most of all by the {words} "
+        f"mean is {more}, most of all by the {words} "
         f"({worse.criteria[most]:.2f} against {better.criteria[most]:.2f})"
     )
 
 
 def _difference(worse: float, better: float) -> float:
     return worse - better if math.isfinite(better) else 0.0
-
-
-def _as_calm(worse: Candidate, better: Candidate) -> bool:
-    return worse.wear <= 1.005 * better.wear
 
 
 def _moves(more: float, less: float) -> str:

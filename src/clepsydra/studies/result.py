@@ -18,6 +18,9 @@ from clepsydra.process.process import Process
 from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.warnings.loop_response import LoopResponse
 
+#: The mean error that is good enough beside the best, as a multiple of it.
+ACCEPTED = 1.5
+
 
 class Standing(IntEnum):
     """How far a controller can be trusted; a smaller number ranks first."""
@@ -28,9 +31,9 @@ class Standing(IntEnum):
     UNSAFE = 3
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Candidate:
-    """One controller of a study with its run, its scores and its place.
+@dataclass(frozen=True, eq=False)
+class TriedController:
+    """One controller of a study with its run and its scores.
 
     Parameters
     ----------
@@ -39,22 +42,9 @@ class Candidate:
     scores : dict
         Score name to value; a score per signal has the key "name[signal]".
     maximum_sensitivity : float
-        Largest singular value of S over frequency, at the process output.
-    standing : Standing
-    mean_error : float
-        What decides among controllers of one standing: the mean of `criteria`.
-    rank : int
-        1 is best.
-    reason : str
-        Why it stands where it stands, in words.
+        Largest singular value of S over frequency, at the process output; not a number for a
+        controller without setpoints, which has no linear loop.
     warnings : tuple of str
-    criteria : mapping
-        What it is judged by, in the words of a column's title, to the mean over its signals of
-        that score, each as a multiple of the best in the study: "setpoint error" and "load
-        error", for averaging levels "outflow change" and "outflow variance".
-    wear : float
-        Mean over the manipulated variables of the total variation, each as a multiple of the
-        best; it decides between controllers within 2 % of each other.
     response : LoopResponse or None
         Sensitivity and margins of its exact sampled loop, where it has one.
     tuning : TuningResult or None
@@ -65,15 +55,44 @@ class Candidate:
     run: Run
     scores: dict[str, float]
     maximum_sensitivity: float
-    standing: Standing
-    mean_error: float
-    rank: int
-    reason: str
     warnings: tuple[str, ...]
-    criteria: Mapping[str, float] = field(default_factory=dict)
-    wear: float = 1.0
     response: LoopResponse | None = None
     tuning: TuningResult | None = None
+
+    @property
+    def inner_peak(self) -> tuple[str, float] | None:
+        """The inner loop with the largest max|S|, and that; None without inner loops."""
+        return self.response.inner_peak if self.response else None
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Candidate(TriedController):
+    """A controller that was tried, and its place in the ranking.
+
+    Parameters
+    ----------
+    standing : Standing
+    mean_error : float
+        What decides among controllers of one standing: the mean of `criteria`.
+    rank : int
+        1 is best.
+    reason : str
+        Why it stands where it stands, in words.
+    criteria : mapping
+        What it is judged by, in the words of a column's title, to the mean over its signals of
+        that score, each as a multiple of the best in the study: "setpoint error" and "load
+        error", for averaging levels "outflow change" and "outflow variance".
+    wear : float
+        Mean over the manipulated variables of the total variation, each as a multiple of the
+        best; it decides between controllers within 2 % of each other.
+    """
+
+    standing: Standing
+    mean_error: float
+    rank: int = 0
+    reason: str = ""
+    criteria: Mapping[str, float] = field(default_factory=dict)
+    wear: float = 1.0
 
     def __repr__(self) -> str:
         """Return its place and the numbers of the ranking, in a line."""
@@ -107,6 +126,8 @@ class StudyResult:
         What the controllers are ranked by, in words.
     path : Path or None
         Of the study file; None where there is none.
+    accept : float
+        The mean error that is good enough, as a multiple of the best.
     """
 
     process: Process
@@ -119,6 +140,7 @@ class StudyResult:
     title: str = ""
     rule: str = ""
     path: Path | None = None
+    accept: float = ACCEPTED
 
     def __repr__(self) -> str:
         """Return what was studied and what came first, in a line."""
@@ -177,6 +199,7 @@ def _candidate(candidate: Candidate) -> dict[str, Any]:
         "slowed": controller.slowed,
         "family": controller.family,
         "design": controller.design,
+        "complexity": controller.complexity.words,
         "parameters": dict(controller.values),
         "measurements": list(controller.measurements),
         "setpoints": list(controller.setpoints),

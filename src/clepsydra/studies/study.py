@@ -14,7 +14,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT
+from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT
 from clepsydra.linear.analysis import Analysis, analyse
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
@@ -24,16 +24,18 @@ from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.step_size import substeps_for
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
-from clepsydra.studies.designs import DESIGNS
+from clepsydra.studies.designs import studied_designs
 from clepsydra.studies.file.request import StudyRequest
 from clepsydra.studies.levels_used import levels_used
 from clepsydra.studies.ranking import OF_AVERAGING, QUIET, Trial, rank, rule_of, verdict
 from clepsydra.studies.result import StudyResult
 from clepsydra.studies.trial import tried
-from clepsydra.studies.tuning.objective import Limits, Objective, weighted_sum
+from clepsydra.studies.tuning.goal import Goal
+from clepsydra.studies.tuning.law_space import LawSpace
+from clepsydra.studies.tuning.objective import Limits, Objective, minimax, weighted_sum
+from clepsydra.studies.tuning.parameters import gains_and_times
 from clepsydra.studies.tuning.result import TuningResult
-from clepsydra.studies.tuning.search import GENERATIONS, Progress
-from clepsydra.studies.tuning.tuned_pid import tuned_pid
+from clepsydra.studies.tuning.tune import GENERATIONS, Progress, Search, tune
 
 #: The design whose controller a study tunes, that of levels which average, and what the reader
 #: calls the result.
@@ -138,7 +140,7 @@ def controller_names(request: Process | StudyRequest) -> tuple[str, ...]:
     if isinstance(request, StudyRequest) and request.controllers:
         return tuple(wanted.name for wanted in request.controllers)
     process = request.process if isinstance(request, StudyRequest) else request
-    return (*DESIGNS, _TUNED.format(_first(process)))
+    return (*studied_designs(), _TUNED.format(_first(process)))
 
 
 def _first(process: Process) -> str:
@@ -188,7 +190,8 @@ class _Study:
                 controller = wanted.make(self.analysis, self.model)
                 tuning = None
                 if wanted.tune is not None:
-                    tuning = self._tuned(now, controller, wanted.tune.run)
+                    run = partial(wanted.tune.run, controller, self.model, self.scenario)
+                    tuning = self._tuned(now, run)
                     controller = replace(tuning.controller, name=wanted.name)
                 self._add(controller, tuning)
         return self
@@ -196,10 +199,10 @@ class _Study:
     def of_all_designs(self, only: str | None) -> _Study:
         first = _first(self.process)
         name = _TUNED.format(first)
-        designs = DESIGNS
+        designs = studied_designs()
         if only is not None:
             chosen = first if only == name else only
-            designs = {chosen: DESIGNS[chosen]}
+            designs = {chosen: designs[chosen]}
         for place, (each, design) in enumerate(designs.items()):
             self.tell(StudyProgress(place, len(designs) + 1, each))
             with self._refusals(each):
@@ -211,8 +214,9 @@ class _Study:
         with self._refusals(name):
             start, objective, limits = self._start(first, name)
             generations = max(_FEWEST, min(GENERATIONS, round(_SIMULATED / self.scenario.samples)))
-            search = partial(tuned_pid, objective=objective, limits=limits, generations=generations)
-            tuning = self._tuned(now, start, search)
+            space = LawSpace(start, gains_and_times(start))
+            goal = Goal(self.model, self.scenario, objective, limits)
+            tuning = self._tuned(now, partial(tune, space, goal), generations)
             self._add(tuning.controller, tuning)
         return self
 
@@ -222,8 +226,8 @@ class _Study:
     def _tuned(
         self,
         now: StudyProgress,
-        controller: Controller,
-        tune: Callable[..., TuningResult],
+        run: Callable[[Search], TuningResult],
+        generations: int = GENERATIONS,
     ) -> TuningResult:
         def tell(progress: Progress) -> None:
             words = f"{now.name}: {progress.stage}, {progress.evaluations} candidates"
@@ -233,20 +237,12 @@ class _Study:
         if self.folder is not None:
             name = re.sub(r"[^A-Za-z0-9]+", "-", now.name).strip("-").lower()
             kept = self.folder / f"{self.stem}.{name}.tuning.json"
-        found = tune(
-            controller,
-            self.model,
-            self.scenario,
-            seed=self.seed,
-            front=FRONT,
-            progress=tell,
-            state_file=kept,
-        )
+        found = run(Search(generations, self.seed, FRONT, tell, kept))
         if kept is not None and not found.interrupted:
             kept.unlink(missing_ok=True)
         return found
 
-    def _start(self, first: str, tuned: str) -> tuple[Controller, Objective | None, Limits]:
+    def _start(self, first: str, tuned: str) -> tuple[Controller, Objective, Limits]:
         """Return what PI control is tuned from and for, with hardly more wear, and as quiet."""
         start = next((t for t in self.trials if t.controller.name == first), None)
         if start is None:
@@ -259,7 +255,8 @@ class _Study:
         }
         limits = Limits(SENSITIVITY_LIMIT, total_variation=wear)
         if not self.process.averaging:
-            return start.controller, None, limits
+            errors = [f"iae[{name}]" for name in dict.fromkeys(start.controller.setpoints)]
+            return start.controller, minimax(*errors), limits
         limits = replace(limits, levels=levels_used(start.run, self.process.averaging))
         return start.controller, self._averaging_objective(start, tuned), limits
 

@@ -1,5 +1,6 @@
 """A controller behind a plant shell, run scan by scan by its law's own function."""
 
+import numpy as np
 from law_function import by_path
 from scan_rig import ScannedLaw
 
@@ -49,3 +50,29 @@ def shelled_loop(period, settings=None, **options):
     if key not in _shelled:
         _shelled[key] = with_plant_shell(one_loop(**options), period, settings)
     return ScannedLaw(_shelled[key], period, **AT_REST)
+
+
+def scans(controller, count):
+    """Random scans in which everything happens: starts, faults, modes, times that are none."""
+    random = np.random.default_rng(4)
+    period = controller.values["sampling_period"]
+    found = {}
+    for signal in controller.law.inputs:
+        part = signal.part
+        column = np.full(count, signal.initial)
+        if part in ("pv", "sp", "manual", "tracking"):
+            low, high = (end if np.isfinite(end) else 16.0 for end in (signal.low, signal.high))
+            column = random.normal(0.5 * (low + high), 0.25 * abs(high - low), count)
+            column[random.random(count) < 0.02] = np.nan
+        elif part == "good":
+            column = 1.0 * (random.random(count) < 0.95)
+        elif part == "mode":
+            column = np.repeat(random.choice([0.0, 1.0, 1.0, 2.0, 3.0], count // 20), 20)
+        elif signal.name == "time_step":
+            column = np.where(random.random(count) < 0.9, period, np.nan)
+        elif signal.name == "start":
+            column = random.choice([0.0, 1.0, 2.0], count, p=[0.94, 0.03, 0.03])
+        elif signal.name == "acknowledge":
+            column = 1.0 * (random.random(count) < 0.2)
+        found[signal.name] = column
+    return found

@@ -19,7 +19,8 @@ from clepsydra.deploy.fmi.controller import controller_model
 from clepsydra.deploy.fmi.dependencies import output_dependencies
 from clepsydra.deploy.fmi.unit_definitions import unit_definitions
 from clepsydra.deploy.fmi.write import write_fmu
-from clepsydra.program.program import Block, Operation, Program
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Program
 
 MODELS = {
     "controller": pi_model,

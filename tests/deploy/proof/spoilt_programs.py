@@ -9,10 +9,11 @@ from clepsydra import PidForm, program_of
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.deploy.proof import proof
 from clepsydra.deploy.proof.item import ProofItem
-from clepsydra.deploy.proof.targets import targets_of
+from clepsydra.deploy.proof.run import runs_of
 from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES
 from clepsydra.program.defaults import with_defaults
-from clepsydra.program.program import Conditional, Loop, Operation, Program
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Conditional, Loop, Program
 
 
 @lru_cache
@@ -38,8 +39,8 @@ def quickly(monkeypatch, scans: int = 1000, *, without: Iterable[str] = ()) -> N
     monkeypatch.setattr(proof, "FEWEST", scans)
     monkeypatch.setattr(
         proof,
-        "targets_of",
-        lambda *given: [target for target in targets_of(*given) if target.name not in without],
+        "runs_of",
+        lambda *given: [run for run in runs_of(*given) if run.name not in without],
     )
 
 

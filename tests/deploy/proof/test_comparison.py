@@ -10,8 +10,9 @@ from spoilt_programs import level_control
 from clepsydra import Signal
 from clepsydra.deploy.proof.comparison import Difference, compare, double_bound, is_exact
 from clepsydra.deploy.proof.coverage import coverage
-from clepsydra.deploy.proof.targets import _verdict
-from clepsydra.program.program import Block, Operation, Program
+from clepsydra.deploy.proof.run import verdict as verdict_of
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Program
 
 SIGNALS = (
     Signal("level", "m", low=0.0, high=4.0),
@@ -92,7 +93,7 @@ EQUAL = Difference(0.0, "", -1, 0, 0, -1)
     ],
 )
 def test_verdicts(difference, bound, verdict):
-    assert _verdict(difference, bound) == verdict
+    assert verdict_of(difference, bound) == verdict
 
 
 def test_coverage_names_the_bits_that_lay_still():

@@ -9,7 +9,8 @@ from clepsydra import Signal
 from clepsydra.deploy.proof.screen import proof_screen
 from clepsydra.deploy.proof.words import notes, result_sentence
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import Block, Operation, Program
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Program
 
 U, Y = Signal("u", low=0.0, high=0.1), Signal("y", low=0.0, high=0.1)
 

@@ -23,7 +23,7 @@ from clepsydra.deploy.proof.comparison import compare, shown_signals
 from clepsydra.deploy.proof.engine_run import engine_run
 from clepsydra.deploy.proof.interpreted_text import InterpretedText
 from clepsydra.deploy.proof.scans import random_scans
-from clepsydra.program.program import Operation
+from clepsydra.program.operation import Operation
 
 MISTAKES = {
     "an addition is dropped": (("add",), dropped),

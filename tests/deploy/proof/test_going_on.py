@@ -23,7 +23,7 @@ from clepsydra.deploy.fmi import sources
 from clepsydra.deploy.proof import compiled_c, interpreted_text, job
 from clepsydra.deploy.proof.item import ProofItem
 from clepsydra.deploy.proof.proof import prove
-from clepsydra.deploy.proof.targets import Target
+from clepsydra.deploy.proof.run import Run
 from clepsydra.loop.default_scenario import default_scenario
 
 C = {("C", "double")}
@@ -47,13 +47,13 @@ def _tools():
 def ran(monkeypatch):
     """Targets that run, by name and precision; those that are remembered do not."""
     found = set()
-    row = Target.row
+    row = Run.row
 
-    def watched(target, *more):
-        found.add((target.name, target.precision))
-        return row(target, *more)
+    def watched(run, *more):
+        found.add((run.name, run.precision))
+        return row(run, *more)
 
-    monkeypatch.setattr(Target, "row", watched)
+    monkeypatch.setattr(Run, "row", watched)
     return found
 
 

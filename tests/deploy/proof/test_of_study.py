@@ -3,6 +3,7 @@
 import json
 
 import pytest
+from deployed import files_of
 from refusals import refused
 from spoilt_programs import FMUS, quickly
 from tools import need_compiler, need_grammar, need_importer
@@ -11,12 +12,11 @@ import clepsydra as cl
 from clepsydra.cli.application import application
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.deploy.compiler import find_compiler
-from clepsydra.deploy.export import export_c, export_structured_text
 from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.proof.job import Job
 from clepsydra.deploy.proof.of_study import proof_items
-from clepsydra.deploy.proof.targets import targets_of
+from clepsydra.deploy.proof.run import runs_of
 
 SETTINGS = PlantShell(
     fail_safe={"pump_1": 2.0},
@@ -42,13 +42,16 @@ def test_the_files_of_an_export_are_those_that_are_proved(settings, study, tmp_p
     assert digest(item.program) == digest(ready.program)
     compiler = find_compiler("tests")
     job = Job(item, 100, 1, tmp_path, compiler)
-    printed = {(t.name, t.precision): t.printed(job) for t in targets_of("controller", compiler)}
+    printed = {
+        (run.name, run.precision): run.printed(job)
+        for run in runs_of("controller", compiler, ("c", "st"))
+    }
     name = ready.program.name
     for precision in ("double", "single"):
-        files = export_c(ready, precision=precision).files
+        files = files_of(ready, "c", precision=precision)
         assert files.items() <= printed["C", precision].items()
     for dialect, ending in (("matiec", "st"), ("codesys", "st"), ("scl", "scl")):
-        files = export_structured_text(ready, dialect=dialect).files
+        files = files_of(ready, "st", dialect=dialect)
         text = printed[f"Structured Text, {dialect}", "double"]["text"]
         # With the mark that TIA Portal wants at the start of a file.
         assert files[f"{name}.{ending}"].decode("utf-8-sig") == text.decode()
@@ -83,7 +86,7 @@ def test_the_commands_prove_what_they_export_with_the_same_options(tmp_path, mon
 
     def said(*arguments: str) -> dict:
         with pytest.raises(SystemExit) as ended:
-            application(args=[*arguments, "--controller", "slow", "--json"])
+            application()(args=[*arguments, "--controller", "slow", "--json"])
         assert not ended.value.code
         return json.loads(capsys.readouterr().out)
 

@@ -13,7 +13,7 @@ from clepsydra.deploy.proof.single_loop import ScoreChange, score_change
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import Operation
+from clepsydra.program.operation import Operation
 from clepsydra.studies.designs import DESIGNS
 
 

@@ -17,9 +17,10 @@ from clepsydra import PythonLaw, Signal
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.deploy.proof.item import ProofItem, process_item
 from clepsydra.deploy.proof.proof import prove
+from clepsydra.deploy.proof.run import Run
 from clepsydra.deploy.proof.screen import proof_screen
-from clepsydra.deploy.proof.targets import Target
-from clepsydra.program.program import Block, Operation, Program
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Program
 from clepsydra.studies.designs import DESIGNS
 
 TARGETS = [
@@ -167,10 +168,8 @@ def test_an_interrupted_proof_goes_on(monkeypatch, tmp_path):
     assert first.interrupted and not first.holds and len(first.rows) == 4
     assert "run the same command again" in screen(first)
     asked = []
-    run = Target.row
-    monkeypatch.setattr(
-        Target, "row", lambda target, *more: asked.append(target.name) or run(target, *more)
-    )
+    row = Run.row
+    monkeypatch.setattr(Run, "row", lambda run, *more: asked.append(run.name) or row(run, *more))
     second = quick_proof(monkeypatch, without=older, folder=tmp_path)
     assert asked == ["FMU 3.0", "Structured Text", "C"]
     assert second.holds and second.rows[:4] == first.rows

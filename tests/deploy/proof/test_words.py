@@ -12,7 +12,8 @@ from clepsydra.deploy.proof.coverage import Coverage
 from clepsydra.deploy.proof.proof import Proof
 from clepsydra.deploy.proof.row import ProofRow
 from clepsydra.deploy.proof.words import notes, result_sentence
-from clepsydra.program.program import Block, Operation, Program
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Program
 
 ROW = ProofRow("PI", "C", "single", "engine in double", "0f", 10_000, 1, verdict="reported")
 

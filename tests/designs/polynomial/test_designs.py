@@ -8,8 +8,8 @@ from refusals import refused
 
 import clepsydra as cl
 from clepsydra import NotApplicable
-from clepsydra.designs.polynomial.polynomial_control import design_polynomial
 from clepsydra.designs.polynomial.sampled_model import SampledModel
+from clepsydra.designs.polynomial_control import design_polynomial
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.designs.smith_predictor import design_smith_predictor
 from clepsydra.linear.analysis import analyse

@@ -11,9 +11,11 @@ from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.studies.trial import scores_of
 from clepsydra.studies.tuning.batch import BatchEvaluation
+from clepsydra.studies.tuning.goal import Goal
+from clepsydra.studies.tuning.law_space import LawSpace
 from clepsydra.studies.tuning.objective import Limits, minimax
 from clepsydra.studies.tuning.parameters import TunedParameter
-from clepsydra.studies.tuning.tune import tune
+from clepsydra.studies.tuning.tune import Search, tune
 
 SCORES = ("outflow_rate[level]", "variance_ratio[level]")
 
@@ -64,11 +66,12 @@ def test_a_limit_of_a_level_binds_where_the_level_stands_on_it(basin, controller
     bounds = [TunedParameter("level.proportional_gain", 10.0 * gain, 0.1 * gain)]
     free, kept = (
         tune(
-            controller, basin.linear, scenario, bounds, minimax(SCORES[1]),
-            limits=limits, generations=8,
+            LawSpace(controller, bounds),
+            Goal(basin.linear, scenario, minimax(SCORES[1]), limits),
+            Search(generations=8),
         )
         for limits in (Limits(), Limits(levels={"basin.level": (0.5, 4.3)}))
-    )  # fmt: skip
+    )
     run = Loop(kept.controller, basin.linear).run(scenario)
     assert run.values["basin.level"].max() == pytest.approx(4.3, rel=1e-5)
     assert kept.binding == ("basin.level at most 4.3 m",)

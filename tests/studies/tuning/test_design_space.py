@@ -7,10 +7,13 @@ import clepsydra as cl
 from clepsydra import InputError, NotApplicable
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.studies.tuning.design_space import DesignSpace
-from clepsydra.studies.tuning.lqi_weights import LqiWeights, WeightWords
+from clepsydra.studies.tuning.goal import Goal
+from clepsydra.studies.tuning.law_space import LawSpace
+from clepsydra.studies.tuning.lqi_weights import LqiWeights
 from clepsydra.studies.tuning.objective import minimax
-from clepsydra.studies.tuning.parameters import LawSpace, TunedParameter
-from clepsydra.studies.tuning.search import search
+from clepsydra.studies.tuning.parameters import TunedParameter
+from clepsydra.studies.tuning.search_space import NumberWords
+from clepsydra.studies.tuning.tune import Search, tune
 from clepsydra.studies.tuning.weighted_designs import lqi_by_bryson
 
 LOWEST = 0.7
@@ -28,8 +31,12 @@ class Squared:
             raise NotApplicable("by hand", "too small")
         return {"level.proportional_gain": self._gain * numbers["root"] ** 2}
 
-    def words(self, process):
-        return WeightWords()
+    @property
+    def words(self):
+        return NumberWords()
+
+    def notes(self, parameters, tuned):
+        return ()
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +55,8 @@ def test_a_design_that_does_not_apply_is_never_the_best(setting):
     """The total variation falls with the gain: the best is the last that there is."""
     start, model, scenario = setting
     space = space_of(start)
-    found = search(space, model, scenario, minimax("total_variation[outflow]"), generations=12)
+    goal = Goal(model, scenario, minimax("total_variation[outflow]"))
+    found = tune(space, goal, Search(generations=12))
     assert LOWEST <= found.tuned["root"] < 1.05 * LOWEST
     assert found.controller.values["level.proportional_gain"] == pytest.approx(
         start.values["level.proportional_gain"] * found.tuned["root"] ** 2
@@ -63,10 +71,10 @@ def test_a_design_that_does_not_apply_is_never_the_best(setting):
 def test_the_same_gain_is_found_by_way_of_a_number_and_by_itself(setting):
     start, model, scenario = setting
     gain = start.values["level.proportional_gain"]
-    objective = minimax("ise[level]")
-    one = search(space_of(start), model, scenario, objective, generations=4)
+    goal, search = Goal(model, scenario, minimax("ise[level]")), Search(generations=4)
+    one = tune(space_of(start), goal, search)
     law = LawSpace(start, (TunedParameter("level.proportional_gain", 9.0 * gain, 0.5 * gain),))
-    other = search(law, model, scenario, objective, generations=4)
+    other = tune(law, goal, search)
     assert one.objective == pytest.approx(other.objective, rel=1e-7)
 
 

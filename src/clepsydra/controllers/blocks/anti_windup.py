@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Literal, get_args
 
 import casadi as ca
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.arguments import check_choice
 from clepsydra.controllers.blocks.limits import limit
 from clepsydra.controllers.blocks.validity import is_time_step
 from clepsydra.controllers.blocks.variable_structure import (
@@ -45,22 +44,7 @@ def check_anti_windup(anti_windup: str) -> None:
     clepsydra.base.errors.InputError: anti_windup: got 'off', expected one of back_calculation, \
 conditional_integration, clamping, none; correct the name.
     """
-    check_name("anti_windup", anti_windup, get_args(AntiWindup))
-
-
-def check_name(place: str, name: str, known: Sequence[str]) -> None:
-    """Refuse a name that is none of those that are known.
-
-    Raises
-    ------
-    InputError
-
-    Examples
-    --------
-    >>> check_name("alpha_on", "virtual", ["virtual", "input"])
-    """
-    if name not in known:
-        raise InputError(place, name, f"one of {', '.join(known)}", "correct the name")
+    check_choice("anti_windup", anti_windup, get_args(AntiWindup))
 
 
 def next_in_force(anti_windup: str, s: Symbols, limited: ca.SX) -> ca.SX:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import reduce
@@ -13,9 +14,9 @@ import numpy as np
 
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.blocks.limits import limit
-from clepsydra.controllers.blocks.ports import truth
+from clepsydra.controllers.blocks.ports import truth, words_for
 from clepsydra.controllers.fuzzy.rule import firing
-from clepsydra.controllers.fuzzy.system import FuzzySystem, LinguisticVariable, concluded_sets
+from clepsydra.controllers.fuzzy.system import FuzzySystem, LinguisticVariable
 from clepsydra.program.block import Block
 from clepsydra.program.counted_loop import counted_loop
 from clepsydra.program.step_law import Equations, Symbols
@@ -77,9 +78,17 @@ def infer(system: FuzzySystem, values: Mapping[str, ca.SX]) -> dict[str, Centroi
     >>> round(float(ca.evalf(found.value)), 6)
     0.666667
     """
-    degrees: dict[tuple[str, str], ca.SX] = {}
+    return _inferred(system, values)[0]
+
+
+def _inferred(
+    system: FuzzySystem, values: Mapping[str, ca.SX]
+) -> tuple[dict[str, Centroid], dict[str, ca.SX]]:
+    """Return each output's centroid, and by name how far each set and each rule holds."""
+    between, degrees = dict[str, ca.SX](), dict[tuple[str, str], ca.SX]()
     for variable in system.inputs:
         clipped = limit(values[variable.name], ca.SX(variable.low), ca.SX(variable.high))
+        between[path(variable.name, "clipped")] = clipped
         for name, member in variable.sets.items():
             degrees[variable.name, name] = member.expression(clipped)
     strengths = {rule: firing(rule.condition, degrees, ca.fmin, ca.fmax) for rule in system.rules}
@@ -88,7 +97,7 @@ def infer(system: FuzzySystem, values: Mapping[str, ca.SX]) -> dict[str, Centroi
     for output in system.outputs:
         heights = {
             path("height", name): reduce(ca.fmax, [strengths[rule] for rule in rules])
-            for name, rules in concluded_sets(system.rules, output.name).items()
+            for name, rules in system.concluded(output.name).items()
         }
         members = {n: each for n, each in output.sets.items() if path("height", n) in heights}
         shape = output.low, output.high, *members.items()
@@ -97,9 +106,12 @@ def infer(system: FuzzySystem, values: Mapping[str, ca.SX]) -> dict[str, Centroi
             short, long = (f"{each}_centroid" for each in (named.part, named.identifier))
             name = long if short in taken else short
             blocks[shape] = _centroid(name, replace(output, sets=members), system.points_of(output))
-        results = blocks[shape](path(output.name, "centroid"), heights, {}).outputs
+        results = blocks[shape](output.name, heights, {}).outputs
         found[output.name] = Centroid(results["centroid"], results["fires"])
-    return found
+    between |= {path(*each): degree for each, degree in degrees.items()}
+    # The name of a rule is free text: one that is no name is not printed.
+    printed = (rule for rule in system.rules if re.fullmatch(r"[A-Za-z]\w*", rule.name, re.ASCII))
+    return found, between | {rule.name: strengths[rule] for rule in printed}
 
 
 def _centroid(name: str, output: LinguisticVariable, points: np.ndarray) -> Block:
@@ -155,17 +167,23 @@ def _summed(
     sums: ca.SX,
 ) -> ca.SX:
     """Return Σ y μ(y) and Σ μ(y) with those of some points added, by a counted loop."""
-    row, carried = ca.SX.sym("row", 1 + len(degrees)), ca.SX.sym("sums", 2)
+    tables = {"point": points}
+    tables |= {name: table for name, table in degrees.items() if table.min() < table.max()}
+    row, carried = ca.SX.sym("row", len(tables)), ca.SX.sym("sums", 2)
     held = ca.SX.sym("heights", len(degrees))
-    point, *here = ca.vertsplit(row)
-    largest = reduce(ca.fmax, map(ca.fmin, ca.vertsplit(held), here))
-    turn = carried + ca.vertcat(point * largest, largest)
+    here = dict(zip(tables, ca.vertsplit(row), strict=True))
+    clipped = [
+        ca.fmin(height, here.get(name, degrees[name][0]))
+        for name, height in zip(degrees, ca.vertsplit(held), strict=True)
+    ]
+    largest = reduce(ca.fmax, clipped)
+    turn = carried + ca.vertcat(here["point"] * largest, largest)
     return counted_loop(
         name,
         len(points),
         ca.Function("point", [row, carried, held], [turn]),
         carried=sums,
-        tables=[table.tolist() for table in (points, *degrees.values())],
+        tables=[table.tolist() for table in tables.values()],
         invariants=ca.vertcat(*(heights[path("height", name)] for name in degrees)),
     )
 
@@ -199,20 +217,26 @@ def surface(system: FuzzySystem) -> ca.Function:
     [-0.673, 0.124]
     """
     x = ca.SX.sym("x", len(system.inputs))
-    found = infer(system, {v.name: x[k] for k, v in enumerate(system.inputs)})
-    written = [ca.vertcat(*part) for part in zip(*found.values(), strict=True)]
-    plain = ca.Function("surface", [x], written)
+    values, fires, _ = _function(system)[0](x)
+    return ca.Function("surface", [x], [values, fires], ["x"], ["values", "fires"])
+
+
+def _function(system: FuzzySystem) -> tuple[ca.Function, list[str]]:
+    """Return the surface with a third result, values on the way, and their names."""
+    x = ca.SX.sym("x", len(system.inputs))
+    found, between = _inferred(system, {v.name: x[k] for k, v in enumerate(system.inputs)})
+    values, fires = (ca.vertcat(*part) for part in zip(*found.values(), strict=True))
+    results = {"values": values, "fires": fires, "between": ca.vertcat(*between.values())}
+    plain = ca.Function("surface", [x], [values])
     ways = np.diag([_WAY * (variable.high - variable.low) for variable in system.inputs])
-    slopes = ca.densify(
-        ca.horzcat(*((plain(x + way)[0] - plain(x - way)[0]) / (2 * sum(way)) for way in ways))
-    )
-    given = [x, *(ca.SX.sym(name, len(system.outputs)) for name in ("values", "fires"))]
+    slopes = [(plain(x + way) - plain(x - way)) / (2 * sum(way)) for way in ways]
+    rest = [ca.SX.zeros(results[name].numel(), x.numel()) for name in ("fires", "between")]
     jacobian = ca.Function(
         "jac_surface",
-        given,
-        [slopes, ca.SX.zeros(slopes.shape)],
-        ["x", "out_values", "out_fires"],
-        ["jac_values_x", "jac_fires_x"],
+        [x, *(ca.SX.sym(name, each.numel()) for name, each in results.items())],
+        [ca.densify(ca.horzcat(*slopes)), *rest],
+        ["x", *(f"out_{name}" for name in results)],
+        [f"jac_{name}_x" for name in results],
     )
     options: dict[str, Any] = {
         "never_inline": True,
@@ -220,4 +244,43 @@ def surface(system: FuzzySystem) -> ca.Function:
         "enable_forward": False,
         "enable_reverse": False,
     }
-    return ca.Function("surface", [x], written, ["x"], ["values", "fires"], options)
+    names = [*results]
+    return ca.Function("surface", [x], [*results.values()], ["x"], names, options), [*between]
+
+
+def rule_base(system: FuzzySystem, name: str) -> Block:
+    """Return the block from the inputs of a system to centroid and fires of each output.
+
+    Its derivatives are those of `surface`.
+
+    Parameters
+    ----------
+    system : FuzzySystem
+    name : str
+        Of the block.
+
+    Examples
+    --------
+    >>> from clepsydra.controllers.fuzzy.membership import left_shoulder, right_shoulder
+    >>> from clepsydra.controllers.fuzzy.rule import parse_rule
+    >>> halves = {"N": left_shoulder(-1.0, 1.0), "P": right_shoulder(-1.0, 1.0)}
+    >>> error, move = (LinguisticVariable(name, -1.0, 1.0, halves) for name in ("e", "u"))
+    >>> rules = tuple(parse_rule(s, f"if e is {s} then u is {s}") for s in halves)
+    >>> [port.name for port in rule_base(FuzzySystem((error,), (move,), rules), "halves").outputs]
+    ['u.centroid', 'u.fires']
+    """
+    centroids = [Signal(path(u.name, "centroid"), description="crisp") for u in system.outputs]
+    fires = [truth(path(u.name, "fires"), "some rule fires for it") for u in system.outputs]
+    ports = (*centroids, *fires)
+
+    def equations(s: Symbols) -> Equations:
+        function, names = _function(system)
+        values, fires, between = function(ca.vertcat(*(s[v.name] for v in system.inputs)))
+        results = ca.vertsplit(ca.vertcat(values, fires))
+        named = dict(zip(names, ca.vertsplit(between), strict=True))
+        words = words_for({rule.name: str(rule) for rule in system.rules}, named)
+        return Equations({}, dict(zip((p.name for p in ports), results, strict=True)), named, words)
+
+    inputs = tuple(Signal(v.name, description="times its gain") for v in system.inputs)
+    words = "How far inputs are in sets and rules hold, and the centroid of each output."
+    return Block(name, inputs, (), ports, equations, (words,))

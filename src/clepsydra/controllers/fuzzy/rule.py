@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import reduce
-from itertools import product
 from typing import TypeVar
 
 from clepsydra.base.errors import InputError
@@ -235,34 +234,3 @@ class _Parser:
         shown = self._token[:40] or "the end"
         value = f"{shown} after {before[-40:]}" if before else shown
         return InputError(f"rules.{self.name}", value, expected, _FORM)
-
-
-def rule_table(
-    prefix: str,
-    rows: tuple[str, Sequence[str]],
-    columns: tuple[str, Sequence[str]],
-    cells: Sequence[Sequence[Mapping[str, str]]],
-) -> tuple[Rule, ...]:
-    """Return a rule for each cell of a table of two inputs.
-
-    Parameters
-    ----------
-    prefix : str
-        Of the rules' names, which are numbered row by row.
-    rows, columns : (variable, sets)
-    cells : sequence of sequences of mappings
-        Output to its set, one mapping for each row and column.
-
-    Examples
-    --------
-    >>> for rule in rule_table("R", ("e", ["N", "P"]), ("de", ["N"]), [[{"u": "S"}], [{"u": "L"}]]):
-    ...     print(rule.name, rule)
-    R1 if e is N and de is N then u is S
-    R2 if e is P and de is N then u is L
-    """
-    pairs = product(*([Is(name, each) for each in sets] for name, sets in (rows, columns)))
-    outputs = (tuple(Is(*pair) for pair in cell.items()) for row in cells for cell in row)
-    return tuple(
-        Rule(f"{prefix}{number}", All(pair), conclusions)
-        for number, (pair, conclusions) in enumerate(zip(pairs, outputs, strict=True), start=1)
-    )

@@ -145,11 +145,18 @@ there.
         read = {a.variable for rule in self.rules_for(output) for a in atoms(rule.condition)}
         return tuple(variable for variable in self.inputs if variable.name in read)
 
-    def rules_for(self, output: str) -> tuple[Rule, ...]:
+    def rules_for(self, output: str) -> list[Rule]:
         """Return the rules that conclude something about an output."""
-        return tuple(
-            rule for rule in self.rules if output in (each.variable for each in rule.conclusions)
-        )
+        return [r for r in self.rules if any(each.variable == output for each in r.conclusions)]
+
+    def concluded(self, output: str) -> dict[str, list[Rule]]:
+        """Return the sets that rules conclude about an output, each with its rules."""
+        found: dict[str, list[Rule]] = {}
+        for rule in self.rules:
+            for each in rule.conclusions:
+                if each.variable == output:
+                    found.setdefault(each.set, []).append(rule)
+        return found
 
     def points_of(self, output: LinguisticVariable) -> np.ndarray:
         """Return the points of an output's range [points]."""
@@ -166,7 +173,7 @@ there.
                 _check_known(rule, each.set, known[each.variable], f"a set of {each.variable}")
 
     def _check_points(self, output: LinguisticVariable) -> None:
-        concluded = concluded_sets(self.rules, output.name)
+        concluded = self.concluded(output.name)
         for name, degrees in output.degrees(self.points_of(output)).items():
             if name in concluded and not degrees.any():
                 raise InputError(
@@ -218,21 +225,3 @@ def _check_known(rule: Rule, name: str, known: Mapping[str, object], what: str) 
     if name not in known:
         expected, remedy = f"{what} ({', '.join(known)})", "correct the rule"
         raise InputError(f"rules.{rule.name}", name[:60], expected, suggestion(name, known, remedy))
-
-
-def concluded_sets(rules: tuple[Rule, ...], output: str) -> dict[str, list[Rule]]:
-    """Return the sets that rules conclude about an output, each with its rules.
-
-    Examples
-    --------
-    >>> from clepsydra.controllers.fuzzy.rule import parse_rule
-    >>> rules = tuple(parse_rule(s, f"if e is {s} then u is S") for s in ("N", "P"))
-    >>> {name: len(found) for name, found in concluded_sets(rules, "u").items()}
-    {'S': 2}
-    """
-    found: dict[str, list[Rule]] = {}
-    for rule in rules:
-        for each in rule.conclusions:
-            if each.variable == output:
-                found.setdefault(each.set, []).append(rule)
-    return found

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from typing import cast, get_args
 
-from clepsydra.base.signal import Signal, path
-from clepsydra.base.suggestion import suggestion
+from clepsydra.base.signal import path
 from clepsydra.base.units import to_si
 from clepsydra.controllers import signals
 from clepsydra.controllers.at_rest import state_at_rest
+from clepsydra.controllers.complexity import Complexity
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.fuzzy.file import FuzzyFile
-from clepsydra.controllers.fuzzy.kinds import Action, FuzzyInput, FuzzyOutput, Quantity
+from clepsydra.controllers.fuzzy.fuzzy_input import FuzzyInput, Quantity
+from clepsydra.controllers.fuzzy.fuzzy_output import Action, FuzzyOutput
 from clepsydra.controllers.fuzzy.law import FAMILY, fuzzy_law
 from clepsydra.controllers.signals import owners
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.process.known_names import known_name
 from clepsydra.process.process import Process
 from clepsydra.process.table_reader import TableReader
 
@@ -70,28 +72,21 @@ class WiredFuzzy:
     def __init__(self, file: FuzzyFile, process: Process) -> None:
         self.file, self.process = file, process
         inputs = {name: _input(table, process) for name, table in file.inputs.items()}
-        actuators = [signal.name for signal in process.inputs]
-        self._outputs: dict[str, tuple[TableReader, FuzzyOutput]] = {}
-        for table in file.outputs.values():
-            moved = _one_of(table, "moves", actuators, "a manipulated variable")
-            if moved in self._outputs:
-                first, _ = self._outputs[moved]
-                raise first.refused("moves", moved, "each manipulated variable once", "correct it")
-            action = cast(Action, table.choice("action", get_args(Action), "position"))
-            self._outputs[moved] = table, FuzzyOutput(action, table.has("rate_limit"))
-        outputs = [output for _, output in self._outputs.values()]
-        read = dict.fromkeys(each.measurement for each in inputs.values())
-        known, driven = (
-            [process.signal(name) for name in names] for names in (read, self._outputs)
-        )
-        self.law = fuzzy_law(known, driven, file.system, list(inputs.values()), outputs)
+        outputs = [_output(table, process) for table in file.outputs.values()]
+        moved = [output.moved.name for output in outputs]
+        for table, name in zip(file.outputs.values(), moved, strict=True):
+            if moved.count(name) > 1:
+                expected = "each manipulated variable once"
+                raise table.refused("moves", name, expected, "correct it")
+        self._outputs = dict(zip(moved, outputs, strict=True))
+        self.law = fuzzy_law(file.system, list(inputs.values()), outputs)
         self.measurements, self.setpoints = (owners(self.law.inputs, part) for part in ("pv", "sp"))
         self.values = {parameter.name: parameter.initial for parameter in self.law.parameters}
         for name, each in inputs.items():
             table = file.inputs[name]
-            self._set(table, name, self._read_input(name, table, each))
-        for moved, (table, output) in self._outputs.items():
-            self._set(table, moved, self._read_output(table, output, process.signal(moved)))
+            self._set(table, name, _input_values(table, name, each))
+        for table, output in zip(file.outputs.values(), outputs, strict=True):
+            self._set(table, output.moved.name, self._output_values(table, output))
 
     def controller(self, point: OperatingPoint, name: str) -> Controller:
         """Return the controller, whose outputs start at the operating point.
@@ -103,20 +98,18 @@ class WiredFuzzy:
         name : str
             What the reader sees.
         """
-        at = point.as_dict()
-        at_rest = (each for each in self.law.inputs if each.part in ("sp", "pv", "tracking"))
-        inputs = {signal.name: at[signal.owner] for signal in at_rest}
         system = self.file.system
         return Controller(
             name=name,
             family=FAMILY,
+            structure=Complexity.ADVANCED_LOOPS,
             design=(
                 f"Written out: {len(system.rules)} rules, centroid on {system.points} points"
                 + (f"; {self.file.title}." if self.file.title else ".")
             ),
             law=self.law,
             values=self.values,
-            initial_state=state_at_rest(self.law, self.values, inputs),
+            initial_state=state_at_rest(self.law, self.values, point.as_dict()),
             measurements=self.measurements,
             setpoints=self.setpoints,
             manipulated=tuple(self._outputs),
@@ -124,38 +117,18 @@ class WiredFuzzy:
         )
 
     def _notes(self) -> tuple[str, ...]:
-        positions = [moved for moved, (_, output) in self._outputs.items() if output.is_position]
+        positions = [moved for moved, output in self._outputs.items() if output.is_position]
         if not positions:
             return ()
         moved, have = " and ".join(positions), "has" if len(positions) == 1 else "have"
         return (f"{moved} {have} no integral action: a load leaves an offset.",)
 
-    def _read_input(self, name: str, table: TableReader, each: FuzzyInput) -> dict[str, float]:
-        signal = self.process.signal(each.measurement)
-        factor = _factor(table, each.crisp(name, signal).unit)
-        gain = table.quantity("gain", "1", "a number", "give the factor to the range", default=1.0)
-        width = table.quantity(
-            "dead_zone", "1", "a number in the unit of the input", "leave it out for none",
-            at_least=0.0, default=0.0,
-        )  # fmt: skip
-        found = {"gain": gain / factor, "dead_zone": width * factor}
-        if each.is_rate:
-            found["filter_time"] = table.quantity(
-                "filter_time", "s", "a time", "leave it out for none", at_least=0.0, default=0.0
-            )
-        else:
-            remedy = "leave it out, or take the rate of the quantity"
-            _refuse(table, "filter_time", "a filter of a rate only", remedy)
-        return found
-
-    def _read_output(
-        self, table: TableReader, output: FuzzyOutput, signal: Signal
-    ) -> dict[str, float]:
-        factor = _factor(table, output.crisp(signal).unit)
+    def _output_values(self, table: TableReader, output: FuzzyOutput) -> dict[str, float]:
+        factor = _factor(table, output.crisp.unit)
         gain = table.quantity("gain", "1", "a number", "leave it out for 1", default=1.0)
         found = {"output_gain": gain * factor}
         if output.rate_limited:
-            rate = signals.per(signal, "s").unit
+            rate = signals.per(output.moved, "s").unit
             found["rate_limit"] = table.quantity(
                 "rate_limit", rate, "a rate", "leave it out for none", above=0.0
             )
@@ -166,7 +139,7 @@ class WiredFuzzy:
             )  # fmt: skip
         else:
             remedy = "leave it out: an increment starts without a bump"
-            _refuse(table, "fading_time", "a fading time of a position only", remedy)
+            table.refuse(["fading_time"], "a fading time of a position only", remedy)
         return found
 
     def _set(self, table: TableReader, owner: str, values: dict[str, float]) -> None:
@@ -186,7 +159,8 @@ class WiredFuzzy:
 
 def _input(table: TableReader, process: Process) -> FuzzyInput:
     of = _one_of(table, "of", [signal.name for signal in process.measurements], "a sensor")
-    found = FuzzyInput(cast(Quantity, table.choice("quantity", get_args(Quantity), "error")), of)
+    quantity = cast(Quantity, table.choice("quantity", get_args(Quantity), "error"))
+    found = FuzzyInput(quantity, process.signal(of))
     if found.is_of_error and of not in process.controlled:
         raise table.refused(
             "of", of, f"for an error, a controlled sensor ({', '.join(process.controlled)})",
@@ -195,17 +169,35 @@ def _input(table: TableReader, process: Process) -> FuzzyInput:
     return found
 
 
-def _refuse(table: TableReader, key: str, expected: str, remedy: str) -> None:
-    if table.has(key):
-        raise table.refused(key, table.written(key), expected, remedy)
+def _output(table: TableReader, process: Process) -> FuzzyOutput:
+    actuators = [signal.name for signal in process.inputs]
+    moved = process.signal(_one_of(table, "moves", actuators, "a manipulated variable"))
+    action = cast(Action, table.choice("action", get_args(Action), "position"))
+    return FuzzyOutput(moved, action, table.has("rate_limit"))
+
+
+def _input_values(table: TableReader, name: str, each: FuzzyInput) -> dict[str, float]:
+    factor = _factor(table, each.crisp(name).unit)
+    gain = table.quantity("gain", "1", "a number", "give the factor to the range", default=1.0)
+    width = table.quantity(
+        "dead_zone", "1", "a number in the unit of the input", "leave it out for none",
+        at_least=0.0, default=0.0,
+    )  # fmt: skip
+    found = {"gain": gain / factor, "dead_zone": width * factor}
+    if each.is_rate:
+        found["filter_time"] = table.quantity(
+            "filter_time", "s", "a time", "leave it out for none", at_least=0.0, default=0.0
+        )
+    else:
+        remedy = "leave it out, or take the rate of the quantity"
+        table.refuse(["filter_time"], "a filter of a rate only", remedy)
+    return found
 
 
 def _one_of(table: TableReader, key: str, known: list[str], what: str) -> str:
     expected = f"{what} ({', '.join(known)})"
     name = table.text(key, expected, f'write as in {key} = "{known[0]}"')
-    if name not in known:
-        raise table.refused(key, name[:60], expected, suggestion(name, known, "choose one of them"))
-    return name
+    return known_name(table, key, name, known, what)
 
 
 def _factor(table: TableReader, unit: str) -> float:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.matrix import Matrix
@@ -30,7 +28,7 @@ class CurrentObserver(Observer):
     --------
     2 m were expected, 0.5 m more are measured, and half of that is believed:
 
-    >>> import casadi as ca
+    >>> import casadi as ca, numpy as np
     >>> from clepsydra.controllers.blocks.sample import Sample
     >>> yes = np.ones((1, 1), bool)
     >>> structure = ObserverStructure((Signal("tank.level", "m"),), yes, yes, yes, yes)
@@ -85,28 +83,3 @@ class CurrentObserver(Observer):
         transition, input_effect, *_ = self.matrices
         pairs = zip(transition.times(s, estimate), input_effect.times(s, inputs), strict=True)
         return [own + moved for own, moved in pairs]
-
-
-def observer_values(
-    structure: ObserverStructure,
-    measured: Sequence[Signal],
-    manipulated: Sequence[Signal],
-    *matrices: np.ndarray,
-) -> dict[str, float]:
-    """Return the values of the parameters from the matrices Φ, Γ, C and M.
-
-    Examples
-    --------
-    >>> one, level = np.eye(1), Signal("tank.level")
-    >>> structure = ObserverStructure((level,), *(one != 0.0 for _ in range(4)))
-    >>> found = observer_values(
-    ...     structure, [Signal("level")], [Signal("pump")], 0.9 * one, one, one, 0.5 * one)
-    >>> found["tank.level.transition.tank.level"]
-    0.9
-    """
-    named = CurrentObserver(structure, measured, manipulated).matrices
-    return {
-        name: float(value)
-        for matrix, values in zip(named, matrices, strict=True)
-        for name, value in matrix.named(values).items()
-    }

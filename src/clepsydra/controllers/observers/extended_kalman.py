@@ -147,6 +147,7 @@ class ExtendedKalman(ProcessState, Observer):
                     effect(first, "covariance", second),
                     _product(first.unit, second.unit),
                     description=f"covariance of {first.name} and {second.name} as expected",
+                    matrix="covariance",
                 )
                 for first, second in combinations_with_replacement(found, 2)
             ),

@@ -63,6 +63,8 @@ class Members:
         self.unwired = {"time_step": 0.0}
         settings.check_names(controller)
         law = controller.law
+        #: The loops that an operator sees.
+        self.loops = [block for block in law.blocks if isinstance(block, PidBlock)]
         #: The parameters of the law.
         self.own = {parameter.name for parameter in law.parameters}
         inputs = {signal.name: signal for signal in law.inputs}
@@ -180,15 +182,13 @@ class Members:
 
     def _unhurried(self, signal: Signal, name: str) -> str | None:
         """Return why the rate of an output cannot be limited, if it cannot."""
-        law = self.controller.law
         if path(signal, "running_value") in self.own:
             return f"{name} runs or stands"
         if not self.limited(signal):
             return f"the law has no limits of {name} that could be moved with it"
-        for block in law.blocks:
-            if isinstance(block, PidBlock) and block.form.winding == "clamping":
-                return (
-                    "clamping would keep the integral within the reach of the rate limit; the law "
-                    "with another anti-windup, or with a rate limit of its own, can have one"
-                )
+        if any(loop.form.winding == "clamping" for loop in self.loops):
+            return (
+                "clamping would keep the integral within the reach of the rate limit; the law "
+                "with another anti-windup, or with a rate limit of its own, can have one"
+            )
         return None

@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.controllers.signals import LARGEST_PARAMETER
 
 #: Share of the sampling period by which a measured time step may differ from it.

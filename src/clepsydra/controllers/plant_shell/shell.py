@@ -6,12 +6,11 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field, fields, replace
 
-from clepsydra.base.arguments import require_type
+from clepsydra.base.arguments import is_finite_number, require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, owned, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.controllers.plant_shell.members import Members
 from clepsydra.controllers.plant_shell.output_command import STATE as COMMAND_STATE
 from clepsydra.controllers.plant_shell.scan import ASKED, WATCHDOG, scan_start
@@ -169,7 +168,8 @@ def _shelled(bare: Controller, members: Members) -> ShelledController:
     _check_clashes(bare, [*ASKED, *members.parameters, *added, WATCHDOG])
     state = [*law.state, *added]
     initial = {**bare.initial_state, **{signal.name: signal.initial for signal in added}}
-    conditions = [told for u in members.outputs for told in owned(u, CONDITIONS)]
+    shown = [told for u in members.outputs for told in owned(u, CONDITIONS)]
+    shown += [seen for loop in members.loops for seen in loop.faceplate()]
     shelled = step_law(
         f"{law.name}_with_shell",
         inputs=[
@@ -178,7 +178,7 @@ def _shelled(bare: Controller, members: Members) -> ShelledController:
         ],
         parameters=[*law.parameters, *members.parameters],
         state=state,
-        outputs=[*map(_with_shell_status, law.outputs), *conditions, WATCHDOG],
+        outputs=[*map(_with_shell_status, law.outputs), *shown, WATCHDOG],
         equations=lambda symbols: ShellScan(members, symbols, state, initial).equations(),
         description=(*law.description, *_DESCRIPTION),
         blocks=law.blocks,
@@ -190,7 +190,7 @@ def _shelled(bare: Controller, members: Members) -> ShelledController:
         "initial_state": initial,
         "notes": (*bare.notes, *members.notes),
         "free_inputs": {**bare.free_inputs, **{signal.name: 0.0 for signal in ASKED}},
-        "free_outputs": (*bare.free_outputs, *(s.name for s in (*conditions, WATCHDOG))),
+        "free_outputs": (*bare.free_outputs, *(s.name for s in (*shown, WATCHDOG))),
     }
     return ShelledController(**whole, bare=bare, sources=members.sources)
 

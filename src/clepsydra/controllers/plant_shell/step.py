@@ -17,6 +17,7 @@ from clepsydra.controllers.plant_shell.scan import Scan
 from clepsydra.controllers.plant_shell.setpoint_ramp import RAMP
 from clepsydra.controllers.plant_shell.signal_check import signal_check
 from clepsydra.controllers.plant_shell.status import OF_LAW, OF_LIMITS, output_end
+from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.program.block import Block
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.step_law import Equations, Symbols
@@ -81,6 +82,8 @@ class ShellScan(Scan):
             results = self.call(block, "law", **{s.name: given[s.name] for s in block.inputs})
         for u in members.outputs:
             self._end(u, results)
+        for loop in members.loops:
+            self._show(loop)
         self.outputs["watchdog"] = self["watchdog"]
 
     def _checked(self, y: Signal) -> dict[str, ca.SX]:
@@ -189,6 +192,13 @@ class ShellScan(Scan):
         self.outputs |= {path(u, part): value for part, value in ended.items()}
         # A law that does not remember what was applied leaves that to the shell.
         self.next_state.setdefault(path(u, "last_output"), ended["out"])
+
+    def _show(self, loop: PidBlock) -> None:
+        """Give what an operator sees of a loop; at an output that is what stands there."""
+        shown = {signal.part: signal.name for signal in loop.faceplate()}
+        self.outputs |= {name: self.named.pop(name) for name in shown.values()}
+        if loop.direct:
+            self.outputs[shown["op"]] = self.outputs[path(loop.moved, "out")]
 
 
 def _bit_of(word: ca.SX, name: str) -> ca.SX:

@@ -84,6 +84,11 @@ class WithoutSignals:
     []
     """
 
+    @property
+    def ports(self: Block) -> tuple[str, ...]:
+        """Its name, under which the next block takes what it asks for."""
+        return (self.name,)
+
     def parameters(self) -> list[Signal]:
         """Its parameters."""
         return []

@@ -109,11 +109,6 @@ class FeedforwardBlock(WithoutSignals):
         """The loop."""
         return (self.source,)
 
-    @property
-    def ports(self) -> tuple[str, ...]:
-        """The sum."""
-        return (self.name,)
-
     def parameters(self) -> list[Signal]:
         """Those of all terms."""
         return [parameter for term in self.terms for parameter in term.parameters()]

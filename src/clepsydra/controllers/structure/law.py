@@ -10,6 +10,7 @@ from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.structure.block import Block, Opened
+from clepsydra.controllers.structure.order import in_order
 from clepsydra.controllers.structure.output_block import OutputBlock
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.controllers.structure.selector_block import SelectorBlock
@@ -86,22 +87,10 @@ def _in_order(name: str, blocks: Sequence[Block]) -> list[Block]:
     """Return the blocks from setpoints to outputs."""
     _check_ports(name, blocks)
     _check_selectors(name, blocks)
-    ordered: list[Block] = []
-    known: set[str] = set()
-    waiting = list(blocks)
-    while waiting:
-        ready = [block for block in waiting if known.issuperset(block.sources)]
-        if not ready:
-            raise InputError(
-                f"control scheme {name}",
-                ", ".join(block.name for block in waiting),
-                "a way from setpoints to outputs without a circle",
-                "let one of them take its value from elsewhere",
-            )
-        ordered += ready
-        known |= {port for block in ready for port in block.ports}
-        waiting = [block for block in waiting if block not in ready]
-    return ordered
+    by_name = {block.name: block for block in blocks}
+    givers = {port: block.name for block in blocks for port in block.ports}
+    sources = {block.name: [givers[port] for port in block.sources] for block in blocks}
+    return [by_name[each] for each in in_order(f"control scheme {name}", sources)]
 
 
 def _check_ports(name: str, blocks: Sequence[Block]) -> None:

@@ -40,6 +40,7 @@ def loop_with_output(loop: PidLoop, rate_limited: bool = False) -> Block:
         wish, carried = loop.asks(own, None)
         applied, results, named = output_end(own, wish, rate_limited=rate_limited)
         state, _, wound = loop.told({**own, **carried}, applied)
+        results |= loop.shows({**own, **carried}, applied)
         named = {**carried, **named, **wound}
         state["last_output"] = applied.applied
         words = words_for(loop.words | OUTPUT_WORDS, state, results, named)
@@ -49,7 +50,7 @@ def loop_with_output(loop: PidLoop, rate_limited: bool = False) -> Block:
         f"rate_limited_{loop.form.block}" if rate_limited else loop.form.block,
         (*loop.ports, *output_ports(rate_limited)),
         (*loop.memory, LAST_OUTPUT),
-        output_results(rate_limited),
+        (*output_results(rate_limited), *loop.results),
         equations,
         (loop.form.words,),
     )
@@ -75,8 +76,9 @@ def loop_in_two_calls(loop: PidLoop) -> tuple[Block, Block]:
         return Equations({}, outputs, carried, words_for(loop.words, carried))
 
     def is_told(s: Symbols) -> Equations:
-        following, got, named = loop.told(s, Applied.read(s))
-        outputs = {} if got is None else got.ports("got_")
+        applied = Applied.read(s)
+        following, got, named = loop.told(s, applied)
+        outputs = loop.shows(s, applied) | ({} if got is None else got.ports("got_"))
         return Equations(following, outputs, named, words_for(loop.words, following, named))
 
     symbols = {entry.name: ca.SX.sym(entry.name) for entry in (*given, *loop.memory)}
@@ -85,10 +87,10 @@ def loop_in_two_calls(loop: PidLoop) -> tuple[Block, Block]:
     passed = tuple(truth(n, "") if n in _TRUTHS else Signal(n) for n in carried)
     ends = Signal("low_limit"), Signal("high_limit")
     words = (loop.form.words,)
-    got = prefixed(APPLIED, "got_") if loop.inner else ()
+    told = (*(prefixed(APPLIED, "got_") if loop.inner else ()), *loop.results)
     name = f"{loop.form.block}{'_inner' if loop.inner else ''}{'_at_output' if last else ''}"
     ports = (*APPLIED, *given, *passed, *ends)
-    telling = with_used_inputs(Block(f"{name}_is_told", ports, loop.memory, got, is_told, words))
+    telling = with_used_inputs(Block(f"{name}_is_told", ports, loop.memory, told, is_told, words))
     needed += [signal.name for signal in passed if signal in telling.inputs]
     outputs = (*ASKED, *(signal for signal in passed if signal.name in needed))
     asking = with_used_inputs(

@@ -17,6 +17,7 @@ from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.block import Opened, WithoutSignals
 from clepsydra.controllers.structure.loop_blocks import loop_in_two_calls, loop_with_output
 from clepsydra.controllers.structure.pid_loop import PidLoop
+from clepsydra.program.step_law import Symbols
 
 
 @dataclass(frozen=True)
@@ -70,11 +71,6 @@ class PidBlock(WithoutSignals):
         return (self.setpoint,) if self.inner else ()
 
     @property
-    def ports(self) -> tuple[str, ...]:
-        """Its output."""
-        return (self.name,)
-
-    @property
     def loop(self) -> PidLoop:
         """What it computes."""
         return PidLoop(self.form, self.inner, self.direct)
@@ -91,6 +87,10 @@ class PidBlock(WithoutSignals):
         """Where the setpoint may be chosen: the other setpoint and the choice."""
         return self.loop.inputs(self.owner, self.measurement)
 
+    def faceplate(self) -> list[Signal]:
+        """What an operator sees of the loop."""
+        return self.loop.faceplate(self.owner, self.measurement, self.moved)
+
     def limits(self, sample: Sample, after: Sequence[Limits]) -> tuple[Limits, ...]:
         """Those of its setpoint, if another block gives it."""
         if not self.inner:
@@ -106,7 +106,12 @@ class PidBlock(WithoutSignals):
         """Run the whole sample of a loop that moves an output with nothing between."""
         block, name = loop_with_output(self.loop, rate_limited), path(output, "loop")
         found = sample.call(block, name, self.owner, output, **self._signals(sample))
+        self._show(sample, found)
         give_output(sample, output, found)
+
+    def _show(self, sample: Sample, found: Symbols) -> None:
+        """Name what an operator sees, for who gives it."""
+        sample.name(self.owner, {each.name: found[each.name] for each in self.loop.results})
 
     def open(self, sample: Sample, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Compute what it asks for, and keep how its memory goes on."""
@@ -123,6 +128,7 @@ class PidBlock(WithoutSignals):
         def close(applied: Sequence[Applied]) -> tuple[Applied, ...]:
             given = {**own, **found, **applied[0].ports()}
             got = sample.call(telling, path(name, "is_told"), self.owner, **given)
-            return (Applied.read(got, "got_"),) if got else ()
+            self._show(sample, got)
+            return (Applied.read(got, "got_"),) if self.inner else ()
 
         return Opened((Asked.read(found),), close)

@@ -13,15 +13,15 @@ from clepsydra.controllers import pid_keys as keys
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.handover import Applied, Asked
 from clepsydra.controllers.blocks.integral import integral_words
-from clepsydra.controllers.blocks.ports import truth
-from clepsydra.controllers.blocks.validity import is_number, value_or_zero
-from clepsydra.controllers.pid_form import PidForm
-from clepsydra.controllers.structure.pid_terms import (
+from clepsydra.controllers.blocks.pid import (
     PID_WORDS,
     pid_state,
     pid_terms,
     time_step_of,
 )
+from clepsydra.controllers.blocks.ports import truth
+from clepsydra.controllers.blocks.validity import is_number, value_or_zero
+from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.setpoint import (
     Setpoint,
     chosen_setpoint,
@@ -117,6 +117,21 @@ class PidLoop:
         """What it remembers, as the state of a block."""
         return tuple(each.port for each in self.state("", _MEASUREMENT, _OUTPUT))
 
+    def faceplate(self, owner: str, measurement: Signal, moved: Signal) -> list[Signal]:
+        """Return what an operator sees of it, the members of a structure."""
+        shown, record = keys.FACEPLATE, "faceplate"
+        if self.form.algorithm != "velocity":
+            shown, record = (*shown, *keys.TERMS), "faceplate_pi"
+            if self.form.has_derivative:
+                shown, record = (*shown, keys.D_PART), "faceplate_pid"
+        found = (key.of(owner, measurement=measurement, output=moved) for key in shown)
+        return [replace(each, record=record) for each in found]
+
+    @property
+    def results(self) -> tuple[Signal, ...]:
+        """What its block tells an operator."""
+        return tuple(each.port for each in self.faceplate("", _MEASUREMENT, _OUTPUT))
+
     @property
     def words(self) -> dict[str, str]:
         """What a reader is told above its steps."""
@@ -178,6 +193,20 @@ class PidLoop:
             heard = ca.logic_and(s["signals_known"], ca.logic_or(applied.in_force, applied.follows))
             state["last_setpoint_source"] = ca.if_else(heard, _source(s), last)
         return state, self._got(s, applied) if self.inner else None, named
+
+    def shows(self, s: Symbols, applied: Applied) -> dict[str, ca.SX]:
+        """Return the values of `results`; s as for `told`."""
+        seen = {
+            "pv": s["measurement"],
+            "sp": s["setpoint_used"],
+            "error": s["error"],
+            "op": applied.applied,
+        }
+        if self.form.algorithm != "velocity":
+            seen |= {"p_part": s["proportional"], "i_part": s["integral_used"]}
+        if "d_part" in s:
+            seen |= {"p_part": s["p_part"], "d_part": s["d_part"]}
+        return {signal.name: seen[signal.part] for signal in self.results}
 
     def _chosen(self, s: Symbols, remote: Asked | None) -> Setpoint:
         if not self.chooses:

@@ -57,11 +57,6 @@ class RatioBlock(WithoutSignals):
         """The loop that trims the ratio, if there is one."""
         return () if self.source is None else (self.source,)
 
-    @property
-    def ports(self) -> tuple[str, ...]:
-        """The product."""
-        return (self.name,)
-
     def parameters(self) -> list[Signal]:
         """The ratio, or the limits between which a loop may trim it."""
         keys = (_RATIO,) if self.source is None else _ENDS

@@ -48,11 +48,6 @@ class SelectorBlock(WithoutSignals):
     sources: tuple[str, ...]
     selection: Selection
 
-    @property
-    def ports(self) -> tuple[str, ...]:
-        """The selected value."""
-        return (self.name,)
-
     def limits(self, sample: Sample, after: Sequence[Limits]) -> tuple[Limits, ...]:
         """Those after it, for every source."""
         return (after[0],) * len(self.sources)

@@ -9,20 +9,20 @@ from clepsydra.base.language_words import C_WORDS
 from clepsydra.deploy.c99.language import C99
 from clepsydra.deploy.c99.structures import (
     WIDTH,
-    block_name,
     instances,
     state_structure,
     structure,
 )
 from clepsydra.deploy.printing.declarations import check_scope, declared, records_of
 from clepsydra.deploy.printing.heading import heading
-from clepsydra.deploy.printing.identifiers import check_identifier
+from clepsydra.deploy.printing.identifiers import NameRules
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.program.called_blocks import called_blocks
 from clepsydra.program.owned_state import own_state
 from clepsydra.program.program import Program
 
 _EQUAL = {"double": "Then it equals the simulation.", "float": "The simulation has doubles."}
+_RULES = NameRules("C", C_WORDS)
 #: What the functions of a program do, and the structures that they take.
 _FUNCTIONS = {
     "default_parameters": ("Sets the parameters' values.", "parameters"),
@@ -46,14 +46,10 @@ def check_names(program: Program) -> None:
     """
     for each in (*called_blocks(program), program):
         place = f"program {each.name}"
-        _check_name(each.name, place)
+        _RULES.check(each.name, place)
         groups = (each.inputs, each.parameters, each.outputs, own_state(each))
         for group, calls in zip(groups, ((), (), (), instances(each)), strict=True):
-            check_scope(place, group, calls, _check_name, "C", ignore_case=False)
-
-
-def _check_name(name: str, place: str) -> None:
-    check_identifier(name, place, "C", C_WORDS, ignore_case=False)
+            check_scope(place, group, calls, _RULES)
 
 
 def print_header(
@@ -90,7 +86,7 @@ def print_header(
     for block in called_blocks(program):
         if block.state:
             title = f"What an instance of {block.name} keeps."
-            lines += state_structure(block, language, block_name(name, block), title)
+            lines += state_structure(block, language, language.record(block.name), title)
     lines += state_structure(program, language, name, "State: what the next sample needs.", origin)
     for kind, members in records_of((*called_blocks(program), program), language).items():
         what = kind.removeprefix(f"{name}_")

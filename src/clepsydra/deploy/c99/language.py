@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.printing.expressions import OPERATORS, Expression, Notation, flag
+from clepsydra.deploy.printing.expressions import OPERATORS, Notation
 from clepsydra.deploy.printing.language import Language, Syntax
 from clepsydra.deploy.printing.listing import BlockCall
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.printing.whole_numbers import INTEGER_LOW
-from clepsydra.program.program import LIBRARY
+from clepsydra.program.operation import LIBRARY
 
 _FUNCTIONS = {
     "square_root": "sqrt", "absolute": "fabs", "floor": "floor", "ceiling": "ceil",
@@ -46,17 +46,17 @@ def notation_of(precision: Precision) -> Notation:
     """
     single = precision == "single"
     mark = "f" if single else ""
-    kinds = {"real": f"({REAL[precision]})", "rounded": "(int32_t)"}
+    kinds = {"integer to real": f"({REAL[precision]})", "real to integer": "(int32_t)"}
     return Notation(
         language="C",
         operators=_OPERATORS,
         functions={**{code: f"{name}{mark}" for code, name in _FUNCTIONS.items()}, **kinds},
         negation="!",
-        statements=frozenset(),
-        repeating=frozenset({"minimum", "maximum", "least", "greatest", "limit", "magnitude"}),
+        chooses=True,
         infinity="HUGE_VALF" if single else "HUGE_VAL",
-        single=single,
+        precision=precision,
         suffix=mark,
+        truths=("false", "true"),
     )
 
 
@@ -79,12 +79,6 @@ class C99(Language):
         self.name = name
         super().__init__(notation_of(precision), SYNTAX, {**TYPES, "real": REAL[precision]})
 
-    def worded(self, expression: Expression, *, compared: bool = False) -> Expression:
-        """Return an expression as C writes it."""
-        if expression.text in ("TRUE", "FALSE"):
-            return flag(expression.text.lower())
-        return super().worded(expression, compared=compared)
-
     def initial(self, signal: Signal) -> str:
         """Write the initial value of a signal in its type."""
         # The lowest 32-bit integer has no literal of its own in C.
@@ -92,12 +86,16 @@ class C99(Language):
         return "INT32_MIN" if lowest else super().initial(signal)
 
     def record(self, name: str) -> str:
-        """Return what the type of a structure is called."""
+        """Return what a structure is called, or what the names of a block begin with.
+
+        With the name of the program: two of them may stand in one file, each with blocks of its
+        own.
+        """
         return f"{self.name}_{name}"
 
     def call(self, entry: BlockCall) -> list[str]:
         """Call an instance; its outputs are members of a variable that is called like it."""
-        block, name = entry.program, f"{self.name}_{entry.program.name}"
+        block, name = entry.program, self.record(entry.program.name)
         arguments = [f"&{self.syntax.states}{entry.kept}"] if block.state else []
         arguments += [self.expression(value) for _, value in entry.given()]
         lines = [f"{name}_outputs {entry.instance};"] if block.outputs else []
@@ -116,7 +114,7 @@ def arithmetic_check(notation: Notation) -> list[str]:
     >>> arithmetic_check(notation_of("single"))[0]
     '#if FLT_RADIX != 2 || FLT_MANT_DIG != 24 || FLT_MAX_EXP != 128'
     """
-    if notation.single:
+    if notation.precision == "single":
         number, whole = "float", "FLT_MANT_DIG != 24 || FLT_MAX_EXP != 128"
         widened = "FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 16 && FLT_EVAL_METHOD != 32"
     else:

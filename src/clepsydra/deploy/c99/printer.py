@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from clepsydra.base.language_words import C_WORDS
-from clepsydra.base.signal import Signal
 from clepsydra.deploy.c99.interface import check_names, function_head, head_comment, print_header
 from clepsydra.deploy.c99.language import C99, arithmetic_check
 from clepsydra.deploy.c99.step import BlockFunction, StepFunction
-from clepsydra.deploy.c99.structures import WIDTH, block_name, remarked
+from clepsydra.deploy.c99.structures import WIDTH, remarked
 from clepsydra.deploy.printing.heading import number_comment, table_comment
+from clepsydra.deploy.printing.language import indented
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision, in_precision
 from clepsydra.deploy.printing.printed_form import printed_form
-from clepsydra.deploy.printing.statements import indented
 from clepsydra.program.called_blocks import called_blocks
 from clepsydra.program.entries import Entry, is_ring, signal_of
 from clepsydra.program.owned_state import state_paths
@@ -113,7 +112,7 @@ class _Source:
         parts = ("state", "inputs", "parameters", "outputs")
         functions = ("step", "initialise", "default_parameters", "default_inputs")
         taken = {*C_WORDS, *language.notation.functions.values(), *parts}
-        for each in (name, *(block_name(name, block) for block in blocks)):
+        for each in (name, *(language.record(block.name) for block in blocks)):
             taken |= {f"{each}_{what}" for what in (*parts, *functions)}
         self._functions: list[StepFunction] = []
         for block in blocks:
@@ -126,9 +125,15 @@ class _Source:
         *blocks, step = self._functions
         lines = [row for block in blocks for row in (*self._tables(block), *block.text())]
         lines += self._tables(step)
-        lines += self._defaults("parameters", program.parameters)
-        lines += self._defaults("inputs", program.inputs)
-        lines += [*self._initialise(), *step.text()]
+        for where in ("parameters", "inputs"):
+            members = ((each.identifier, each) for each in getattr(program, where))
+            lines += self._set(f"default_{where}", where, members)
+        paths = [
+            *map(".".join, state_paths(program)),
+            *(e.signal.identifier for e in program.rings),
+        ]
+        state = zip(paths, (*program.state, *program.rings), strict=True)
+        lines += [*self._set("initialise", "state", state), *step.text()]
         mathematics = ["#include <math.h>"] if self._uses_mathematics() else []
         opening = [*head, f'#include "{program.name}.h"', "", "#include <float.h>", *mathematics]
         return "\n".join([*opening, "", *arithmetic_check(self._language.notation), *lines])
@@ -154,27 +159,19 @@ class _Source:
         infinite = any(math.isinf(signal_of(entry).initial) for entry in entries)
         return infinite or any(function.reads(called) for function in self._functions)
 
-    def _defaults(self, where: str, entries: Sequence[Signal]) -> list[str]:
-        numbers = [self._number(f"{where}->{each.identifier}", each) for each in entries]
-        return self._set(f"default_{where}", where, numbers)
-
-    def _initialise(self) -> list[str]:
-        program, rows = self._program, []
-        paths = [*state_paths(program), *((ring.signal.identifier,) for ring in program.rings)]
-        for entry, path in zip((*program.state, *program.rings), paths, strict=True):
-            member = f"state->{'.'.join(path)}"
-            if is_ring(entry):
-                opened = f"for (int32_t i = 0; i < {entry.length}; ++i) {{"
-                number = indented(self._number(f"{member}[i]", entry, 4))
-                rows.append([opened, *number, "}", f"{member}_position = 0;"])
-            else:
-                rows.append(self._number(member, entry))
-        return self._set("initialise", "state", rows)
-
-    def _set(self, what: str, where: str, rows: Sequence[list[str]]) -> list[str]:
+    def _set(self, what: str, where: str, members: Iterable[tuple[str, Entry]]) -> list[str]:
         """Return a function that sets the members of a structure."""
-        set_each = [line for lines in rows for line in lines] or [f"{where}->nothing = 0;"]
-        return [*function_head(self._program.name, what), "{", *indented(set_each), "}", ""]
+        lines: list[str] = []
+        for name, entry in members:
+            member = f"{where}->{name}"
+            if is_ring(entry):
+                number = indented(self._number(f"{member}[i]", entry, 4))
+                lines.append(f"for (int32_t i = 0; i < {entry.length}; ++i) {{")
+                lines += [*number, "}", f"{member}_position = 0;"]
+            else:
+                lines += self._number(member, entry)
+        lines = lines or [f"{where}->nothing = 0;"]
+        return [*function_head(self._program.name, what), "{", *indented(lines), "}", ""]
 
     def _number(self, left: str, entry: Entry, indent: int = 2) -> list[str]:
         """Write an initial value, with its unit and where it comes from."""

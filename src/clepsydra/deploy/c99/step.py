@@ -10,13 +10,13 @@ from collections.abc import Iterable
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.c99.interface import function_head
 from clepsydra.deploy.c99.language import C99
-from clepsydra.deploy.c99.structures import WIDTH, block_name, remarked, structure
+from clepsydra.deploy.c99.structures import WIDTH, remarked, structure
 from clepsydra.deploy.printing.body import Body, places_of
 from clepsydra.deploy.printing.declarations import declared
-from clepsydra.deploy.printing.heading import comment, harmless
+from clepsydra.deploy.printing.heading import comment, enclosed, harmless
 from clepsydra.deploy.printing.identifiers import Identifiers
+from clepsydra.deploy.printing.language import indented
 from clepsydra.deploy.printing.lines import folded
-from clepsydra.deploy.printing.statements import indented
 from clepsydra.program.program import Program
 
 _ASSIGNED = re.compile(r"( *)(\w+) = ")
@@ -49,7 +49,7 @@ class StepFunction:
         body = Body(program, language, names, places)
         #: Tables of the loops by name.
         self.tables = body.tables
-        self.lines = _declared(body.lines(), body.temporaries())
+        self.lines = _declared(body.lines, body.temporaries)
         self.constants = [row for each in body.constants.items() for row in self._constant(*each)]
 
     def _places(self, names: Identifiers) -> dict[str, list[str]]:
@@ -107,7 +107,7 @@ class BlockFunction(StepFunction):
     def text(self) -> list[str]:
         """Return the structure of the outputs, and the function."""
         program, types = self._program, self._language.types
-        name = block_name(self._language.name, program)
+        name = self._language.record(program.name)
         lines = []
         if program.outputs:
             outputs = declared(program.outputs, self._language)
@@ -117,9 +117,7 @@ class BlockFunction(StepFunction):
             taken.append((f"{types[signal.kind]} {local}", comment(signal)))
         taken += [(f"{name}_outputs *outputs", "")] if program.outputs else []
         told = harmless(" ".join([f"One sample of {program.name}.", *program.description]))
-        first, *rest = textwrap.wrap(told, WIDTH - 6)
-        lines += [f"/* {first}", *(f"   {row}" for row in rest)]
-        lines[-1] += " */"
+        lines += enclosed(textwrap.wrap(told, WIDTH - 6), "/*", "*/")
         lines.append(f"static void {name}_step(")
         for place, (argument, about) in enumerate(taken, 1):
             argument += "," if place < len(taken) else ")"

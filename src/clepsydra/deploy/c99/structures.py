@@ -7,9 +7,9 @@ from collections.abc import Iterable, Iterator
 from clepsydra.deploy.c99.language import C99
 from clepsydra.deploy.printing.declarations import Variable, declared
 from clepsydra.deploy.printing.heading import commented
+from clepsydra.deploy.printing.language import indented
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
-from clepsydra.deploy.printing.statements import indented
 from clepsydra.program.entries import is_ring, signal_of
 from clepsydra.program.owned_state import own_state, state_paths, with_owned_state
 from clepsydra.program.program import Call, Program
@@ -19,13 +19,7 @@ WIDTH = 98
 _PLACEHOLDER = "char nothing; /* a structure of C99 has at least one member */"
 
 
-def structure(
-    name: str,
-    what: str,
-    title: str,
-    variables: Iterable[Variable],
-    instances: Iterable[tuple[str, str]] = (),
-) -> list[str]:
+def structure(name: str, what: str, title: str, variables: Iterable[Variable]) -> list[str]:
     """Return a structure of a program or of one of its blocks.
 
     Parameters
@@ -37,8 +31,6 @@ def structure(
     title : str
         The comment above it.
     variables : iterable of Variable
-    instances : iterable of (str, str)
-        Type and name of the structures inside.
 
     Examples
     --------
@@ -52,10 +44,9 @@ def structure(
     members = []
     for each in variables:
         size = f"[{each.length}]" if each.length else ""
-        members += remarked(f"{each.type} {each.name}{size};", each.comment, 2)
-    for kind, instance in instances:
-        line = f"{kind} {instance};"
-        members += [line] if len(line) <= WIDTH - 2 else [kind, f"    {instance};"]
+        line = f"{each.type} {each.name}{size};"
+        wide = what == "state" and each.is_block and len(line) > WIDTH - 2
+        members += [each.type, f"    {each.name};"] if wide else remarked(line, each.comment, 2)
     members = indented(members or [_PLACEHOLDER])
     return [f"/* {title} */", "typedef struct {", *members, f"}} {name}_{what};", ""]
 
@@ -68,7 +59,7 @@ def remarked(line: str, text: str, indent: int) -> list[str]:
     >>> remarked("double u;", "[V]", 2)
     ['double u; /* [V] */']
     """
-    return commented(line, text, "/*", "*/", WIDTH - indent) if text else [line]
+    return commented(line, text, "/*", "*/", WIDTH - indent)
 
 
 def state_structure(
@@ -94,25 +85,10 @@ def state_structure(
     '  double x; /* [1] */'
     """
     kept = declared(own_state(program), language, origin, program.rings)
-    held = (
-        (f"{block_name(language.name, call.program)}_state", call.identifier)
-        for call in instances(program)
-    )
-    return structure(name, "state", title, kept, held)
-
-
-def block_name(name: str, block: Program) -> str:
-    """Return what the names of a block's types and function begin with.
-
-    With the name of the program: two of them may stand in one file, each with blocks of its own.
-
-    Examples
-    --------
-    >>> from clepsydra.program.program import Block
-    >>> block_name("law", Program("filter", (), (), (), (), Block(0, (), ())))
-    'law_filter'
-    """
-    return f"{name}_{block.name}"
+    for call in instances(program):
+        kind = f"{language.record(call.program.name)}_state"
+        kept += (Variable(call.identifier, kind, is_block=True),)
+    return structure(name, "state", title, kept)
 
 
 def instances(program: Program) -> tuple[Call, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.fmi.model import FmuModel, FmuVariable
-from clepsydra.deploy.printing.expressions import decimal
+from clepsydra.deploy.printing.decimal_text import decimal
 
 _ROLES = {
     "input": "ROLE_INPUT", "parameter": "ROLE_PARAMETER", "local": "ROLE_START",

@@ -12,7 +12,7 @@ from clepsydra.deploy.printing.declarations import Variable
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.structured_text.dialect import Dialect, dialect_of
-from clepsydra.deploy.structured_text.pou import Section, Unit, declaration_lines
+from clepsydra.deploy.structured_text.pou import Unit, declaration_lines
 from clepsydra.deploy.structured_text.printer import function_blocks
 from clepsydra.deploy.structured_text.project import CONFIGURATION, RESOURCE, TASK, Project
 from clepsydra.program.program import Program
@@ -92,7 +92,6 @@ def print_plcopen(
     >>> "y := x + x;" in print_plcopen(program)
     True
     """
-    namespace_of(dialect)  # refuses a dialect whose editors read none
     spoken = dialect_of(dialect)
     return document(program.name, function_blocks(program, spoken, precision, origin), spoken)
 
@@ -120,7 +119,6 @@ def print_plcopen_project(project: Project) -> str:
     >>> 'interval="T#1s"' in text, text.count('pouType="program"')
     (True, 1)
     """
-    namespace_of(project.dialect)
     units = project.units
     return document(units[-1].name, units, dialect_of(project.dialect), project.interval)
 
@@ -173,23 +171,23 @@ def _record(unit: Unit, dialect: Dialect) -> Element:
 
 def _unit(unit: Unit, dialect: Dialect) -> Element:
     returned = [_element("returnType", _element(unit.result))] if unit.result else []
-    sections = [_section(each, dialect) for each in unit.sections if list(each.variables)]
-    told = _documentation("\n".join(unit.head), dialect)
-    body = _element("body", _element("ST", _formatted("\n".join(unit.body), dialect)))
+    sections = []
+    for section in unit.sections:
+        variables = [_variable(each, dialect) for each in section.variables]
+        qualified = {section.qualifier.lower(): "true"} if section.qualifier else {}
+        if variables:
+            sections.append(_element(_VARIABLES[section.keyword], *variables, **qualified))
+    told = _element("documentation", _formatted(unit.head, dialect))
+    body = _element("body", _element("ST", _formatted(unit.body, dialect)))
     parts = [_element("interface", *returned, *sections, told), body]
     if dialect.name == "codesys":
         # The declarations as text, too, with all of their comments.
-        text = _formatted("\n".join(declaration_lines(unit, dialect)), dialect)
-        plain = _element("InterfaceAsPlainText", text)
+        plain = _element(
+            "InterfaceAsPlainText", _formatted(declaration_lines(unit, dialect), dialect)
+        )
         data = _element("data", plain, name=_PLAIN_TEXT, handleUnknown="implementation")
         parts.append(_element("addData", data))
     return _element("pou", *parts, name=unit.name, pouType=_UNITS[unit.kind])
-
-
-def _section(section: Section, dialect: Dialect) -> Element:
-    qualified = {section.qualifier.lower(): "true"} if section.qualifier else {}
-    variables = (_variable(each, dialect) for each in section.variables)
-    return _element(_VARIABLES[section.keyword], *variables, **qualified)
 
 
 def _variable(entry: Variable, dialect: Dialect) -> Element:
@@ -198,11 +196,12 @@ def _variable(entry: Variable, dialect: Dialect) -> Element:
     if entry.length:
         dimension = _element("dimension", lower="0", upper=str(entry.length - 1))
         kind = _element("array", dimension, _element("baseType", kind))
-        runs = ((value, len(list(run))) for value, run in groupby(entry.initial))
-        values = [_element("arrayValue", *(_run(value, count) for value, count in runs))]
+        runs = (_run(value, len(list(run))) for value, run in groupby(entry.initial))
+        values = [_element("arrayValue", *runs)]
     parts = [_element("type", kind)]
     parts += [_element("initialValue", *values)] if entry.initial else []
-    parts += [_documentation(entry.comment, dialect)] if entry.comment else []
+    if entry.comment:
+        parts.append(_element("documentation", _formatted([entry.comment], dialect)))
     return _element("variable", *parts, name=entry.name)
 
 
@@ -211,15 +210,11 @@ def _run(value: str, count: int) -> Element:
     return _element("value", _element("simpleValue", value=value), **repeated)
 
 
-def _documentation(text: str, dialect: Dialect) -> Element:
-    return _element("documentation", _formatted(text, dialect))
-
-
-def _formatted(text: str, dialect: Dialect) -> Element:
-    """Return text as a paragraph of XHTML, or as a whole document of it."""
+def _formatted(lines: Sequence[str], dialect: Dialect) -> Element:
+    """Return lines as a paragraph of XHTML, or as a whole document of it."""
     codesys = dialect.name == "codesys"
     made = _element("xhtml", xmlns=XHTML) if codesys else _element("xhtml:p")
-    made.text = text
+    made.text = "\n".join(lines)
     return made
 
 

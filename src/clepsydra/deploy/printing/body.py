@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Container, Mapping, Sequence
+from itertools import count
 
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.printing.expressions import Expression, flag, reading, variable
-from clepsydra.deploy.printing.folding import Lister
+from clepsydra.deploy.printing.expressions import Expression, constant, flag, reading, variable
+from clepsydra.deploy.printing.folding import FoldedBlock
 from clepsydra.deploy.printing.heading import harmless
 from clepsydra.deploy.printing.identifiers import Identifiers
-from clepsydra.deploy.printing.language import Language
+from clepsydra.deploy.printing.language import Language, ring_place
 from clepsydra.deploy.printing.lines import explained, in_place, mentions
 from clepsydra.deploy.printing.listing import Assignment, Compound, ListingStatement, touched
-from clepsydra.deploy.printing.statements import advance, assign, ring_place, statements
-from clepsydra.deploy.printing.typed_values import of_kind
 from clepsydra.deploy.printing.whole_numbers import whole_ranges
 from clepsydra.program.entries import is_ring, signal_of
+from clepsydra.program.operation import Operation
 from clepsydra.program.owned_state import owned_by_calls
-from clepsydra.program.program import Operation, Program
+from clepsydra.program.program import Program
 
 #: A line of words above a step is no wider than this [characters].
 _WIDTH = 90
@@ -40,12 +40,11 @@ def places_of(program: Program, mark: str = "") -> dict[str, list[str]]:
     >>> places_of(law)["inputs"], places_of(law, "->")["outputs"]
     (['tank_level'], ['outputs->y'])
     """
+    groups = ("state", "inputs", "parameters", "outputs")
+    before = {group: f"{group}{mark}" if mark else "" for group in groups}
     return {
-        group: [
-            f"{group}{mark}{signal_of(each).identifier}" if mark else signal_of(each).identifier
-            for each in getattr(program, group)
-        ]
-        for group in ("state", "inputs", "parameters", "outputs")
+        group: [f"{before[group]}{signal_of(each).identifier}" for each in getattr(program, group)]
+        for group in groups
     }
 
 
@@ -69,7 +68,7 @@ class Body:
     >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
     >>> program = Program("double_it", (), (Signal("x"),), (), (Signal("y"),), double)
     >>> names, places = Identifiers([], ignore_case=False), places_of(program)
-    >>> Body(program, C99("law", "double"), names, places).lines()
+    >>> Body(program, C99("law", "double"), names, places).lines
     ['y = x + x;']
     """
 
@@ -82,70 +81,50 @@ class Body:
     ) -> None:
         self._program, self._names, self._places = program, names, places
         constants = {names.new(each.identifier): each for each in program.constants}
-        named = {(each.kind == "integer", each.initial): name for name, each in constants.items()}
-        language = self._language = language.naming(named)
+        language = self._language = language.naming(constants)
         owned, entries = owned_by_calls(program), [*map(signal_of, program.state)]
+        rings = [entry.length if is_ring(entry) else 0 for entry in program.state]
+        held = zip(count(), entries, places["state"], rings)
         #: The states that no instance holds: value, signal, where it stands, length of a ring.
-        self._held = [
-            (value, signal_of(entry), place, entry.length if is_ring(entry) else 0)
-            for value, (entry, place) in enumerate(zip(program.state, places["state"], strict=True))
-            if value not in owned
-        ]
-        ranges = whole_ranges(program, "single" if language.notation.single else "double")
+        self._held = [each for each in held if each[0] not in owned]
+        ranges = whole_ranges(program, language.notation.precision)
         labels, preferred = self._labels(ranges)
-        lister = Lister(language.notation, names)
-        at = [
-            ring_place(p, is_ring(e)) for p, e in zip(places["state"], program.state, strict=True)
-        ]
-        at += [*places["inputs"], *places["parameters"]]
+        at = [*map(ring_place, places["state"], rings), *places["inputs"], *places["parameters"]]
         entries += [*program.inputs, *program.parameters]
         given = [reading(entry.kind, place) for entry, place in zip(entries, at, strict=True)]
-        listed, results = lister.block(program.block, given, labels, preferred, ranges)
+        read = program.block, given, language.notation, names
+        folded = FoldedBlock(*read, labels, preferred, ranges)
         #: Tables of the loops by name.
-        self.tables = lister.tables
-        self._told = self._words(labels)
-        self._statements = _together([*map(_begun, listed)], {each[2] for each in self._held})
-        following = self._kept(results)
-        nexts = [
-            self._plain(signal, result)
-            for (_, signal, _, _), result in zip(self._held, following, strict=True)
-        ]
-        shown = [
-            Assignment(place, self._plain(output, result))
-            for output, place, result in zip(
-                program.outputs, places["outputs"], results[len(program.state) :], strict=True
-            )
-        ]
+        self.tables, results = folded.tables, folded.results
+        begun = [*map(_begun, folded.statements)]
+        self._statements = _together(begun, {place for _, _, place, _ in self._held})
         stores: list[Assignment] = []
-        rings: list[str] = []
-        for (_, _, place, length), result in zip(self._held, nexts, strict=True):
+        written: list[str] = []
+        kept = zip(self._held, self._kept(results), strict=True)
+        for place, length, result in [(p, n, self._plain(s, r)) for (_, s, p, n), r in kept]:
             if length:
-                rings += assign(ring_place(place), result, language)
-                rings += advance(place, length, language)
+                written += language.write_ring(place, result, length)
             else:
                 stores.append(Assignment(place, result))
-        lines = statements(self._statements, language)
+        told = zip(program.outputs, places["outputs"], results[len(program.state) :], strict=True)
+        shown = [Assignment(place, self._plain(output, result)) for output, place, result in told]
+        lines = language.statements(self._statements)
         for group in (_whole(shown, program), stores):
             moved = [each for each in group if each.expression.text != each.name]
-            lines += statements(moved, language)
+            lines += language.statements(moved)
         known = {*places["outputs"], *places["state"]}
-        self._found = {n: kind for n, kind in _declared(self._statements) if n not in known}
+        found = {name: kind for name, kind in _declared(self._statements) if name not in known}
         targets = [*places["outputs"], *(each.name for each in stores)]
-        self._lines = in_place([*lines, *rings], self._found, targets)
+        lines = in_place([*lines, *written], found, targets)
+        read_here = "\n".join(lines)
         #: Constants that the statements read, by name.
-        self.constants = {name: each for name, each in constants.items() if self._reads(name)}
-
-    def _reads(self, name: str) -> bool:
-        return any(mentions(line, name) for line in self._lines)
-
-    def lines(self) -> list[str]:
-        """Return the lines of the statements, each statement on one line however long."""
-        return explained(self._lines, self._told)
-
-    def temporaries(self) -> dict[str, str]:
-        """Return name and type of the variables that are no part of the interface."""
-        types = self._language.types
-        return {name: types[kind] for name, kind in self._found.items() if self._reads(name)}
+        self.constants = {n: each for n, each in constants.items() if mentions(read_here, n)}
+        #: Name and type of the variables that are no part of the interface.
+        self.temporaries = {
+            name: language.types[kind] for name, kind in found.items() if mentions(read_here, name)
+        }
+        #: The statements, each on one line however long.
+        self.lines = explained(lines, self._words(labels))
 
     def _words(self, labels: Mapping[int, str]) -> dict[str, list[str]]:
         """Return the comments above the steps, by what these assign."""
@@ -229,39 +208,38 @@ class Body:
                 self._statements.append(Assignment(name, self._plain(signal, result)))
                 result = reading(signal.kind, name)
             kept.append(result)
-            overwritten.add(ring_place(place, length > 0))
+            overwritten.add(ring_place(place, length))
         return kept
 
     def _plain(self, signal: Signal, result: Expression) -> Expression:
         """Return a result in the type of its signal."""
-        found = of_kind(signal.kind, result)
-        if found.code in ("rounded", "truth") and not self._language.notation.writes(result):
+        computed = result.known_as(signal.kind) is None
+        if computed and not self._language.notation.writes(result):
             name = self._names.new(f"{signal.identifier}_number")
             self._statements.append(Assignment(name, result))
-            return of_kind(signal.kind, variable(name))
-        return found
+            result = variable(name)
+        return result.to(signal.kind)
 
 
 def _whole(shown: Sequence[Assignment], program: Program) -> list[Assignment]:
-    """Return assignments of outputs, with one for a structure that is a copy of another one."""
-    told = {
-        f"{call.identifier}.{signal.identifier}": (f"{call.identifier}.{signal.variable}", signal)
-        for call in program.calls
-        for signal in call.program.outputs
-        if signal.record
-    }
-    held: dict[str, list[Assignment]] = {}
-    copied: dict[str, set[str]] = {}
+    """Return assignments of outputs, with one for a structure that is copied and then changed."""
+    outputs = ((call.identifier, told) for call in program.calls for told in call.program.outputs)
+    told = {f"{at}.{each.identifier}": (f"{at}.{each.variable}", each) for at, each in outputs}
+    held: dict[str, list[tuple[str, Assignment]]] = {}
     for output, each in zip(program.outputs, shown, strict=True):
         whole = each.name.removesuffix(f".{output.part}") if output.record else each.name
-        held.setdefault(whole, []).append(each)
         source, signal = told.get(each.expression.text, ("", output))
         alike = output.record and (signal.record, signal.part) == (output.record, output.part)
-        copied.setdefault(whole, set()).add(source if alike else "")
+        held.setdefault(whole, []).append((source if alike else "", each))
     found = []
     for name, members in held.items():
-        (source, *others) = copied[name]
-        found += [Assignment(name, variable(source))] if source and not others else members
+        sources = {source for source, _ in members if source}
+        others = [each for source, each in members if not source]
+        # A member that stands there already would be lost.
+        if len(sources) == 1 and all(each.expression.text != each.name for each in others):
+            found += [Assignment(name, variable(sources.pop())), *others]
+        else:
+            found += [each for _, each in members]
     return found
 
 
@@ -273,7 +251,7 @@ def _begun(statement: ListingStatement) -> ListingStatement:
     others = [each for each in statement.expression.operands if each != kept]
     if len(others) != 1 or others[0].code != "not":
         return statement
-    chosen = Expression("select", (others[0].operands[0], flag("FALSE"), kept))
+    chosen = Expression("select", (others[0].operands[0], constant(0.0, "boolean"), kept))
     return Assignment(statement.name, chosen)
 
 
@@ -301,9 +279,8 @@ def _beginning(statement: ListingStatement, held: Container[str]) -> Expression 
     if not isinstance(statement, Assignment) or statement.expression.code != "select":
         return None
     condition, start, kept = statement.expression.operands
-    constant = start.code in ("constant", "whole") or start.text in ("TRUE", "FALSE")
     kept_alike = kept.text == statement.name and statement.name in held
-    return condition if constant and kept_alike else None
+    return condition if start.code == "constant" and kept_alike else None
 
 
 def _declared(statements: Sequence[ListingStatement]) -> list[tuple[str, str]]:
@@ -311,10 +288,8 @@ def _declared(statements: Sequence[ListingStatement]) -> list[tuple[str, str]]:
     found: list[tuple[str, str]] = []
     for entry in statements:
         if isinstance(entry, Assignment):
-            truth, whole = entry.expression.is_truth, entry.expression.is_whole
-            found.append((entry.name, "boolean" if truth else "integer" if whole else "real"))
-            continue
-        if isinstance(entry, Compound):
+            found.append((entry.name, entry.expression.kind))
+        elif isinstance(entry, Compound):
             found += [(entry.index, "integer")] if entry.count > 1 else []
             found += [(turn.oldest, "real") for turn in entry.rings if turn.oldest]
             found += _declared(entry.start) + _declared(entry.body)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable, Iterator
+from collections.abc import Container, Iterable
 from dataclasses import dataclass
 
 from clepsydra.deploy.printing.heading import comment
-from clepsydra.deploy.printing.identifiers import check_distinct
+from clepsydra.deploy.printing.identifiers import NameRules
 from clepsydra.deploy.printing.language import Language
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.program.entries import Entry, is_ring, signal_of
@@ -121,13 +121,7 @@ def records_of(programs: Iterable[Program], language: Language) -> dict[str, lis
 
 
 def check_scope(
-    place: str,
-    entries: Iterable[Entry],
-    calls: Iterable[Call],
-    check: Callable[[str, str], None],
-    language: str,
-    *,
-    ignore_case: bool,
+    place: str, entries: Iterable[Entry], calls: Iterable[Call], rules: NameRules
 ) -> None:
     """Refuse names of one scope that a language does not accept or cannot tell apart.
 
@@ -137,10 +131,7 @@ def check_scope(
         Where the scope is.
     entries, calls : iterable
         The signals and the instances whose names stand there.
-    check : callable
-        Takes a name and its place, and refuses what is no name.
-    language : str
-    ignore_case : bool
+    rules : NameRules
 
     Raises
     ------
@@ -149,31 +140,26 @@ def check_scope(
     Examples
     --------
     >>> from clepsydra.base.signal import Signal
-    >>> twice = [Signal("level"), Signal("level")]
-    >>> check_scope("law", twice, (), lambda name, place: None, "C", ignore_case=False)
+    >>> check_scope("law", [Signal("level"), Signal("level")], (), NameRules("C", frozenset()))
     Traceback (most recent call last):
         ...
     clepsydra.base.errors.InputError: law, level: got 'level', expected a name that differs in C \
 from law, level; rename one.
     """
-
-    entries = tuple(entries)
-
-    def named() -> Iterator[tuple[str, str]]:
-        records = {(s.variable, s.owner): s for s in map(signal_of, entries) if s.record}
-        for signal in records.values():
-            yield signal.variable, f"{place}, {signal.owner}"
-        for entry in entries:
-            signal = signal_of(entry)
-            if signal.record:
-                check(signal.part, f"{place}, {entry.name}")
-                continue
-            yield signal.identifier, f"{place}, {entry.name}"
-            if is_ring(entry):
-                yield f"{entry.signal.identifier}_position", f"{place}, position in {entry.name}"
-        yield from ((call.identifier, f"{place}, {call.identifier}") for call in calls)
-
-    scope = [*named()]
+    records: dict[tuple[str, str], str] = {}
+    scope: list[tuple[str, str]] = []
+    for entry in entries:
+        signal, where = signal_of(entry), f"{place}, {entry.name}"
+        if signal.record:
+            rules.check(signal.part, where)
+            records[signal.variable, f"{place}, {signal.owner}"] = ""
+            continue
+        scope.append((signal.identifier, where))
+        if is_ring(entry):
+            position = f"{place}, position in {entry.name}"
+            scope.append((f"{signal.identifier}_position", position))
+    scope += ((call.identifier, f"{place}, {call.identifier}") for call in calls)
+    scope = [*records, *scope]
     for name, where in scope:
-        check(name, where)
-    check_distinct(scope, language, ignore_case=ignore_case)
+        rules.check(name, where)
+    rules.check_distinct(scope)

@@ -6,11 +6,12 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Kind
-from clepsydra.program.program import COMPARISONS, LOGIC
+from clepsydra.deploy.printing.decimal_text import decimal
+from clepsydra.deploy.printing.precision import Precision
+from clepsydra.deploy.printing.whole_numbers import INTEGER_HIGH, INTEGER_LOW
+from clepsydra.program.operation import COMPARISONS, LOGIC
 
 # How tightly a written expression holds together; an operand that is looser than its place
 # demands is put in parentheses.
@@ -18,21 +19,22 @@ _LOOSE, _SIGNED, _SUM, _PRODUCT, _ATOM = range(5)
 #: How tightly an operation holds together, and its operands have to; others compare.
 _STRENGTHS = dict.fromkeys(("multiply", "divide", "quotient"), (_PRODUCT, _PRODUCT, _ATOM))
 _STRENGTHS |= dict.fromkeys(("add", "subtract"), (_SUM, _SUM, _PRODUCT))
-_LARGER, _SMALLER = "{0} > {1} ? {0} : {1}", "{0} < {1} ? {0} : {1}"
 #: What a language without a function for it writes as a choice.
 _CHOSEN = {
     "select": "{c} ? {1} : {2}",
-    "number": "{c} ? {one} : {zero}",
-    "count": "{c} ? 1 : 0",
-    "magnitude": "{0} < 0 ? -{0} : {0}",
-    **dict.fromkeys(("maximum", "greatest"), _LARGER),
-    **dict.fromkeys(("minimum", "least"), _SMALLER),
+    "integer absolute": "{0} < 0 ? -{0} : {0}",
+    **dict.fromkeys(("maximum", "integer maximum"), "{0} > {1} ? {0} : {1}"),
+    **dict.fromkeys(("minimum", "integer minimum"), "{0} < {1} ? {0} : {1}"),
 }
-# Integers: read, constant, counted from a truth value, rounded; the others have whole operands.
-_INTEGERS = frozenset(
-    {"integer", "whole", "count", "rounded", "quotient", "greatest", "least", "limit", "magnitude"}
-)
+#: Where that holds an operand twice.
+_REPEATING = {*_CHOSEN, "limit"} - {"select"}
+_OPPOSITE = {"and": "or", "or": "and"}
+_TRUTHS = COMPARISONS | LOGIC | {"greater", "greater_equal"}
 _ARITHMETIC = frozenset({"add", "subtract", "multiply", "negate", "absolute"})
+#: Operations that languages have for integers apart.
+_TWOFOLD = frozenset({"absolute", "minimum", "maximum"})
+#: Operations with the type of their last operand.
+_ALIKE = _ARITHMETIC | _TWOFOLD | {"select", "quotient", "limit"}
 
 
 @dataclass(frozen=True)
@@ -42,76 +44,171 @@ class Expression:
     Parameters
     ----------
     code : str
-        An operation code of `clepsydra.program.program`, or "variable" (a number), "flag"
-        (a truth value) or "constant". Where a language has integers also "integer" (a variable),
-        "whole" (a constant), "count" (1 of a truth value that holds, else 0), "rounded" (of a
-        whole number), "quotient" (the rest is dropped), "greatest", "least" and "limit" (from,
-        value, to) of integers, and "real" (the number that an integer is).
+        An operation code of `clepsydra.program.program`, "variable", "constant", or "convert"
+        (from the type of the operand to another one); of integers also "quotient" (the rest is
+        dropped) and "limit" (from, value, to).
     operands : tuple of Expression
     text : str
-        What is written for a variable or a flag.
+        What is written for a variable.
     number : float
-        The value of a constant.
+        The value of a constant; 0 or 1 of a truth value.
+    held : {"real", "integer", "boolean"}
+        The type of a variable, of a constant or of what is converted.
 
     Examples
     --------
-    >>> less = Expression("less", (variable("level"), Expression("constant", number=0.2)))
-    >>> less.is_truth, less.is_atom
-    (True, False)
+    >>> less = Expression("less", (variable("level"), constant(0.2)))
+    >>> less.kind, less.is_atom
+    ('boolean', False)
     """
 
     code: str
     operands: tuple[Expression, ...] = ()
     text: str = ""
     number: float = 0.0
+    held: Kind = "real"
 
     @property
     def is_atom(self) -> bool:
         """Whether it can be written twice without being computed twice."""
-        if self.code == "real":
-            return self.operands[0].is_atom
-        return self.code in ("variable", "flag", "constant", "integer", "whole")
+        return self.typed_part.is_atom if self.operation == "integer to real" else not self.operands
 
     @property
-    def is_truth(self) -> bool:
-        """Whether it is a truth value."""
-        if self.code == "select":
-            return self.operands[1].is_truth
-        return self.code in ("flag", "truth") or self.code in COMPARISONS or self.code in LOGIC
+    def kind(self) -> Kind:
+        """The type of a variable that holds it."""
+        if self.code in _TRUTHS:
+            return "boolean"
+        return self.operands[-1].kind if self.code in _ALIKE else self.held
 
     @property
-    def is_whole(self) -> bool:
-        """Whether it is an integer."""
-        if self.code == "select":
-            return self.operands[1].is_whole
-        return self.code in _INTEGERS or (self.code in _ARITHMETIC and self.operands[0].is_whole)
+    def operation(self) -> str:
+        """What a language has a sign or a function for: the code, with its types where they count.
+
+        >>> reading("integer", "scans").operation
+        'integer to real'
+        """
+        if self.code == "convert":
+            return f"{self.operands[0].kind} to {self.held}"
+        twofold = self.code in _TWOFOLD and self.kind == "integer"
+        return f"integer {self.code}" if twofold else self.code
 
     @property
-    def is_choice(self) -> bool:
-        """Whether it is one of two values."""
-        return self.code in ("select", "number")
+    def typed_part(self) -> Expression:
+        """What a number is made of where that is an integer or a truth value; else itself."""
+        return self.operands[0] if self.code == "convert" and self.held == "real" else self
+
+    @property
+    def as_select(self) -> Expression:
+        """What is converted from a truth value or from a choice, as a choice; else itself.
+
+        >>> reading("boolean", "late").as_select.code
+        'select'
+        """
+        part, kind = self.operands[0] if self.code == "convert" else self, self.held
+        if part is not self and part.kind == "boolean":
+            return Expression("select", (part, constant(1.0, kind), constant(0.0, kind)))
+        if part is not self and part.code == "select" and part.kind == "integer":
+            condition, *choices = part.operands
+            return Expression("select", (condition, *(each.to(kind) for each in choices)))
+        return self
+
+    def known_as(self, kind: Kind) -> Expression | None:
+        """Return it in a type that it has without rounding or comparing; None where there is none.
+
+        >>> constant(3.0).known_as("integer").kind, constant(0.5).known_as("integer")
+        ('integer', None)
+        """
+        part, number = self.typed_part, self.number
+        if kind in (self.kind, part.kind):
+            return self if self.kind == kind else part
+        if kind == "real" or (part.kind == "boolean" and part is not self):
+            return Expression("convert", (part,), held=kind)
+        if self.code == "constant" and self.kind == "real":
+            # An integer has no negative zero.
+            whole = INTEGER_LOW < number <= INTEGER_HIGH and number % 1.0 == 0.0
+            fits = whole and str(number) != "-0.0" if kind == "integer" else number in (0.0, 1.0)
+            return constant(number, kind) if fits else None
+        if self.code == "select" and kind == "integer":
+            choices = [each.known_as(kind) for each in self.operands[1:]]
+            if None not in choices:
+                return Expression("select", (self.operands[0], *filter(None, choices)))
+        return None
+
+    def to(self, kind: Kind) -> Expression:
+        """Return it in a type; that it fits has been proved.
+
+        >>> reading("boolean", "good").to("boolean").text
+        'good'
+        """
+        return self.known_as(kind) or Expression("convert", (self,), held=kind)
+
+    @property
+    def parts(self) -> Iterator[Expression]:
+        """The expression and every part of it.
+
+        >>> [part.code for part in Expression("negate", (variable("a"),)).parts]
+        ['negate', 'variable']
+        """
+        yield self
+        for operand in self.operands:
+            yield from operand.parts
+
+    def reads(self, name: str) -> bool:
+        """Whether it reads a variable."""
+        return any(part.text == name for part in self.parts)
+
+    def simplified(self) -> Expression:
+        """Return a condition without NOT of a bracketed AND or OR, and with no part said twice.
+
+        Some compilers of Structured Text take NOT of a bracket for a function, which has no truth
+        value of two comparisons to work on. Operands are simplified already; any other expression
+        is returned as it is.
+
+        Examples
+        --------
+        >>> a, b = flag("a"), flag("b")
+        >>> both = Expression("and", (a, b))
+        >>> signs = Notation("signs", {"and": "&", "or": "|"}, {}, "!")
+        >>> [signs.render(Expression(*parts).simplified()) for parts in (
+        ...     ("not", (both,)), ("and", (both, a)), ("and", (b, both)))]
+        ['!a | !b', 'a & b', 'b & a']
+        """
+        code, operands = self.code, self.operands
+        if code == "not" and operands[0].code == "not":
+            return operands[0].operands[0]
+        if code == "not" and operands[0].code in _OPPOSITE:
+            negated = (Expression("not", (each,)).simplified() for each in operands[0].operands)
+            return Expression(_OPPOSITE[operands[0].code], tuple(negated)).simplified()
+        if code not in _OPPOSITE:
+            return self
+        # By their texts: equal numbers may be zeros of different sign.
+        first, *rest = {repr(part): part for part in self._chain(code)}.values()
+        for part in rest:
+            first = Expression(code, (first, part))
+        return first
+
+    def _chain(self, code: str) -> Iterator[Expression]:
+        """Yield the parts of a chain of AND or of OR, in order."""
+        if self.code != code:
+            yield self
+            return
+        for operand in self.operands:
+            yield from operand._chain(code)
 
 
-def variable(text: str) -> Expression:
-    """Return the expression that reads a number.
-
-    Examples
-    --------
-    >>> variable("level").code
-    'variable'
-    """
-    return Expression("variable", text=text)
+def variable(text: str, kind: Kind = "real") -> Expression:
+    """Return the expression that reads a variable of a type."""
+    return Expression("variable", text=text, held=kind)
 
 
 def flag(text: str) -> Expression:
-    """Return the expression that reads a truth value.
+    """Return the expression that reads a truth value."""
+    return variable(text, "boolean")
 
-    Examples
-    --------
-    >>> flag("in_automatic").is_truth
-    True
-    """
-    return Expression("flag", text=text)
+
+def constant(number: float = 0.0, kind: Kind = "real") -> Expression:
+    """Return a constant of a type."""
+    return Expression("constant", number=number, held=kind)
 
 
 def reading(kind: Kind, text: str) -> Expression:
@@ -120,76 +217,9 @@ def reading(kind: Kind, text: str) -> Expression:
     Examples
     --------
     >>> reading("boolean", "good").code, reading("real", "level").code
-    ('number', 'variable')
+    ('convert', 'variable')
     """
-    if kind == "boolean":
-        return Expression("number", (flag(text),))
-    if kind == "integer":
-        return Expression("real", (Expression("integer", text=text),))
-    return variable(text)
-
-
-def as_select(choice: Expression) -> Expression:
-    """Return a truth value's number as what it selects; any other expression as it is.
-
-    Examples
-    --------
-    >>> as_select(Expression("number", (flag("late"),))).code
-    'select'
-    """
-    if choice.code != "number":
-        return choice
-    one, zero = Expression("constant", number=1.0), Expression("constant")
-    return Expression("select", (choice.operands[0], one, zero))
-
-
-#: A number with as many zeros at its end is written with an exponent.
-_ZEROS = 6
-_OPPOSITE = {"and": "or", "or": "and"}
-
-
-def simplified(condition: Expression) -> Expression:
-    """Return a condition without NOT of a bracketed AND or OR, and with no part said twice.
-
-    Some compilers of Structured Text take NOT of a bracket for a function, which has no truth
-    value of two comparisons to work on. Any other expression is returned as it is.
-
-    Parameters
-    ----------
-    condition : Expression
-        Its operands are simplified already.
-
-    Examples
-    --------
-    >>> a, b = flag("a"), flag("b")
-    >>> both = Expression("and", (a, b))
-    >>> signs = Notation("signs", {"and": "&", "or": "|"}, {}, "!", frozenset(), frozenset())
-    >>> [render(simplified(Expression(*parts)), signs) for parts in (
-    ...     ("not", (both,)), ("and", (both, a)), ("and", (b, both)))]
-    ['!a | !b', 'a & b', 'b & a']
-    """
-    code, operands = condition.code, condition.operands
-    if code == "not" and operands[0].code == "not":
-        return operands[0].operands[0]
-    if code == "not" and operands[0].code in _OPPOSITE:
-        negated = tuple(simplified(Expression("not", (each,))) for each in operands[0].operands)
-        return simplified(Expression(_OPPOSITE[operands[0].code], negated))
-    if code not in _OPPOSITE:
-        return condition
-    # By their texts: equal numbers may be zeros of different sign.
-    first, *rest = {repr(part): part for part in _chain(condition, code)}.values()
-    for part in rest:
-        first = Expression(code, (first, part))
-    return first
-
-
-def _chain(condition: Expression, code: str) -> Iterator[Expression]:
-    """Yield the parts of a chain of AND or of OR, in order."""
-    if condition.code != code:
-        yield condition
-        return
-    for operand in condition.operands:
-        yield from _chain(operand, code)
+    return variable(text, kind).to("real")
 
 
 #: Signs that all languages share.
@@ -208,29 +238,25 @@ class Notation:
     operators : mapping
         Code of a binary operation to its sign.
     functions : mapping
-        Code of an operation to the name of the function that computes it, or to a type in
-        parentheses.
+        Operation to the name of the function that computes it, or to a type in parentheses.
     negation : str
         The sign before a negated truth value.
-    statements : frozenset of str
-        Operations that this language writes as statements, not as expressions.
-    repeating : frozenset of str
-        Operations whose text holds an operand more than once.
+    chooses : bool
+        Whether a choice is an expression, ``c ? a : b``, and not only a statement.
     infinity : str
         The text of infinity; empty where the language has none.
-    single : bool
-        Whether numbers are single-precision ones.
+    precision : {"double", "single"}
     suffix : str
         What stands behind a number to give it its type.
-    width : int
-        A folded expression grows no wider than this: two lines at the most [characters].
     formal : mapping
-        Code of an operation to the names of its function's parameters, where they are written.
+        Operation to the names of its function's parameters, where they are written.
+    truths : (str, str)
+        What does not hold, and what does.
 
     Examples
     --------
-    >>> signs = Notation("signs", {"less": "<"}, {}, "!", frozenset(), frozenset())
-    >>> render(Expression("not", (Expression("less", (variable("a"), variable("b"))),)), signs)
+    >>> signs = Notation("signs", {"less": "<"}, {}, "!")
+    >>> signs.render(Expression("not", (Expression("less", (variable("a"), variable("b"))),)))
     '!(a < b)'
     """
 
@@ -238,161 +264,121 @@ class Notation:
     operators: Mapping[str, str]
     functions: Mapping[str, str]
     negation: str
-    statements: frozenset[str]
-    repeating: frozenset[str]
+    chooses: bool = False
     infinity: str = ""
-    single: bool = False
+    precision: Precision = "double"
     suffix: str = ""
-    width: int = 150
     formal: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    truths: tuple[str, str] = ("FALSE", "TRUE")
 
     def writes(self, expression: Expression) -> bool:
         """Whether an expression can be part of another one.
 
         A function that selects evaluates both alternatives, so these have to be at hand.
         """
-        if expression.code in ("real", "rounded", "number"):
-            return expression.code == "number" or self.writes(expression.operands[0])
-        if expression.code not in self.statements:
-            return True
-        if "select" not in self.functions or not expression.is_choice:
-            return False
-        at_hand = expression.operands[1:] if expression.code == "select" else expression.operands
-        return all(map(_at_hand, at_hand))
+        code, operands = expression.code, expression.operands
+        if code == "convert":
+            return operands[0].kind == "boolean" or self.writes(operands[0])
+        return self.chooses or code != "select" or all(map(_at_hand, operands[1:]))
 
+    def repeats(self, expression: Expression) -> bool:
+        """Whether the text of an operation holds an operand more than once."""
+        return self.chooses and expression.operation in _REPEATING
 
-def decimal(value: float, *, single: bool = False) -> str:
-    """Write a finite number so that C and Structured Text read back the same number.
+    def render(self, expression: Expression) -> str:
+        """Write an expression, with the parentheses that keep its tree.
 
-    The shortest decimal that rounds to the double, or to the single-precision number, always
-    with a point, the exponent behind a capital E without a plus sign. A compiler may read a
-    single-precision number as a double first: the text survives both roundings.
+        Raises
+        ------
+        InputError
+            The language has no such function or constant.
 
-    Examples
-    --------
-    >>> [decimal(value) for value in (1e300, 0.1, -0.0, 5e-324, 1e22, 3.0)]
-    ['1.0E300', '0.1', '-0.0', '5.0E-324', '1.0E22', '3.0']
-    >>> decimal(0.10000000149011612, single=True), decimal(1e9), decimal(-1200000.0)
-    ('0.1', '1.0E9', '-1200000.0')
-    """
-    if not math.isfinite(value):
-        raise ValueError(f"{value} has no decimal form")
-    text = repr(float(value))
-    if single:
-        shortest = str(np.float32(value))
-        text = shortest if np.float32(float(shortest)) == value else text
-    mantissa, _, exponent = text.partition("e")
-    whole = mantissa.removesuffix(".0")
-    digits = whole.rstrip("0")
-    if not exponent and len(whole) - len(digits) >= _ZEROS and whole != mantissa:
-        point = 2 if digits.startswith("-") else 1
-        exponent = str(len(whole) - point)
-        mantissa = f"{digits[:point]}.{digits[point:] or '0'}"
-    if "." not in mantissa:
-        mantissa += ".0"
-    return f"{mantissa}E{int(exponent)}" if exponent else mantissa
+        Examples
+        --------
+        >>> operators = {"add": "+", "multiply": "*"}
+        >>> signs = Notation("signs", operators, {}, "!")
+        >>> a, b = variable("a"), variable("b")
+        >>> right = Expression("add", (a, Expression("add", (a, b))))
+        >>> signs.render(Expression("multiply", (right, b)))
+        '(a + (a + b)) * b'
+        """
+        return self._written(expression)[0]
+
+    def _written(self, expression: Expression) -> tuple[str, int]:
+        code, operands = expression.operation, expression.operands
+        function = self.functions.get(code, "")
+        if code == "variable":
+            return expression.text, _ATOM
+        if code == "constant":
+            sign = _SIGNED if math.copysign(1.0, expression.number) < 0 else _ATOM
+            return self._constant(expression.number, expression.kind), sign
+        if code in self.operators:
+            return self._operator(expression)
+        if code == "negate":
+            return "-" + self._operand(operands[0], _ATOM), _SIGNED
+        if code == "not":
+            # No operator over truth values binds as tightly, in either language.
+            return self.negation + self._operand(operands[0], _ATOM), _ATOM
+        if code == "real to boolean":
+            return self._operator(Expression("not_equal", (operands[0], constant())))
+        if code in _CHOSEN and not function:
+            return self._choice(expression), _LOOSE
+        if code.startswith("boolean to ") and not function:
+            return self._written(expression.as_select)
+        if function.endswith(")"):
+            return function + self._operand(operands[0], _ATOM), _ATOM
+        if function:
+            texts = [self._operand(operand, _LOOSE) for operand in operands]
+            if code == "select":
+                # The function has the alternative of FALSE first.
+                texts[1:] = texts[:0:-1]
+            if formal := self.formal.get(code):
+                texts = [f"{name} := {text}" for name, text in zip(formal, texts, strict=True)]
+            return f"{function}({', '.join(texts)})", _ATOM
+        raise InputError(
+            f"program, operation {code}",
+            code,
+            f"an operation that {self.language} can write",
+            "write the law without this function",
+        )
+
+    def _constant(self, number: float, kind: Kind) -> str:
+        if kind != "real":
+            return self.truths[int(number)] if kind == "boolean" else f"{number:.0f}"
+        if math.isinf(number) and self.infinity:
+            return ("-" if number < 0 else "") + self.infinity
+        if not math.isfinite(number):
+            raise InputError(
+                "program, constant",
+                number,
+                f"a number that {self.language} can write",
+                "write the law with finite numbers, for example 1e300 for no limit",
+            )
+        return decimal(number, single=self.precision == "single") + self.suffix
+
+    def _operator(self, expression: Expression) -> tuple[str, int]:
+        code, (left, right) = expression.code, expression.operands
+        strength, *least = _STRENGTHS.get(code, (_LOOSE, _SIGNED, _SIGNED))
+        if code in LOGIC:
+            # A chain of one operator needs no parentheses; a mixture gets them all.
+            least = [_LOOSE if left.code == code else _ATOM, _ATOM]
+        first, second = self._operand(left, least[0]), self._operand(right, least[1])
+        return f"{first} {self.operators[code]} {second}", strength
+
+    def _choice(self, expression: Expression) -> str:
+        """Write a choice in the notation of C."""
+        texts = [self._operand(operand, _SIGNED) for operand in expression.operands]
+        condition = self._operand(expression.operands[0], _ATOM)
+        return _CHOSEN[expression.operation].format(*texts, c=condition)
+
+    def _operand(self, expression: Expression, least: int) -> str:
+        text, strength = self._written(expression)
+        return text if strength >= least else f"({text})"
 
 
 def _at_hand(expression: Expression) -> bool:
     """Whether an expression costs next to nothing, and is defined whatever it reads."""
-    if expression.is_atom or (expression.is_whole and not expression.is_choice):
+    if expression.is_atom or (expression.kind == "integer" and expression.code != "select"):
         return True
     defined = expression.code in _ARITHMETIC or expression.code in COMPARISONS | LOGIC
     return defined and all(operand.is_atom for operand in expression.operands)
-
-
-def render(expression: Expression, notation: Notation) -> str:
-    """Write an expression in a language, with the parentheses that keep its tree.
-
-    Raises
-    ------
-    InputError
-        The language has no such function or constant.
-
-    Examples
-    --------
-    >>> signs = Notation("signs", {"add": "+", "multiply": "*"}, {}, "!", frozenset(), frozenset())
-    >>> a, b = variable("a"), variable("b")
-    >>> right = Expression("add", (a, Expression("add", (a, b))))
-    >>> render(Expression("multiply", (right, b)), signs)
-    '(a + (a + b)) * b'
-    """
-    return _written(expression, notation)[0]
-
-
-def _written(expression: Expression, notation: Notation) -> tuple[str, int]:
-    code, operands = expression.code, expression.operands
-    function = notation.functions.get(code, "")
-    if code in ("variable", "flag", "integer"):
-        return expression.text, _ATOM
-    if code == "whole":
-        return f"{expression.number:.0f}", _SIGNED if expression.number < 0 else _ATOM
-    if code == "constant":
-        sign = _SIGNED if math.copysign(1.0, expression.number) < 0 else _ATOM
-        return _constant(expression.number, notation), sign
-    if code in notation.operators:
-        return _operator(expression, notation)
-    if code == "negate":
-        return "-" + _operand(operands[0], notation, _ATOM), _SIGNED
-    if code == "not":
-        # No operator over truth values binds as tightly, in either language.
-        return notation.negation + _operand(operands[0], notation, _ATOM), _ATOM
-    if code == "truth":
-        return _operator(Expression("not_equal", (operands[0], Expression("constant"))), notation)
-    as_function = code in notation.statements if expression.is_choice else function
-    if code in _CHOSEN and not as_function:
-        return _choice(expression, notation), _LOOSE
-    if code == "number":
-        return _written(as_select(expression), notation)
-    if function.endswith(")"):
-        return function + _operand(operands[0], notation, _ATOM), _ATOM
-    if function:
-        texts = [_operand(operand, notation, _LOOSE) for operand in operands]
-        if code == "select":
-            # The function has the alternative of FALSE first.
-            texts[1:] = texts[:0:-1]
-        if formal := notation.formal.get(code):
-            texts = [f"{name} := {text}" for name, text in zip(formal, texts, strict=True)]
-        return f"{function}({', '.join(texts)})", _ATOM
-    raise InputError(
-        f"program, operation {code}",
-        code,
-        f"an operation that {notation.language} can write",
-        "write the law without this function",
-    )
-
-
-def _constant(number: float, notation: Notation) -> str:
-    if math.isinf(number) and notation.infinity:
-        return ("-" if number < 0 else "") + notation.infinity
-    if not math.isfinite(number):
-        raise InputError(
-            "program, constant",
-            number,
-            f"a number that {notation.language} can write",
-            "write the law with finite numbers, for example 1e300 for no limit",
-        )
-    return decimal(number, single=notation.single) + notation.suffix
-
-
-def _operator(expression: Expression, notation: Notation) -> tuple[str, int]:
-    code, (left, right) = expression.code, expression.operands
-    strength, *least = _STRENGTHS.get(code, (_LOOSE, _SIGNED, _SIGNED))
-    if code in LOGIC:
-        # A chain of one operator needs no parentheses; a mixture gets them all.
-        least = [_LOOSE if left.code == code else _ATOM, _ATOM]
-    first, second = _operand(left, notation, least[0]), _operand(right, notation, least[1])
-    return f"{first} {notation.operators[code]} {second}", strength
-
-
-def _choice(expression: Expression, notation: Notation) -> str:
-    """Write a choice in the notation of C."""
-    texts = [_operand(operand, notation, _SIGNED) for operand in expression.operands]
-    condition = _operand(expression.operands[0], notation, _ATOM)
-    one, zero = (_constant(value, notation) for value in (1.0, 0.0))
-    return _CHOSEN[expression.code].format(*texts, c=condition, one=one, zero=zero)
-
-
-def _operand(expression: Expression, notation: Notation, least: int) -> str:
-    text, strength = _written(expression, notation)
-    return text if strength >= least else f"({text})"

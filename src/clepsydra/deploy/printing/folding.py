@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Container, Mapping, Sequence
 
+from clepsydra.base.signal import Kind
 from clepsydra.deploy.printing.expressions import (
     Expression,
     Notation,
+    constant,
     reading,
     variable,
 )
@@ -17,27 +20,32 @@ from clepsydra.deploy.printing.listing import (
     Compound,
     ListingStatement,
     RingTurn,
-    parts,
 )
-from clepsydra.deploy.printing.scope import Scope
-from clepsydra.deploy.printing.whole_numbers import WholeRange
+from clepsydra.deploy.printing.typed_values import in_own_type
+from clepsydra.deploy.printing.whole_numbers import INTEGERS, WholeRange
 from clepsydra.program.needed import needed_body, needed_part, needed_values
-from clepsydra.program.program import (
-    COMPARISONS,
-    Block,
-    Call,
-    Conditional,
-    Loop,
-    Operation,
-    read_by,
-)
+from clepsydra.program.operation import COMPARISONS, Operation
+from clepsydra.program.program import Block, Call, Conditional, Loop, read_by
 
+#: A truth value up to this width is written wherever it is read [characters].
+_SHORT = 32
+#: What a variable is called that nothing gives a name.
+_CALLED = {"maximum": "larger", "minimum": "smaller", "limit": "limited"}
+_CONVERTED: dict[str, Kind] = {"truth": "boolean", "number": "real"}
+#: A number is no larger than one above this.
+_LARGE = 1e37
+#: A folded expression grows no wider than this: two lines at the most [characters].
+_WIDTH = 150
+#: And up to this many characters in all.
+_OFTEN = 90
 #: What stands for an argument that its block does not read.
 _UNREAD = variable("")
+#: Choices are folded into choices no deeper than this, so that a chain of ELSIF stays readable.
+_DEPTH = 4
 
 
-class Lister:
-    """Folds the operations of a block into statements.
+class FoldedBlock:
+    """The statements of a block, with its operations folded into where they are read.
 
     A value that is read once is written where it is read; since every value is assigned once
     and depends on nothing but its operands, no bit changes. A value that is read more often,
@@ -45,172 +53,136 @@ class Lister:
 
     Parameters
     ----------
+    block : Block
+    arguments : sequence of Expression
+        What is written for each argument.
     notation : Notation
     names : Identifiers
         The scope that the variables are named in.
+    labels : mapping, optional
+        Value to the variable that it is assigned to in any case; these names belong to the
+        scope already.
+    preferred : mapping, optional
+        Value to the name that it gets if it needs a variable.
+    ranges : mapping, optional
+        Bounds of the values that are whole numbers, which are computed as integers.
+    around : FoldedBlock, optional
+        The block whose loop or branch this one is.
 
     Examples
     --------
     A value that is read twice gets a variable, one that is read once is written in its place:
 
     >>> from clepsydra.deploy.c99.language import notation_of
-    >>> from clepsydra.deploy.printing.expressions import render
-    >>> notation = notation_of("double")
+    >>> notation, names = notation_of("double"), Identifiers([], ignore_case=False)
     >>> block = Block(1, (Operation(1, "multiply", (0, 0)), Operation(2, "add", (1, 1))), (2,))
-    >>> lister = Lister(notation, Identifiers([], ignore_case=False))
-    >>> statements, results = lister.block(block, [variable("x")], preferred={1: "square"})
-    >>> [statement.name for statement in statements], render(results[0], notation)
+    >>> folded = FoldedBlock(block, [variable("x")], notation, names, preferred={1: "square"})
+    >>> [each.name for each in folded.statements], notation.render(folded.results[0])
     (['square'], 'square + square')
     """
 
-    def __init__(self, notation: Notation, names: Identifiers) -> None:
-        self._notation, self._names = notation, names
-        #: Tables of the loops by name.
-        self.tables: dict[str, tuple[float, ...]] = {}
-        #: The indices of the loops, by how deep these stand.
-        self._indices: list[str] = []
-        self._depth = 0
-
-    def block(
+    def __init__(
         self,
         block: Block,
         arguments: Sequence[Expression],
+        notation: Notation,
+        names: Identifiers,
         labels: Mapping[int, str] | None = None,
         preferred: Mapping[int, str] | None = None,
         ranges: Mapping[int, WholeRange] | None = None,
-    ) -> tuple[list[ListingStatement], list[Expression]]:
-        """Return the statements of a block, and the expressions of its results.
-
-        Parameters
-        ----------
-        block : Block
-        arguments : sequence of Expression
-            What is written for each argument.
-        labels : mapping, optional
-            Value to the variable that it is assigned to in any case; these names belong to the
-            scope already.
-        preferred : mapping, optional
-            Value to the name that it gets if it needs a variable.
-        ranges : mapping, optional
-            Bounds of the values that are whole numbers, which are computed as integers.
-        """
-        labels, given = labels or {}, dict(enumerate(arguments))
-        scope = Scope(self._notation, self._names, given, dict(preferred or {}), ranges or {})
-        block, uses = needed_part(block)
-        scope.name_by_ports(block)
-        scope.count_by_readers(block)
-        compared = self._only_compared(block)
-        for statement in block.statements:
-            if isinstance(statement, (Loop, Conditional)):
-                self._compound(statement, scope, labels, uses)
-                continue
-            if isinstance(statement, Call):
-                self._call(statement, scope)
-                continue
-            target = statement.target
-            expression = scope.values[target] = scope.operation(statement)
-            if expression.is_atom or target in compared:
-                continue
-            often = uses[target] > 1 and not scope.is_short(expression, uses[target])
-            if target in labels or often:
-                scope.assign(target, labels.get(target, ""))
-        return scope.statements, [scope.values[value] for value in block.results]
-
-    def _only_compared(self, block: Block) -> set[int]:
-        """Return the rounded values that only comparisons read: these may do without."""
-        rounded = {
-            each.target
-            for each in block.statements
-            if isinstance(each, Operation) and each.code in ("floor", "ceiling")
-        }
-        for each in block.statements:
-            if not (isinstance(each, Operation) and each.code in COMPARISONS):
-                rounded.difference_update(read_by(each))
-        return rounded.difference(block.results)
-
-    def _compound(
-        self,
-        statement: Loop | Conditional,
-        scope: Scope,
-        labels: Mapping[int, str],
-        uses: Mapping[int, int],
+        around: FoldedBlock | None = None,
     ) -> None:
-        names, count, before = self._names, len(statement.targets), dict(scope.values)
-        live = needed_values(statement, uses)
-        needed, read = needed_body(statement, live)
-        loop = statement if isinstance(statement, Loop) else None
-        index, rings = self._index() if loop else "", loop.rings if loop else ()
-        inside = self._entries(loop, index, read) if loop else []
-        first = len(inside)
-        carried = self._carried(statement, live, scope, labels, uses)
-        starts = (Assignment(name, before[statement.carried[k]]) for k, name in carried.items())
-        start = tuple(each for each in starts if each.expression != variable(each.name))
-        oldest = [
-            names.new(f"oldest_{ring.signal.identifier}") if argument in read else ""
-            for argument, ring in enumerate(rings, first + count)
-        ]
+        self._notation, self._names = notation, names
+        self._labels, self._preferred = labels or {}, dict(preferred or {})
+        self._ranges, self._integers = ranges or {}, INTEGERS[notation.precision][:2]
+        self._arguments = dict(enumerate(arguments))
+        #: Value to the expression that reads it.
+        self._values = dict(self._arguments)
+        #: Variables of loops and branches, which a later one may go on with.
+        self._carried: set[str] = set()
+        #: Tables of the loops by name, and the indices of the loops, by how deep these stand.
+        self.tables: dict[str, tuple[float, ...]] = around.tables if around else {}
+        self._indices: list[str] = around._indices if around else []
+        self._depth: int = around._depth if around else 0
+        self.statements: list[ListingStatement] = []
+        block, self._uses = needed_part(block)
+        self._look_ahead(block)
+        for statement in block.statements:
+            if isinstance(statement, Operation):
+                self._fold(statement)
+            elif isinstance(statement, Call):
+                self._call(statement)
+            else:
+                self._compound(statement)
+        #: The expressions of its results.
+        self.results = [self._values[value] for value in block.results]
 
-        def held(argument: int, value: int) -> Expression:
-            return scope.atom(value) if argument in read else _UNREAD
-
-        # What only the body reads, it reads as it was before.
-        inside += [
-            variable(carried[k]) if k in carried else held(first + k, value)
-            for k, value in enumerate(statement.carried)
-        ]
-        inside += map(variable, oldest)
-        inside += [held(len(inside) + k, value) for k, value in enumerate(statement.invariants)]
-        self._depth += 1 if loop else 0
-        body, results = self.block(needed, inside)
-        self._depth -= 1 if loop else 0
-        update = self._update(list(carried.values()), results[: len(live)], body)
-        turns = map(RingTurn, rings, oldest, results[len(live) :])
-        if loop or body or update:
-            condition = None if isinstance(statement, Loop) else scope.values[statement.condition]
-            turned = index, loop.count if loop else 1, tuple(turns)
-            made = Compound(statement.name, start, tuple(body), update, condition, *turned)
-            scope.statements.append(made)
-        else:
-            scope.statements += start
-
-    def _entries(self, loop: Loop, index: str, read: Container[int]) -> list[Expression]:
-        """Return what reads the tables of a loop in a turn, and keep those that it reads."""
-        entries = []
-        for number, table in enumerate(loop.tables):
-            if number not in read or loop.count == 1:
-                entries.append(Expression("constant", number=table[0]))
+    def _look_ahead(self, block: Block) -> None:
+        #: The values that something reads as a number, not as an integer, and those rounded ones
+        #: that something else than a comparison reads.
+        self._as_number, self._kept = {*block.results}, {*block.results}
+        for each in block.statements:
+            if isinstance(each, Operation):
+                self._as_number.update(() if each.target in self._ranges else each.arguments)
+                self._kept.update(() if each.code in COMPARISONS else each.arguments)
                 continue
-            # By their texts: equal numbers may be zeros of different sign.
-            known = (name for name, other in self.tables.items() if repr(other) == repr(table))
-            name = next(known, "") or self._names.new(f"{loop.name}_table")
-            self.tables[name] = table
-            entries.append(variable(f"{name}[{index}]"))
-        return entries
+            self._kept.update(read_by(each))
+            if not isinstance(each, Call):
+                self._as_number.update(read_by(each))
+                continue
+            for signal, value in each.ports():
+                # A variable that a call reads is named after the port that it goes to.
+                free = self._names.is_free(signal.identifier)
+                name = signal.identifier if free else f"{each.identifier}_{signal.identifier}"
+                self._preferred.setdefault(value, name)
+                self._as_number.update(() if signal.kind == "integer" else [value])
 
-    def _call(self, call: Call, scope: Scope) -> None:
+    def _assign(self, value: int, name: str = "") -> Expression:
+        """Give a value a variable, and return the expression that reads it."""
+        expression = self._values[value]
+        if not name:
+            wanted = self._preferred.get(value) or _name_for(expression)
+            name = self._names.new(wanted) if wanted else self._names.temporary()
+        if expression.code == "select" and value not in self._as_number:
+            expression = expression.known_as("integer") or expression
+        typed = expression.typed_part
+        self.statements.append(Assignment(name, typed))
+        read = variable(name, typed.kind)
+        self._values[value] = read if expression.kind == "boolean" else read.to("real")
+        return self._values[value]
+
+    def _atom(self, value: int) -> Expression:
+        """Return a value as something that can be written more than once."""
+        expression = self._values[value]
+        return expression if expression.typed_part.is_atom else self._assign(value)
+
+    def _fold(self, operation: Operation) -> None:
+        """Write an operation where it is read, or give it a variable."""
+        target = operation.target
+        expression = self._values[target] = self._operation(operation)
+        rounded = operation.code in ("floor", "ceiling")
+        if expression.is_atom or (rounded and target not in self._kept):
+            return
+        often = self._uses[target] > 1 and not self._is_short(expression, self._uses[target])
+        if target in self._labels or often:
+            self._assign(target, self._labels.get(target, ""))
+
+    def _call(self, call: Call) -> None:
+        """Call an instance, of which the outputs are read afterwards."""
         program, states = call.program, len(call.program.state)
         name = self._names.new(call.identifier)
         arguments = []
         for signal, value in call.ports():
-            given = scope.values[value]
-            truth = signal.kind == "boolean" and given.code == "number"
-            given = given.operands[0] if truth else given
-            written = self._notation.writes(given)
-            arguments.append(scope.values[value] if written else scope.atom(value))
-        scope.statements.append(BlockCall(name, program, tuple(arguments), call.identifier))
+            given = self._values[value]
+            typed = given.typed_part if signal.kind == "boolean" else given
+            arguments.append(given if self._notation.writes(typed) else self._atom(value))
+        self.statements.append(BlockCall(name, program, tuple(arguments), call.identifier))
         # The next state stays in the instance.
-        scope.values |= dict.fromkeys(call.targets[:states], _UNREAD)
+        self._values |= dict.fromkeys(call.targets[:states], _UNREAD)
         for signal, target in zip(program.outputs, call.targets[states:], strict=True):
-            scope.values[target] = reading(signal.kind, f"{name}.{signal.identifier}")
+            self._values[target] = reading(signal.kind, f"{name}.{signal.identifier}")
 
-    def _carried(
-        self,
-        statement: Loop | Conditional,
-        live: Sequence[int],
-        scope: Scope,
-        labels: Mapping[int, str],
-        uses: Mapping[int, int],
-    ) -> dict[int, str]:
+    def _carry(self, statement: Loop | Conditional, live: Sequence[int]) -> dict[int, str]:
         """Name the variables of those carried values that need one, by their position.
 
         What was carried by a statement before, and is read by this one alone, is carried on.
@@ -218,14 +190,123 @@ class Lister:
         carried: dict[int, str] = {}
         for k in live:
             target, start = statement.targets[k], statement.carried[k]
-            name, kept = labels.get(target, ""), scope.values[start].text
-            if not name and kept in scope.carried and uses[start] == 1:
+            name, kept = self._labels.get(target, ""), self._values[start].text
+            if not name and kept in self._carried and self._uses[start] == 1:
                 name = kept
-            wanted = scope.preferred.get(target) or f"{statement.name}_value"
+            wanted = self._preferred.get(target) or f"{statement.name}_value"
             carried[k] = name or self._names.new(wanted)
-            scope.values[target] = variable(carried[k])
-        scope.carried.update(carried.values())
+            self._values[target] = variable(carried[k])
+        self._carried.update(carried.values())
         return carried
+
+    def _is_short(self, expression: Expression, uses: int) -> bool:
+        """Whether an expression may be written as often as it is read."""
+        expression = expression.typed_part
+        read = (each.operands[0] if each.code == "not" else each for each in expression.operands)
+        plain = all(each.is_atom for each in read)
+        width = self._width(expression)
+        short = width <= _SHORT and width * uses <= _OFTEN
+        return expression.kind == "boolean" and plain and short
+
+    def _operation(self, operation: Operation) -> Expression:
+        """Return an operation over the expressions of its arguments."""
+        code = operation.code
+        if code == "constant":
+            return constant(operation.constant)
+        if code == "truth":
+            # The number of a truth value is 0 or 1: its truth is that value itself. A boolean
+            # argument stays one, whether or not its number has a variable by now.
+            value = operation.arguments[0]
+            number = self._arguments.get(value, self._values[value])
+            if number.operation == "boolean to real":
+                return number.operands[0]
+        wanted = self._made(operation).typed_part
+        for position, value in enumerate(operation.arguments):
+            if not self._fits(wanted, position, self._values[value]):
+                self._atom(value)
+        # A long sum reads well on several lines.
+        widest = _WIDTH * (3 if code == "add" else 1)
+        while True:
+            expression = self._made(operation)
+            folded = [value for value in operation.arguments if not self._values[value].is_atom]
+            if self._width(expression) <= widest or not folded:
+                return expression
+            # What is too wide has variables for its widest operands.
+            self._atom(max(folded, key=lambda value: self._width(self._values[value])))
+
+    def _made(self, operation: Operation) -> Expression:
+        """Return an operation over the expressions of its arguments, in their own type."""
+        operands = tuple(self._values[value] for value in operation.arguments)
+        bounds = [self._ranges.get(value) for value in operation.arguments]
+        found = self._ranges.get(operation.target)
+        if kind := _CONVERTED.get(operation.code):
+            return Expression("convert", operands, held=kind)
+        typed = in_own_type(operation.code, operands, bounds, found, self._integers)
+        return typed or Expression(operation.code, operands).simplified()
+
+    def _fits(self, wanted: Expression, position: int, operand: Expression) -> bool:
+        """Whether the language can write an operand in that place."""
+        if operand.is_atom or self._notation.repeats(wanted):
+            return operand.is_atom
+        branch = wanted.code == "select" and position > 0 and not self._notation.chooses
+        nested = branch and operand.code == "select" and _depth(operand) < _DEPTH
+        return nested or self._notation.writes(operand)
+
+    def _width(self, expression: Expression) -> int:
+        if not self._notation.writes(expression):
+            return max(self._width(operand) for operand in expression.operands)
+        return len(self._notation.render(expression))
+
+    def _compound(self, statement: Loop | Conditional) -> None:
+        before, live = dict(self._values), needed_values(statement, self._uses)
+        needed, read = needed_body(statement, live)
+        loop = statement if isinstance(statement, Loop) else None
+        index, rings = self._index() if loop else "", loop.rings if loop else ()
+        inside = self._entries(loop, index, read) if loop else []
+        first, of_rings = len(inside), len(inside) + len(statement.targets)
+        carried = self._carry(statement, live)
+        starts = (Assignment(name, before[statement.carried[k]]) for k, name in carried.items())
+        start = tuple(each for each in starts if each.expression != variable(each.name))
+        oldest = [
+            self._names.new(f"oldest_{ring.signal.identifier}") if argument in read else ""
+            for argument, ring in enumerate(rings, of_rings)
+        ]
+        given = {first + k: variable(name) for k, name in carried.items()}
+        given |= {k: variable(name) for k, name in enumerate(oldest, of_rings)}
+        values = (*statement.carried, *(-1 for _ in rings), *statement.invariants)
+        # What only the body reads, it reads as it was before.
+        inside += [
+            given.get(argument) or (self._atom(value) if argument in read else _UNREAD)
+            for argument, value in enumerate(values, first)
+        ]
+        self._depth += 1 if loop else 0
+        made = FoldedBlock(needed, inside, self._notation, self._names, around=self)
+        self._depth -= 1 if loop else 0
+        body, results = made.statements, made.results
+        update = self._update(list(carried.values()), results[: len(live)], body)
+        if not (loop or body or update):
+            # Neither is its condition needed.
+            self.statements += start
+            return
+        condition = None if isinstance(statement, Loop) else self._values[statement.condition]
+        turned = index, loop.count if loop else 1
+        turns = tuple(map(RingTurn, rings, oldest, results[len(live) :]))
+        inner = tuple(body), update
+        self.statements.append(Compound(statement.name, start, *inner, condition, *turned, turns))
+
+    def _entries(self, loop: Loop, index: str, read: Container[int]) -> list[Expression]:
+        """Return what reads the tables of a loop in a turn, and keep those that it reads."""
+        entries = []
+        for number, table in enumerate(loop.tables):
+            if number not in read or loop.count == 1:
+                entries.append(constant(table[0]))
+                continue
+            # By their texts: equal numbers may be zeros of different sign.
+            known = (name for name, other in self.tables.items() if repr(other) == repr(table))
+            name = next(known, "") or self._names.new(f"{loop.name}_table")
+            self.tables[name] = table
+            entries.append(variable(f"{name}[{index}]"))
+        return entries
 
     def _index(self) -> str:
         """Return the index of a loop; those beside each other have the same."""
@@ -241,9 +322,33 @@ class Lister:
         for position, (name, result) in enumerate(zip(carried, results, strict=True)):
             if result == variable(name):
                 continue
-            if any(part.text in carried[:position] for part in parts(result)):
+            if any(part.text in carried[:position] for part in result.parts):
                 kept = self._names.new(f"next_{name}")
                 body.append(Assignment(kept, result))
                 result = variable(kept)
             update.append(Assignment(name, result))
         return tuple(update)
+
+
+def _name_for(expression: Expression) -> str:
+    """Return a name that says what an expression is; empty where it says too little."""
+    expression = expression.typed_part
+    code, operands = expression.code, expression.operands
+    if code == "less_equal" and operands[0].code == "absolute" and operands[1].number > _LARGE:
+        return _last_name(operands[0].operands[0], "_is_number")
+    if code == "select" and operands[2].code == "constant" and expression.kind == "real":
+        return _last_name(operands[1], "_used")
+    other = {"maximum": "minimum", "minimum": "maximum"}.get(expression.operation)
+    if other and [each.code for each in operands] == ["variable", other]:
+        return "limited"
+    return _CALLED.get(code, "")
+
+
+def _last_name(read: Expression, end: str) -> str:
+    """Return the name of a variable, without what it is a member of, and an end."""
+    return re.split(r"\W+", read.text.rstrip("]"))[-1] + end if read.text else ""
+
+
+def _depth(expression: Expression) -> int:
+    choices = expression.operands[1:] if expression.code == "select" else ()
+    return max((1 + _depth(each) for each in choices), default=0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import textwrap
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from clepsydra import __version__
 from clepsydra.base.signal import Signal
@@ -12,7 +12,8 @@ from clepsydra.controllers.signals import LARGEST_PARAMETER
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.entries import Entry, signal_of
-from clepsydra.program.program import Block, Call, Loop, Operation, Program
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Call, Loop, Program
 
 #: A line of a head comment is no wider than this [characters].
 _WIDTH = 90
@@ -143,8 +144,8 @@ def number_comment(entry: Entry, source: str = "") -> str:
     '[s] SIMC rules'
     """
     signal = signal_of(entry)
-    unit = "truth value" if signal.kind == "boolean" else f"[{signal.unit}]"
-    between = "; " if signal.kind == "boolean" else " "
+    truth = signal.kind == "boolean"
+    unit, between = ("truth value", "; ") if truth else (f"[{signal.unit}]", " ")
     return harmless(f"{unit}{between}{source}" if source else unit)
 
 
@@ -162,17 +163,15 @@ def table_comment(origin: Origin | None) -> str:
 
 def _bounds(signal: Signal) -> str:
     # The bound that a parameter has so that it is a reasonable number tells its reader nothing.
-    bounded = signal.low > -LARGEST_PARAMETER, signal.high < LARGEST_PARAMETER
-    low, high = f"{signal.low:.12g}", f"{signal.high:.12g}"
-    if all(bounded):
+    low = f"{signal.low:.12g}" if signal.low > -LARGEST_PARAMETER else ""
+    high = f"{signal.high:.12g}" if signal.high < LARGEST_PARAMETER else ""
+    if low and high:
         return f" {low} to {high}"
-    if bounded[0]:
-        return f" from {low}"
-    return f" up to {high}" if bounded[1] else ""
+    return f" from {low}" if low else f" up to {high}" if high else ""
 
 
 def commented(line: str, text: str, opening: str, closing: str, width: int) -> list[str]:
-    """Return a line with its comment behind it, or above it where both are too wide.
+    """Return a line with its comment, if any, behind it, or above it where both are too wide.
 
     Examples
     --------
@@ -180,12 +179,25 @@ def commented(line: str, text: str, opening: str, closing: str, width: int) -> l
     ['(* [m] level of the', '   tank *)', 'x : LREAL;']
     """
     together = f"{line} {opening} {text} {closing}"
-    if len(together) <= width:
-        return [together]
+    if not text or len(together) <= width:
+        return [together if text else line]
     # The closing mark stays with the last word.
     whole = f"{opening} {text}\N{NO-BREAK SPACE}{closing}"
     above = textwrap.wrap(whole, width, subsequent_indent=" " * (len(opening) + 1))
     return [*(row.replace("\N{NO-BREAK SPACE}", " ") for row in above), line]
+
+
+def enclosed(rows: Sequence[str], opening: str, closing: str) -> list[str]:
+    """Return rows of text as one comment.
+
+    Examples
+    --------
+    >>> enclosed(["One.", "Two."], "(*", "*)")
+    ['(* One.', '   Two. *)']
+    """
+    first, *rest = rows
+    found = [f"{opening} {first}", *(f"{' ' * len(opening)} {row}" for row in rest)]
+    return [*found[:-1], f"{found[-1]} {closing}"]
 
 
 def harmless(text: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.language_words import C_WORDS, STRUCTURED_TEXT_WORDS
@@ -97,64 +98,67 @@ class Identifiers:
         return name.lower() if self._ignore_case else name
 
 
-def check_identifier(
-    name: str, place: str, language: str, words: frozenset[str], *, ignore_case: bool
-) -> None:
-    """Refuse a name that a language does not accept.
+@dataclass(frozen=True)
+class NameRules:
+    """What a language accepts as a name.
 
-    Raises
-    ------
-    InputError
-        The name is no identifier or is a word of the language.
+    Parameters
+    ----------
+    language : str
+    words : frozenset of str
+        Those that are no names; in upper case where the language ignores the case.
+    ignore_case : bool
+    longest : int
+        Longest name [characters]; 0 where there is no limit that matters.
+    systems : str
+        Those that have this limit.
 
     Examples
     --------
-    >>> check_identifier("level_1", "law, level_1", "C", C_WORDS, ignore_case=False)
+    >>> rules = NameRules("C", C_WORDS)
+    >>> rules.check("level_1", "law, level_1")
     >>> try:
-    ...     check_identifier("double", "law, double", "C", C_WORDS, ignore_case=False)
+    ...     rules.check("double", "law, double")
     ... except InputError as error:
     ...     print(error)
     law, double: got 'double', expected a name that is no word of C; rename it.
     """
-    if not _IDENTIFIER.fullmatch(name) or "__" in name or name.endswith("_"):
-        raise InputError(
-            place,
-            name,
-            f"an identifier of {language}: letters, digits and single underscores, a letter first",
-            "rename it",
-        )
-    if (name.upper() if ignore_case else name) in words:
-        raise InputError(place, name, f"a name that is no word of {language}", "rename it")
 
+    language: str
+    words: frozenset[str]
+    ignore_case: bool = False
+    longest: int = 0
+    systems: str = ""
 
-def check_distinct(entries: Iterable[tuple[str, str]], language: str, *, ignore_case: bool) -> None:
-    """Refuse names that a language cannot tell apart.
+    def check(self, name: str, place: str) -> None:
+        """Refuse what is no identifier, is a word of the language, or is too long."""
+        language, expected, remedy = self.language, "", "rename it"
+        if not _IDENTIFIER.fullmatch(name) or "__" in name or name.endswith("_"):
+            expected = f"an identifier of {language}: letters, digits and single underscores, "
+            expected += "a letter first"
+        elif (name.upper() if self.ignore_case else name) in self.words:
+            expected = f"a name that is no word of {language}"
+        elif 0 < self.longest < len(name):
+            expected = f"at most {self.longest} characters for {self.systems}"
+            remedy = "give it a shorter name"
+        if expected:
+            raise InputError(place, name, expected, remedy)
 
-    Parameters
-    ----------
-    entries : iterable of (str, str)
-        Name and the place where it stands.
+    def check_distinct(self, entries: Iterable[tuple[str, str]]) -> None:
+        """Refuse names, each with the place where it stands, that the language cannot tell apart.
 
-    Raises
-    ------
-    InputError
-        Two names are the same.
-
-    Examples
-    --------
-    >>> entries = [("Level", "law, Level"), ("level", "law, level")]
-    >>> check_distinct(entries, "C", ignore_case=False)
-    >>> try:
-    ...     check_distinct(entries, "Structured Text", ignore_case=True)
-    ... except InputError as error:
-    ...     print(error.expected)
-    a name that differs in Structured Text from law, Level
-    """
-    seen: dict[str, str] = {}
-    for name, place in entries:
-        key = name.lower() if ignore_case else name
-        if key in seen:
-            raise InputError(
-                place, name, f"a name that differs in {language} from {seen[key]}", "rename one"
-            )
-        seen[key] = place
+        >>> entries = [("Level", "law, Level"), ("level", "law, level")]
+        >>> NameRules("C", C_WORDS).check_distinct(entries)
+        >>> try:
+        ...     NameRules("Structured Text", frozenset(), ignore_case=True).check_distinct(entries)
+        ... except InputError as error:
+        ...     print(error.expected)
+        a name that differs in Structured Text from law, Level
+        """
+        seen: dict[str, str] = {}
+        for name, place in entries:
+            key = name.lower() if self.ignore_case else name
+            if key in seen:
+                expected = f"a name that differs in {self.language} from {seen[key]}"
+                raise InputError(place, name, expected, "rename one")
+            seen[key] = place

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.printing.expressions import Expression
-from clepsydra.deploy.printing.typed_values import of_kind
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Program
 
@@ -121,7 +120,7 @@ class BlockCall:
     def given(self) -> Iterator[tuple[Signal, Expression]]:
         """Yield each input with its value, in its own type."""
         for signal, value in zip(self.program.inputs, self.arguments, strict=True):
-            yield signal, of_kind(signal.kind, value)
+            yield signal, value.to(signal.kind)
 
 
 ListingStatement = Assignment | Compound | BlockCall
@@ -136,33 +135,14 @@ def touched(statement: ListingStatement) -> set[str]:
     >>> sorted(touched(Assignment("u", Expression("add", (variable("a"), variable("b"))))))
     ['a', 'b', 'u']
     """
-    return set(_touched(statement))
-
-
-def _touched(statement: ListingStatement) -> Iterator[str]:
+    found: set[str] = set()
     given: list[Expression] = []
     if isinstance(statement, Assignment):
-        yield statement.name
-        given = [statement.expression]
+        found, given = {statement.name}, [statement.expression]
     elif isinstance(statement, BlockCall):
         given = [*statement.arguments]
     else:
-        for inner in (*statement.start, *statement.body, *statement.update):
-            yield from _touched(inner)
+        found = found.union(*map(touched, (*statement.start, *statement.body, *statement.update)))
         given = [turn.written for turn in statement.rings]
         given += [statement.condition] if statement.condition else []
-    yield from (part.text for each in given for part in parts(each) if part.text)
-
-
-def parts(expression: Expression) -> Iterator[Expression]:
-    """Yield an expression and every part of it.
-
-    Examples
-    --------
-    >>> from clepsydra.deploy.printing.expressions import variable
-    >>> [part.code for part in parts(Expression("negate", (variable("a"),)))]
-    ['negate', 'variable']
-    """
-    yield expression
-    for operand in expression.operands:
-        yield from parts(operand)
+    return found | {part.text for each in given for part in each.parts if part.text}

@@ -11,18 +11,18 @@ import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.program.program import Block, Call, Conditional, Operation, Program, Statement
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Call, Conditional, Program, Statement
 
 #: LREAL and double, or REAL and float.
 Precision = Literal["double", "single"]
 
 _LARGEST = float(np.finfo(np.float32).max)
 _SMALLEST = float(np.finfo(np.float32).tiny)
-#: Above this magnitude a value counts as not a number: of doubles (`LARGEST_NUMBER` of the
-#: controllers' blocks), and what takes its place among single-precision numbers.
-_NUMBER_BOUND, _SINGLE_BOUND = 1e300, float(np.float32(3e38))
-#: What keeps a divisor from being zero, and what takes its place.
-_LEAST_DIVISOR, _LEAST_SINGLE = 1e-300, _SMALLEST
+#: What takes the place of doubles among single-precision numbers: of the magnitude above which a
+#: value counts as not a number (`LARGEST_NUMBER` of the controllers' blocks), and of what keeps a
+#: divisor from being zero.
+_IN_SINGLE = {1e300: float(np.float32(3e38)), 1e-300: _SMALLEST}
 
 
 def check_precision(precision: str) -> None:
@@ -103,10 +103,8 @@ def _statement(statement: Statement, place: str) -> Statement:
 def _single(value: float, place: str) -> float:
     if value == 0.0 or not math.isfinite(value):
         return value
-    if abs(value) == _NUMBER_BOUND:
-        return math.copysign(_SINGLE_BOUND, value)
-    if abs(value) == _LEAST_DIVISOR:
-        return math.copysign(_LEAST_SINGLE, value)
+    if abs(value) in _IN_SINGLE:
+        return math.copysign(_IN_SINGLE[abs(value)], value)
     if not _SMALLEST <= abs(value) <= _LARGEST:
         raise InputError(
             place, value, f"a number of REAL: magnitude from {_SMALLEST:.3g} to {_LARGEST:.3g}",

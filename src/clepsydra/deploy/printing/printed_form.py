@@ -14,37 +14,15 @@ from clepsydra.program.program import Program
 def printed_form(program: Program, precision: Precision) -> Program:
     """Return a program whose calls own their state and tell nothing that nobody reads.
 
-    Raises
-    ------
-    InputError
-        It cannot be printed in that precision.
-    ValueError
-        Two blocks of one name compute different things.
-
-    Examples
-    --------
-    >>> from clepsydra.base.signal import Signal
-    >>> from clepsydra.program.program import Block
-    >>> law = Program("law", (), (Signal("x"),), (), (Signal("y"),), Block(1, (), (0,)))
-    >>> printed_form(law, "single") == law
-    True
-    """
-    check_printable(program)
-    program = without_untold(with_owned_state(in_precision(program, precision)))
-    check_whole_results(program, precision)
-    return program
-
-
-def check_printable(program: Program) -> None:
-    """Refuse what is no program, and a program with a fused operation.
-
     Structured Text has no fused operation, and a controller must compute the same bits
     everywhere.
 
     Raises
     ------
     InputError
-        It is no program, or some operation is fused.
+        It is no program, some operation is fused, or it cannot be printed in that precision.
+    ValueError
+        Two blocks of one name compute different things.
 
     Examples
     --------
@@ -52,18 +30,13 @@ def check_printable(program: Program) -> None:
     >>> from clepsydra.program.program import Block, Operation
     >>> fused = Block(1, (Operation(1, "multiply", (0, 0), fused=True),), (1,))
     >>> try:
-    ...     check_printable(Program("law", (), (Signal("u"),), (), (Signal("y"),), fused))
+    ...     printed_form(Program("law", (), (Signal("u"),), (), (Signal("y"),), fused), "double")
     ... except InputError as error:
     ...     print(error.value)
     a fused multiply
     """
-    require_type(
-        program,
-        Program,
-        "print",
-        "a Program",
-        "give controller.program(), or program_of(law) of a step law",
-    )
+    remedy = "give controller.program(), or program_of(law) of a step law"
+    require_type(program, Program, "print", "a Program", remedy)
     for operation in program.block.operations():
         if operation.fused:
             raise InputError(
@@ -72,3 +45,6 @@ def check_printable(program: Program) -> None:
                 "a program without fused operations",
                 "print the controller's own program, or a process without fused operations",
             )
+    program = without_untold(with_owned_state(in_precision(program, precision)))
+    check_whole_results(program, precision)
+    return program

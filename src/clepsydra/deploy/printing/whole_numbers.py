@@ -14,15 +14,8 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.program.entries import signal_of
-from clepsydra.program.program import (
-    COMPARISONS,
-    LOGIC,
-    Block,
-    Call,
-    Conditional,
-    Operation,
-    Program,
-)
+from clepsydra.program.operation import COMPARISONS, LOGIC, Operation
+from clepsydra.program.program import Block, Call, Conditional, Program
 
 INTEGER_LOW, INTEGER_HIGH = -(2.0**31), 2.0**31 - 1.0
 #: Sums and products of whole numbers up to this size are exact.
@@ -248,12 +241,10 @@ def _range_of(operation: Operation, operands: list[WholeRange | None]) -> WholeR
     code = operation.code
     if code == "constant":
         return _whole(operation.constant)
-    if code == "number" or code in COMPARISONS or code in LOGIC or code == "truth":
+    if code in COMPARISONS | LOGIC | {"number", "truth"}:
         return _TRUTH
-    if code == "select":
-        operands = operands[1:]
-    known = [operand for operand in operands if operand is not None]
-    if len(known) != len(operands) or not known:
+    known = [*filter(None, operands[code == "select" :])]
+    if len(known) != len(operands) - (code == "select") or not known:
         return None
     first, second = known[0], known[-1]
     if code == "select":
@@ -281,11 +272,8 @@ def _range_of(operation: Operation, operands: list[WholeRange | None]) -> WholeR
 
 
 def _either(first: WholeRange, second: WholeRange) -> WholeRange:
-    return WholeRange(
-        min(first.low, second.low),
-        max(first.high, second.high),
-        first.maybe_nan or second.maybe_nan,
-    )
+    maybe_nan = first.maybe_nan or second.maybe_nan
+    return WholeRange(min(first.low, second.low), max(first.high, second.high), maybe_nan)
 
 
 def _extreme(code: str, first: WholeRange, second: WholeRange) -> WholeRange:

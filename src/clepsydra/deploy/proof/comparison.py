@@ -11,7 +11,8 @@ import numpy as np
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.proof.instance import Array
 from clepsydra.program.entries import signal_of
-from clepsydra.program.program import EXACT, Program
+from clepsydra.program.operation import EXACT
+from clepsydra.program.program import Program
 
 #: Largest difference of a law with exp, pow and other functions of a library, in double
 #: precision, as a share of a signal's range.

@@ -57,13 +57,11 @@ def loop_digest(item: ProofItem) -> str:
     if controller is None or point is None:
         return ""
     from clepsydra.deploy.process_program import process_program
-    from clepsydra.linear.linearise import linearise
-    from clepsydra.loop.step_size import substeps_for
 
     said = [
         controller.input_wires, controller.output_wires, controller.initial_state,
         controller.values, controller.free_inputs, point.as_dict(),
-        digest(process_program(point, substeps_for(linearise(point)))),
+        digest(process_program(point)),
     ]  # fmt: skip
     parts = [repr(each).encode() for each in said]
     if scenario is not None:

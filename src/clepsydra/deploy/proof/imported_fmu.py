@@ -91,7 +91,7 @@ class ImportedFmu(Instance):
 
     Examples
     --------
-    See `clepsydra.deploy.proof.fmu_targets`.
+    See `clepsydra.deploy.proof.fmu_runs`.
     """
 
     def __init__(self, program: Program, path: Path, folder: Path, sampling_period: float) -> None:

@@ -11,7 +11,7 @@ from clepsydra.deploy.proof.instance import Instance
 from clepsydra.deploy.proof.text.interpreter import function_block
 from clepsydra.deploy.proof.text.scl import standard_text
 from clepsydra.deploy.structured_text.dialect import dialect_of
-from clepsydra.deploy.structured_text.interface import with_block_names
+from clepsydra.deploy.structured_text.instances import with_block_names
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.program.entries import is_ring
 from clepsydra.program.owned_state import state_paths, with_owned_state

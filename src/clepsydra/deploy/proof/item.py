@@ -9,10 +9,8 @@ from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.process_program import process_program
-from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.scenario import Scenario
-from clepsydra.loop.step_size import substeps_for
 from clepsydra.program.program import Program
 
 
@@ -84,7 +82,6 @@ def process_item(point: OperatingPoint, origin: Origin | None = None) -> ProofIt
         process.title, process.sampling_period, kind="process", origin=origin, point=point
     )
     try:
-        substeps = substeps_for(linearise(point))
-        return replace(blank, program=process_program(point, substeps))
+        return replace(blank, program=process_program(point))
     except InputError as refusal:
         return replace(blank, refusal=str(refusal))

@@ -57,8 +57,8 @@ class Job:
         return self.item.program
 
     @cached_property
-    def of_fmu(self) -> Job:
-        """The work on the FMU of the item: this one where its program is in SI."""
+    def in_si(self) -> Job:
+        """The work on the program with ports in SI: this one where it is that."""
         in_si = self.item.program_in_si
         if in_si is None or digest(in_si) == digest(self.program):
             return self

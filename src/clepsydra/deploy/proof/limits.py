@@ -11,7 +11,8 @@ import numpy as np
 from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.deploy.proof.item import ProofItem
 from clepsydra.program.entries import Entry, signal_of
-from clepsydra.program.program import Block, Call, Loop, Operation
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Block, Call, Loop
 
 _SINGLE = np.finfo(np.float32)
 #: Magnitudes that stand for no limit and for no divisor, which single precision replaces.
@@ -37,29 +38,8 @@ class Limit:
     reason : str
         Why that is no fault of what is printed.
     meets : callable
-        Takes target, precision and item, and returns whether the item needs it. It looks at the
-        program itself, so that a printer which refuses without need is found out.
-
-    Examples
-    --------
-    >>> LIMITS[0].name
-    'law in Python'
-    """
-
-    name: str
-    reason: str
-    meets: Callable[[str, str, ProofItem], bool]
-
-
-def limit_met(target: str, precision: str, item: ProofItem) -> Limit | None:
-    """Return the limit of a target that an item meets; None where a refusal is none.
-
-    Parameters
-    ----------
-    target : str
-        See `clepsydra.deploy.proof.targets.Target`.
-    precision : {"double", "single"}
-    item : ProofItem
+        Takes an item, and returns whether it needs that. It looks at the program itself, so that
+        a printer which refuses without need is found out.
 
     Examples
     --------
@@ -68,61 +48,59 @@ def limit_met(target: str, precision: str, item: ProofItem) -> Limit | None:
     >>> curve = Block(1, (Operation(1, "tanh", (0,)),), (1,))
     >>> item = ProofItem("curve", 1.0, Program("curve", (), (Signal("u"),), (), (Signal("y"),),
     ...                                        curve))
-    >>> limit_met("C", "double", item)
-    >>> limit_met("Structured Text, scl", "double", item).name
-    'functions of Structured Text'
+    >>> [limit.name for limit in LIMITS if limit.meets(item)]
+    ['functions of Structured Text']
     """
-    return next((limit for limit in LIMITS if limit.meets(target, precision, item)), None)
+
+    name: str
+    reason: str
+    meets: Callable[[ProofItem], bool]
 
 
-def _is_python(target: str, precision: str, item: ProofItem) -> bool:
+def _is_python(item: ProofItem) -> bool:
     return item.controller is not None and isinstance(item.controller.law, PythonLaw)
 
 
-def _lacks_function(target: str, precision: str, item: ProofItem) -> bool:
+def _lacks_function(item: ProofItem) -> bool:
     codes = {operation.code for operation in _operations(item)}
-    return _is_text(target) and bool(codes & _NO_FUNCTIONS)
+    return bool(codes & _NO_FUNCTIONS)
 
 
-def _is_infinite(target: str, precision: str, item: ProofItem) -> bool:
-    return _is_text(target) and not all(map(math.isfinite, _numbers(item)))
+def _is_infinite(item: ProofItem) -> bool:
+    return not all(map(math.isfinite, _numbers(item)))
 
 
-def _unread_by_matiec(target: str, precision: str, item: ProofItem) -> bool:
+def _unread_by_matiec(item: ProofItem) -> bool:
     low, high = float(_SINGLE.tiny), float(_SINGLE.max)
     declared = [signal_of(entry).initial for entry in _declared(item)]
-    return target.endswith("matiec") and any(v and not low <= abs(v) <= high for v in declared)
+    return any(v and not low <= abs(v) <= high for v in declared)
 
 
-def _outside_real(target: str, precision: str, item: ProofItem) -> bool:
+def _outside_real(item: ProofItem) -> bool:
     low, high = float(_SINGLE.tiny), float(_SINGLE.max)
     sizes = {abs(v) for v in _numbers(item) if v and math.isfinite(v)} - set(_REPLACED)
-    return precision == "single" and any(not low <= size <= high for size in sizes)
+    return any(not low <= size <= high for size in sizes)
 
 
-def _beyond_whole(target: str, precision: str, item: ProofItem) -> bool:
+def _beyond_whole(item: ProofItem) -> bool:
     counts = [
         signal for signal in map(signal_of, (*_declared(item), *_outputs(item)))
         if signal.kind == "integer"
     ]  # fmt: skip
     within = all(s.low >= -_SINGLE_WHOLE and s.high <= _SINGLE_WHOLE for s in counts)
-    return precision == "single" and not within
+    return not within
 
 
-def _delays(target: str, precision: str, item: ProofItem) -> bool:
-    return (
-        target.endswith("exchange")
-        and item.point is not None
-        and bool(item.point.process.motion.delays)
-    )
+def _delays(item: ProofItem) -> bool:
+    return item.point is not None and bool(item.point.process.motion.delays)
 
 
-LIMITS = (
-    Limit(
-        "law in Python",
-        "a law that is a Python function has no program that could be printed",
-        _is_python,
-    ),
+PYTHON_LAW = Limit(
+    "law in Python",
+    "a law that is a Python function has no program that could be printed",
+    _is_python,
+)
+OF_TEXT = (
     Limit(
         "functions of Structured Text",
         "the standard has no hyperbolic functions, no arc tangent of two arguments, no remainder "
@@ -134,32 +112,27 @@ LIMITS = (
         "the standard has no word for what is infinite or not a number",
         _is_infinite,
     ),
-    Limit(
-        "numbers that matiec reads",
-        "it reads a declared number by a function for single precision, and refuses what that "
-        "cannot represent",
-        _unread_by_matiec,
-    ),
+)
+MATIEC_NUMBERS = Limit(
+    "numbers that matiec reads",
+    "it reads a declared number by a function for single precision, and refuses what that "
+    "cannot represent",
+    _unread_by_matiec,
+)
+OF_SINGLE = (
     Limit(
         "range of REAL",
         "single precision has no such number, so the program is for double precision only",
         _outside_real,
     ),
-    Limit(
-        "whole numbers of REAL",
-        "single precision counts to 2^24 only",
-        _beyond_whole,
-    ),
-    Limit(
-        "delays in model exchange",
-        "an importer integrates the present, and a transport delay needs the past",
-        _delays,
-    ),
+    Limit("whole numbers of REAL", "single precision counts to 2^24 only", _beyond_whole),
 )
-
-
-def _is_text(target: str) -> bool:
-    return target.startswith("Structured Text")
+DELAYS = Limit(
+    "delays in model exchange",
+    "an importer integrates the present, and a transport delay needs the past",
+    _delays,
+)
+LIMITS = (PYTHON_LAW, *OF_TEXT, MATIEC_NUMBERS, *OF_SINGLE, DELAYS)
 
 
 def _declared(item: ProofItem) -> tuple[Entry, ...]:

@@ -5,8 +5,7 @@ from __future__ import annotations
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.plant_shell.settings import PlantShell
-from clepsydra.deploy.export import process_origin
-from clepsydra.deploy.exportable import exportable
+from clepsydra.deploy.exportable import exportable, process_origin
 from clepsydra.deploy.proof.item import ProofItem, process_item
 from clepsydra.deploy.tagged import tagged_point
 from clepsydra.linear.operating_point import OperatingPoint

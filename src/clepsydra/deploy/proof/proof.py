@@ -19,11 +19,11 @@ from clepsydra.deploy.proof.contents import contents_digest
 from clepsydra.deploy.proof.coverage import Coverage
 from clepsydra.deploy.proof.item import ProofItem
 from clepsydra.deploy.proof.job import Job
-from clepsydra.deploy.proof.limits import limit_met
+from clepsydra.deploy.proof.limits import PYTHON_LAW, Limit
 from clepsydra.deploy.proof.memory import read_memory
 from clepsydra.deploy.proof.row import ProofRow
+from clepsydra.deploy.proof.run import Run, proved_targets, runs_of
 from clepsydra.deploy.proof.scans import FEWEST
-from clepsydra.deploy.proof.targets import EXPORTS, Export, Target, exports_of, targets_of
 
 
 class ProofProgress(NamedTuple):
@@ -122,7 +122,7 @@ def prove(
     *,
     scans: int = FEWEST,
     seed: int = 1,
-    to: Export | Sequence[Export] = EXPORTS,
+    to: str | Sequence[str] | None = None,
     progress: Callable[[ProofProgress], None] | None = None,
     folder: Path | None = None,
     stem: str = "proof",
@@ -149,8 +149,8 @@ def prove(
         At least 10,000.
     seed : int
         Of the scans.
-    to : {"c", "st", "fmu"} or several
-        The exports that are run.
+    to : str or sequence of str, optional
+        The targets of an export that are run; all if left out.
     progress : callable, optional
         Takes a `ProofProgress` before each row.
     folder : Path, optional
@@ -184,13 +184,10 @@ def prove(
     for what, value, least in (("scans", scans, FEWEST), ("seed", seed, 0)):
         if value < least:
             raise InputError(f"proof, {what}", value, f"at least {least:,}", "choose more")
-    chosen = exports_of(to)
+    chosen = proved_targets(to)
     compiler = find_compiler("proof")
-    jobs = {
-        kind: [target for target in targets_of(kind, compiler) if target.to in chosen]
-        for kind in ("controller", "process")
-    }
-    versions = sorted({target.version for target in (*jobs["controller"], *jobs["process"])})
+    jobs = {kind: runs_of(kind, compiler, chosen) for kind in ("controller", "process")}
+    versions = sorted({run.version for run in (*jobs["controller"], *jobs["process"])})
     work = _Work(items, scans, seed, progress, folder, stem)
     work.versions = (f"clepsydra {__version__}", *versions)
     with tempfile.TemporaryDirectory(prefix="clepsydra-", ignore_cleanup_errors=True) as place:
@@ -229,19 +226,19 @@ class _Work:
     def refuse(self, item: ProofItem) -> None:
         """Take up an item that has no program."""
         blank = ProofRow(item.name, "every target", "double", "engine", "", 0, self._seed)
-        self._rows.append(_refused(blank, item, item.refusal))
+        self._rows.append(_refused(blank, item, (PYTHON_LAW,), item.refusal))
 
-    def do(self, job: Job, targets: Sequence[Target]) -> None:
+    def do(self, job: Job, runs: Sequence[Run]) -> None:
         """Do every row of an item, or remember it."""
         name = job.item.name
-        for target in targets:
-            own = job.of_fmu if target.to == "fmu" else job
-            self._say(f"{name}: {target.name}, {target.precision}", len(targets))
+        for run in runs:
+            own = job.in_si if run.in_si else job
+            self._say(f"{name}: {run.name}, {run.precision}", len(runs))
             blank = ProofRow(
-                name, target.name, target.precision, target.against, digest(own.program),
-                self._scans, self._seed, version=f"clepsydra {__version__}, {target.version}",
+                name, run.name, run.precision, run.against, digest(own.program),
+                self._scans, self._seed, version=f"clepsydra {__version__}, {run.version}",
             )  # fmt: skip
-            row = _done(target, own, blank, self._memory)
+            row = _done(run, own, blank, self._memory)
             self._coverage[name] = job.coverage
             self._rows.append(row)
             if self._folder and row.key not in self._memory:
@@ -272,23 +269,23 @@ class _Work:
 
 
 def _done(
-    target: Target, job: Job, blank: ProofRow, memory: Mapping[tuple[object, ...], ProofRow]
+    run: Run, job: Job, blank: ProofRow, memory: Mapping[tuple[object, ...], ProofRow]
 ) -> ProofRow:
     """Print what a target runs, and run it where no earlier row knows how that comes out."""
     begun = time.monotonic()
     try:
-        printed = target.printed(job)
-        blank = replace(blank, text=contents_digest(printed), setting=target.setting(job))
+        printed = run.printed(job)
+        blank = replace(blank, text=contents_digest(printed), setting=run.setting(job))
         if blank.key in memory:
             return replace(memory[blank.key], subject=blank.subject)
-        row = target.row(job, blank, printed)
+        row = run.row(job, blank, printed)
     except InputError as refusal:
-        row = _refused(blank, job.item, str(refusal))
+        row = _refused(blank, job.item, run.limits, str(refusal))
     except ClepsydraError as failure:
         row = replace(blank, verdict="fails", reason=str(failure))
     return replace(row, seconds=round(time.monotonic() - begun, 3))
 
 
-def _refused(blank: ProofRow, item: ProofItem, reason: str) -> ProofRow:
-    met = limit_met(blank.target, blank.precision, item)
-    return replace(blank, verdict="refused", limit=met.name if met else "", reason=reason)
+def _refused(blank: ProofRow, item: ProofItem, limits: Sequence[Limit], reason: str) -> ProofRow:
+    met = next((limit.name for limit in limits if limit.meets(item)), "")
+    return replace(blank, verdict="refused", limit=met, reason=reason)

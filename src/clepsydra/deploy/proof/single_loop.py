@@ -13,7 +13,7 @@ from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
-from clepsydra.scores.catalogue import SCORES
+from clepsydra.scores.score import SCORES
 from clepsydra.studies.ranking import Trial, rank
 from clepsydra.studies.trial import scores_of
 

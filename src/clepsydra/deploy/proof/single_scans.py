@@ -31,7 +31,7 @@ def compare_single(job: Job) -> tuple[Difference, str]:
 
     Examples
     --------
-    See `clepsydra.deploy.proof.targets`.
+    See `clepsydra.deploy.proof.run`.
     """
     program = job.program
     found = compare(shown_signals(program), job.engine_of_single, job.run_of_single_c)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.language_words import STRUCTURED_TEXT_WORDS
+from clepsydra.deploy.printing.identifiers import NameRules
 from clepsydra.deploy.printing.precision import Precision
 
 _FUNCTIONS = {
@@ -96,6 +97,11 @@ class Dialect:
         """Words of the standard, of the system and of the functions that come with a text."""
         return STRUCTURED_TEXT_WORDS | self.words | {name.upper() for name in OWN.values()}
 
+    @property
+    def names(self) -> NameRules:
+        """What the systems accept as a name."""
+        return NameRules("Structured Text", self.all_words, True, self.longest_name, self.systems)
+
     def commented(self, text: str) -> str:
         """Return a text as a comment of one line.
 
@@ -149,8 +155,8 @@ _SCL = Dialect(
     functions={code: name for code, name in _FUNCTIONS.items() if code != "pow"},
     formal={
         "select": ("G", "IN0", "IN1"),
-        "greatest": ("IN1", "IN2"),
-        "least": ("IN1", "IN2"),
+        "integer maximum": ("IN1", "IN2"),
+        "integer minimum": ("IN1", "IN2"),
         "limit": ("MN", "IN", "MX"),
         "maximum": ("a", "b"),
         "minimum": ("a", "b"),

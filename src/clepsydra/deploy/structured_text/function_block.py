@@ -5,19 +5,31 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from clepsydra.base.signal import Signal
 from clepsydra.deploy.printing.body import Body, places_of
-from clepsydra.deploy.printing.declarations import Variable, declared
-from clepsydra.deploy.printing.expressions import decimal
-from clepsydra.deploy.printing.identifiers import Identifiers
+from clepsydra.deploy.printing.decimal_text import decimal
+from clepsydra.deploy.printing.declarations import Variable, check_scope, declared
 from clepsydra.deploy.printing.lines import dense, folded
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.structured_text.dialect import Dialect
-from clepsydra.deploy.structured_text.interface import block_type, check_names, sections
 from clepsydra.deploy.structured_text.pou import Section, Unit
-from clepsydra.deploy.structured_text.wording import Wording
+from clepsydra.deploy.structured_text.wording import Wording, joined
 from clepsydra.program.entries import signal_of
+from clepsydra.program.owned_state import own_state
 from clepsydra.program.program import Program
+
+
+def block_type(block: Program) -> str:
+    """Return what a block that is called is named as a function block.
+
+    Examples
+    --------
+    >>> from clepsydra.program.program import Block
+    >>> block_type(Program("signal_check", (), (), (), (), Block(0, (), ())))
+    'FB_SignalCheck'
+    """
+    return f"FB_{joined(block.name)}"
 
 
 def function_block(
@@ -54,26 +66,52 @@ def function_block(
     >>> function_block(program, dialect_of("codesys"), "double").body
     ('y := x + x;',)
     """
-    check_names(program, dialect)
+    _check_names(program, dialect)
     entries = (*program.state, *program.rings, *program.inputs, *program.parameters)
     taken = [signal_of(entry).variable for entry in (*entries, *program.outputs)]
     taken += [f"{name}_position" for name in taken]
     taken += [program.name, *(block_type(call.program) for call in program.calls)]
-    names = Identifiers([*taken, *dialect.all_words], ignore_case=True)
-    wording = Wording(dialect, precision, names)
-    body = Body(program, wording, names, places_of(program))
-    temporaries = dict.fromkeys(wording.products, wording.real) | body.temporaries()
+    wording = Wording(dialect, precision, taken)
+    body = Body(program, wording, wording.names, places_of(program))
+    temporaries = dict.fromkeys(wording.products, wording.real) | body.temporaries
     by_type = sorted(temporaries.items(), key=lambda each: each[1])
     variables = tuple(Variable(name, kind) for name, kind in by_type)
     declarations = (
-        *sections(program, wording, origin),
+        *_sections(program, wording, origin),
         *_constants(body, wording),
         Section("VAR_TEMP", "", (("values of one sample", variables),)),
     )
     local = {entry.name.lower() for section in declarations for entry in section.variables}
-    lines = dense([wording.marked(line, local) for line in (*_products(wording), *body.lines())])
+    lines = dense([wording.marked(line, local) for line in (*_products(wording), *body.lines)])
     text = tuple(part for line in lines for part in folded(line))
     return Unit("FUNCTION_BLOCK", program.name, tuple(head), declarations, text)
+
+
+def _check_names(program: Program, dialect: Dialect) -> None:
+    """Refuse names that a dialect does not accept or cannot tell apart."""
+    place, rules = f"program {program.name}", dialect.names
+    rules.check(program.name, place)
+    for call in program.calls:
+        rules.check(block_type(call.program), f"block {call.program.name}")
+    signals = (*program.inputs, *program.parameters, *program.outputs, *own_state(program))
+    check_scope(place, (Signal(program.name), *signals), program.calls, rules)
+
+
+def _sections(program: Program, wording: Wording, origin: Origin | None) -> list[Section]:
+    """Return the declarations of inputs, parameters, outputs, instances and state of a program."""
+    inputs = ("inputs of one sample", declared(program.inputs, wording))
+    parameters = ("parameters", declared(program.parameters, wording, origin))
+    instances = (
+        Variable(call.identifier, block_type(call.program), is_block=True) for call in program.calls
+    )
+    blocks = tuple(sorted(instances, key=lambda instance: instance.type))
+    state = declared(own_state(program), wording, origin, program.rings)
+    return [
+        Section("VAR_INPUT", "", (inputs, parameters)),
+        Section("VAR_OUTPUT", "", (("outputs", declared(program.outputs, wording)),)),
+        Section("VAR", "", (("blocks", blocks),)),
+        Section("VAR", "RETAIN", (("state", state),)),
+    ]
 
 
 def _products(wording: Wording) -> list[str]:

@@ -6,10 +6,8 @@ from collections.abc import Iterable
 
 from clepsydra.deploy.printing.declarations import Variable
 from clepsydra.deploy.printing.expressions import Expression, variable
-from clepsydra.deploy.printing.identifiers import Identifiers
 from clepsydra.deploy.printing.lines import dense
 from clepsydra.deploy.printing.precision import Precision
-from clepsydra.deploy.printing.statements import assign
 from clepsydra.deploy.structured_text.dialect import OWN, Dialect
 from clepsydra.deploy.structured_text.pou import Section, Unit
 from clepsydra.deploy.structured_text.wording import Wording
@@ -40,7 +38,7 @@ def called_functions(
     """
     text = "\n".join(line for unit in units for line in unit.body)
     return tuple(
-        _function(code, Wording(dialect, precision, Identifiers([], ignore_case=True)))
+        _function(code, Wording(dialect, precision))
         for code, name in OWN.items()
         if f"{dialect.quoted(name)}(" in text
     )
@@ -52,7 +50,7 @@ def _function(code: str, wording: Wording) -> Unit:
     if code in ("maximum", "minimum"):
         a, b = variable("a"), variable("b")
         larger = Expression("less" if code == "minimum" else "greater", (a, b))
-        lines, inputs = assign(name, Expression("select", (larger, a, b)), wording), "ab"
+        lines, inputs = wording.assign(name, Expression("select", (larger, a, b))), "ab"
     variables = tuple(Variable(each, wording.real) for each in inputs)
     return Unit(
         "FUNCTION",

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
-from clepsydra.base.conversion import Conversion, conversion
+from clepsydra.base.conversion import conversion
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, identifier
 from clepsydra.base.units import convertible, from_si
 from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.controllers.plant_shell.edge import at_port
 from clepsydra.deploy.printing.declarations import Variable, declared
-from clepsydra.deploy.printing.expressions import Expression, variable
-from clepsydra.deploy.printing.identifiers import Identifiers
+from clepsydra.deploy.printing.expressions import Expression, constant, variable
 from clepsydra.deploy.structured_text.pou import Section, Unit
 from clepsydra.deploy.structured_text.wording import Wording
 from clepsydra.program.program import Program
@@ -31,8 +30,6 @@ class Wiring:
         Input of the process to the output of the controller that moves it.
     rest : mapping
         Input of the controller that nothing moves to its value at the start.
-    ways : mapping
-        Input, of either, that has another unit than what it is wired to, to how it gets there.
 
     Examples
     --------
@@ -43,7 +40,6 @@ class Wiring:
     measured: Mapping[str, str]
     moved: Mapping[str, str]
     rest: Mapping[str, float]
-    ways: Mapping[str, Conversion] = field(default_factory=dict)
 
 
 def wired(
@@ -82,7 +78,7 @@ def wired(
     shown = {signal.name: signal for signal in process.outputs}
     driven = {signal.name: signal for signal in process.inputs}
     known = shown | driven
-    measured, moved, rest, ways = {}, {}, {}, {}
+    measured, moved, rest = {}, {}, {}
     fixed = {"mode": float(Mode.AUTOMATIC), "sensor": 1.0}
     for signal in controller.inputs:
         wire = wires.get(signal.name, "")
@@ -90,7 +86,6 @@ def wired(
         if signal.part == "pv" or wire in shown:
             _check(wire, shown, f"{controller.name}, {signal.name}", "an output")
             measured[signal.name] = wire
-            ways[signal.name] = conversion(shown[wire].unit, signal.unit)
         elif what in ("setpoint", "manual", "tracking") and base in known:
             start, unit = known[base].initial, known[base].unit
             converts = convertible(signal.unit, unit)
@@ -102,8 +97,7 @@ def wired(
         if signal.part == "out" or wire in driven:
             _check(wire, driven, f"{controller.name}, {signal.name}", "an input")
             moved[wire] = signal.name
-            ways[wire] = conversion(signal.unit, driven[wire].unit)
-    return Wiring(measured, moved, rest, {n: way for n, way in ways.items() if way is not None})
+    return Wiring(measured, moved, rest)
 
 
 def _check(wire: str, known: Mapping[str, Signal], place: str, what: str) -> None:
@@ -114,9 +108,7 @@ def _check(wire: str, known: Mapping[str, Signal], place: str, what: str) -> Non
         )  # fmt: skip
 
 
-def loop_program(
-    controller: Program, process: Program, wiring: Wiring, wording: Wording, names: Identifiers
-) -> Unit:
+def loop_program(controller: Program, process: Program, wiring: Wiring, wording: Wording) -> Unit:
     """Return the program that runs a controller against a process.
 
     Parameters
@@ -125,14 +117,13 @@ def loop_program(
         In the precision of the text.
     wiring : Wiring
     wording : Wording
-    names : Identifiers
-        The scope of the program, which gets its name and those of its variables.
+        Of the program, which gets its name and those of its variables in its scope.
 
     Examples
     --------
     See `clepsydra.deploy.structured_text.project.print_test_project`.
     """
-    dialect, mark = wording.dialect, wording.dialect.local_mark
+    dialect, names, mark = wording.dialect, wording.names, wording.dialect.local_mark
     name = names.new(f"{controller.name}_test")
     first, second = names.new("controller"), names.new("plant")
 
@@ -140,39 +131,34 @@ def loop_program(
         named = at_port(replace(signal, initial=start))
         return replace(declared([named], wording)[0], name=names.new(signal.variable))
 
-    def converted(way: Conversion | None, source: str) -> str:
+    def converted(source: str, unit: str, wanted: str) -> str:
+        way = conversion(unit, wanted)
         if way is None:
             return source
-        number = Expression("constant", number=way.number)
-        return wording.expression(Expression(way.code, (variable(source), number)))
+        return wording.expression(Expression(way.code, (variable(source), constant(way.number))))
 
     body: list[str] = []
     given: list[Variable] = []
     reads = "the controller reads the plant as it is at this scan"
     moves = "and the plant moves on to the next scan"
-    for block, instance, wires, other, about in (
-        (controller, first, wiring.measured, second, reads),
-        (process, second, wiring.moved, first, moves),
-    ):
+    pair = (controller, first, wiring.measured, reads), (process, second, wiring.moved, moves)
+    for (block, instance, wires, about), (other, its, *_) in zip(pair, pair[::-1], strict=True):
+        units = {signal.name: signal.unit for signal in other.outputs}
         arguments = []
         for signal in block.inputs:
-            if signal.name in wires:
-                wire = identifier(wires[signal.name])
-                source = converted(wiring.ways.get(signal.name), f"{mark}{other}.{wire}")
+            if wire := wires.get(signal.name):
+                source, unit = f"{mark}{its}.{identifier(wire)}", units[wire]
             else:
-                start = wiring.rest.get(signal.name, signal.initial)
-                given.append(new(signal, start))
-                way = conversion(at_port(signal).unit, signal.unit)
-                source = converted(way, f"{mark}{given[-1].name}")
-            arguments.append(f"  {signal.identifier} := {source}")
+                given.append(new(signal, wiring.rest.get(signal.name, signal.initial)))
+                source, unit = f"{mark}{given[-1].name}", at_port(signal).unit
+            arguments.append(f"  {signal.identifier} := {converted(source, unit, signal.unit)}")
         call = [f"{mark}{instance}(", *",\n".join(arguments).splitlines(), ");"]
         body += [dialect.commented(about), *call]
     seen = []
-    for block, instance in ((controller, first), (process, second)):
+    for block, instance, *_ in pair:
         for inside, signal in {each.variable: each for each in block.outputs}.items():
             seen.append(new(signal, signal.initial))
-            way = conversion(signal.unit, at_port(signal).unit)
-            value = converted(way, f"{mark}{instance}.{inside}")
+            value = converted(f"{mark}{instance}.{inside}", signal.unit, at_port(signal).unit)
             body.append(f"{mark}{seen[-1].name} := {value};")
     instances = (
         Variable(first, controller.name, comment="the controller", is_block=True),

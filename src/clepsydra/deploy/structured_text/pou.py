@@ -10,7 +10,7 @@ from itertools import groupby
 from typing import Literal
 
 from clepsydra.deploy.printing.declarations import Variable
-from clepsydra.deploy.printing.heading import commented, harmless
+from clepsydra.deploy.printing.heading import commented, enclosed, harmless
 from clepsydra.deploy.structured_text.dialect import Dialect
 
 
@@ -130,14 +130,9 @@ def comment_lines(lines: Sequence[str], dialect: Dialect) -> list[str]:
         for line in lines
         for row in textwrap.wrap(harmless(line), _WIDTH - 4, subsequent_indent="  ")
     ]
-    if not safe:
-        return []
-    if dialect.line_comments:
+    if dialect.line_comments or not safe:
         return [dialect.commented(line) for line in safe]
-    first, *rest = safe
-    found = [f"(* {first}", *(f"   {line}" for line in rest)]
-    found[-1] += " *)"
-    return found
+    return enclosed(safe, "(*", "*)")
 
 
 def _section(section: Section, dialect: Dialect) -> list[str]:
@@ -185,8 +180,6 @@ def _declaration(entry: Variable, dialect: Dialect) -> list[str]:
 
 
 def _commented(line: str, text: str, dialect: Dialect) -> list[str]:
-    if not text:
-        return [line]
-    if dialect.line_comments:
+    if text and dialect.line_comments:
         return [f"{line} {dialect.commented(text)}"]
     return commented(line, text, "(*", "*)", _WIDTH)

@@ -2,30 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from clepsydra.base.signal import Signal
 from clepsydra.deploy.printing.declarations import Variable, records_of
 from clepsydra.deploy.printing.heading import heading
-from clepsydra.deploy.printing.identifiers import Identifiers
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision, in_precision
 from clepsydra.deploy.printing.printed_form import printed_form
 from clepsydra.deploy.structured_text.dialect import Dialect, dialect_of
-from clepsydra.deploy.structured_text.function_block import function_block
+from clepsydra.deploy.structured_text.function_block import block_type, function_block
 from clepsydra.deploy.structured_text.functions import called_functions
-from clepsydra.deploy.structured_text.interface import block_type, with_block_names
+from clepsydra.deploy.structured_text.instances import BEGUN, beginning, with_block_names
 from clepsydra.deploy.structured_text.pou import Section, Unit, comment_lines, unit_text
-from clepsydra.deploy.structured_text.wording import Wording
-from clepsydra.program.builder import BlockBuilder
+from clepsydra.deploy.structured_text.wording import REAL, Wording
 from clepsydra.program.called_blocks import called_blocks
-from clepsydra.program.entries import signal_of
-from clepsydra.program.inlined import append, renamed
-from clepsydra.program.owned_state import RESTART
-from clepsydra.program.program import Call, Program
+from clepsydra.program.program import Program
 
-_BEGUN = "begun"
 _NOTES = (
     "simulation in that precision. Call it once in every sampling period. Parameters are inputs",
     "with defaults.",
@@ -111,8 +103,9 @@ def function_blocks(
 
     Examples
     --------
+    >>> from clepsydra.base.signal import Signal
     >>> from clepsydra.deploy.structured_text.dialect import dialect_of
-    >>> from clepsydra.program.program import Block, Operation
+    >>> from clepsydra.program.program import Block, Call, Operation
     >>> add = Block(2, (Operation(2, "add", (0, 1)),), (2, 2))
     >>> total = Program("flow_total", (Signal("sum"),), (Signal("u"),), (), (Signal("y"),), add)
     >>> calls = Block(2, (Call((2, 3), total, "feed", (0, 1)),), (2, 3))
@@ -122,7 +115,7 @@ def function_blocks(
     (['FB_FlowTotal', 'law'], 'feed(u := u, restart := NOT begun);')
     """
     printed = printed_form(program, precision)
-    main = with_block_names(_beginning(printed), dialect.all_words)
+    main = with_block_names(beginning(printed), dialect.all_words)
     library = []
     told: set[Variable] = set()
     for block in called_blocks(main):
@@ -130,14 +123,11 @@ def function_blocks(
         head = (f"{name}:", *block.description)
         unit = function_block(replace(block, name=name), dialect, precision, head)
         library.append(replace(unit, sections=tuple(_told_once(s, told) for s in unit.sections)))
-    real = "LREAL" if precision == "double" else "REAL"
-    notes = (
-        f"{real} must be the IEEE 754 {precision}, without fused multiply-add: then it equals the",
-        *_NOTES,
-    )
+    exact = f"{REAL[precision]} must be the IEEE 754 {precision}, without fused multiply-add:"
+    notes = (f"{exact} then it equals the", *_NOTES)
     if origin is not None:
         # What tells the first scan from the others comes from no design.
-        origin = replace(origin, sources={_BEGUN: "", **origin.sources})
+        origin = replace(origin, sources={BEGUN: "", **origin.sources})
     about = heading(in_precision(program, precision), "IEC 61131-3 Structured Text", notes, origin)
     blocks = (*library, function_block(main, dialect, precision, about, origin))
     return (
@@ -149,7 +139,7 @@ def function_blocks(
 
 def _records(program: Program, dialect: Dialect, precision: Precision) -> list[Unit]:
     """Return the types of the structures that a program and its blocks give."""
-    wording = Wording(dialect, precision, Identifiers([], ignore_case=True))
+    wording = Wording(dialect, precision)
     found = records_of((*called_blocks(program), program), wording)
     return [
         Unit("TYPE", name, (), (Section("STRUCT", "", (("members", tuple(members)),)),), ())
@@ -176,32 +166,3 @@ def _told_once(section: Section, told: set[Variable]) -> Section:
         found.sort(key=lambda each: "" if each.comment else each.type)
         groups.append((title, tuple(found)))
     return replace(section, groups=tuple(groups))
-
-
-def _beginning(program: Program) -> Program:
-    """Return a program whose instances begin anew in its first scan."""
-    block, states = program.block, len(program.state)
-    ports = {signal.name for call in program.calls for signal in call.program.inputs}
-    if RESTART not in ports:
-        return program
-    entries = (*program.state, *program.inputs, *program.parameters, *program.outputs)
-    taken = [signal_of(entry).identifier for entry in entries]
-    taken += [call.identifier for call in program.calls]
-    name = Identifiers(taken, ignore_case=True).new(_BEGUN)
-    about = "has run; else its blocks begin with their start values"
-    begun = Signal(name, kind="boolean", description=about)
-    builder = BlockBuilder(block.arguments + 1)
-
-    def called(builder: BlockBuilder, call: Call, place: Mapping[int, int]) -> Sequence[int]:
-        given = [place[value] for value in call.arguments]
-        for k, signal in enumerate(call.program.inputs, len(call.program.state)):
-            if signal.name == RESTART:
-                first = builder.operation("not", states)
-                given[k] = builder.operation("or", first, given[k])
-        return builder.call(call.program, call.instance, given)
-
-    given = [*range(states), *range(states + 1, block.arguments + 1)]
-    values, place = append(builder, block, given, called)
-    results = [*values[:states], builder.constant(1.0), *values[states:]]
-    state, names = (*program.state, begun), renamed(program, place)
-    return replace(program, state=state, block=builder.finish(results), names=names)

@@ -7,14 +7,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from clepsydra import __version__
-from clepsydra.deploy.printing.identifiers import Identifiers, check_distinct
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision, in_precision
 from clepsydra.deploy.structured_text.dialect import Dialect, dialect_of
 from clepsydra.deploy.structured_text.loop_program import loop_program, wired
 from clepsydra.deploy.structured_text.pou import Unit, unit_text
 from clepsydra.deploy.structured_text.printer import function_blocks
-from clepsydra.deploy.structured_text.time_literal import milliseconds, time_literal
+from clepsydra.deploy.structured_text.time_literal import time_literal
 from clepsydra.deploy.structured_text.wording import Wording
 from clepsydra.program.program import Program
 
@@ -75,16 +74,14 @@ class Project:
             cannot hold the sampling period.
         """
         dialect, precision = dialect_of(self.dialect), self.precision
-        milliseconds(self.sampling_period)  # refuses what no TIME can hold
+        time_literal(self.sampling_period)  # refuses what no TIME can hold
         pair = (self.controller, self.process)
         named = [(each.name, f"the block {each.name}") for each in pair]
-        check_distinct(named, "Structured Text", ignore_case=True)
+        dialect.names.check_distinct(named)
         controller, process = (in_precision(each, precision) for each in pair)
         wiring = wired(controller, process, self.wires, self.sampling_period)
-        taken = (*dialect.all_words, controller.name, process.name)
-        names = Identifiers(taken, ignore_case=True)
-        wording = Wording(dialect, precision, names)
-        program = loop_program(controller, process, wiring, wording, names)
+        wording = Wording(dialect, precision, (controller.name, process.name))
+        program = loop_program(controller, process, wiring, wording)
         units = [
             *function_blocks(self.controller, dialect, precision, self.origin),
             *function_blocks(self.process, dialect, precision, self.process_origin),

@@ -4,25 +4,24 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import replace
 
 from clepsydra.base.errors import InputError
+from clepsydra.deploy.printing.decimal_text import decimal
 from clepsydra.deploy.printing.expressions import (
     OPERATORS,
     Expression,
     Notation,
-    decimal,
-    render,
+    constant,
     variable,
 )
 from clepsydra.deploy.printing.identifiers import Identifiers
 from clepsydra.deploy.printing.language import Language, Syntax
 from clepsydra.deploy.printing.listing import BlockCall
 from clepsydra.deploy.printing.precision import Precision
-from clepsydra.deploy.printing.typed_values import of_kind
 from clepsydra.deploy.structured_text.dialect import OWN, Dialect
-from clepsydra.program.program import COMPARISONS
+from clepsydra.program.operation import COMPARISONS
 
 _SYNTAX = Syntax(
     comment="(* {} *)",
@@ -40,15 +39,16 @@ _FACTOR_EXPONENT = 120
 _NAME = re.compile(r"(?<![\w.#])[A-Za-z]\w*")
 
 
-# Functions of integers and truth values.
 _ABBREVIATIONS = frozenset({"lq", "pd", "pi", "pid"})
+REAL: dict[Precision, str] = {"double": "LREAL", "single": "REAL"}
+#: Functions of integers and truth values.
 _TYPED = {
     "select": "SEL",
-    "count": "BOOL_TO_DINT",
-    "greatest": "MAX",
-    "least": "MIN",
+    "boolean to integer": "BOOL_TO_DINT",
+    "integer maximum": "MAX",
+    "integer minimum": "MIN",
     "limit": "LIMIT",
-    "magnitude": "ABS",
+    "integer absolute": "ABS",
 }
 
 
@@ -61,19 +61,17 @@ def notation_of(dialect: Dialect, precision: Precision) -> Notation:
     >>> notation_of(dialect_of("codesys"), "double").operators["not_equal"]
     '<>'
     """
-    real = "LREAL" if precision == "double" else "REAL"
+    real = REAL[precision]
     power = {"pow": "EXPT"} if dialect.power else {}
     own = {code: dialect.quoted(name) for code, name in OWN.items()}
-    typed = {**_TYPED, "real": f"DINT_TO_{real}", "rounded": f"{real}_TO_DINT"}
+    typed = {"integer to real": f"DINT_TO_{real}", "real to integer": f"{real}_TO_DINT", **_TYPED}
     return Notation(
         language="Structured Text",
         operators={**OPERATORS, "equal": "=", "not_equal": "<>", "and": "AND", "or": "OR"},
         # A power that is an operator is written by `Wording`; here it counts for its width.
         functions={**dialect.functions, **power, **own, **typed},
         negation="NOT ",
-        statements=frozenset({"select", "number"}),
-        repeating=frozenset(),
-        single=precision == "single",
+        precision=precision,
         formal=dialect.formal,
     )
 
@@ -98,24 +96,22 @@ class Wording(Language):
     dialect : Dialect
     precision : {"double", "single"}
         LREAL or REAL.
-    names : Identifiers
-        Where variables for numbers that the system cannot read get their names.
+    taken : iterable of str
+        Names of the scope of the statements, beside the words of the system.
 
     Examples
     --------
     >>> from clepsydra.deploy.structured_text.dialect import dialect_of
-    >>> half = Expression("multiply", (variable("x"), Expression("constant", number=0.1)))
+    >>> half = Expression("multiply", (variable("x"), constant(0.1)))
     >>> for name, precision in (("codesys", "double"), ("codesys", "single")):
-    ...     wording = Wording(dialect_of(name), precision, Identifiers([], ignore_case=True))
+    ...     wording = Wording(dialect_of(name), precision)
     ...     wording.real, wording.expression(half)
     ('LREAL', 'x * 0.1')
     ('REAL', 'x * REAL#0.1')
     """
 
-    def __init__(self, dialect: Dialect, precision: Precision, names: Identifiers) -> None:
-        self.dialect = dialect
-        self.precision = precision
-        self.real = "LREAL" if precision == "double" else "REAL"
+    def __init__(self, dialect: Dialect, precision: Precision, taken: Iterable[str] = ()) -> None:
+        self.dialect, self.precision, self.real = dialect, precision, REAL[precision]
         super().__init__(
             notation_of(dialect, precision),
             replace(_SYNTAX, comment="// {}") if dialect.line_comments else _SYNTAX,
@@ -124,8 +120,8 @@ class Wording(Language):
         #: Variable to a number that the system cannot read, and to the factors of the product
         #: that it is assigned at the start of a scan.
         self.products: dict[str, tuple[float, list[str]]] = {}
-        self._names = names
-        self._typed = precision in dialect.typed_numbers
+        #: The scope, where a number that the system cannot read gets a variable.
+        self.names = Identifiers([*taken, *dialect.all_words], ignore_case=True)
 
     def record(self, name: str) -> str:
         """Return what the type of a structure is called."""
@@ -138,7 +134,7 @@ class Wording(Language):
         """
         given = []
         for signal, value in entry.given():
-            declared = of_kind(signal.kind, Expression("constant", number=signal.initial))
+            declared = constant(signal.initial).to(signal.kind)
             # By their texts: equal numbers may be zeros of different sign.
             if repr(value) == repr(declared):
                 continue
@@ -166,13 +162,13 @@ class Wording(Language):
 
     def literal(self, value: float) -> str:
         """Write a number of a statement, with its type where the dialect needs it."""
-        return self.expression(Expression("constant", number=value))
+        return self.expression(constant(value))
 
     def marked(self, line: str, local: Collection[str]) -> str:
         """Put the dialect's mark before every local name (in lower case) of a line.
 
         >>> from clepsydra.deploy.structured_text.dialect import dialect_of
-        >>> wording = Wording(dialect_of("scl"), "single", Identifiers([], ignore_case=True))
+        >>> wording = Wording(dialect_of("scl"), "single")
         >>> wording.marked("  y := REAL#1.5E3 * tank.level;", {"y", "tank", "level"})
         '  #y := REAL#1.5E3 * #tank.level;'
         """
@@ -196,25 +192,25 @@ class Wording(Language):
     def worded(self, expression: Expression, *, compared: bool = False) -> Expression:
         """Return an expression as the dialect writes it."""
         found = super().worded(expression, compared=compared)
-        if found.code == "constant":
+        if found.code == "constant" and found.kind == "real":
             return self._constant(found)
-        if expression.code == "absolute" and not compared and not self.dialect.absolute_zero:
+        if expression.operation == "absolute" and not compared and not self.dialect.absolute_zero:
             # The sum of the two zeros is the positive one.
-            return Expression("add", (found, self._constant(Expression("constant"))))
+            return Expression("add", (found, self._constant(constant())))
         if expression.code == "pow" and self.dialect.power:
             base, exponent = map(self._atom, found.operands)
             return variable(f"({base} {self.dialect.power} {exponent})")
         return found
 
     def _atom(self, operand: Expression) -> str:
-        text = render(operand, self.notation)
+        text = self.notation.render(operand)
         return text if operand.is_atom and not text.startswith("-") else f"({text})"
 
     def _constant(self, expression: Expression) -> Expression:
         number = expression.number
         if not math.isfinite(number):
             return expression
-        if self._typed:
+        if self.precision in self.dialect.typed_numbers:
             single = self.precision == "single"
             return variable(f"{self.real}#{decimal(number, single=single)}")
         return expression if self.readable(number) else variable(self._product(number))
@@ -230,6 +226,6 @@ class Wording(Language):
             full, rest = divmod(abs(exponent), _FACTOR_EXPONENT)
             powers = [_FACTOR_EXPONENT] * full + [rest] * (rest > 0)
             factors = [decimal(2.0 ** math.copysign(power, exponent)) for power in powers]
-            name = self._names.new("large_number" if abs(number) > 1.0 else "small_number")
+            name = self.names.new("large_number" if abs(number) > 1.0 else "small_number")
             self.products[name] = number, [decimal(fraction), *factors]
         return name

@@ -17,7 +17,6 @@ from clepsydra.deploy.vendor_tuning.vendor_block import (
     Parameter,
     VendorBlock,
 )
-from clepsydra.designs.gain_units import has_range
 
 
 @dataclass(frozen=True)
@@ -135,7 +134,7 @@ class _Filling:
         tuning, block = self.tuning, self.block
         if block.gain_in == "percent":
             for signal in (tuning.measurement, tuning.moved):
-                if not has_range(signal):
+                if not signal.has_range:
                     raise InputError(
                         self.place, f"{signal.name} without a range",
                         "finite ranges, for the gain of this block is in percent of them",

@@ -9,7 +9,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
 from clepsydra.deploy.vendor_tuning.block_units import printed_number
 from clepsydra.deploy.vendor_tuning.standard_tuning import StandardTuning
-from clepsydra.designs.gain_units import has_range, percent_gain
+from clepsydra.designs.gain_units import percent_gain
 
 if TYPE_CHECKING:
     from clepsydra.deploy.vendor_tuning.translation import TranslatedLoop, Translation
@@ -33,7 +33,7 @@ def loop_words(tuning: StandardTuning) -> str:
     """
     numbers, signals = tuning.settings, (tuning.measurement, tuning.moved)
     gain = f"{printed_number(numbers.gain * tuning.engineering_factor)} {tuning.engineering_unit}"
-    if all(has_range(signal) for signal in signals):
+    if all(signal.has_range for signal in signals):
         gain += f" = {printed_number(percent_gain(numbers.gain, *signals))} %/%"
     shown = [f"K = {gain}"]
     if tuning.has_integral:
@@ -50,7 +50,7 @@ def loop_words(tuning: StandardTuning) -> str:
 
 def _scale_words(signal: Signal) -> str:
     """Return the name with what 0 and 100 % of the signal are."""
-    if not has_range(signal):
+    if not signal.has_range:
         return signal.name
     ends = (from_si(end, signal.unit, signal.shown_unit) for end in signal.percent_scale)
     low, high = (f"{end:.5g}" for end in ends)

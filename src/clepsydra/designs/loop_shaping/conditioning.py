@@ -59,7 +59,8 @@ def conditioned_matrices(plant: ShapedPlant, robust: RobustController) -> Condit
     asked = sizes[:, None] * robust.feedback  # v = asked ξ
     inverse = plant.precompensator.inverse_direct
     if inverse is None:
-        return _by_own_observer(plant, robust)
+        whole = _whole(plant, robust)
+        return told_by_own_observer(whole, sizes, np.ones(len(whole.D)))
     moved = robust.factors.plant.B @ (inverse / sizes[:, None])
     return ConditionedMatrices(
         transition=np.block(
@@ -75,14 +76,39 @@ def conditioned_matrices(plant: ShapedPlant, robust: RobustController) -> Condit
     )
 
 
-def _by_own_observer(plant: ShapedPlant, robust: RobustController) -> ConditionedMatrices:
-    """Return A = a − M c and B = b − M d with the M that an observer of the controller has."""
-    whole = _whole(plant, robust)
-    # Errors count in shares of their ranges, and the outputs in what such errors make of them.
-    size = np.abs(whole.D) @ plant.sizes
-    size = np.where(size > 0.0, size, 1.0)
+def told_by_own_observer(
+    whole: SampledSystem, errors: np.ndarray, outputs: np.ndarray
+) -> ConditionedMatrices:
+    """Return A = a − M c and B = b − M d with the M that an observer of the controller has.
+
+    Parameters
+    ----------
+    whole : SampledSystem
+        From y − r to Δu.
+    errors : ndarray [p]
+        Sizes that the errors count in.
+    outputs : ndarray [m]
+        Sizes of the outputs that no error moves at once.
+        The others count in what such errors make of them.
+
+    Raises
+    ------
+    NotApplicable
+        A mode of the controller does not die out, and no input reaches it or no output shows it.
+
+    Examples
+    --------
+    An integrator of the error is told what was applied, so that it does not run away:
+
+    >>> one = np.eye(1)
+    >>> found = told_by_own_observer(SampledSystem(one, one, one, 0.0 * one), one[0], one[0])
+    >>> bool(abs(found.transition[0, 0]) < 1.0)
+    True
+    """
+    size = np.abs(whole.D) @ errors
+    size = np.where(size > 0.0, size, outputs)
     scaled = SampledSystem(
-        whole.A, whole.B * plant.sizes, whole.C / size[:, None], np.zeros_like(whole.D)
+        whole.A, whole.B * errors, whole.C / size[:, None], np.zeros_like(whole.D)
     )
     told = -coprime_factors(scaled).injection / size
     return ConditionedMatrices(

@@ -10,7 +10,7 @@ from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.loop_shaping.coprime_factors import METHOD
 from clepsydra.designs.loop_shaping.precompensator import Precompensator
 from clepsydra.designs.loop_shaping.sampled_system import SampledSystem
-from clepsydra.designs.sampled.sampled_process import NotSampled, sampled_process
+from clepsydra.designs.sampled.sampled_process import refusing, sampled_process
 from clepsydra.designs.sampled.sampling_period import check_sampling_period
 from clepsydra.designs.states.relevant_states import without_idle_states
 from clepsydra.linear.linear_model import LinearModel
@@ -85,12 +85,8 @@ def shaped_plant(model: LinearModel, precompensator: Precompensator) -> ShapedPl
     chosen = without_idle_states(model.select(precompensator.outputs, precompensator.inputs))
     if np.any(chosen.D != 0.0):
         raise NotApplicable(METHOD, "an input acts on an output at once, before it can be sampled")
-    try:
+    with refusing(METHOD, "its sampled process needs"):
         held, moved = sampled_process(chosen, period)
-    except NotSampled as refusal:
-        raise NotApplicable(
-            METHOD, f"its sampled process needs {refusal.expected}; {refusal.remedy}"
-        ) from None
     count = len(held) + len(precompensator.system.A)
     if count > MOST_STATES:
         raise NotApplicable(

@@ -12,14 +12,14 @@ from clepsydra.base.signal import Signal
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.models.first_order_delay import half_rule
 from clepsydra.designs.models.transfer_element import transfer_element
+from clepsydra.linear.dead_time import at_rest
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.linear.pade import at_rest
+from clepsydra.process.elements.pump import Pump
+from clepsydra.process.elements.sensor import Sensor
 from clepsydra.process.level_switch import LevelLimit
 from clepsydra.process.process import Process
-from clepsydra.process.pump import Pump
-from clepsydra.process.sensor import Sensor
 
 #: What is kept free before a limit, a share of the measurement's range.
 MARGIN = 0.1

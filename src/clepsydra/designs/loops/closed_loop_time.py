@@ -3,15 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from clepsydra.base.words import time_text
-from clepsydra.controllers.controller import Controller
+from clepsydra.designs.arguments.argument import number
 from clepsydra.designs.loops.control_authority import DESIGN_STEP
-from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT, Detuned, as_given, detune
-from clepsydra.designs.loops.multiloop import MultiloopPid, note_on_peak
 from clepsydra.designs.loops.pid_settings import PidSettings
 from clepsydra.designs.request import positive_number
+from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT, note_on_peak
+
+if TYPE_CHECKING:
+    from clepsydra.controllers.controller import Controller
+    from clepsydra.designs.loops.multiloop import Detuned, MultiloopPid
+
+CLOSED_LOOP_TIME = number(
+    "closed_loop_time_constant",
+    "a time",
+    "closed-loop time constant of all loops",
+    unit="s",
+    example='"5 min"',
+)
 
 
 class TimedLoop(NamedTuple):
@@ -47,7 +58,7 @@ def design_by_time(
     """Return the controller for the given time, or the shortest that all loops together bear.
 
     Without a given time, all times are lengthened by one factor until the sampled loops
-    together have a sensitivity peak of 2 (`designs.loops.detuning`). A given time is used as it is.
+    together have a sensitivity peak of 2 (`designs.slowing_down`). A given time is used as it is.
 
     Parameters
     ----------
@@ -70,6 +81,7 @@ def design_by_time(
 
     Examples
     --------
+    >>> from clepsydra.designs.loops.multiloop import MultiloopPid
     >>> import clepsydra as cl
     >>> from clepsydra.controllers.pid_form import PidForm
     >>> analysis = cl.load("equalisation-tank").analysis
@@ -86,17 +98,14 @@ def design_by_time(
 
     if given is None:
         shortest = [loop.shortest for loop in loops]
-        found = detune(
-            lambda factor: settings_at([factor * time for time in shortest]), together.peak, method
-        )
+        found = together.detuned(lambda factor: settings_at([factor * time for time in shortest]))
         times = [found.factor * time for time in shortest]
     else:
         time = positive_number(
             f"{method}, closed_loop_time_constant", given, "a time above 0 s", "give it in seconds"
         )
         times = [time] * len(loops)
-        choice = f"a closed-loop time constant of {time:g} s"
-        found = as_given(settings_at(times), together.peak, method, choice)
+        found = together.as_given(settings_at(times), f"a closed-loop time constant of {time:g} s")
     words = "; ".join(
         f"{paired.pair}: {loop.words}, closed-loop time constant {time_text(time)}"
         for paired, loop, time in zip(together.loops, loops, times, strict=True)
@@ -111,7 +120,7 @@ def _notes(found: Detuned) -> list[str]:
             f"the interacting loops keep a sensitivity peak of {SENSITIVITY_LIMIT:g}."
         ]
     if found.peak > SENSITIVITY_LIMIT:
-        return note_on_peak(found, "choose a longer closed-loop time constant")
+        return [*note_on_peak(found.peak, "choose a longer closed-loop time constant")]
     return [
         f"A setpoint step of {100 * DESIGN_STEP:.0f} % of the range was taken for the choice "
         "of the closed-loop time constants."

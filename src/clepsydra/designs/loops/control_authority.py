@@ -4,10 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.process.process import Process
+
+if TYPE_CHECKING:
+    from clepsydra.linear.operating_point import OperatingPoint
+    from clepsydra.process.process import Process
 
 #: The setpoint step that must not saturate the input, as a share of the measurement's range.
 DESIGN_STEP = 0.1
@@ -30,6 +36,19 @@ def control_authority(signal: Signal, value: float) -> float:
     (3.0, 1.0)
     """
     return max(min(value - signal.low, signal.high - value), 0.1 * signal.span)
+
+
+def control_authorities(point: OperatingPoint, inputs: Iterable[str]) -> np.ndarray:
+    """Return how hard inputs may be pushed from an operating point [their units].
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> control_authorities(cl.load("quadruple-tank").linear.point, ["pump_1", "pump_2"])
+    array([3., 3.])
+    """
+    at, signal = point.as_dict(), point.process.signal
+    return np.array([control_authority(signal(name), at[name]) for name in inputs])
 
 
 def check_ranges(

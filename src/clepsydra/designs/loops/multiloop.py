@@ -3,30 +3,39 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import lru_cache
 from typing import Literal, NamedTuple
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
 from clepsydra.base.words import time_text
 from clepsydra.controllers.at_rest import state_at_rest
+from clepsydra.controllers.complexity import Complexity
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.multiloop_pid import Decoupling, family, multiloop_pid_law
+from clepsydra.controllers.decoupling import Decoupling
+from clepsydra.controllers.multiloop_pid import family, multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.applicability import NotApplicable, as_reasons_of
+from clepsydra.designs.at_operating_point import controller_at, numbers_at
 from clepsydra.designs.decoupling import inverted_decoupler
-from clepsydra.designs.designed_values import applicable_values, designed_values, rounded_values
+from clepsydra.designs.designed_values import applicable_values, rounded_values
 from clepsydra.designs.loops.control_authority import check_ranges, largest_proportional_gain
-from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT, Detuned
 from clepsydra.designs.loops.law_settings import law_settings
 from clepsydra.designs.loops.pairing import Pairing, checked_pairing
 from clepsydra.designs.loops.pid_settings import PidSettings
 from clepsydra.designs.loops.words import gain
 from clepsydra.designs.models.transfer_element import TransferElement, transfer_element
 from clepsydra.designs.sampled.sampled_loop import SampledLoops
-from clepsydra.designs.sampled.sampled_process import NotSampled
+from clepsydra.designs.sampled.sampled_process import refusing
+from clepsydra.designs.slowing_down import OF_LOOPS, SlowedDown, as_given, slow_down
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
+
+# Designs that differ in their settings share a law.
+_law = lru_cache(maxsize=8)(multiloop_pid_law)
+#: The settings of all loops, slowed down together.
+Detuned = SlowedDown[Sequence[PidSettings]]
 
 
 class PairedLoop(NamedTuple):
@@ -114,17 +123,22 @@ class MultiloopPid:
             signals = self.process.signal(output), self.process.signal(input_name)
             self.loops.append(PairedLoop(*signals, found, at[input_name]))
         self._fixed = self._fixed_values(model)
-        self._without_settings = self._blank(outputs, inputs)
-        try:
+        self._without_settings = self._blank()
+        self._law = self._without_settings.law
+        with refusing(method, "its sampled loops need"):
             self._sampled = SampledLoops(self._without_settings, model)
-        except NotSampled as refusal:
-            raise NotApplicable(
-                method, f"its sampled loops need {refusal.expected}; {refusal.remedy}"
-            ) from None
 
     def peak(self, settings: Sequence[PidSettings]) -> float:
         """Return the sensitivity peak of all loops closed; infinite if they are unstable."""
         return self._sampled.at(self._values(settings)).maximum_sensitivity
+
+    def detuned(self, settings_at: Callable[[float], Sequence[PidSettings]]) -> Detuned:
+        """Return the fastest settings that the loops bear together; all as in `slow_down`."""
+        return slow_down(settings_at, self.peak, self.method, OF_LOOPS)
+
+    def as_given(self, settings: Sequence[PidSettings], choice: str) -> Detuned:
+        """Return settings that the user chose as they are; all as in `slowing_down.as_given`."""
+        return as_given(settings, self.peak, self.method, choice)
 
     def controller(self, found: Detuned, design: str, notes: Sequence[str]) -> Controller:
         """Return the controller with these settings, at rest at the operating point.
@@ -143,39 +157,34 @@ class MultiloopPid:
         NotApplicable
             A setting is outside of what a controller takes.
         """
-        values = applicable_values(self._law, self._values(found.settings), self.method)
+        values = applicable_values(self._law, self._values(found.design), self.method)
         return dataclasses.replace(
             self._without_settings,
             design=(
-                f"{design}: {self._in_words(found.settings)}; sensitivity peak of all loops "
+                f"{design}: {self._in_words(found.design)}; sensitivity peak of all loops "
                 f"together {found.peak:.2f}."
             ),
             values=values,
-            initial_state=self._at_rest(values),
+            initial_state=state_at_rest(self._law, values, self.point.as_dict()),
             notes=tuple(notes),
             slowed=found.factor,
         )
 
-    def _blank(self, outputs: tuple[str, ...], inputs: tuple[str, ...]) -> Controller:
-        law = multiloop_pid_law(
-            [loop.output for loop in self.loops],
-            [loop.input for loop in self.loops],
+    def _blank(self) -> Controller:
+        law = _law(
+            tuple(loop.output for loop in self.loops),
+            tuple(loop.input for loop in self.loops),
             self.form,
             decoupling=self.decoupling,
         )
-        values = {parameter.name: parameter.initial for parameter in law.parameters} | self._fixed
-        values = designed_values(law, values, self.point, self.method)
-        self._law = law
-        return Controller(
-            name=f"{self.form.actions}, {self.method}" + self._decoupled(", "),
-            family=family(self.form) + self._decoupled(" with "),
-            design="",
-            law=law,
-            values=values,
-            initial_state=self._at_rest(values),
-            measurements=outputs,
-            setpoints=outputs,
-            manipulated=inputs,
+        return controller_at(
+            self.point,
+            f"{self.form.actions}, {self.method}" + self._decoupled(", "),
+            family(self.form) + self._decoupled(" with "),
+            law,
+            numbers_at(self.point, law.parameters) | self._fixed,
+            method=self.method,
+            structure=Complexity.ADVANCED_LOOPS if self.decoupling else Complexity.LOOPS,
             free_inputs=self._remote_setpoints(),
         )
 
@@ -193,17 +202,13 @@ class MultiloopPid:
         return "" if self.decoupling is None else f"{joined}{self.decoupling} decoupling"
 
     def _fixed_values(self, model: LinearModel) -> dict[str, float]:
-        """Return limits and decoupling terms, which no setting of a loop changes."""
+        """Return decoupling terms, which no setting of a loop changes."""
         values: dict[str, float] = {}
-        for u in (loop.input for loop in self.loops):
-            values |= {path(u, "low_limit"): u.low, path(u, "high_limit"): u.high}
         if self.decoupling is None:
             return values
         pairs = [(loop.output.name, loop.input.name) for loop in self.loops]
-        try:
+        with as_reasons_of(f"{self.method} with decoupling"):
             found = inverted_decoupler(model, pairs, kind=self.decoupling)
-        except NotApplicable as refusal:
-            raise NotApplicable(f"{self.method} with decoupling", refusal.reason) from None
         for i, loop in enumerate(self.loops):
             for j, other in enumerate(self.loops):
                 if i == j:
@@ -215,14 +220,6 @@ class MultiloopPid:
                     values[path(owner, "lead")] = float(found.lead[i, j])
                     values[path(owner, "lag")] = float(found.lag[i, j])
         return values
-
-    def _at_rest(self, values: dict[str, float]) -> dict[str, float]:
-        at = self.point.as_dict()
-        inputs: dict[str, float] = {}
-        for loop in self.loops:
-            inputs |= {path(loop.output, what): at[loop.output.name] for what in ("sp", "pv")}
-            inputs[path(loop.input, "tracking")] = loop.resting_input
-        return state_at_rest(self._law, values, inputs)
 
     def _values(self, settings: Sequence[PidSettings]) -> dict[str, float]:
         values = dict(self._without_settings.values)
@@ -281,16 +278,3 @@ def pi_only(form: PidForm | None, method: str) -> PidForm:
     if actions != "PI":
         raise InputError(f"{method}, form", actions, "PI: it has no rule for Td", "ask for PI")
     return form
-
-
-def note_on_peak(found: Detuned, remedy: str) -> list[str]:
-    """Return a note where settings that the user chose have thin margins.
-
-    Examples
-    --------
-    >>> note_on_peak(Detuned((PidSettings(9.0, 30.0),), 1.0, 2.5), "choose a lower crossover")
-    ['The sensitivity peak is 2.50, above 2: choose a lower crossover.']
-    """
-    if found.peak <= SENSITIVITY_LIMIT:
-        return []
-    return [f"The sensitivity peak is {found.peak:.2f}, above {SENSITIVITY_LIMIT:g}: {remedy}."]

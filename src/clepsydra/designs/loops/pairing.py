@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from clepsydra.base.errors import InputError
-from clepsydra.linear.compared import compared
 from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.ranges import in_known_ranges
 from clepsydra.linear.relative_gain_array import relative_gains, suggest_pairing
 
 Pairing = Sequence[tuple[str, str]] | Mapping[str, str]
@@ -51,7 +51,7 @@ def _suggested(model: LinearModel) -> Pairing:
     """Return the pairing that `linear.analysis.analyse` suggests."""
     square = len(model.inputs) == len(model.outputs)
     try:
-        relative = relative_gains(model if square else compared(model) or model)
+        relative = relative_gains(model if square else in_known_ranges(model) or model)
     except InputError:  # singular, as the words of an analysis say
         raise InputError(
             "pairing",

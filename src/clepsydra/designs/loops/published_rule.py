@@ -3,23 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
-from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.pid_form import PidForm
 from clepsydra.designs.applicability import reasons_about
+from clepsydra.designs.arguments.argument import flag
 from clepsydra.designs.loops.control_authority import DESIGN_STEP
-from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT, as_given, detune
-from clepsydra.designs.loops.multiloop import MultiloopPid, PairedLoop, checked_form, note_on_peak
-from clepsydra.designs.loops.pairing import Pairing
 from clepsydra.designs.loops.pid_settings import PidSettings, slowed_down
-from clepsydra.linear.linear_model import LinearModel
+from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT, note_on_peak
+
+if TYPE_CHECKING:
+    from clepsydra.controllers.controller import Controller
+    from clepsydra.controllers.pid_form import PidForm
+    from clepsydra.designs.loops.multiloop import PairedLoop
+    from clepsydra.designs.loops.pairing import Pairing
+    from clepsydra.linear.linear_model import LinearModel
 
 RuleActions = Literal["PI", "PID"]
 #: A gain this many times what a setpoint step of a tenth of the range allows is remarked on.
 HIGH_GAIN = 3.0
 #: A loop, the delay of its sampling [s] and the actions to its settings and what they came from.
-Rule = Callable[[PairedLoop, float, RuleActions], tuple[PidSettings, str]]
+Rule = Callable[["PairedLoop", float, RuleActions], tuple[PidSettings, str]]
+AS_PUBLISHED = flag(
+    "as_published",
+    "`true` keeps the settings of a rule, `false` slows the loops down until max|S| is 2",
+)
 
 
 class PublishedRule(NamedTuple):
@@ -86,6 +93,8 @@ def design_by_rule(
     ...                as_published=True).notes
     ('The rule was given, level by outflow: a guess.',)
     """
+    from clepsydra.designs.loops.multiloop import MultiloopPid, checked_form
+
     form, actions = checked_form(form, rule.method)
     together = MultiloopPid(model, pairing, form, rule.method)
     delay = together.process.sampling_period / 2.0
@@ -97,11 +106,11 @@ def design_by_rule(
         origins.append(f"{loop.pair}: {origin}")
     notes = [f"The rule was given, {'; '.join(origins)}."]
     if as_published:
-        tuned = as_given(settings, together.peak, rule.method, "the settings of the rule")
-        notes += note_on_peak(tuned, "lower the gain")
+        tuned = together.as_given(settings, "the settings of the rule")
+        notes += note_on_peak(tuned.peak, "lower the gain")
         notes += [rule.advice] if rule.advice else []
     else:
-        tuned = detune(lambda factor: slowed_down(settings, factor), together.peak, rule.method)
+        tuned = together.detuned(lambda factor: slowed_down(settings, factor))
         if tuned.factor > 1.0:
             notes.append(
                 f"The gains of the rule were divided by {tuned.factor:.3g} and its integral times "
@@ -112,7 +121,7 @@ def design_by_rule(
         f"{loop.pair}: its gain is so high that a setpoint step of "
         f"{100.0 * DESIGN_STEP * loop.largest_gain / abs(setting.gain):.2g} % of the range "
         "saturates the input; the rule looks at delays alone."
-        for loop, setting in zip(together.loops, tuned.settings, strict=True)
+        for loop, setting in zip(together.loops, tuned.design, strict=True)
         if abs(setting.gain) > HIGH_GAIN * loop.largest_gain
     ]
     return together.controller(tuned, f"{rule.method} ({rule.source})", notes)

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 from clepsydra.base.signal import Signal
 from clepsydra.base.words import time_text
 from clepsydra.designs.gain_units import percent_gain
+
+if TYPE_CHECKING:
+    from clepsydra.designs.models.first_order_delay import FirstOrderDelay
+    from clepsydra.designs.models.second_order_delay import SecondOrderDelay
 
 
 def lag(time_constant: float) -> str:
@@ -56,3 +61,20 @@ def slope(value: float, output: Signal, manipulated: Signal) -> str:
     if abs(in_shares) >= 0.01:
         return f"slope {in_shares:.3g} %/% a second"
     return f"slope {60.0 * in_shares:.3g} %/% a minute"
+
+
+def model_words(
+    model: FirstOrderDelay | SecondOrderDelay, output: Signal, manipulated: Signal, more: str = ""
+) -> str:
+    """Return the slope, the lag and the delay of a model, what more there is before the delay.
+
+    Examples
+    --------
+    >>> from clepsydra.designs.models.first_order_delay import FirstOrderDelay
+    >>> level = Signal("level", "m", low=0.0, high=5.0)
+    >>> pump = Signal("pump", "V", low=0.0, high=10.0)
+    >>> model_words(FirstOrderDelay(0.001, 62.4, 5.0), level, pump)
+    'slope 0.12 %/% a minute, time constant 62.4 s, delay 5 s'
+    """
+    first = f"{slope(model.slope, output, manipulated)}, {lag(model.time_constant)}"
+    return f"{first}{more}, delay {time_text(model.delay)}"

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.designs.models.transfer_element import TransferElement
+
+if TYPE_CHECKING:
+    from clepsydra.designs.models.transfer_element import TransferElement
 
 _ROUNDS = 100
 #: A root turns into a time constant when its imaginary part is below this share of its size.
@@ -80,20 +83,19 @@ def half_rule(
     --------
     1/((s + 1)(0.2 s + 1)), example E1 there:
 
+    >>> from clepsydra.designs.models.transfer_element import TransferElement
     >>> model = half_rule(TransferElement(1.0, (-1.0, -5.0), (), 0))
     >>> model.time_constant, model.delay
     (1.1, 0.1)
     """
-    left, effective, factor = reduced_lags(element, delay, 1, method)
-    gain = element.gain * factor  # of an integrating element it is the slope already
-    slope = gain if math.isinf(left[0]) else gain / left[0]
-    return FirstOrderDelay(slope, left[0], effective)
+    slope, (lag,), effective = reduced_lags(element, delay, 1, method)
+    return FirstOrderDelay(slope, lag, effective)
 
 
 def reduced_lags(
     element: TransferElement, delay: float, order: int, method: str
-) -> tuple[list[float], float, float]:
-    """Return the lags that the half rule keeps, the effective delay and the factor of the gain.
+) -> tuple[float, list[float], float]:
+    """Return the slope, the lags that the half rule keeps, and the effective delay.
 
     Parameters
     ----------
@@ -114,8 +116,9 @@ def reduced_lags(
     --------
     Four lags of 1 s as two: 1 s and 1.5 s, with 1.5 s of delay.
 
+    >>> from clepsydra.designs.models.transfer_element import TransferElement
     >>> reduced_lags(TransferElement(1.0, (-1.0,) * 4, (), 0), 0.0, 2, "SIMC")
-    ([1.0, 1.5], 1.5, 1.0)
+    (1.0, [1.0, 1.5], 1.5)
     """
     _check(element, method)
     lags = sorted((-1.0 / root.real for root in element.poles), reverse=True)
@@ -138,7 +141,8 @@ def reduced_lags(
         tried.add(new)
     kept = left[:order]
     kept[-1] += shared / 2.0
-    return kept, effective, factor
+    gain = element.gain * factor  # of an integrating element it is the slope already
+    return gain if math.isinf(kept[0]) else gain / kept[0], kept, effective
 
 
 def _without_leads(
@@ -175,13 +179,8 @@ def _partner(lead: float, lags: list[float]) -> float:
 
 
 def _check(element: TransferElement, method: str) -> None:
-    if any(root.real >= 0.0 for root in element.poles):
-        raise NotApplicable(method, "the element is unstable without control")
+    element.check(method)
     if any(abs(root.imag) > _REAL * abs(root) for root in (*element.poles, *element.zeros)):
         raise NotApplicable(method, "the element oscillates, the half rule needs real roots")
-    if element.integrators > 1:
-        raise NotApplicable(method, f"the element integrates {element.integrators} times")
-    if element.integrators < 0:
-        raise NotApplicable(method, "the input cannot hold the output: its static gain is zero")
     if not element.poles and element.integrators == 0:
         raise NotApplicable(method, "the element answers at once, it has no lag")

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.models.first_order_delay import FirstOrderDelay
-from clepsydra.designs.models.transfer_element import TransferElement
+
+if TYPE_CHECKING:
+    from clepsydra.designs.models.transfer_element import TransferElement
 
 _POINTS = 2000
 #: The response is looked at for this many times the sum of its lags.
@@ -78,11 +81,14 @@ def reaction_curve(element: TransferElement, delay: float, *, method: str) -> Re
     --------
     1/(s + 1)³ is steepest at 2 s, with a slope of 2/e²:
 
+    >>> from clepsydra.designs.models.transfer_element import TransferElement
     >>> curve = reaction_curve(TransferElement(1.0, (-1.0, -1.0, -1.0), (), 0), 0.0, method="ZN")
     >>> round(curve.slope * math.exp(2.0), 6), round(curve.delay, 3)
     (2.0, 0.805)
     """
-    _check(element, method)
+    element.check(method)
+    if len(element.poles) + element.integrators <= len(element.zeros):
+        raise NotApplicable(method, "the element answers at once, it has no lag")
     late = delay + element.dead_time
     if element.integrators:
         lag = sum((-1.0 / root).real for root in map(complex, element.poles))
@@ -95,6 +101,7 @@ def reaction_curve(element: TransferElement, delay: float, *, method: str) -> Re
     return found
 
 
+@lru_cache(maxsize=16)
 def _of_lags(element: TransferElement, late: float) -> ReactionCurve:
     from scipy.linalg import expm
     from scipy.optimize import brentq, minimize_scalar
@@ -155,14 +162,3 @@ def _cascade(element: TransferElement) -> tuple[np.ndarray, np.ndarray, np.ndarr
         C[place] = 1.0 - passed
         through *= passed
     return A, B, C
-
-
-def _check(element: TransferElement, method: str) -> None:
-    if any(root.real >= 0.0 for root in element.poles):
-        raise NotApplicable(method, "the element is unstable without control")
-    if element.integrators < 0:
-        raise NotApplicable(method, "the input cannot hold the output: its static gain is zero")
-    if element.integrators > 1:
-        raise NotApplicable(method, f"the element integrates {element.integrators} times")
-    if len(element.poles) + element.integrators <= len(element.zeros):
-        raise NotApplicable(method, "the element answers at once, it has no lag")

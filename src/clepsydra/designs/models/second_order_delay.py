@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from clepsydra.designs.models.first_order_delay import reduced_lags
-from clepsydra.designs.models.transfer_element import TransferElement
+
+if TYPE_CHECKING:
+    from clepsydra.designs.models.transfer_element import TransferElement
 
 
 @dataclass(frozen=True)
@@ -64,11 +66,10 @@ def half_rule_of_second_order(
 
     Examples
     --------
+    >>> from clepsydra.designs.models.transfer_element import TransferElement
     >>> model = half_rule_of_second_order(TransferElement(1.0, (-1.0,) * 4, (), 0))
     >>> model.second_time_constant, model.delay
     (1.5, 1.5)
     """
-    left, effective, factor = reduced_lags(element, delay, 2, method)
-    gain = element.gain * factor
-    slope = gain if math.isinf(left[0]) else gain / left[0]
-    return SecondOrderDelay(slope, left[0], left[1] if len(left) > 1 else 0.0, effective)
+    slope, lags, effective = reduced_lags(element, delay, 2, method)
+    return SecondOrderDelay(slope, lags[0], lags[1] if len(lags) > 1 else 0.0, effective)

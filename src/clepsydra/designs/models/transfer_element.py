@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.linear.dead_time_structure import lags_of
+from clepsydra.linear.dead_time import at_rest, lags_of
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.minimal_realisation import minimal_realisation
-from clepsydra.linear.pade import at_rest
 from clepsydra.linear.poles import origin_radius, rightmost_first
 from clepsydra.linear.response import evaluate_transfer
 from clepsydra.linear.zeros import zeros
@@ -49,6 +49,21 @@ class TransferElement:
     def sign(self) -> float:
         """The direction in which the output finally moves: 1 or −1."""
         return math.copysign(1.0, self.gain)
+
+    def check(self, method: str, integrators: float = 1) -> None:
+        """Refuse what no rule for single loops is for.
+
+        Raises
+        ------
+        NotApplicable
+            It is unstable, holds no output, or integrates more often than this.
+        """
+        if any(root.real >= 0.0 for root in self.poles):
+            raise NotApplicable(method, "the element is unstable without control")
+        if self.integrators < 0:
+            raise NotApplicable(method, "the input cannot hold the output: its static gain is zero")
+        if self.integrators > integrators:
+            raise NotApplicable(method, f"the element integrates {self.integrators} times")
 
     def magnitude(self, omega: float) -> float:
         """Return |g(jω)| at ω [rad/s]."""
@@ -108,8 +123,15 @@ def transfer_element(
             f"{input_name} acts on {output} by ways of different dead time, or by a loop with "
             "dead time in it, so that one dead time and a rational function do not describe it",
         )
-    dead_time = float(lags.outputs[0] - lags.inputs[0])
-    chosen = at_rest(chosen)
+    return _element(model, output, input_name, float(lags.outputs[0] - lags.inputs[0]))
+
+
+@lru_cache(maxsize=64)
+def _element(
+    model: LinearModel, output: str, input_name: str, dead_time: float
+) -> TransferElement | None:
+    """Return the element; every design of a study asks for the same ones."""
+    chosen = at_rest(model.select(outputs=[output], inputs=[input_name]))
     A, B, C, D = minimal_realisation(chosen.A, chosen.B, chosen.C, chosen.D)
     if not len(A) and D[0, 0] == 0.0:
         return None

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import lru_cache
 from itertools import pairwise
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.designs.models.transfer_element import TransferElement
+
+if TYPE_CHECKING:
+    from clepsydra.designs.models.transfer_element import TransferElement
 
 _BISECTIONS = 80
 _POINTS_A_DECADE = 60
@@ -64,17 +67,29 @@ def ultimate_point(element: TransferElement, delay: float, *, method: str) -> Ul
     --------
     1/(s + 1)³ has Ku = 8 and Tu = 2π/√3:
 
+    >>> from clepsydra.designs.models.transfer_element import TransferElement
     >>> lags = TransferElement(1.0, (-1.0, -1.0, -1.0), (), 0)
     >>> found = ultimate_point(lags, 0.0, method="by hand")
     >>> round(found.gain, 9), round(found.period * math.sqrt(3.0) / math.tau, 9)
     (8.0, 1.0)
     """
-    _check(element, method)
+    element.check(method)
+    found = _found(element, delay)
+    if found is None:
+        raise NotApplicable(
+            method, "the element is never late by half a turn, so no gain is too large for it"
+        )
+    return found
+
+
+@lru_cache(maxsize=16)
+def _found(element: TransferElement, delay: float) -> UltimatePoint | None:
+    """Return the point, if there is one; several rules ask for that of the same element."""
     total = delay + element.dead_time
     rates = [abs(root) for root in (*element.poles, *element.zeros)]
     rates += [1.0 / total] if total > 0.0 else []
     if not rates:
-        raise NotApplicable(method, _NEVER)
+        return None
     slowest, fastest = 1e-4 * min(rates), 1e4 * max(rates)
     count = int(_POINTS_A_DECADE * math.log10(fastest / slowest)) + 2
     grid = [slowest * (fastest / slowest) ** (k / (count - 1)) for k in range(count)]
@@ -84,19 +99,16 @@ def ultimate_point(element: TransferElement, delay: float, *, method: str) -> Ul
         return (-math.pi - element.phase(omega) + omega * delay) / math.tau
 
     found: list[float] = []
-    for low, high in pairwise(grid):
-        before, after = half_turns_late(low), half_turns_late(high)
+    turns = map(half_turns_late, grid)
+    for (low, high), (before, after) in zip(pairwise(grid), pairwise(turns), strict=True):
         # Whole numbers between the two are crossings; the first is enough of many.
         crossed = math.ceil(min(before, after))
         if crossed <= max(before, after) and crossed >= 0:
             found.append(_crossing(half_turns_late, crossed, low, high))
     if not found:
-        raise NotApplicable(method, _NEVER)
+        return None
     omega = max(found, key=element.magnitude)
     return UltimatePoint(element.sign / element.magnitude(omega), math.tau / omega)
-
-
-_NEVER = "the element is never late by half a turn, so no gain is too large for it"
 
 
 def _crossing(function: Callable[[float], float], level: float, low: float, high: float) -> float:
@@ -109,12 +121,3 @@ def _crossing(function: Callable[[float], float], level: float, low: float, high
         else:
             high = middle
     return math.sqrt(low * high)
-
-
-def _check(element: TransferElement, method: str) -> None:
-    if any(root.real >= 0.0 for root in element.poles):
-        raise NotApplicable(method, "the element is unstable without control")
-    if element.integrators < 0:
-        raise NotApplicable(method, "the input cannot hold the output: its static gain is zero")
-    if element.integrators > 1:
-        raise NotApplicable(method, f"the element integrates {element.integrators} times")

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import InputError
-from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.models.transfer_element import TransferElement
 from clepsydra.designs.polynomial.moment_matching import with_two_lags

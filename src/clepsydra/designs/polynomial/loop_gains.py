@@ -7,18 +7,16 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 from clepsydra.base.signal import Signal, elements, path
-from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.polynomial_controller import PolynomialShape
-from clepsydra.designs.applicability import NotApplicable
-from clepsydra.designs.designed_values import applicable_values, rounded_values
+from clepsydra.designs.at_operating_point import controller_at, numbers_at
+from clepsydra.designs.designed_values import rounded_values
 from clepsydra.designs.gain_units import percent_gain
-from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT
 from clepsydra.designs.polynomial.paired_models import ModelledPair
 from clepsydra.designs.polynomial.two_degree_of_freedom import TwoDegreeOfFreedom
 from clepsydra.designs.sampled.sampled_loop import SampledLoops
-from clepsydra.designs.sampled.sampled_process import NotSampled
-from clepsydra.designs.states.slowing_down import SlowedDown, note_on_slowing, slow_down
+from clepsydra.designs.sampled.sampled_process import refusing
+from clepsydra.designs.slowing_down import as_given, note_on_peak, note_on_slowing, slow_down
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.program.step_law import StepLaw
@@ -125,24 +123,17 @@ class PairedDesign(NamedTuple):
             sampled loop, or a gain is outside of what a controller takes.
         """
         blank = self._with(self.gains_at(1.0))
-        try:
+        with refusing(self.method, "its sampled loops need"):
             loops = SampledLoops(blank, self.model)
-        except NotSampled as refusal:
-            raise NotApplicable(
-                self.method, f"its sampled loops need {refusal.expected}; {refusal.remedy}"
-            ) from None
 
         def peak(gains: list[LoopGains]) -> float:
-            return loops.at(self._values(gains)).maximum_sensitivity
+            values = rounded_values(self.law, self._values(gains), self.point)
+            return loops.at(values).maximum_sensitivity
 
         if given:
-            gains = self.gains_at(1.0)
-            found = SlowedDown(gains, 1.0, peak(gains))
-            if found.peak == float("inf"):
-                raise NotApplicable(
-                    self.method, f"the loops together are unstable at {given}; ask for less"
-                )
-            more = _thin(found.peak)
+            choice = f"{given}; ask for less"
+            found = as_given(self.gains_at(1.0), peak, self.method, choice)
+            more = note_on_peak(found.peak, "choose a larger q_u or slower assigned poles")
         else:
             found = slow_down(self.gains_at, peak, self.method)
             more = note_on_slowing(found, "the controller")
@@ -151,43 +142,25 @@ class PairedDesign(NamedTuple):
             f"{percent_gain(_sudden(loop), pair.output, pair.input):.3g} %/%"
             for pair, loop in zip(self.pairs, found.design, strict=True)
         )
-        return dataclasses.replace(
-            self._with(found.design),
-            design=f"{source}: {words}; sensitivity peak of all loops together {found.peak:.2f}.",
-            notes=(*notes, *more, self._period_note()),
-            slowed=found.factor,
-        )
-
-    def _period_note(self) -> str:
         period = self.point.process.sampling_period
-        return f"Its gains hold for a sampling period of {period:g} s and no other."
+        holds = f"Its gains hold for a sampling period of {period:g} s and no other."
+        return self._with(found.design).described(
+            f"{source}: {words}; sensitivity peak of all loops together {found.peak:.2f}.",
+            (*notes, *more, holds),
+            found.factor,
+        )
 
     def _values(self, gains: Sequence[LoopGains]) -> dict[str, float]:
-        values = dict(self.fixed)
+        values = {**numbers_at(self.point, self.law.parameters), **self.fixed}
         for loop, pair in zip(gains, self.pairs, strict=True):
             values |= loop.values(pair.output)
-            u = pair.input
-            values |= {path(u, "low_limit"): u.low, path(u, "high_limit"): u.high}
-        return rounded_values(self.law, values, self.point)
+        return values
 
     def _with(self, gains: Sequence[LoopGains]) -> Controller:
-        values = applicable_values(self.law, self._values(gains), self.method)
-        at_rest: dict[str, float] = {}
-        for pair in self.pairs:
-            at_rest |= {path(pair.output, what): pair.resting_output for what in ("sp", "pv")}
-            at_rest[path(pair.input, "tracking")] = pair.resting_input
-        outputs = tuple(pair.output.name for pair in self.pairs)
-        return Controller(
-            name=self.name,
-            family=self.family,
-            design="",
-            law=self.law,
-            values=values,
-            initial_state=_zeroed(state_at_rest(self.law, values, at_rest)),
-            measurements=outputs,
-            setpoints=outputs,
-            manipulated=tuple(pair.input.name for pair in self.pairs),
+        found = controller_at(
+            self.point, self.name, self.family, self.law, self._values(gains), method=self.method
         )
+        return dataclasses.replace(found, initial_state=_zeroed(found.initial_state))
 
 
 def _zeroed(state: dict[str, float]) -> dict[str, float]:
@@ -197,12 +170,3 @@ def _zeroed(state: dict[str, float]) -> dict[str, float]:
 
 def _sudden(gains: LoopGains) -> float:
     return gains.error + (gains.measurement[0] if gains.measurement else 0.0)
-
-
-def _thin(peak: float) -> tuple[str, ...]:
-    if peak <= SENSITIVITY_LIMIT:
-        return ()
-    return (
-        f"The sensitivity peak is {peak:.2f}, above {SENSITIVITY_LIMIT:g}: choose a larger q_u or "
-        "slower assigned poles.",
-    )

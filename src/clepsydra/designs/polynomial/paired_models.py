@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.designs.applicability import NotApplicable, reasons_about
 from clepsydra.designs.loops.control_authority import check_ranges, largest_proportional_gain
 from clepsydra.designs.loops.pairing import Pairing, checked_pairing
@@ -25,13 +25,13 @@ from clepsydra.linear.operating_point import OperatingPoint
 
 
 class ModelledPair(NamedTuple):
-    """One pair: measurement, input, the sampled model between them, and both at rest.
+    """One pair: measurement, input, the sampled model between them, and the input at rest.
 
     Examples
     --------
     >>> pair = ModelledPair(Signal("level", "V", low=0.0, high=10.0),
     ...                     Signal("pump", "V", low=0.0, high=10.0),
-    ...                     SampledModel((0.1,), (-0.9,), 0, 1.0), 5.0, 3.0)
+    ...                     SampledModel((0.1,), (-0.9,), 0, 1.0), 3.0)
     >>> pair.words, round(pair.usual_penalty, 6)
     ('level by pump', 0.111111)
     """
@@ -39,7 +39,6 @@ class ModelledPair(NamedTuple):
     output: Signal
     input: Signal
     model: SampledModel
-    resting_output: float
     resting_input: float
 
     @property
@@ -107,7 +106,7 @@ def modelled_pairs(
                 "identify or sample with this period",
             )  # fmt: skip
     return point, [
-        ModelledPair(process.signal(y), process.signal(u), each, at[y], at[u])
+        ModelledPair(process.signal(y), process.signal(u), each, at[u])
         for y, u, each in zip(outputs, inputs, models, strict=True)
     ]
 
@@ -176,18 +175,15 @@ def checked_request(
             "a number above 0",
             "give q_u in (output unit/input unit)²",
         )
-    if assigned_poles is None:
-        return Request(None if penalty is None else float(penalty), None)
-    poles = tuple(assigned_poles)
-    for pole in poles:
+    poles = None if assigned_poles is None else tuple(assigned_poles)
+    for pole in poles or ():
         if not is_finite_number(pole) or not 0.0 <= pole < 1.0:
             raise InputError(
                 f"{method}, assigned_poles", pole, "real poles from 0 to below 1",
                 "a smaller one is faster",
             )  # fmt: skip
-    return Request(
-        None if penalty is None else float(penalty), tuple(float(pole) for pole in poles)
-    )
+    poles = poles and tuple(map(float, poles))
+    return Request(None if penalty is None else float(penalty), poles)
 
 
 def characteristic(
@@ -211,7 +207,7 @@ def characteristic(
     --------
     >>> pair = ModelledPair(Signal("level", "V", low=0.0, high=10.0),
     ...                     Signal("pump", "V", low=0.0, high=10.0),
-    ...                     SampledModel((0.1,), (-0.9,), 0, 1.0), 5.0, 3.0)
+    ...                     SampledModel((0.1,), (-0.9,), 0, 1.0), 3.0)
     >>> D, penalty, poles = characteristic(pair, Request(None, None), 1.0, pair.model.B)
     >>> [round(d, 4) for d in D.coefficients], round(poles[0], 4)
     ([1.0, -1.4352, 0.515], 0.7176)

@@ -9,8 +9,8 @@ from functools import cached_property
 
 import numpy as np
 
+from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import InputError
-from clepsydra.controllers.parameters import is_finite_number
 
 #: A root this near to the unit circle stands on it, and one this near to 1 integrates.
 ON_THE_CIRCLE = 1e-8

@@ -9,8 +9,8 @@ from math import comb, fsum, isfinite
 
 import numpy as np
 
+from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import InputError
-from clepsydra.controllers.parameters import is_finite_number
 
 #: A root w of the factor this near to [0, 4] means a zero on the unit circle, as a share of 4.
 _ON_THE_CIRCLE = 1e-13

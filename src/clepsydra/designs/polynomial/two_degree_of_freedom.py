@@ -9,8 +9,8 @@ from fractions import Fraction
 
 import numpy as np
 
+from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import InputError
-from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.designs.polynomial.diophantine import (
     Polynomial,
     product,

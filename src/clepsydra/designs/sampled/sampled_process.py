@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import NamedTuple
 
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.linear.dead_time_structure import delay_dependencies, has_delay_in_loop
-from clepsydra.linear.internal_delays import InternalDelays
-from clepsydra.linear.linear_model import LinearModel
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.linear.dead_time import delay_dependencies, has_delay_in_loop
+from clepsydra.linear.linear_model import InternalDelays, LinearModel
 
 #: Times that differ by less than this share of the sampling period are one.
 _SAME = 1e-9
@@ -25,6 +27,25 @@ class NotSampled(InputError):
     >>> issubclass(NotSampled, InputError)
     True
     """
+
+
+@contextmanager
+def refusing(method: str, what: str) -> Iterator[None]:
+    """Say that a design does not apply where what it needs cannot be sampled.
+
+    Examples
+    --------
+    >>> with refusing("LQI", "its process needs"):
+    ...     raise NotSampled("linear model, delays", "30 s", "whole samples", "sample faster")
+    Traceback (most recent call last):
+        ...
+    clepsydra.designs.applicability.NotApplicable: LQI is not applicable: its process needs whole \
+samples; sample faster.
+    """
+    try:
+        yield
+    except NotSampled as refusal:
+        raise NotApplicable(method, f"{what} {refusal.expected}; {refusal.remedy}") from None
 
 
 class SampledProcess(NamedTuple):

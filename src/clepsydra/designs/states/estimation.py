@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from clepsydra.base.signal import Signal, path
-from clepsydra.controllers.observers.current_observer import observer_values
 from clepsydra.controllers.observers.structure import ObserverStructure
 from clepsydra.designs.states.observed_process import ObservedProcess
+from clepsydra.linear.linearise import operating_point_of
 
 
 class Estimation(NamedTuple):
@@ -44,13 +44,23 @@ class Estimation(NamedTuple):
 
     def structure(self) -> ObserverStructure:
         """Return where the matrices have numbers."""
-        matrices = (self.held, self.moved, self.shown, self.correction)
+        _, *matrices = self
         return ObserverStructure(self.estimated, *(matrix != 0.0 for matrix in matrices))
 
-    def values(self, measured: Sequence[Signal], manipulated: Sequence[Signal]) -> dict[str, float]:
-        """Return the values of the law's parameters."""
-        matrices = (self.held, self.moved, self.shown, self.correction)
-        return observer_values(self.structure(), measured, manipulated, *matrices)
+    def numbers(self) -> dict[str, np.ndarray]:
+        """Return the numbers of the law's matrices, where they have any."""
+        names, (_, *matrices) = ("transition", "input_effect", "observation", "correction"), self
+        return {n: matrix[matrix != 0.0] for n, matrix in zip(names, matrices, strict=True)}
+
+    @property
+    def names(self) -> str:
+        """What is estimated, for a reader."""
+        return ", ".join(signal.name for signal in self.estimated)
+
+    @classmethod
+    def of(cls, process: ObservedProcess, correction: np.ndarray) -> Estimation:
+        """Return the observer of a process with this M."""
+        return cls(process.estimated, process.held, process.moved, process.shown, correction)
 
 
 def with_loads(observed: ObservedProcess) -> ObservedProcess:
@@ -73,10 +83,6 @@ def with_loads(observed: ObservedProcess) -> ObservedProcess:
     >>> [signal.name for signal in with_loads(seen).estimated]
     ['well.level', 'duty.actual', 'duty.load']
     """
-    from dataclasses import replace
-
-    from clepsydra.linear.linearise import operating_point_of
-
     N, m = observed.moved.shape
     process = operating_point_of(observed.model).process
     loads = tuple(

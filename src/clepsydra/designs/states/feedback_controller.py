@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
@@ -120,4 +119,4 @@ def feedback_controller(
         max(fading_time, observed.period),
         estimation,
     )
-    return dataclasses.replace(controller, notes=(*controller.notes, note))
+    return controller.described(controller.design, [note])

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
+from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.arguments.argument import word
 from clepsydra.designs.sampled.sampled_cost import SampledCost, sampled_cost
 from clepsydra.designs.sampled.sampled_process import sampled_process
 from clepsydra.designs.states.quadratic_weights import QuadraticWeights
 from clepsydra.designs.states.riccati import Regulator, optimal_regulator
+from clepsydra.linear.dead_time import at_rest
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.pade import at_rest
 
 METHOD = "LQI"
+ANTI_WINDUP = word("anti_windup", "what integrals do while an output is at a limit", AntiWindup)
 _SINGULAR = 1e-10
 
 
@@ -29,10 +33,15 @@ class LqiGains(NamedTuple):
         G, [input unit / (output unit · s)].
     eigenvalues : ndarray [N + q], complex
         Of the closed loop from one sample to the next.
+    cost : ndarray [N + q, N + q]
+        To go, in scaled states and errors.
+    sizes : ndarray [N]
+        In which the states are scaled.
 
     Examples
     --------
-    >>> gains = LqiGains(np.array([[1.7]]), np.eye(1), np.array([0.5, 0.25]))
+    >>> one = np.eye(1)
+    >>> gains = LqiGains(1.7 * one, one, np.array([0.5, 0.25]), np.eye(2), np.ones(1))
     >>> [float(abs(each)) for each in gains.eigenvalues]
     [0.5, 0.25]
     """
@@ -40,87 +49,11 @@ class LqiGains(NamedTuple):
     feedback: np.ndarray
     integral: np.ndarray
     eigenvalues: np.ndarray
-
-
-def bryson_weights(
-    model: LinearModel,
-    maximum_errors: np.ndarray,
-    maximum_moves: np.ndarray,
-    settling_horizon: float,
-) -> QuadraticWeights:
-    """Return Bryson's weights, each the inverse square of the largest acceptable deviation.
-
-    The cost is ∫ Σ (y_j/ȳ_j)² + Σ (u_i/ū_i)² dt + Δt Σ_k Σ_j (w_j(k)/(ȳ_j T))², where T is the
-    time for which a largest error may last.
-
-    Parameters
-    ----------
-    model : LinearModel
-    maximum_errors : ndarray [q]
-        ȳ [output unit]
-    maximum_moves : ndarray [m]
-        ū [input unit]
-    settling_horizon : float
-        T [s]
-
-    References
-    ----------
-    A. E. Bryson and Y.-C. Ho, Applied Optimal Control, Hemisphere 1975, chapter 5.
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> tank = LinearModel(0.0 * one, one, one[:, :0], 5.0 * one, 0.0 * one,
-    ...                    ("tank.level",), ("pump",), (), ("level",))
-    >>> float(bryson_weights(tank, np.ones(1), np.array([2.0]), 10.0).states[0, 0])
-    25.0
-    """
-    errors, moves = np.asarray(maximum_errors, float), np.asarray(maximum_moves, float)
-    return QuadraticWeights(
-        states=model.C.T @ np.diag(errors**-2) @ model.C,
-        inputs=np.diag(moves**-2),
-        integrals=np.diag((errors * settling_horizon) ** -2),
-    )
+    cost: np.ndarray
+    sizes: np.ndarray
 
 
 def lqi_gains(
-    model: LinearModel,
-    maximum_errors: np.ndarray,
-    maximum_moves: np.ndarray,
-    settling_horizon: float,
-    sampling_period: float,
-) -> LqiGains:
-    """Return the gains of LQI with Bryson's weights.
-
-    Parameters
-    ----------
-    model, maximum_errors, maximum_moves, settling_horizon
-        As for `bryson_weights`.
-    sampling_period : float
-        Δt [s]
-
-    Raises
-    ------
-    NotApplicable
-        As for `lqi_gains_by_weights`.
-
-    Examples
-    --------
-    ẋ = u, y = x, all deviations and T one. Sampled fast it is the continuous LQI, whose poles
-    are those of s² + √3 s + 1, so F = √3 and G = 1:
-
-    >>> one = np.eye(1)
-    >>> tank = LinearModel(0.0 * one, one, one[:, :0], one, 0.0 * one,
-    ...                    ("tank.level",), ("pump",), (), ("level",))
-    >>> gains = lqi_gains(tank, np.ones(1), np.ones(1), 1.0, 1e-5)
-    >>> round(float(gains.feedback[0, 0]), 4), round(float(gains.integral[0, 0]), 4)
-    (1.732, 1.0)
-    """
-    weights = bryson_weights(model, maximum_errors, maximum_moves, settling_horizon)
-    return lqi_gains_by_weights(model, weights, sampling_period, settling_horizon)
-
-
-def lqi_gains_by_weights(
     model: LinearModel,
     weights: QuadraticWeights,
     sampling_period: float,
@@ -167,7 +100,7 @@ def lqi_gains_by_weights(
     >>> one = np.eye(1)
     >>> tank = LinearModel(0.0 * one, one, one[:, :0], one, 0.0 * one,
     ...                    ("tank.level",), ("pump",), (), ("level",))
-    >>> gains = lqi_gains_by_weights(tank, QuadraticWeights(one, one, one), 1e-5, 1.0)
+    >>> gains = lqi_gains(tank, QuadraticWeights(one, one, one), 1e-5, 1.0)
     >>> round(float(gains.feedback[0, 0]), 4)
     1.732
     """
@@ -189,7 +122,8 @@ def lqi_gains_by_weights(
     N = np.vstack([cost.N, np.zeros((q, len(moves)))])
     found = optimal_regulator(held, moved, Q, N, cost.R, method)
     gain = moves[:, None] * found.gain
-    return LqiGains(gain[:, :n] / sizes, gain[:, n:] / sums, found.eigenvalues)
+    F, G = gain[:, :n] / sizes, gain[:, n:] / sums
+    return LqiGains(F, G, found.eigenvalues, found.cost, sizes)
 
 
 def lqr_gains(
@@ -204,7 +138,7 @@ def lqr_gains(
     Parameters
     ----------
     model, weights, sampling_period, horizon, method
-        As for `lqi_gains_by_weights`; the weights of integrals do not count.
+        As for `lqi_gains`; the weights of integrals do not count.
 
     Returns
     -------
@@ -323,6 +257,18 @@ def check_independent(model: LinearModel, method: str) -> None:
         raise NotApplicable(
             method, "the outputs cannot be held independently: there is a zero at the origin"
         )
+
+
+def slowest_time_constant(eigenvalues: np.ndarray, period: float) -> float:
+    """Return the time in which the slowest mode shrinks to 1/e [s].
+
+    Examples
+    --------
+    >>> round(slowest_time_constant(np.array([0.5, np.exp(-0.1)]), 2.0), 9)
+    20.0
+    """
+    largest = float(np.max(np.abs(eigenvalues), initial=0.0))
+    return -period / math.log(largest) if largest > 0.0 else 0.0
 
 
 def _state_sizes(model: LinearModel, moves: np.ndarray, horizon: float) -> np.ndarray:

@@ -84,3 +84,28 @@ def with_outputs(model: LinearModel, measurements: tuple[str, ...]) -> LinearMod
     return dataclasses.replace(
         model, C=shown.C[:, columns], D=no_feedthrough, outputs=measurements, delays=delays
     )
+
+
+def of_measurements(
+    model: LinearModel, measurements: tuple[str, ...], feedback: np.ndarray
+) -> np.ndarray:
+    """Return the feedback of measurements that is one of states: F x = (F M⁻¹) y with y = M x.
+
+    Parameters
+    ----------
+    model : LinearModel
+    measurements : tuple of str
+        One for each state.
+    feedback : ndarray [m, n]
+        F
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> levels = ("level_1", "level_2", "level_3")
+    >>> of_measurements(cl.load("three-tanks").linear, levels, np.ones((1, 3)))
+    array([[1., 1., 1.]])
+    """
+    shown = with_outputs(model, measurements).C
+    found: np.ndarray = np.linalg.solve(shown.T, feedback.T).T
+    return found

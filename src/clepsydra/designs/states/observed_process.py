@@ -13,7 +13,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.observers.structure import MOST_ESTIMATES
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.designs.sampled.sampled_process import NotSampled, sampled_process, sampled_states
+from clepsydra.designs.sampled.sampled_process import refusing, sampled_process, sampled_states
 from clepsydra.designs.sampled.sampling_period import check_sampling_period
 from clepsydra.designs.states.measured_states import all_states_are_measured, with_outputs
 from clepsydra.designs.states.relevant_states import without_idle_states
@@ -103,13 +103,9 @@ def observed_process(
     process = operating_point_of(model).process
     chosen = _chosen(model, measurements, method)
     seen = without_idle_states(with_outputs(model, chosen))
-    try:
+    with refusing(method, "its sampled model needs"):
         held, moved = sampled_process(seen, period)
         ages = sampled_states(seen, period)
-    except NotSampled as refusal:
-        raise NotApplicable(
-            method, f"its sampled model needs {refusal.expected}; {refusal.remedy}"
-        ) from None
     if len(held) > MOST_ESTIMATES:
         raise NotApplicable(
             method,
@@ -119,17 +115,8 @@ def observed_process(
     estimated = tuple(_aged(process.signal(name), age) for name, age in ages)
     shown = np.zeros((len(chosen), len(held)))
     shown[:, : len(seen.states)] = seen.C
-    rows = [chosen.index(name) for name in model.outputs]
     found = ObservedProcess(
-        dataclasses.replace(
-            seen,
-            C=seen.C[rows],
-            D=seen.D[rows],
-            outputs=model.outputs,
-            delays=None
-            if seen.delays is None
-            else seen.delays.select(rows, range(len(seen.inputs))),
-        ),
+        seen.select(outputs=model.outputs),
         period,
         chosen,
         estimated,

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -59,12 +58,11 @@ def placed_correction(
     >>> round(float(found[0, 0]), 9)
     0.444444444
     """
-    C = shown / spans[:, None]
-    with _said_of_measurements():
-        ones = np.ones(len(C))
-        dual = placed_gain(held.T, (C @ held).T, poles, 1.0 / sizes, ones, period, METHOD)
-    correction: np.ndarray = dual.T / spans
-    return correction
+
+    def dual(A: np.ndarray, B: np.ndarray, s: np.ndarray, m: np.ndarray) -> np.ndarray:
+        return placed_gain(A, B, poles, s, m, period, METHOD)
+
+    return _corrected(held, shown, sizes, spans, dual)
 
 
 def bessel_correction(
@@ -98,19 +96,26 @@ def bessel_correction(
     >>> round(float(found[0, 0]), 9)
     0.5
     """
+
+    def dual(A: np.ndarray, B: np.ndarray, s: np.ndarray, m: np.ndarray) -> np.ndarray:
+        return place_slow_modes(A, B, bandwidth, s, m, period, METHOD).gain
+
+    return _corrected(held, shown, sizes, spans, dual)
+
+
+def _corrected(
+    held: np.ndarray,
+    shown: np.ndarray,
+    sizes: np.ndarray,
+    spans: np.ndarray,
+    placed: Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray],
+) -> np.ndarray:
     C = shown / spans[:, None]
-    with _said_of_measurements():
-        ones = np.ones(len(C))
-        dual = place_slow_modes(held.T, (C @ held).T, bandwidth, 1.0 / sizes, ones, period, METHOD)
-    correction: np.ndarray = dual.gain.T / spans
-    return correction
-
-
-@contextmanager
-def _said_of_measurements() -> Iterator[None]:
-    """Say of the measurements what the placement says of the inputs of the dual process."""
     try:
-        yield
+        dual = placed(held.T, (C @ held).T, 1.0 / sizes, np.ones(len(C)))
     except NotApplicable as refusal:
+        # What the placement says of the inputs of the dual process is said of the measurements.
         reason = refusal.reason.replace("out of reach", "not shown by the measurements")
         raise NotApplicable(METHOD, reason) from refusal
+    correction: np.ndarray = dual.T / spans
+    return correction

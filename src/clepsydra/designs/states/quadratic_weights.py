@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
-from clepsydra.base.arguments import require_type
+from clepsydra.base.arguments import is_finite_number, require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
-from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.linear.linear_model import LinearModel
 
+T = TypeVar("T")
 #: A weight this far below zero, as a share of the largest, is rounding and not negative.
 _ROUNDING = 1e-12
 
@@ -108,21 +109,46 @@ by diagonal_weights(model, {"tank.level": 1.0}, {"pump": 1.0}), or from matrices
     return weights
 
 
-def of_weights(refusal: NotApplicable) -> InputError:
-    """Return what to tell a user whose weights a design cannot use, where others do.
+def by_weights(
+    gains_of: Callable[[QuadraticWeights], T],
+    weights: QuadraticWeights,
+    usual: QuadraticWeights | None,
+) -> T:
+    """Return the gains by given weights; where there are none, say whether that is their fault.
+
+    Parameters
+    ----------
+    gains_of : callable
+        Takes weights.
+    weights : QuadraticWeights
+    usual : QuadraticWeights or None
+        None where the weights are the usual ones.
+
+    Raises
+    ------
+    InputError
+        The usual weights have gains, and these have none.
+    NotApplicable
+        No weights have gains.
 
     Examples
     --------
-    >>> of_weights(NotApplicable("LQR", "the loop is unstable")).value
-    'the loop is unstable'
+    >>> by_weights(lambda given: given.inputs, QuadraticWeights(np.eye(1), 2.0 * np.eye(1)), None)
+    array([[2.]])
     """
-    return InputError(
-        "weights",
-        refusal.reason,
-        "weights that make a stable loop",
-        "weigh every state that does not settle by itself, and begin with 1 over the square of "
-        "the largest acceptable deviation for every weight",
-    )
+    try:
+        return gains_of(weights)
+    except NotApplicable as refusal:
+        if usual is None:
+            raise
+        gains_of(usual)
+        raise InputError(
+            "weights",
+            refusal.reason,
+            "weights that make a stable loop",
+            "weigh every state that does not settle by itself, and begin with 1 over the square "
+            "of the largest acceptable deviation for every weight",
+        ) from None
 
 
 def diagonal_weights(

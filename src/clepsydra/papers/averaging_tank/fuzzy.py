@@ -17,17 +17,17 @@ from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise, operating_point_of
 from clepsydra.loop.run import Run
-from clepsydra.papers.averaging_tank import fuzzy_pictures, fuzzy_tables
+from clepsydra.papers.averaging_tank import PRINTED, fuzzy_pictures, fuzzy_tables
 from clepsydra.papers.averaging_tank.continuous_pi import continuous_run
 from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, lqi_run
-from clepsydra.papers.averaging_tank.model import KMOL
+from clepsydra.papers.averaging_tank.model import KMOL, high_tank
 from clepsydra.papers.averaging_tank.pi import BY_HAND, OPTIMAL
 from clepsydra.papers.averaging_tank.printed_tables import (
     IAE_OF_C,
-    TABLE_8,
     fuzzy_indices,
     lqi_indices,
     pi_indices,
+    printed_indices,
 )
 from clepsydra.papers.averaging_tank.step_run import (
     MEASURED,
@@ -39,10 +39,9 @@ from clepsydra.papers.averaging_tank.step_run import (
 )
 from clepsydra.papers.averaging_tank.trends import trend_figure
 from clepsydra.papers.comparison import circular, claimed, compared, remark
-from clepsydra.papers.experiment import Findings
+from clepsydra.papers.document import Findings
 from clepsydra.papers.row import Row
 from clepsydra.process.document import parse
-from clepsydra.process.reader import load_process
 from clepsydra.scores.step_response import overshoot
 
 #: The controller as a file that a user could have written.
@@ -89,8 +88,8 @@ def run() -> Findings:
 @cache
 def _model(period: float) -> LinearModel:
     """Return the linear model with three inputs, sampled with a period [s]."""
-    process = load_process("averaging-tank:all-inputs")
-    return linearise(find_equilibrium(dataclasses.replace(process, sampling_period=period)))
+    process = dataclasses.replace(high_tank("all-inputs"), sampling_period=period)
+    return linearise(find_equilibrium(process))
 
 
 @cache
@@ -155,29 +154,21 @@ def _overshoot(found: Run, output: str) -> float:
 
 def _table_8() -> list[Row]:
     filtered = indices(fuzzy_run(FILTERED))
-    near = abs(IAE_OF_C / float(TABLE_8["IE", "C"]) - 1.0) < 0.01
-    iae, ise = float(TABLE_8["IAE", "C"]), float(TABLE_8["ISE", "C"])
+    printed = printed_indices("Table 8")
     evidence = [
-        ("IAE is |IE| where nothing overshoots", near),
-        ("an exponential has ISE = IAE · 0.25/2", ise / 0.125 < 0.2 * iae),
+        ("IAE is |IE| where nothing overshoots", abs(IAE_OF_C / printed["IE", "C"] - 1.0) < 0.01),
+        (
+            "an exponential has ISE = IAE · 0.25/2",
+            printed["ISE", "C"] / 0.125 < 0.2 * printed["IAE", "C"],
+        ),
     ]
-    exponent = (
-        "The exponent, 8.80E-03: where nothing overshoots, as section 4 says, IAE is IE, 8.82E-03. "
-        "Computed with a filter of the derivatives of 2 ms."
-    )
     rows = []
-    for key, text in TABLE_8.items():
-        index, output = key
-        why = (
-            "Neither the filter of the derivatives nor their dead zone is printed: with one of 2 "
-            "ms, over 2 s, both ours."
-        )
-        row = compared(
-            "Table 8", f"{index} of {output}", text, filtered[key],
-            why=why, right_if=evidence if key == ("IAE", "C") else (), unprinted=why,
-        )  # fmt: skip
+    for index, output in printed:
+        line = PRINTED["Table 8", f"{index} of {output}"]
+        is_exponent = (index, output) == ("IAE", "C")
+        row = compared(line, filtered[index, output], right_if=evidence if is_exponent else ())
         if row.verdict == "misprint":
-            row = dataclasses.replace(row, reason=exponent)
+            row = dataclasses.replace(row, reason=line.note)
         rows.append(circular(row, "Filter and horizon were chosen by the cells of this table."))
     return rows
 
@@ -210,40 +201,31 @@ def _behaviour(reading: Reading) -> list[Row]:
     told = "; ".join(f"{who} {t['C']:.2f} s" for who, t in slower.items())
     return [
         claimed(
-            "section 4", "overshoot, fuzzy", "overshoot did not occur",
+            PRINTED["section 4", "overshoot, fuzzy"],
             max(over.values()) < 0.1 and max(less.values()) < 1e-3 * max(over.values()),
             f"C {over['C']:.2g} %, V {over['V']:.2g} % of the step, sampled every 0.2 ms",
             reason="The document's derivatives are continuous, and this comes from the sampling: "
             f"at 0.1 ms it is {less['C']:.1g} and {less['V']:.1g} %. With a filter of 2 ms.",
         ),
-        remark(
-            "section 4", "C, fuzzy against the others",
-            "achieves the reference value faster than for other control system structures",
-            f"{times['C']:.3f} s; {told}",
-            reason="It holds of settling to within 2 %, as here, f_out constant for the others, a "
-            "filter of 2 ms for the derivatives, and fails of first arrival, where PI (81) is "
-            "first.",
-        ),
+        remark(PRINTED["section 4", "C, fuzzy against the others"], f"{times['C']:.3f} s; {told}"),
         claimed(
-            "section 4", "settling times, fuzzy against LQI",
-            "for both process variables was significantly shorter than for IC",
+            PRINTED["section 4", "settling times, fuzzy against LQI"],
             all(times[o] < 0.5 * slower["LQI"][o] for o in times),
             ", ".join(f"{o} {times[o]:.3f} s against {slower['LQI'][o]:.3f} s" for o in times),
-            reason="To within 2 %, judged as less than half of LQI with f_out constant, optimal. "
-            "Steps of 0.25 kmol/m³ and 0.1 m³, as in Table 7, with a filter of 2 ms.",
         ),
         claimed(
-            "section 4", "control values, fuzzy", "did not reach their limit values",
-            highest["inflow"] < 1.0 and highest["outflow"] < 1.0
-            and highest["inflow.impurity"] < 25e3 and min(lowest.values()) > 0.0,
+            PRINTED["section 4", "control values, fuzzy"],
+            highest["inflow"] < 1.0
+            and highest["outflow"] < 1.0
+            and highest["inflow.impurity"] < 25e3
+            and min(lowest.values()) > 0.0,
             f"f_in {lowest['inflow']:.2f} to {highest['inflow']:.2f}, f_out "
             f"{lowest['outflow']:.2f} to {highest['outflow']:.2f} m³/s, C_in "
             f"{lowest['inflow.impurity'] / KMOL:.1f} to {highest['inflow.impurity'] / KMOL:.1f} "
             "kmol/m³",
-            reason="Within the ranges of section 3.3, with a filter of 2 ms.",
         ),
         remark(
-            "section 4", "change rates, fuzzy", "very high",
+            PRINTED["section 4", "change rates, fuzzy"],
             f"f_in {_rate(found, 'inflow'):.0f} m³/s², C_in "
             f"{_rate(found, 'inflow.impurity') / KMOL:.0f} kmol/(m³ s)",
             reason="Neither threshold nor sampling period is printed. Largest change between "
@@ -252,20 +234,17 @@ def _behaviour(reading: Reading) -> list[Row]:
             f"{_rate(finer, 'inflow') / _rate(found, 'inflow'):.1f} times the rate: it jumps.",
         ),
         claimed(
-            "section 4", "indices, fuzzy against LQI",
-            "The values of the indices were smaller than for IC",
+            PRINTED["section 4", "indices, fuzzy against LQI"],
             not above_lqi,
             f"{len(of_lqi) - len(above_lqi)} of {len(of_lqi)} cells",
-            reason="Printed Table 8 against Table 7, f_out constant, optimal; IAE of C as "
-            "8.80E-03, see there.",
         ),
         remark(
-            "section 4", "indices, fuzzy against all", "fuzzy control ensured the best performance",
+            PRINTED["section 4", "indices, fuzzy against all"],
             f"Table 6 is lower in {', '.join(above_pi)}",
             reason="By which index is not said: Table 8 against Table 6, f_out constant, of IE the "
             f"size, IAE of C as 8.80E-03. It holds of {', '.join(below)}, and fails of the others.",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _rest(reading: Reading) -> list[Row]:
@@ -279,12 +258,9 @@ def _rest(reading: Reading) -> list[Row]:
         turned.append((words, with_rules, without))
     return [
         claimed(
-            "section 3.3", "rules (103)",
-            "to reduce the settling time of C(t), especially in the case of the negative step",
+            PRINTED["section 3.3", "rules (103)"],
             all(with_rules < without for _, with_rules, without in turned)
             and turned[1][2] - turned[1][1] > turned[0][2] - turned[0][1],
             ", ".join(f"{a:.2f} s against {b:.2f} s ({words} step)" for words, a, b in turned),
-            reason="Only C steps, by 0.25 kmol/m³; to within 2 %, with and without R25 to R27. "
-            "With a filter of 2 ms.",
         ),
-    ]  # fmt: skip
+    ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from clepsydra.controllers.fuzzy.membership import Trapezoid
 from clepsydra.controllers.fuzzy.rule import Some, atoms
 from clepsydra.controllers.fuzzy.system import FuzzySystem
+from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.comparison import claimed, compared, remark, stated
 from clepsydra.papers.row import Row
 
@@ -34,12 +35,11 @@ def tables(system: FuzzySystem, with_printed_top: FuzzySystem) -> list[Row]:
     degree = float(misread.degrees(flow.high))
     return [
         stated(
-            "Table 2", "names of the last two sets of eV", "AP, LP", "PS, PL",
-            set(printed) <= named,
-            "Table 4 says PS and PL, as the words beside the names do: positive small and large.",
+            PRINTED["Table 2", "names of the last two sets of eV"], "PS, PL", set(printed) <= named
         ),
         compared(
-            "Table 3", "top of LL", "8.0", edge.end,
+            PRINTED["Table 3", "top of LL"],
+            edge.end,
             right_if=[
                 ("8.0 lies beyond the range 0 to 1, and LM ends at 0.8", 8.0 > flow.high == 1.0),
                 (
@@ -48,35 +48,17 @@ def tables(system: FuzzySystem, with_printed_top: FuzzySystem) -> list[Row]:
                 ),
             ],
         ),
-        stated(
-            "Table 4", "caption", "Rules of the fuzzy controller regarding C(t)", "regarding V(t)",
-            lower == {"e_C", "de_C"},
-            "Its rows and columns are eV and deV/dt, and section 3.3 has “for the variable V(t) "
-            "(see Tab. 4)”.",
-        ),
-        stated(
-            "Table 5", "caption", "Rules of the fuzzy controller regarding V(t)", "regarding C(t)",
-            upper == {"e_V", "de_V"},
-            "Its rows and columns are eC and deC/dt, and section 3.3 has “for the variable C(t) "
-            "(see Tab. 5)”.",
-        ),
-        stated(
-            "Table 4", "name of the set small", "S", "S0", "S" in _TABLE_3,
-            "Table 3 has no set S, and calls the small set of f_in and f_out S0, as Table 5 does.",
-        ),
+        stated(PRINTED["Table 4", "caption"], "regarding V(t)", lower == {"e_C", "de_C"}),
+        stated(PRINTED["Table 5", "caption"], "regarding C(t)", upper == {"e_V", "de_V"}),
+        stated(PRINTED["Table 4", "name of the set small"], "S0", "S" in _TABLE_3),
         remark(
-            "section 3.3", "union", "union—t-norm MIN",
-            f"{unions} of {len(system.rules)} rules have an OR",
-            reason="A union is an s-norm, as MAX; no rule needs one, so that nothing printed shows "
-            "which was meant.",
+            PRINTED["section 3.3", "union"], f"{unions} of {len(system.rules)} rules have an OR"
         ),
         compared(
-            "(103a)", "number of the first added rule", "25",
-            float(len(lower_rules) + 9 + 1),
-            why="15 cells of Table 4 and 9 of Table 5 come before.",
+            PRINTED["(103a)", "number of the first added rule"], float(len(lower_rules) + 9 + 1)
         ),
         claimed(
-            "Tables 2 and 3", "shapes", "Symmetrical triangular; Asymmetrical triangular",
+            PRINTED["Tables 2 and 3", "shapes"],
             all(
                 _symmetrical(variable.sets[name]) == (name not in ("M", "LM"))
                 for variable in (*by_input.values(), flow, inlet)
@@ -84,9 +66,8 @@ def tables(system: FuzzySystem, with_printed_top: FuzzySystem) -> list[Row]:
                 if _is_triangle(variable.sets[name])
             ),
             "all triangles but M and LM are symmetrical",
-            reason="Distances of their points; M and LM are those labelled asymmetrical.",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _has_union(condition: object) -> bool:

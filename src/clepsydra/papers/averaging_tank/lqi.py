@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
+from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.lqi_runs import (
     COLUMNS,
     PRINTED_Q3,
@@ -13,7 +16,7 @@ from clepsydra.papers.averaging_tank.lqi_runs import (
     lqi_run,
 )
 from clepsydra.papers.averaging_tank.model import KMOL
-from clepsydra.papers.averaging_tank.printed_tables import TABLE_7
+from clepsydra.papers.averaging_tank.printed_tables import KEYS
 from clepsydra.papers.averaging_tank.step_run import (
     MEASURED,
     PERIOD,
@@ -22,21 +25,24 @@ from clepsydra.papers.averaging_tank.step_run import (
     settling,
 )
 from clepsydra.papers.averaging_tank.trends import trend_figure
-from clepsydra.papers.comparison import circular, claimed, compared, damaged, remark, stated
-from clepsydra.papers.experiment import Findings
+from clepsydra.papers.comparison import (
+    circular,
+    claimed,
+    compared,
+    compared_all,
+    entries,
+    remark,
+    stated,
+)
+from clepsydra.papers.document import Findings
 from clepsydra.papers.figure import Figure
-from clepsydra.papers.printed import printed_number
+from clepsydra.papers.printed import Printed, printed_number
 from clepsydra.papers.row import Row
 
 #: Pairs of columns: the same tuning with either flow constant; optimal after by hand.
 _BY_FLOW, _BY_TUNING = ((0, 2), (1, 3)), ((1, 0), (3, 2))
-_ISEG = {
-    "C": ("156.073", "156.200", "156.078", "156.202"),
-    "V": ("24.969", "24.981", "24.972", "24.968"),
-}
-_FOLLOWING = f"Steps of {STEPS['C']:g} kmol/m³ and {STEPS['V']:g} m³, by the first cells of IE."
-_SIMULATED = "The nonlinear tank sampled every 0.2 ms for 30 s, within the ranges of section 3.3."
-_APART = "The loops of C and V do not act on each other at C_in0 = C0."
+#: The gains between C and C_in, and V and the flow; and the second rows of F and Fi.
+_COUPLED, _SECOND_ROW = ("F12", "F21", "Fi12", "Fi21"), ("F21", "F22", "Fi21", "Fi22")
 
 
 def run() -> Findings:
@@ -45,67 +51,57 @@ def run() -> Findings:
 
 
 def _gains() -> list[Row]:
-    hand, best, other, last = (gains(column) for column in COLUMNS)
-    first, second = (
-        f"Riccati equation of (87) with Q and R of {column.place}."
-        for column in (COLUMNS[0], COLUMNS[2])
-    )
+    hand, best, other, last = (_named(gains(column)) for column in COLUMNS)
     square = (
         "Fi12² is Q4/R1 = 10, and F12 beside it asks for it, as F12² = Q2/R1 + 2 Fi12",
-        abs(hand[0, 3] ** 2 - 10.0) < 1e-6 and abs((3.0536**2 - 3.0) / 2.0 - hand[0, 3]) < 2e-4,
+        abs(hand["Fi12"] ** 2 - 10.0) < 1e-6 and abs((3.0536**2 - 3.0) / 2.0 - hand["Fi12"]) < 2e-4,
     )
     rows = [
-        compared("(97b)", "F12", "3.0536", hand[0, 1], "1/s", why=first),
-        compared("(97b)", "F21", "13.8661", hand[1, 0], why=first),
-        compared("(97b)", "Fi12", "3.0536", hand[0, 3], "1/s²", right_if=[square]),
-        compared("(97b)", "Fi21", "10", hand[1, 2], "1/s", digits=6, why=first),
-        compared("(98b)", "F12", "-1.7174", other[0, 1], "1/s", why=second),
-        compared("(98b)", "F21", "14.1987", other[1, 0], why=second),
-        compared("(98b)", "Fi12", "-1.2247", other[0, 3], "1/s²", why=second),
-        compared("(98b)", "Fi21", "10", other[1, 2], "1/s", digits=6, why=second),
-        _rounded(1, "F12", "370.7667", (0, 1), "1/s"),
-        _rounded(1, "Fi12", "3298.0", (0, 3), "1/s²"),
-        *_unreadable("(100b)", best, ("0", "10^-6", "0.470.3", "0.3298.0")),
-        _rounded(3, "F12", "-8.6885", (0, 1), "1/s"),
-        _rounded(3, "Fi12", "-20.0", (0, 3), "1/s²"),
-        *_unreadable("(101b)", last, ("0.0564044", "0.0885", "0.0256", "0.0885")),
-        _third_weight(),
-    ]  # fmt: skip
-    every, upper = ([0, 1, 0, 1], [0, 1, 2, 3]), ([0, 0], [0, 2])
-    for place, matrix, entries, names in (
-        ("(97b)", hand, every, "F11, F22, Fi11 and Fi22"),
-        ("(98b)", other, every, "F11, F22, Fi11 and Fi22"),
-        ("(100b)", best, upper, "F11 and Fi11"),
-        ("(101b)", last, upper, "F11 and Fi11"),
+        *(
+            compared(PRINTED["(97b)", name], hand[name], right_if=[square] * (name == "Fi12"))
+            for name in _COUPLED
+        ),
+        *compared_all(PRINTED, "(98b)", {name: other[name] for name in _COUPLED}),
+    ]
+    for column, found in ((COLUMNS[1], best), (COLUMNS[3], last)):
+        place = column.place.replace("a", "b")
+        rows += [_rounded(column, PRINTED[place, name]) for name in ("F12", "Fi12")]
+        rows += [_unreadable(PRINTED[place, name], found[name]) for name in _SECOND_ROW]
+    rows.append(_third_weight())
+    for place, found, names in (
+        ("(97b)", hand, "F11, F22, Fi11 and Fi22"),
+        ("(98b)", other, "F11, F22, Fi11 and Fi22"),
+        ("(100b)", best, "F11 and Fi11"),
+        ("(101b)", last, "F11 and Fi11"),
     ):
-        largest = float(np.abs(matrix[entries]).max())
-        rows.append(
-            compared(
-                place, names, "0", largest, zero=1e-6,
-                why=f"The largest size. {_APART} Below 1e-6 counts as zero.",
-            )
-        )  # fmt: skip
+        largest = max(abs(found[name]) for name in re.findall(r"Fi?\d\d", names))
+        rows.append(compared(PRINTED[place, names], largest, zero=1e-6))
     return rows
 
 
-def _rounded(column: int, name: str, printed: str, place: tuple[int, int], unit: str) -> Row:
+def _named(matrix: np.ndarray) -> dict[str, float]:
+    """Return [F Fi] by the names of its entries."""
+    return {**entries("F", matrix[:, :2]), **entries("Fi", matrix[:, 2:])}
+
+
+def _rounded(weights: Weights, line: Printed) -> Row:
     """Judge an optimal gain, with the tolerance that the printed weights leave."""
-    weights = COLUMNS[column]
-    share = _left_open(weights, place)
+    share = _left_open(weights, line.name)
     return compared(
-        weights.place.replace("a", "b"), name, printed, gains(weights)[place], unit,
+        line,
+        _named(gains(weights))[line.name],
         tolerance=share,
         why=f"Riccati equation of (87). Half a unit in the last digits of Q and R of "
         f"{weights.place}, 1e-6 taken as exact, leaves {100 * share:.2f} % open.",
-    )  # fmt: skip
+    )
 
 
-def _left_open(weights: Weights, place: tuple[int, int]) -> float:
+def _left_open(weights: Weights, name: str) -> float:
     """Return what the last printed digits of the weights leave open of a gain, as a share.
 
     A weight of 1e-6 is printed as a power of ten, and taken as exact.
     """
-    gain = gains(weights)[place]
+    gain = _named(gains(weights))[name]
     values = (*weights.states, *weights.inputs)
     share = 0.0
     for each, value in enumerate(values):
@@ -114,37 +110,30 @@ def _left_open(weights: Weights, place: tuple[int, int]) -> float:
             moved[each] += printed_number(f"{value:g}").half_unit
             q1, q2, q3, q4, r1, r2 = moved
             other = weights._replace(states=(q1, q2, q3, q4), inputs=(r1, r2))
-            share += abs(gains(other)[place] / gain - 1.0)
+            share += abs(_named(gains(other))[name] / gain - 1.0)
     return share
 
 
-def _unreadable(place: str, matrix: np.ndarray, printed: tuple[str, str, str, str]) -> list[Row]:
-    """Judge the second rows of F and Fi, which are garbled."""
-    reason = "Riccati equation of (87)" + (", Q3 = 10.92." if place == "(101b)" else ".")
-    cells = {
-        "(100b)": "The second row of F is that of R, printed above it, and the cells of that "
-        "row of Fi have two points each.",
-        "(101b)": "F22 and Fi22 print one number where zero is due, and no cell of the row is a "
-        "gain by (101a).",
-    }[place]
-    rows = []
-    for name, text, value in zip(("F21", "F22", "Fi21", "Fi22"), printed, matrix[1], strict=True):
-        right = f"{value + 0.0:.1f}" if abs(value) > 1e-6 else "0"
-        row = stated(place, name, text, right, text == right, _APART if right == "0" else reason)
-        rows.append(damaged(row, cells))
-    return rows
+def _unreadable(line: Printed, value: float) -> Row:
+    """Judge an entry of the second rows of F and Fi, which are garbled."""
+    right = f"{value + 0.0:.1f}" if abs(value) > 1e-6 else "0"
+    return stated(line, right, line.text == right)
 
 
 def _third_weight() -> Row:
     """Judge Q3 of (101a) by the cells of C in the last column of Table 7."""
     printed, right = PRINTED_Q3.states[2], COLUMNS[3].states[2]
-    texts = {key: row[3] for key, row in TABLE_7.items() if key[1] == "C"}
+    cells = {
+        key: PRINTED["Table 7", f"{key[0]} of C, {COLUMNS[3].title}"]
+        for key in KEYS
+        if key[1] == "C"
+    }
     fits = {}
     for weight in (0.1 * printed, printed, 10.0 * printed, right, 10.0 * right):
         found = indices_of(_with_third(weight))
         fits[weight] = sum(
-            compared("", "", text, found[key], unprinted="-").verdict == "reproduced"
-            for key, text in texts.items()
+            compared(cell, found[key], unprinted="-").verdict == "reproduced"
+            for key, cell in cells.items()
         )
     evidence = (
         "with it all four cells of C in Table 7 beside ISEG come out, with the print none; of the "
@@ -153,7 +142,7 @@ def _third_weight() -> Row:
         and fits[printed] == 0
         and all(n < 2 for w, n in fits.items() if w != right),
     )
-    return compared("(101a)", "Q3", "0.1092", right, right_if=[evidence])
+    return compared(PRINTED["(101a)", "Q3"], right, right_if=[evidence])
 
 
 def _with_third(weight: float) -> Weights:
@@ -163,39 +152,34 @@ def _with_third(weight: float) -> Weights:
 
 def _table_7() -> list[Row]:
     rows = []
-    for (index, output), texts in TABLE_7.items():
-        for column, text in zip(COLUMNS, texts, strict=True):
-            name = f"{index} of {output}, {column.title}"
-            fitted = column is COLUMNS[3] and output == "C"
-            source = f"Q and R of {column.place}{', with Q3 = 10.92' if fitted else ''}."
+    for index, output in KEYS:
+        for column in COLUMNS:
+            line = PRINTED["Table 7", f"{index} of {output}, {column.title}"]
             if index == "IE":
-                F = gains(column)
-                per_step = (1.0 + F[1, 0]) / F[1, 2] if output == "C" else F[0, 1] / F[0, 3]
-                found = float(per_step) * STEPS[output]
-                ratio = "(1 + F21)/Fi21" if output == "C" else "F12/Fi12"
-                why = f"{ratio} Δ{output} with the gains by {source} {_FOLLOWING}"
+                found = _error_per_step(column, output) * STEPS[output]
             else:
                 found = indices_of(column)[index, output]
-                why = f"Gains by {source} {_FOLLOWING} {_SIMULATED}"
-            row = compared(
-                "Table 7", name, text, found, why=why,
-                unprinted=f"Its last digit hangs on the solver, which is not printed. {why}",
-            )  # fmt: skip
+            digit = f"Its last digit hangs on the solver, which is not printed. {line.note}"
+            row = compared(line, found, unprinted=digit)
             if index == "IE" and column is COLUMNS[0]:
-                row = circular(row, _step_from(output, text))
-            elif fitted:
+                row = circular(row, _step_from(output, line.number.value))
+            elif column is COLUMNS[3] and output == "C":
                 row = circular(row, "Q3 of (101a) was chosen by the four cells of C here.")
             rows.append(row)
     return rows
 
 
-def _step_from(output: str, text: str) -> str:
+def _error_per_step(column: Weights, output: str) -> float:
+    """Return IE over the step that makes it."""
+    F = _named(gains(column))
+    return (1.0 + F["F21"]) / F["Fi21"] if output == "C" else F["F12"] / F["Fi12"]
+
+
+def _step_from(output: str, error: float) -> str:
     """Tell how the step of an output, which is not printed, follows from its first IE."""
-    F = gains(COLUMNS[0])
-    per_step = (1.0 + F[1, 0]) / F[1, 2] if output == "C" else F[0, 1] / F[0, 3]
     return (
         f"The step of {output} is not printed; it was solved from this cell, as "
-        f"{float(text) / per_step:.4f}, and taken as {STEPS[output]:g}."
+        f"{error / _error_per_step(COLUMNS[0], output):.4f}, and taken as {STEPS[output]:g}."
     )
 
 
@@ -209,25 +193,29 @@ def _smooth(column: Weights, output: str) -> float:
 
 def _squared_slopes() -> list[Row]:
     """ISEG: one time, solved from the first cell, is nearly all of every cell."""
-    first = float(_ISEG["C"][0]) - _smooth(COLUMNS[0], "C")
+    first = _iseg("C", COLUMNS[0]).number.value - _smooth(COLUMNS[0], "C")
     time = 0.5 * STEPS["C"] ** 2 / first
     rows = []
-    for output, texts in _ISEG.items():
+    for output in ("C", "V"):
         share = 0.5 * STEPS[output] ** 2 / time
-        for column, text in zip(COLUMNS, texts, strict=True):
-            smooth = _smooth(column, output)
+        for column in COLUMNS:
+            line, smooth = _iseg(output, column), _smooth(column, output)
             is_solved_from = output == "C" and column is COLUMNS[0]
             weight = " Q3 of (101a) is taken as 10.92." if column is COLUMNS[3] else ""
             where = "this cell" if is_solved_from else "the first cell alone"
-            row = compared(
-                "Table 7", f"ISEG of {output}, {column.title}", text, share + smooth,
-                tolerance=1e-4,
-                why=f"{share:.3f} of it is the derivative of the step itself, taken over "
+            own = 100.0 * smooth / line.number.value
+            why = (
+                f"{share:.3f} of it is the derivative of the step itself, taken over "
                 f"{1e4 * time:.4f}e-4 s, solved from {where}; 0.01 % is left open for the solver, "
-                f"where the control's own part is {100 * smooth / float(text):.2f} %.{weight}",
-            )  # fmt: skip
+                f"where the control's own part is {own:.2f} %.{weight}"
+            )
+            row = compared(line, share + smooth, tolerance=1e-4, why=why)
             rows.append(circular(row, "") if is_solved_from else row)
     return rows
+
+
+def _iseg(output: str, column: Weights) -> Printed:
+    return PRINTED["Table 7", f"ISEG of {output}, {column.title}"]
 
 
 def _claims() -> list[Row]:
@@ -245,32 +233,25 @@ def _claims() -> list[Row]:
     printed, better = (indices(lqi_run(weights, 2e-5, 4.0)) for weights in (COLUMNS[1], chosen))
     return [
         remark(
-            "section 4", "LQI, which flow",
-            "The indices are in all instances lower for the f_out(t) = const system",
+            PRINTED["section 4", "LQI, which flow"],
             f"{_count(found, _BY_FLOW)} of 16 pairs without ISEG",
             reason="“With the exception of ISEG” ends the sentence. If it belongs to the "
-            f"optimisation alone it fails, with ISEG of V, optimal, of {_ISEG['V'][1]} against "
-            f"{_ISEG['V'][3]}. Q3 of (101a) as 10.92.",
+            "optimisation alone it fails, with ISEG of V, optimal, of "
+            f"{_iseg('V', COLUMNS[1]).text} against {_iseg('V', COLUMNS[3]).text}. Q3 of (101a) as "
+            "10.92.",
         ),
         claimed(
-            "section 4", "LQI, optimisation",
-            "they are lower for optimal Q and R matrices compared to the results of manual tuning "
-            "(with the exception of ISEG)",
-            _count(found, _BY_TUNING) == 16, f"{_count(found, _BY_TUNING)} of 16 pairs",
-            reason="Computed IAE, ISE, ITAE and IE of C and V against those by hand, both "
-            "variants, Q3 of (101a) as 10.92.",
+            PRINTED["section 4", "LQI, optimisation"],
+            _count(found, _BY_TUNING) == 16,
+            f"{_count(found, _BY_TUNING)} of 16 pairs",
         ),
         remark(
-            "section 4", "settling time of V, LQI",
-            "approx. 3 times shorter than in the case of f_in(t) = const",
+            PRINTED["section 4", "settling time of V, LQI"],
             f"{settled[3] / settled[1]:.2f} times optimal, {settled[2] / settled[0]:.2f} times by "
             "hand",
-            reason="Which of the two is meant is not said. To within 2 %, inputs within the ranges "
-            "of section 3.3.",
         ),
         remark(
-            "section 4", "control effort, LQI",
-            "the maximum values of control variables … have increased visibly",
+            PRINTED["section 4", "control effort, LQI"],
             f"f_in to {tops[1]:.2f} against {tops[0]:.2f} m³/s by hand, C_in to {inlet[1]:.1f} "
             f"against {inlet[0]:.1f} kmol/m³; f_out, with f_in constant, to {tops[3]:.3f} against "
             f"{tops[2]:.3f} m³/s",
@@ -279,20 +260,14 @@ def _claims() -> list[Row]:
             "the ranges of section 3.3.",
         ),
         claimed(
-            "(100a)", "optimal weights",
-            "the lowest integral performance index values for both control variables … were "
-            "achieved for the ITAE index. The optimal values",
+            PRINTED["(100a)", "optimal weights"],
             any(better["ITAE", o] >= printed["ITAE", o] for o in ("C", "V")),
             ", ".join(
                 f"ITAE of {o} {better['ITAE', o]:.2e} against {printed['ITAE', o]:.2e}"
                 for o in ("C", "V")
             ),
-            reason="The larger of both was to be smallest: with Q = diag(1e-6, 1e-6, 100, 0.08), "
-            "which (99) allows, and R as printed, both are smaller. Steps as in Table 7; the "
-            "nonlinear tank, sampled every 0.02 ms for 4 s, and in these digits the same when "
-            "simulated without the ranges of section 3.3.",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _count(found: list[dict[tuple[str, str], float]], pairs: tuple[tuple[int, int], ...]) -> int:

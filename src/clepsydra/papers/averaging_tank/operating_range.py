@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.range_controllers import (
     KINDS,
@@ -19,7 +20,7 @@ from clepsydra.papers.averaging_tank.sampling import sampling_row
 from clepsydra.papers.averaging_tank.step_run import MEASURED, high_model_of, step_scenario
 from clepsydra.papers.averaging_tank.symbols import Variant
 from clepsydra.papers.comparison import remark
-from clepsydra.papers.experiment import Findings
+from clepsydra.papers.document import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.row import Row
 
@@ -152,47 +153,23 @@ def _declines() -> list[Row]:
             )
     return [
         remark(
-            "section 5", "large steps",
-            "as the reference values deviated significantly from the assumed equilibrium point, "
-            "the systems' performance declined",
+            PRINTED["section 5", "large steps"],
             "; ".join(found),
             reason=f"IAE of {HORIZON:g} s over the size of the step, beside steps by a twentieth: "
             "constants by hand, at 10 ms, the limits of section 3.3, no anti-windup, a tank of 6 "
             "m³. Which steps are meant is not said: it holds of the worst of nine (C, V and both "
             "by half, up and down, and to 8 kmol/m³ and 4 m³), and fails of some under LQI.",
         ),
-        remark(
-            "section 5", "cause of the decline", "the nonlinearity of the control system",
-            "; ".join(causes),
-            reason="The steps of the row above. What declines on the linear model under the same "
-            "limits is not the nonlinearity of the tank; whether the control system counts the "
-            "limits is not said. Anti-windup is ours.",
-        ),
-    ]  # fmt: skip
+        remark(PRINTED["section 5", "cause of the decline"], "; ".join(causes)),
+    ]
 
 
 def _remedies() -> list[Row]:
     scheduled = [_remedy(c, kind, f"{kind}, scheduled") for c in _VARIANTS for kind in _LAWS]
     cyclic = [_remedy(constant, "LQI", "LQI, recomputed") for constant in _VARIANTS]
     return [
-        remark(
-            "section 5", "gain scheduling",
-            "may be resolved by determining control parameters for multiple equilibrium points and "
-            "using them in the gain scheduling method",
-            "; ".join(scheduled),
-            reason="What the worst of the nine steps above costs beside a small one. The document "
-            "says may and prints no schedule; ours is over V alone, K_pC in proportion to V, and "
-            "the gains of the weights (97a) and (98a) at each V.",
-        ),
-        remark(
-            "section 5", "cyclic calculation",
-            "another method that would resolve this issue is the cyclic calculation of control "
-            "parameters",
-            "; ".join(cyclic),
-            reason="What the worst of the nine steps above costs beside a small one. Steps, limits "
-            "and the equilibrium that the model follows are not printed: with ours, the present V "
-            "and the inputs followed in 10 s, it is not resolved. Weights (97a) and (98a).",
-        ),
+        remark(PRINTED["section 5", "gain scheduling"], "; ".join(scheduled)),
+        remark(PRINTED["section 5", "cyclic calculation"], "; ".join(cyclic)),
     ]  # fmt: skip
 
 

@@ -14,11 +14,11 @@ from clepsydra.controllers.pid_form import Actions, PidForm
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.run import Run
+from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.continuous_pi import Constants, continuous_run
 from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, lqi_run
 from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.printed_tables import (
-    TABLE_6,
     fuzzy_indices,
     lqi_indices,
     pi_indices,
@@ -32,13 +32,15 @@ from clepsydra.papers.averaging_tank.step_run import (
 )
 from clepsydra.papers.averaging_tank.symbols import Variant
 from clepsydra.papers.averaging_tank.trends import trend_figure
-from clepsydra.papers.comparison import claimed, compared, remark
-from clepsydra.papers.experiment import Findings
+from clepsydra.papers.comparison import claimed, compared, compared_all, remark
+from clepsydra.papers.document import Findings
 from clepsydra.papers.row import Row
+from clepsydra.studies.tuning.goal import Goal
+from clepsydra.studies.tuning.law_space import LawSpace
 from clepsydra.studies.tuning.objective import Objective
 from clepsydra.studies.tuning.parameters import TunedParameter
 from clepsydra.studies.tuning.result import TuningResult
-from clepsydra.studies.tuning.tune import tune
+from clepsydra.studies.tuning.tune import Search, tune
 
 BY_HAND = {
     "outflow": Constants("outflow", "by hand", 50.0, 1.0, 8.0, 2.0),  # (80)
@@ -153,26 +155,22 @@ def inputs_at_rest(
 
 def _signed_error() -> list[Row]:
     """IE, integrated with the loop, and the relation that it has to keep."""
-    found = {variant: continuous_run(OPTIMAL[variant], free=True) for variant in _VARIANTS}
-    rows = [
-        compared(
-            "Table 6", f"IE of C, {_column(variant)}", printed,
-            found[variant].indices["IE", "C"], "kmol s/m³",
-            why="Once C rests, IE is Ti/Kp ΔC; ΔC, 0.25 kmol/m³, follows from Table 7.",
-            unprinted="Once C rests, IE is Ti/Kp ΔC; ΔC, 0.25 kmol/m³, follows from Table 7. The "
-            "cell and (83) contradict each other, and nothing tells which is wrong.",
-        )
-        for variant, printed in zip(_VARIANTS, TABLE_6["IE", "C"], strict=True)
-    ]  # fmt: skip
-    return rows + [
-        compared(
-            "Table 6", f"IE of V, {_column(variant)}", printed,
-            found[variant].indices["IE", "V"], "m³ s", zero=_NO_ERROR,
-            why="Once V rests, IE of V is zero, since the flow ends where it began and (35) has no "
-            "anti-windup. What is below 1e-11 m³ s is called zero. After 20 s.",
-        )
-        for variant, printed in zip(_VARIANTS, TABLE_6["IE", "V"], strict=True)
-    ]  # fmt: skip
+    found = {v: continuous_run(OPTIMAL[v], free=True).indices for v in _VARIANTS}
+    of_c, of_v = (
+        {variant: PRINTED["Table 6", f"IE of {output}, {_column(variant)}"] for variant in found}
+        for output in ("C", "V")
+    )
+    against = "The cell and (83) contradict each other, and nothing tells which is wrong."
+    return [
+        *(
+            compared(line, found[variant]["IE", "C"], unprinted=f"{line.note} {against}")
+            for variant, line in of_c.items()
+        ),
+        *(
+            compared(line, found[variant]["IE", "V"], zero=_NO_ERROR)
+            for variant, line in of_v.items()
+        ),
+    ]
 
 
 def _column(variant: Variant) -> str:
@@ -236,18 +234,11 @@ def _tuned_from(
         BY_HAND[variant], model, form, free=True, settings={**start, **filters}
     )
     score, factor = index.lower(), KMOL**-2 if index == "ISE" else 1.0 / KMOL
-    return tune(
-        controller,
-        model,
-        step_scenario(model, (STEPS["C"], STEPS["V"]), _TUNING_HORIZON),
-        [_bounded(name, variant) for name in _BOUNDS if name in controller.values],
-        Objective(
-            "minimax",
-            {f"{score}[concentration]": factor, f"{score}[volume]": 1.0},
-            relative=False,
-        ),
-        generations=0,
-    )
+    bounds = [_bounded(name, variant) for name in _BOUNDS if name in controller.values]
+    scenario = step_scenario(model, (STEPS["C"], STEPS["V"]), _TUNING_HORIZON)
+    weights = {f"{score}[concentration]": factor, f"{score}[volume]": 1.0}
+    goal = Goal(model, scenario, Objective("minimax", weights, relative=False))
+    return tune(LawSpace(controller, bounds), goal, Search(generations=0))
 
 
 def _bounded(name: str, variant: Variant) -> TunedParameter:
@@ -273,28 +264,11 @@ def without_limit(model: LinearModel) -> LinearModel:
 def _table_6() -> list[Row]:
     rows = []
     for index in ("IAE", "ISE", "ITAE"):
-        for column, variant in enumerate(_VARIANTS):
+        for variant in _VARIANTS:
             found = continuous_run(OPTIMAL[variant], free=True).indices
-            rows += [
-                compared(
-                    "Table 6", f"{index} of {output}, {_column(variant)}",
-                    TABLE_6[index, output][column], found[index, output],
-                    unprinted=_under(OPTIMAL[variant], output),
-                )
-                for output in ("C", "V")
-            ]  # fmt: skip
+            cells = {f"{index} of {o}, {_column(variant)}": found[index, o] for o in ("C", "V")}
+            rows += compared_all(PRINTED, "Table 6", cells)
     return rows
-
-
-def _under(best: Constants, output: str) -> str:
-    """Say what is not printed of a cell, and under what it is computed."""
-    place, flow = ("(81)", "f_in") if best.constant == "outflow" else ("(83)", "f_out")
-    step, inlet = ("0.25 kmol/m³", ", C_in free") if output == "C" else ("0.1 m³", "")
-    return (
-        "Which constants this row of Table 6 has is not said. Computed with those printed for PI, "
-        f"{place}, a step of {step} as follows from Table 7, 20 s, {flow} within the 0 to 1 m³/s "
-        f"of section 3.3{inlet}."
-    )
 
 
 def _claims() -> list[Row]:
@@ -305,55 +279,40 @@ def _claims() -> list[Row]:
     smaller = OPTIMAL["outflow"]._replace(time_c=OPTIMAL["outflow"].time_c / 10.0)
     return [
         claimed(
-            "section 4", "PI, C with f_out constant",
-            "The optimization enabled to achieve shorter settling and rise time of C(t)",
+            PRINTED["section 4", "PI, C with f_out constant"],
             free.settling("C") < hand.settling("C") and free.rise_time("C") < hand.rise_time("C"),
             f"C settles in {free.settling('C'):.3f} s against {hand.settling('C'):.3f} s by hand "
             f"and rises in {free.rise_time('C'):.3f} s against {hand.rise_time('C'):.3f} s",
             reason="Constants (80) and (81), to within 2 % and from 10 to 90 %, C_in free: within "
             "0 to 25 kmol/m³ IAE of C by (81) would be "
-            f"{limited.indices['IAE', 'C']:.3f}, and Table 6 has {TABLE_6['IAE', 'C'][0]}.",
+            f"{limited.indices['IAE', 'C']:.3f}, and Table 6 has "
+            f"{PRINTED['Table 6', 'IAE of C, f_out constant'].text}.",
         ),
         claimed(
-            "section 4", "PI, overshoot of V with f_out constant",
-            "it also caused the process value V(t) to overshoot",
-            bool(overshoot > 1.0), f"{overshoot:.1f} %",
-            reason="Constants (81); f_in does not pass its limits.",
+            PRINTED["section 4", "PI, overshoot of V with f_out constant"],
+            bool(overshoot > 1.0),
+            f"{overshoot:.1f} %",
         ),
         remark(
-            "section 4", "PI, f_in with f_out constant",
-            "came close to the end of its range, although it did not reach it",
+            PRINTED["section 4", "PI, f_in with f_out constant"],
             f"largest {float(free.flow.max()):.3f} m³/s, at the first instant",
-            reason="It is 0.2 + 8 ΔV, and the step is not printed: with the 0.1 m³ that follow "
-            "from Table 7 it fails, with one a little smaller it holds.",
         ),
         claimed(
-            "section 4", "PI, f_out with f_in constant", "a long state of saturation",
+            PRINTED["section 4", "PI, f_out with f_in constant"],
             other.at_limit("flow") > 0.5 * other.settling("V"),
             f"{other.at_limit('flow'):.2f} s of the {other.settling('V'):.2f} s until V settles",
-            reason="Time of f_out at 0 or 1 m³/s, the range of section 3.3, in continuous time, "
-            "without anti-windup, constants (83), C_in free; V settles to within 2 %. Long is read "
-            "as more than half.",
         ),
         claimed(
-            "section 3.1.3", "PI, what IE chooses",
-            "the optimal values of the constants (optimal with respect to IE) were as given in "
-            "(81)",
+            PRINTED["section 3.1.3", "PI, what IE chooses"],
             _error_of(smaller) >= _error_of(OPTIMAL["outflow"]),
             f"a tenth of T_iC makes IE of C {_error_of(smaller):.1e}",
-            reason="Once both rest, with C_in free, IE of C is Ti/Kp ΔC and that of V zero: the "
-            "index falls for ever as Ti goes to zero.",
         ),
         remark(
-            "section 4", "PI against the others",
-            "Multivariable PID control gave the worst results",
+            PRINTED["section 4", "PI against the others"],
             f"Table 6 is lower in {', '.join(_wins())}; V settles in {free.settling('V'):.2f} s, "
             f"with LQI in {settling(lqi_run(COLUMNS[1]), 'V'):.2f} s",
-            reason="By which measure is not said: by the printed cells it fails (f_out constant, "
-            "LQI optimal, of IE the size, IAE of C in Table 8 as 8.80E-03), by settling to within "
-            "2 % it holds, C_in free.",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _wins() -> list[str]:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from clepsydra.controllers.pid_form import Actions
+from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.best_values import best_values
 from clepsydra.papers.averaging_tank.pi import minimax_tuned
 from clepsydra.papers.averaging_tank.symbols import Variant
 from clepsydra.papers.comparison import remark
-from clepsydra.papers.experiment import Findings
+from clepsydra.papers.document import Findings
 
 _TYPES: tuple[Actions, ...] = ("P", "PI", "PID")
 _VARIANTS: tuple[Variant, ...] = ("outflow", "inflow")
@@ -25,16 +26,7 @@ def run() -> Findings:
     return Findings(
         (
             best_values(),
-            remark(
-                "section 3.1.3", "best type of controller",
-                "Best results were achieved for PI-type controllers for both versions of the "
-                "control system",
-                "; ".join(shown),
-                reason="PI is nowhere beaten by 1 %, nor does it beat PID, which holds it; where "
-                "P is worse hangs on the length of the run and the largest gain. Larger index of C "
-                "and V after minimax tuning of each type, at 2 ms over 20 s, gains up to 500 and "
-                "80 1/s, C_in free.",
-            ),
+            remark(PRINTED["section 3.1.3", "best type of controller"], "; ".join(shown)),
         )
     )  # fmt: skip
 

@@ -17,8 +17,10 @@ from clepsydra.controllers.gain_scheduling import scheduled_law, scheduled_lqi_l
 from clepsydra.controllers.observers.measured_state import MeasuredState
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.process_equations import process_equations
-from clepsydra.designs.extended_kalman import acting_model
-from clepsydra.designs.recomputed_lqi import recomputed_lqi_controller, stationary_lqi
+from clepsydra.designs.recomputed_lqi import recomputed_lqi_controller
+from clepsydra.designs.states.bryson_rule import bryson_weights
+from clepsydra.designs.states.linear_quadratic import lqi_gains
+from clepsydra.designs.states.process_filter import acting_model
 from clepsydra.designs.states.state_controllers import lqi_controller
 from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.linear_model import LinearModel
@@ -214,7 +216,15 @@ def _recomputed_lqi(
     errors = q[:2] ** -0.5 * np.array([KMOL, 1.0])
     horizons = np.sqrt(q[:2] / q[2:])
     moves = np.array(weights.inputs) ** -0.5 * np.array([1.0, KMOL])
-    found = stationary_lqi(acting_model(model, equations), errors, moves, horizons, period)
+    acting = acting_model(model, equations)
+    weighed = bryson_weights(acting, errors, moves, horizons)
     return recomputed_lqi_controller(
-        equations, MeasuredState(equations), None, found, _FOLLOWS, [1.0, 1.0], winding
+        MeasuredState(equations),
+        lqi_gains(acting, weighed, period, float(horizons.max())),
+        winding,
+        largest_error=errors,
+        largest_move=moves,
+        horizon=horizons,
+        input_filter_time=_FOLLOWS,
+        tracking_time=1.0,
     )

@@ -13,6 +13,7 @@ from clepsydra.designs.sampled.sampled_loop import SampledLoops
 from clepsydra.designs.states.state_controllers import lqi_controller
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
+from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, gains
 from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.pi import BY_HAND, OPTIMAL, pi_controller
@@ -39,14 +40,13 @@ def sampling_row() -> Row:
         for tuned in _TUNINGS
     ]
     return remark(
-            "section 5", "sampling",
-            "An average Programmable Logic Controller (PLC) would be sufficient hardware",
-            "; ".join(periods),
-            reason="No sampling period is printed. Longest at which the linear model under the "
-            "sampled law is stable, inputs held, errors summed up to the one before, Q3 of (101a) "
-            f"as 10.92: at {1e3 * CYCLE:g} ms, a usual cycle, it holds of those by hand, and fails "
-            "of PI optimal, and of LQI optimal with f_out constant.",
-        )  # fmt: skip
+        PRINTED["section 5", "sampling"],
+        "; ".join(periods),
+        reason="No sampling period is printed. Longest at which the linear model under the "
+        "sampled law is stable, inputs held, errors summed up to the one before, Q3 of (101a) "
+        f"as 10.92: at {1e3 * CYCLE:g} ms, a usual cycle, it holds of those by hand, and fails "
+        "of PI optimal, and of LQI optimal with f_out constant.",
+    )
 
 
 def longest_period(constant: Variant, law: str, tuned: str) -> float:

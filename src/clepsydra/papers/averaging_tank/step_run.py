@@ -43,7 +43,7 @@ def model_of(constant: Variant, period: float = PERIOD) -> LinearModel:
 @cache
 def high_model_of(constant: Variant, period: float) -> LinearModel:
     """Return the same model of a tank that is high enough for large steps."""
-    return _model(high_tank(constant), period)
+    return _model(high_tank(f"{constant}-constant"), period)
 
 
 def _model(process: Process, period: float) -> LinearModel:

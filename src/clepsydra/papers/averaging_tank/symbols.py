@@ -8,9 +8,6 @@ from typing import Any, Literal
 
 from sympy import Expr, Matrix, eye, simplify, symbols
 
-from clepsydra.papers.comparison import compared_formula
-from clepsydra.papers.row import Row
-
 Variant = Literal["outflow", "inflow"]  # which flow is constant
 
 s = symbols("s")
@@ -90,21 +87,3 @@ def closed_loop(constant: Variant, compensator: Any) -> tuple[Any, Any]:
     loop = decoupled * compensator
     error = (eye(2) + loop).inv().applyfunc(simplify)
     return (loop * error).applyfunc(simplify), error
-
-
-def matrix_rows(place: str, name: str, printed: Any, computed: Any, reason: str) -> list[Row]:
-    """Return a row for each entry of a matrix of formulas.
-
-    Examples
-    --------
-    >>> [row.verdict for row in matrix_rows("(38)", "G", eye(1), eye(1), "")]
-    ['reproduced']
-    """
-    rows, columns = computed.shape
-    return [
-        compared_formula(
-            place, f"{name}{i + 1}{j + 1}", printed[i, j], computed[i, j], reason=reason
-        )
-        for i in range(rows)
-        for j in range(columns)
-    ]

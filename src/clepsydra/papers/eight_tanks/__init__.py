@@ -1,1 +1,23 @@
 """Polynomial digital control of eight equal liquid tanks in series, Bobál et al."""
+
+from clepsydra.papers.document import Document
+from clepsydra.papers.printed import printed_table
+
+DOCUMENT = Document(
+    __name__,
+    2,
+    "Polynomial digital control of a series equal liquid tanks",
+    "V. Bobál, S. Talaš, P. Dostál and M. Kubalčík, Tomas Bata University in Zlín",
+    {
+        "chain": "Equations and numbers of the chain",
+        "sampled-equations": "Equations (9), (10) and (13) to (18)",
+        "identification": "Least squares and the delay",
+        "second-order-model": "The model of second order",
+        "polynomials": "Diophantine equations and poles",
+        "predictor": "Structure of the predictor",
+        "control-courses": "The six experiments",
+        "robustness": "Robustness beside a plain PID",
+        "cross-references": "References of the text",
+    },
+)
+PRINTED = printed_table(__name__)

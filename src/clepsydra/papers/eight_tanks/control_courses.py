@@ -7,6 +7,8 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from clepsydra.papers.comparison import claimed, remark
+from clepsydra.papers.document import Findings
+from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.six_designs import (
     PENALTIES,
     POLES,
@@ -16,7 +18,6 @@ from clepsydra.papers.eight_tanks.six_designs import (
     step_run,
     turns,
 )
-from clepsydra.papers.experiment import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.row import Row
 from clepsydra.scores.step_response import rise_time
@@ -118,22 +119,21 @@ def _trend(
     if _SPEED in measures:
         words = " Slower is read as: its first move is a smaller share of its largest value."
     return claimed(
-        place, name, claim, holds, "; ".join(found),
+        PRINTED[place, name],
+        holds,
+        "; ".join(found),
         reason=f"After a step of the setpoint, on (8): {settings}.{words}",
-    )  # fmt: skip
+    )
 
 
 def _amplitude() -> Row:
     choices = sorted((*PENALTIES, POLES[1]), key=lambda choice: choice.penalty)
     peaks = [_run(choice).largest_inflow for choice in choices]
     return claimed(
-        "section 5", "amplitude of the controller output",
-        "the amplitude of the controller output decreases",
+        PRINTED["section 5", "amplitude of the controller output"],
         all(a > b for a, b in pairwise(peaks)),
-        ", ".join(f"{peak:.3f}" for peak in peaks), "m³/min/m",
-        reason="Largest distance of the inflow from its first rest, per metre of setpoint, on (8), "
-        "for q_u = 1, 5, 10 and 100 of Figs. 10, 11, 8 and 12.",
-    )  # fmt: skip
+        ", ".join(f"{peak:.3f}" for peak in peaks),
+    )
 
 
 def _prevented() -> Row:
@@ -143,15 +143,12 @@ def _prevented() -> Row:
         for pole in (0.5, 0.9)
     }
     return remark(
-        "section 7", "penalisation of the manipulated variable",
-        "suitable penalization of the manipulated variable which prevents oscillations of the "
-        "actuator",
+        PRINTED["section 7", "penalisation of the manipulated variable"],
         "; ".join(f"γ = {pole:g}: {counts} swings" for pole, counts in swings.items()),
-        reason=(
-            f"For q_u = 1, 10, 100, 10⁴, 10⁶, on the chain (8).{_COUNTED} It holds with γ = 0.9, "
-            "and fails with γ = 0.5, with which the document varies q_u."
-        ),
-    )  # fmt: skip
+        reason="For q_u = 1, 10, 100, 10⁴, 10⁶, on the chain (8)."
+        f"{_COUNTED} It holds with γ = 0.9, and fails with γ = 0.5, with which the document varies "
+        "q_u.",
+    )
 
 
 def _figure(choice: Choice) -> Figure:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from clepsydra.papers.comparison import stated
-from clepsydra.papers.experiment import Findings
+from clepsydra.papers.document import Findings
+from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.row import Row
 
 #: Its caption calls it (20), the text of section 3.2 "discrete model (21)".
@@ -32,54 +33,42 @@ FIGURES = {
     10: "control courses by penalty",
     12: "control courses by penalty",
 }
-#: Place, the words around, the number that is printed, and what they speak of.
-_TO_EQUATIONS = (
-    ("section 3.1", "minimum of the criterion", 21, "criterion of identification"),
-    ("Fig. 4", "step responses of models (8) and", 20, _DISCRETE),
-    ("section 3.2", "linear model obtained without hysteresis", 20, _DISCRETE),
-    ("section 5", "R from equation, with z = 1", 24, "second Diophantine equation"),
-)  # fmt: skip
-_TO_FIGURES = (
-    ("section 3.1", "minimum of the criterion is obvious from", 4, "criterion by the delay"),
-    ("section 4", "predicted error as shown in", 1, "block diagram of the predictor"),
+#: Place, the words around, what they speak of, and the kind of its number.
+_REFERENCES = (
+    ("section 3.1", "minimum of the criterion", EQUATIONS[17], "({})"),
+    ("Fig. 4", "step responses of models (8) and", _DISCRETE, "({})"),
+    ("section 3.2", "linear model obtained without hysteresis", _DISCRETE, "({})"),
+    ("section 5", "R from equation, with z = 1", EQUATIONS[23], "({})"),
+    ("section 3.1", "minimum of the criterion is obvious from", FIGURES[3], "Fig. {}"),
+    ("section 4", "predicted error as shown in", FIGURES[5], "Fig. {}"),
 )
 
 
 def run() -> Findings:
     """Return a row for each wrong reference."""
-    rows = [
-        _row(place, words, f"({printed})", meant, "({})", EQUATIONS[printed], EQUATIONS)
-        for place, words, printed, meant in _TO_EQUATIONS
-    ]
-    rows += [
-        _row(place, words, f"Fig. {printed}", meant, "Fig. {}", FIGURES[printed], FIGURES)
-        for place, words, printed, meant in _TO_FIGURES
-    ]
+    rows = [_row(*reference) for reference in _REFERENCES]
     return Findings((*rows, _second_order(), _caption()))
 
 
-def _row(
-    place: str,
-    words: str,
-    printed: str,
-    meant: str,
-    shape: str,
-    stands: str,
-    known: dict[int, str],
-) -> Row:
-    right = next(shape.format(number) for number, what in known.items() if what == meant)
-    return stated(
-        place, f"reference: {words}", printed, right, right == printed,
-        f"The words speak of the {meant}; {printed} is the {stands}.",
-    )  # fmt: skip
+def _row(place: str, words: str, meant: str, shape: str) -> Row:
+    line = PRINTED[place, f"reference: {words}"]
+    known = {
+        shape.format(number): what
+        for number, what in (EQUATIONS if shape == "({})" else FIGURES).items()
+    }
+    right = next(number for number, what in known.items() if what == meant)
+    reason = f"The words speak of the {meant}; {line.text} is the {known[line.text]}."
+    return stated(line, right, right == line.text, reason)
 
 
 def _second_order() -> Row:
-    return stated(
-        "section 4", "reference: second-order linear model", "(20)", "(21)", False,
+    reason = (
         f"(20) is the {EQUATIONS[20]}; the second-order model with d = 5 is (18) in letters and "
-        "(21) in numbers.",
-    )  # fmt: skip
+        "(21) in numbers."
+    )
+    return stated(
+        PRINTED["section 4", "reference: second-order linear model"], "(21)", False, reason
+    )
 
 
 def _caption() -> Row:
@@ -87,7 +76,7 @@ def _caption() -> Row:
     penalties = {settings[0] for settings in varied.values()}
     poles = {settings[1] for settings in varied.values()}
     return stated(
-        "section 6.2", "what differs in Figs. 10 to 12", "individual poles γ",
-        "individual penalization factors q_u", len(poles) > 1 or len(penalties) == 1,
-        "By their captions γ stays at 0.5 and q_u is 1, 5 and 100.",
-    )  # fmt: skip
+        PRINTED["section 6.2", "what differs in Figs. 10 to 12"],
+        "individual penalization factors q_u",
+        len(poles) > 1 or len(penalties) == 1,
+    )

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import dataclasses
 from functools import cache
-from typing import Any
 
 import numpy as np
 
@@ -16,9 +14,10 @@ from clepsydra.designs.polynomial.two_degree_of_freedom import (
     assigned,
     two_degree_of_freedom,
 )
-from clepsydra.papers.comparison import claimed, compared_formula, damaged, stated
+from clepsydra.papers.comparison import claimed, compared_formulas, stated
+from clepsydra.papers.document import Findings
+from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.six_designs import PENALTIES, POLES, SIX, printed_model
-from clepsydra.papers.experiment import Findings
 from clepsydra.papers.row import Row
 
 #: What the numerical roots leave of rounding.
@@ -27,7 +26,7 @@ _ROUNDING = 1e-10
 
 def run() -> Findings:
     """Return the rows of section 5."""
-    return Findings((*_counts(), *_feedforward(), *_poles(), *_factor()))
+    return Findings((*_counts(), _feedforward(), *_poles(), *_factor()))
 
 
 def controller(penalty: float, poles: tuple[float, ...], *, full: bool) -> TwoDegreeOfFreedom:
@@ -53,54 +52,37 @@ def _counts() -> list[Row]:
     counts = _coefficients(plain), _coefficients(full)
     return [
         stated(
-            "(22)", "feedback parameters", "7",
-            f"{counts[0]} with B(1), {counts[1]} with the full B", 7 in counts or not exact,
-            f"(29) has degree {D.degree}, as A K: with B(1), as in Fig. 5, P is 1 and Q has "
+            PRINTED["(22)", "feedback parameters"],
+            f"{counts[0]} with B(1), {counts[1]} with the full B",
+            7 in counts or not exact,
+            reason=f"(29) has degree {D.degree}, as A K: with B(1), as in Fig. 5, P is 1 and Q has "
             f"{counts[0]} coefficients; with the full B P has one more beside its 1.",
         ),
-    ]  # fmt: skip
+    ]
 
 
-def _feedforward() -> list[Row]:
-    from sympy import symbols
+def _feedforward() -> Row:
+    from sympy import solve, symbols
 
     S, B, R, D, back = symbols("S B R D x")
     # S (1 − x) + B R = D at x = 1.
     left = (S * (1 - back) + B * R).subs(back, 1)
-    (solution,) = _solved(left - D, R)
-    row = compared_formula("(24)", "r0", D / B, solution, reason="(23) at z = 1, where D_w is zero")
-    return [dataclasses.replace(row, printed="D(1)/B(1)", computed=f"{row.computed} at z = 1")]
-
-
-def _solved(expression: Any, unknown: Any) -> list[Any]:
-    from sympy import solve
-
-    return list(solve(expression, unknown))
+    (solution,) = solve(left - D, R)
+    return stated(PRINTED["(24)", "r0"], f"{solution} at z = 1", solution == D / B)
 
 
 def _poles() -> list[Row]:
     from sympy import I, Poly, expand, symbols
 
     z, a, b, c = symbols("z alpha beta gamma", real=True)
-    real = Poly(expand((z - a) * (z - b) * (z - c)), z).all_coeffs()
-    pair = Poly(expand((z - a - I * b) * (z - a + I * b) * (z - c)), z).all_coeffs()
-    lost = "It looks as if a minus sign was lost."
     rows = []
-    for place, printed, found in (
-        ("(31)", (-(a + b + c), a * b + a * c + b * c, a * b * c), real),
-        (
-            "(33)",
-            (-(2 * a + c), 2 * a * c + a**2 + b**2, -(a**2 + b**2) * c),
-            pair,
-        ),
+    for place, product_of in (
+        ("(31)", (z - a) * (z - b) * (z - c)),
+        ("(33)", (z - a - I * b) * (z - a + I * b) * (z - c)),
     ):
-        for name, formula, value in zip(("d1", "d2", "d3"), printed, found[1:], strict=True):
-            product_of = {"(31)": "(30)", "(33)": "(32)"}[place]
-            reason = f"The product {product_of}, expanded."
-            if place == "(31)" and name == "d3":
-                reason = "The product (30) ends with −αβγ, as (33) has it."
-            row = compared_formula(place, name, formula, value, reason=reason)
-            rows.append(damaged(row, lost))
+        found = Poly(expand(product_of), z).all_coeffs()[1:]
+        names = ("d1", "d2", "d3")
+        rows += compared_formulas(PRINTED, place, dict(zip(names, found, strict=True)))
     return rows
 
 
@@ -111,9 +93,7 @@ def _factor() -> list[Row]:
     }
     rows = [
         claimed(
-            "(27), (28)", "degree of the spectral factor",
-            "using spectral factorization of the second-order model, only two parameters d1 and d2 "
-            "can be computed",
+            PRINTED["(27), (28)", "degree of the spectral factor"],
             all(len(factor.coefficients) == 3 for factor in factors.values()),
             "; ".join(
                 f"q_u = {choice.penalty:g}: d1 = {factor.coefficients[1]:.6f}, d2 = "
@@ -121,19 +101,13 @@ def _factor() -> list[Row]:
                 for choice, factor in factors.items()
                 if choice in (PENALTIES[0], POLES[0])
             ),
-            reason="A and B of (21) are of second order",
         ),
         claimed(
-            "section 7", "design without numerical methods",
-            "The polynomial controller was derived purposely by the analytical way (without "
-            "utilization of numerical methods)",
-            _largest_error() < _ROUNDING, f"largest difference below {_ROUNDING:g}",
-            reason=(
-                "d1, d2 by a quadratic equation, compared with the stable roots of the whole "
-                "polynomial of fourth degree, found numerically, for q_u from 0.01 to 1000."
-            ),
+            PRINTED["section 7", "design without numerical methods"],
+            _largest_error() < _ROUNDING,
+            f"largest difference below {_ROUNDING:g}",
         ),
-    ]  # fmt: skip
+    ]
     return rows
 
 

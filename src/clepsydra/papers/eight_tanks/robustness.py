@@ -16,15 +16,17 @@ from clepsydra.designs.sampled.sampled_loop import SampledLoops
 from clepsydra.designs.simc import design_simc
 from clepsydra.designs.smith_predictor import design_smith_predictor
 from clepsydra.papers.comparison import claimed, remark
+from clepsydra.papers.document import Findings
+from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.six_designs import (
     SIX,
     StepRun,
     chain,
     designed,
     stepped,
+    trends,
     without_limits,
 )
-from clepsydra.papers.experiment import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.row import Row
 from clepsydra.studies.warnings.loop_response import loop_response
@@ -120,15 +122,13 @@ def _robust() -> list[Row]:
     )
     return [
         claimed(
-            "section 7", "robustness of Figs. 7 to 12",
-            "very good control quality and robustness", not weak,
+            PRINTED["section 7", "robustness of Figs. 7 to 12"],
+            not weak,
             f"max|S| {', '.join(f'{design.peak:.2f}' for design in _six())}",
-            reason=(
-                f"On (8). Of the usual bounds, max|S| up to {_ROBUST:g} and a gain margin of "
-                f"{_ROBUST:g} or more, {len(weak)} of {len(SIX)} keep neither."
-            ),
+            reason=f"On (8). Of the usual bounds, max|S| up to {_ROBUST:g} and a gain margin of "
+            f"{_ROBUST:g} or more, {len(weak)} of {len(SIX)} keep neither.",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _quality() -> list[Row]:
@@ -136,15 +136,13 @@ def _quality() -> list[Row]:
     later = sum(each.run.settling_time > pid.run.settling_time for each in _six())
     return [
         remark(
-            "section 7", "control quality", "very good control quality",
+            PRINTED["section 7", "control quality"],
             f"settled to 2 % after {', '.join(_minutes(design) for design in _six())} min in Figs. "
             "7 to 12",
-            reason=(
-                f"What is good is not said: {later} of them settle later than a PID by AMIGO on "
-                f"the same chain, after {_minutes(pid)} min."
-            ),
+            reason=f"What is good is not said: {later} of them settle later than a PID by AMIGO on "
+            f"the same chain, after {_minutes(pid)} min.",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _minutes(design: Judged) -> str:
@@ -192,28 +190,5 @@ def _margins() -> Figure:
 def _beside_pid() -> Figure:
     best = min(_six(), key=lambda design: design.run.settling_time)
     pid, _, tuned, _, other = others()
-    shown = (best, tuned, pid, other)
-    until = 120
-    return Figure(
-        "",
-        "A plain PID on the same chain",
-        (
-            Panel(
-                "Level of tank 8", "y [m/m]",
-                tuple(
-                    Curve(each.label, each.run.minutes[:until], each.run.level[:until])
-                    for each in shown
-                ),
-                x_label="time [min]",
-            ),
-            Panel(
-                "Inflow", "u [m³/min/m]",
-                tuple(
-                    Curve(each.label, each.run.minutes[:until], each.run.inflow[:until], "held")
-                    for each in shown
-                ),
-                x_label="time [min]",
-            ),
-        ),
-        "Per metre of a setpoint step.",
-    )  # fmt: skip
+    panels = trends({each.label: each.run for each in (best, tuned, pid, other)}, until=120)
+    return Figure("", "A plain PID on the same chain", panels, "Per metre of a setpoint step.")

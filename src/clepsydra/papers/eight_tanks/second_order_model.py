@@ -13,6 +13,8 @@ from clepsydra.identification.simplex_refinement import (
     second_order_of_gain,
 )
 from clepsydra.papers.comparison import circular, compared, compared_formula, remark
+from clepsydra.papers.document import Findings
+from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.six_designs import (
     GAIN,
     PRINTED_A,
@@ -21,7 +23,6 @@ from clepsydra.papers.eight_tanks.six_designs import (
     printed_model,
     sampled_chain,
 )
-from clepsydra.papers.experiment import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.row import Row
 
@@ -68,7 +69,7 @@ def _coefficients() -> list[Row]:
         "without zeros, 5 min of delay, gain 3.08."
     )
     rows = [
-        circular(compared("(21)", name, printed, value, why=why), chosen)
+        circular(compared(PRINTED["(21)", name], value, why=why), chosen)
         for name, printed, value in zip(
             ("a1", "a2", "b1", "b2"),
             ("-1.777", "0.7964", "0.0309", "0.0286"),
@@ -80,15 +81,10 @@ def _coefficients() -> list[Row]:
     b1, b2 = free.model.numerator
     rows.append(
         remark(
-            "section 3.2", "how (21) was found", "is obtained using this method",
+            PRINTED["section 3.2", "how (21) was found"],
             f"b1 = {b1:.4f}, b2 = {b2:.4f}, gain {free.model.static_gain:.3f}",
-            reason=(
-                "What the search holds is not printed: on the record on which it gives (21) for a "
-                "continuous model without zeros with the gain held, it gives this with all four "
-                "coefficients free."
-            ),
         )
-    )  # fmt: skip
+    )
     return rows
 
 
@@ -99,17 +95,14 @@ def _gain() -> list[Row]:
     formula = ((b1 * back + b2 * back**2) / (1 + a1 * back + a2 * back**2) * back**5).subs(back, 1)
     low, high = _gain_range()
     return [
-        compared_formula(
-            "(20)", "static gain of (18)", (b1 + b2) / (1 + a1 + a2), formula,
-            reason="z = 1 in (18)",
-        ),
+        compared_formula(PRINTED["(20)", "static gain of (18)"], formula),
         compared(
-            "(21)", "static gain, the same as in (8)", "3.08", printed_model().static_gain,
-            "min/m²",
+            PRINTED["(21)", "static gain, the same as in (8)"],
+            printed_model().static_gain,
             tolerance=(high - low) / 2.0 / printed_model().static_gain,
             why=f"The printed digits of (21) leave {low:.2f} to {high:.2f} open.",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _gain_range() -> tuple[float, float]:
@@ -130,23 +123,13 @@ def _quality() -> list[Row]:
     zero = float(printed_model().zeros[0].real)
     return [
         remark(
-            "section 7", "low-order model of the chain",
-            "a high-order system … can be approximated by a low-order model with time-delay",
+            PRINTED["section 7", "low-order model of the chain"],
             f"{worst:.1f} % of the rise at the most by (21)",
-            reason=(
-                f"Largest difference from the step response of (8) in {_MINUTES} min. How near an "
-                "approximation is, is not said: (21) is within 10 % and not within 5 %."
-            ),
+            reason=f"Largest difference from the step response of (8) in {_MINUTES} min. How near "
+            "an approximation is, is not said: (21) is within 10 % and not within 5 %.",
         ),
-        remark(
-            "section 4", "zero of B, which B(1) replaces",
-            "a B(z^-1), which has non-minimum phase zeros", f"z = {zero:.3f}",
-            reason=(
-                "Whether B in general or that of (21) is meant is not said: of (21) it fails, as "
-                "its zero lies inside the unit circle."
-            ),
-        ),
-    ]  # fmt: skip
+        remark(PRINTED["section 4", "zero of B, which B(1) replaces"], f"z = {zero:.3f}"),
+    ]
 
 
 @cache

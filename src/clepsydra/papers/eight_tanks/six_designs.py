@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 
@@ -17,6 +17,7 @@ from clepsydra.designs.smith_predictor import design_smith_predictor
 from clepsydra.linear.analysis import Analysis, analyse
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario, Segment
+from clepsydra.papers.figure import Curve, Panel
 from clepsydra.process.reader import load_process
 from clepsydra.scores.effort import TOTAL_VARIATION
 from clepsydra.scores.step_response import overshoot, settling_time
@@ -212,6 +213,13 @@ def stepped(controller: Controller, samples: int = _SAMPLES) -> StepRun:
     )
 
 
-def labels(choices: Sequence[Choice]) -> str:
-    """Return the settings of some experiments in words."""
-    return "; ".join(choice.label for choice in choices)
+def trends(runs: Mapping[str, StepRun], until: int = _SAMPLES) -> tuple[Panel, Panel]:
+    """Return level and inflow of some runs by name, for so many minutes."""
+    level = (Curve(name, run.minutes[:until], run.level[:until]) for name, run in runs.items())
+    inflow = (
+        Curve(name, run.minutes[:until], run.inflow[:until], "held") for name, run in runs.items()
+    )
+    return (
+        Panel("Level of tank 8", "y [m/m]", tuple(level), "time [min]"),
+        Panel("Inflow", "u [m³/min/m]", tuple(inflow), "time [min]"),
+    )

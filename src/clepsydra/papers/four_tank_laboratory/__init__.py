@@ -1,1 +1,21 @@
-"""The audit of the four-tank laboratory report: its experiments, one a file."""
+"""The four-tank laboratory report of the course EL2520: its experiments, one a file."""
+
+from clepsydra.papers.document import Document
+from clepsydra.papers.printed import printed_table
+
+DOCUMENT = Document(
+    __name__,
+    5,
+    "The four-tank process",
+    "J. Feng, Y. F. Yu and Z. Wang, project report of the course EL2520 Control Theory and "
+    "Practice, KTH, 2021",
+    {
+        "modelling": "Linear model, zeros and relative gains",
+        "identification": "Gains of the pumps and holes",
+        "manual-control": "Levels at constant voltages",
+        "decentralised-control": "Decentralised PI control",
+        "robust-control": "Glover-McFarlane control",
+        "margins": "Margins as designed and in the simulator",
+    },
+)
+PRINTED = printed_table(__name__)

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from clepsydra.identification.hole_areas import hole_areas_at_rest
+from clepsydra.identification.orifice_areas import orifice_areas_at_rest
 from clepsydra.identification.pump_gains import pump_gain
 from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.papers.comparison import circular, compared, damaged, short
-from clepsydra.papers.experiment import Findings
+from clepsydra.papers.comparison import circular, compared, short
+from clepsydra.papers.document import Findings
+from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.manual_runs import by_hand
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     AREA,
     GRAVITY,
     MINIMUM,
-    NON_MINIMUM,
     OF_THE_COURSE,
     PUMP_GAINS,
     SET_UPS,
@@ -23,9 +23,6 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
 )
 from clepsydra.papers.row import Row
 
-#: Equation of the hole of each tank.
-_PLACES = {MINIMUM: ("(24)", "(24)", "(22)", "(23)"), NON_MINIMUM: ("(25)",) * 4}
-_TABLES = {MINIMUM: "Table 1", NON_MINIMUM: "Table 2"}
 #: The report prints no g; from this one to 981 cm/s² is left open.
 OTHER_GRAVITY = 980.0  # cm/s²
 
@@ -42,7 +39,7 @@ def _gains() -> list[Row]:
     volts, duration = 7.5, 10.0
     runs = by_hand(MINIMUM, (volts, volts), duration=duration, plugged=True, every=1)
     rows = []
-    for pump, true in enumerate(PUMP_GAINS, start=1):
+    for pump in (1, 2):
         found = [
             1e6 * pump_gain(runs.time, 0.01 * level, np.full(len(level), volts), AREA * 1e-4).value
             for level in runs.levels[pump - 1]
@@ -51,7 +48,8 @@ def _gains() -> list[Row]:
         rows.append(
             circular(
                 compared(
-                    "Exercise 2.1.7", f"k{pump}", f"{true:.2f}", mean, "cm³/(s V)",
+                    PRINTED["Exercise 2.1.7", f"k{pump}"],
+                    mean,
                     tolerance=3.0 * error / mean,
                     why=f"From {len(found)} runs of {duration:g} s with plugged outlets at "
                     f"{volts:g} V and noisy pumps, with {OF_THE_COURSE}; standard error "
@@ -59,30 +57,31 @@ def _gains() -> list[Row]:
                 ),
                 "The simulator was given the printed gains.",
             )
-        )  # fmt: skip
+        )
     return rows
 
 
 def _printed_record(set_up: SetUp) -> dict[str, float]:
-    levels = {f"tank_{i}.level": 0.01 * float(h) for i, h in enumerate(set_up.levels, 1)}
+    levels = {f"tank_{i}.level": 0.01 * h.number.value for i, h in enumerate(set_up.levels, 1)}
     return levels | {f"pump_{i}": volts for i, volts in enumerate(set_up.voltages, 1)}
 
 
 def _areas(set_up: SetUp) -> list[Row]:
-    found = hole_areas_at_rest(plant(set_up), [_printed_record(set_up)])
+    found = orifice_areas_at_rest(plant(set_up), [_printed_record(set_up)])
     # A hole is in proportion to 1/√g.
     ratio = float(np.sqrt(GRAVITY / OTHER_GRAVITY))
     areas = [1e4 * found[f"outlet_{tank}"] for tank in (1, 2, 3, 4)]
     return [
         compared(
-            _PLACES[set_up][tank - 1], f"a{tank}, {set_up.phase}", set_up.holes[tank - 1],
-            area, "cm²", tolerance=ratio - 1.0,
-            why=f"Balances (6) at the levels of {_TABLES[set_up]} and 7.5 V, with "
+            line,
+            area,
+            tolerance=ratio - 1.0,
+            why=f"Balances (6) at the levels of {set_up.level_table} and 7.5 V, with "
             f"{GRAVITY:g} cm/s²; g is not printed, and {OTHER_GRAVITY:g} cm/s² gives "
             f"{ratio * area:.4f} cm².",
         )
-        for tank, area in enumerate(areas, start=1)
-    ]  # fmt: skip
+        for line, area in zip(set_up.holes, areas, strict=True)
+    ]
 
 
 def _levels(set_up: SetUp) -> list[Row]:
@@ -93,18 +92,20 @@ def _levels(set_up: SetUp) -> list[Row]:
     levels = [100.0 * point[f"tank_{tank}.level"] for tank in (1, 2, 3, 4)]
     # h is proportional to 1/(g a²) and, in a lower tank, to the flow a₃ √(g h₃) from above, which
     # the pump gives whatever a₃ and g are; so half a unit of the last digit of a leaves this open.
-    rooms = [1e-4 / float(hole) + gravity for hole in set_up.holes]
+    rooms = [1e-4 / hole.number.value + gravity for hole in set_up.holes]
     return [
         circular(
             compared(
-                _TABLES[set_up], f"h{tank}", set_up.levels[tank - 1], level, "cm", tolerance=room,
+                line,
+                level,
+                tolerance=room,
                 why="At rest with both pumps at 7.5 V. The digits of the hole and g leave "
                 f"{level * (1.0 - room):.2f} to {level * (1.0 + room):.2f} cm open.",
             ),
             "The way back: the printed hole comes from this level.",
         )
-        for tank, (level, room) in enumerate(zip(levels, rooms, strict=True), start=1)
-    ]  # fmt: skip
+        for line, level, room in zip(set_up.levels, levels, rooms, strict=True)
+    ]
 
 
 def _tank_of_23() -> Row:
@@ -114,17 +115,17 @@ def _tank_of_23() -> Row:
         4: (1.0 - MINIMUM.split) * PUMP_GAINS[0] * 7.5,
     }
     areas = {tank: flow / np.sqrt(2.0 * GRAVITY * 23.5) for tank, flow in flows.items()}
-    printed = float(MINIMUM.holes[3])
+    printed = MINIMUM.holes[3].number.value
     nearest = min(areas, key=lambda tank: abs(areas[tank] - printed))
-    row = compared(
-        "text before (23)", "tank that rests at 23.5 cm", "3", float(nearest),
+    return compared(
+        PRINTED["text before (23)", "tank that rests at 23.5 cm"],
+        float(nearest),
         right_if=(
-            ("Table 1 has 23.5 cm as h4", MINIMUM.levels[3] == "23.5"),
+            ("Table 1 has 23.5 cm as h4", MINIMUM.levels[3].text == "23.5"),
             (
                 "a4 of (23) follows from the flow into tank 4, "
                 f"{short(areas[4])} cm², not from that into tank 3, {short(areas[3])} cm²",
                 bool(abs(areas[4] - printed) < 0.5e-4 < abs(areas[3] - printed)),
             ),
         ),
-    )  # fmt: skip
-    return damaged(row, "One index, in a sentence that has tank_4 and h4 beside it.")
+    )

@@ -7,9 +7,10 @@ import dataclasses
 from clepsydra.linear.relative_gain_array import relative_gain_array
 from clepsydra.linear.static_gain import static_gain
 from clepsydra.linear.zeros import zeros
-from clepsydra.papers.comparison import circular, claimed, compared, remark, undecided
-from clepsydra.papers.experiment import Findings
+from clepsydra.papers.comparison import circular, claimed, compared, compared_all, remark, undecided
+from clepsydra.papers.document import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.manual_runs import SEEDS, ManualRuns, by_hand
 from clepsydra.papers.four_tank_laboratory.readings import (
     USUAL,
@@ -28,22 +29,18 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     SetUp,
     course_model,
 )
-from clepsydra.papers.printed import printed_number
+from clepsydra.papers.printed import Printed
 from clepsydra.papers.row import Row
 
-#: "simulation" and "calculated" of Tables 3 and 4 [cm].
-_TABLES = {
-    MINIMUM: ("Table 3", ("20.3", "27.2", "13.3", "22.15"), ("19.775", "27.325", "13.9", "23.5")),
-    NON_MINIMUM: ("Table 4", ("18.89", "27.2", "5.8", "10.15"), ("19", "27.25", "6", "9.25")),
-}
-#: Voltages with which the report keeps both lower levels at 15 cm, and how it came there.
-_HELD = {MINIMUM: ((44.0, 24.0), "220", "Fig. 5"), NON_MINIMUM: ((32.0, 49.0), "78", "Fig. 6")}
+_TABLES = {MINIMUM: "Table 3", NON_MINIMUM: "Table 4"}
+#: Voltages with which the report keeps both lower levels at 15 cm, and where it shows that.
+_HELD = {MINIMUM: ((44.0, 24.0), "Fig. 5"), NON_MINIMUM: ((32.0, 49.0), "Fig. 6")}
 #: Which levels one pump moves, as the report reads Figs. 1 to 4.
 _COUPLED = (
-    (MINIMUM, 1, (1, 4), "Fig. 1", "tank 4 and tank 1 will be significantly affected"),
-    (MINIMUM, 2, (2, 3), "Fig. 2", "tank 2 and tank 3 are significantly coupled"),
-    (NON_MINIMUM, 1, (2, 4), "Fig. 3", "tank 2 and tank 4 are significantly coupled"),
-    (NON_MINIMUM, 2, (1, 3), "Fig. 4", "tank 1 and tank 3 are significantly coupled"),
+    (MINIMUM, 1, (1, 4), "Fig. 1"),
+    (MINIMUM, 2, (2, 3), "Fig. 2"),
+    (NON_MINIMUM, 1, (2, 4), "Fig. 3"),
+    (NON_MINIMUM, 2, (1, 3), "Fig. 4"),
 )
 #: Where the figures of a level come from.
 _SIMULATOR = (
@@ -61,8 +58,8 @@ def run() -> Findings:
     figures = []
     for set_up in SET_UPS:
         rows += _table(set_up)
-    for set_up, pump, tanks, place, claim in _COUPLED:
-        row, figure = _coupling(set_up, pump, tanks, place, claim)
+    for set_up, pump, tanks, place in _COUPLED:
+        row, figure = _coupling(set_up, pump, tanks, place)
         rows.append(row)
         figures.append(figure)
     for set_up in SET_UPS:
@@ -73,29 +70,26 @@ def run() -> Findings:
 
 
 def _table(set_up: SetUp) -> list[Row]:
-    place, simulated, calculated = _TABLES[set_up]
     rows = []
-    for tank, printed in enumerate(simulated, start=1):
+    for tank in (1, 2, 3, 4):
         levels = {
             reading: _level(
                 by_hand(set_up, set_up.voltages, reading.holes, noise=reading.noise), tank
             )
             for reading in readings_of(set_up)
         }
-        rows.append(
-            _left_open(place, f"h{tank}, simulation", printed, levels, f"At 7.5 V {_SIMULATOR}")
-        )
-    for tank, printed in enumerate(calculated, start=1):
-        rows.append(
-            circular(
-                compared(
-                    place, f"h{tank}, calculated", printed, float(set_up.levels[tank - 1]), "cm"
-                ),
-                f"Table {1 if set_up is MINIMUM else 2} prints it too, as the level that the hole "
-                "was found from: the same number twice, and no forecast.",
-            )
-        )  # fmt: skip
-    return rows
+        line = PRINTED[_TABLES[set_up], f"h{tank}, simulation"]
+        rows.append(_left_open(line, levels, f"At 7.5 V {_SIMULATOR}"))
+    again = (
+        f"{set_up.level_table} prints it too, as the level that the hole was found from: the same "
+        "number twice, and no forecast."
+    )
+    found = {
+        f"h{tank}, calculated": level.number.value
+        for tank, level in enumerate(set_up.levels, start=1)
+    }
+    calculated = compared_all(PRINTED, _TABLES[set_up], found)
+    return [*rows, *(circular(row, again) for row in calculated)]
 
 
 def _level(runs: ManualRuns, tank: int) -> tuple[float, float]:
@@ -103,11 +97,9 @@ def _level(runs: ManualRuns, tank: int) -> tuple[float, float]:
     return float(runs.at_last[tank - 1]), _DEVIATIONS * float(runs.scatter[tank - 1])
 
 
-def _left_open(
-    place: str, name: str, printed: str, levels: dict[Reading, tuple[float, float]], what: str
-) -> Row:
+def _left_open(line: Printed, levels: dict[Reading, tuple[float, float]], what: str) -> Row:
     """Compare a level with every reading; it is reproduced where all of them leave it open."""
-    number = printed_number(printed)
+    number = line.number
     holding = {
         reading: abs(level - number.value) <= room + number.half_unit
         for reading, (level, room) in levels.items()
@@ -115,10 +107,12 @@ def _left_open(
     reading, (level, room) = next(iter(levels.items()))
     words = f"{what}, {level:.2f} ± {room:.2f} cm with {reading}"
     row = compared(
-        place, name, printed, level, "cm", tolerance=room / level if all(holding.values()) else 0.0,
+        line,
+        level,
+        tolerance=room / level if all(holding.values()) else 0.0,
         why=f"{words}; the other readings leave it open as well.",
         unprinted=f"The holes of the simulator are not printed. {words}.",
-    )  # fmt: skip
+    )
     inside, outside = (
         next((reading for reading, holds in holding.items() if holds is each), None)
         for each in (True, False)
@@ -126,9 +120,7 @@ def _left_open(
     return undecided(row, f"It agrees with {inside}, and not with {outside}.") if inside else row
 
 
-def _coupling(
-    set_up: SetUp, pump: int, tanks: tuple[int, int], place: str, claim: str
-) -> tuple[Row, Figure]:
+def _coupling(set_up: SetUp, pump: int, tanks: tuple[int, int], place: str) -> tuple[Row, Figure]:
     volts = (7.5, 0.0) if pump == 1 else (0.0, 7.5)
     others = [tank for tank in (1, 2, 3, 4) if tank not in tanks]
     found = {
@@ -139,8 +131,7 @@ def _coupling(
     levels = ", ".join(f"h{tank} = {runs.at_last[tank - 1]:.1f} cm" for tank in (1, 2, 3, 4))
     percent = "input1 = 50 %, input2 = 0 %" if pump == 1 else "input1 = 0 %, input2 = 50 %"
     row = claimed_in_all(
-        f"Exercise 2.2.2, {place}", f"{set_up.phase}, pump {pump} alone",
-        claim,
+        PRINTED[f"Exercise 2.2.2, {place}", f"{set_up.phase}, pump {pump} alone"],
         {
             reading: bool(
                 each.at_last[[tank - 1 for tank in tanks]].min()
@@ -150,7 +141,7 @@ def _coupling(
         },
         levels,
         reason="Judged as: either of them comes to rest higher than both others.",
-    )  # fmt: skip
+    )
     figure = Figure(
         place,
         f"Levels with {percent}, {set_up.phase}",
@@ -163,13 +154,10 @@ def _coupling(
 def _by_relative_gains() -> Row:
     array = relative_gain_array(static_gain(course_model(MINIMUM)))
     return claimed(
-        "Exercise 2.2.2", "coupling of tanks 1 and 4",
-        "We can also get this conclusion from the RGA matrix in equation 19",
+        PRINTED["Exercise 2.2.2", "coupling of tanks 1 and 4"],
         array.shape[0] >= 4,
         f"an array of {array.shape[0]} outputs, the levels of tanks 1 and 2",
-        reason="The upper levels are no outputs of the array, so that it says nothing of tank 4; "
-        "it says which pump is to control which lower level.",
-    )  # fmt: skip
+    )
 
 
 def _panel(runs: ManualRuns, tanks: tuple[int, ...]) -> Panel:
@@ -184,17 +172,16 @@ def _panel(runs: ManualRuns, tanks: tuple[int, ...]) -> Panel:
 
 
 def _held(set_up: SetUp) -> tuple[list[Row], Figure]:
-    percents, transient, place = _HELD[set_up]
+    percents, place = _HELD[set_up]
     pair = _volts(set_up)
-    rows = []
+    rows: list[Row] = []
     if set_up is MINIMUM:
-        for pump, printed in ((1, "6.6"), (2, "3.6")):
-            rows.append(
-                compared("Exercise 2.2.3", f"voltage of pump {pump}, {set_up.phase}", printed,
-                         7.5 / 50.0 * percents[pump - 1], "V",
-                         why=f"{percents[pump - 1]:g} %, where exercise 2.2.2 has 7.5 V as 50 %.")
-            )  # fmt: skip
-    rows += [*_levels_of_15(set_up, pair), _transient(set_up, transient, place)]
+        volts = {
+            f"voltage of pump {pump}, {set_up.phase}": 7.5 / 50.0 * percent
+            for pump, percent in enumerate(percents, start=1)
+        }
+        rows += compared_all(PRINTED, "Exercise 2.2.3", volts)
+    rows += [*_levels_of_15(set_up, pair), _transient(set_up, place)]
     noisy = by_hand(set_up, pair, "fitted" if set_up is MINIMUM else "report")
     figure = Figure(
         place,
@@ -226,11 +213,9 @@ def _levels_of_15(set_up: SetUp, volts: tuple[float, float]) -> list[Row]:
             for reading in readings_of(set_up)
             if reading.holes == holes
         }
+        which = "fitted holes" if holes == "fitted" else "holes of the report"
         row = _left_open(
-            "Exercise 2.2.3",
-            f"level of both lower tanks, {set_up.phase}, "
-            + ("fitted holes" if holes == "fitted" else "holes of the report"),
-            "15",
+            PRINTED["Exercise 2.2.3", f"level of both lower tanks, {set_up.phase}, {which}"],
             {r: max(each, key=lambda level: abs(level[0] - 15.0)) for r, each in found.items()},
             f"At {voltages}, of the one that is farther off, {_SIMULATOR}",
         )
@@ -244,55 +229,56 @@ def _settled(set_up: SetUp, reading: Reading, band: float) -> float:
     return max(quiet.settled(tank, band) for tank in (1, 2))
 
 
-def _transient(set_up: SetUp, printed: str, place: str) -> Row:
+def _transient(set_up: SetUp, place: str) -> Row:
     """Compare the transient with the times to 5 % and to 2 % of the slower lower tank."""
     within = {
         reading.holes: [_settled(set_up, reading, band) for band in (0.05, 0.02)]
         for reading in readings_of(set_up)
     }
     early, late = within["report"]
-    agrees = {holes: one <= float(printed) <= two for holes, (one, two) in within.items()}
+    line = PRINTED[f"Exercise 2.2.3, {place}", f"transient, {set_up.phase}"]
+    agrees = {holes: one <= line.number.value <= two for holes, (one, two) in within.items()}
     words = (
         "Time of the slower lower tank from empty to within 5 % and 2 % of its end, with the holes "
         f"of the report and with {OF_THE_COURSE}; whether 5 % or 2 % is meant, and whether the "
         "tanks were empty, is not said."
     )
     row = compared(
-        f"Exercise 2.2.3, {place}", f"transient, {set_up.phase}", printed, late, "s",
-        tolerance=(late - early) / late if all(agrees.values()) else 0.0, why=words,
-        unprinted=words,
-    )  # fmt: skip
+        line,
+        late,
+        tolerance=(late - early) / late if all(agrees.values()) else 0.0,
+        why=words,
+    )
     if agrees.get("fitted") and not agrees["report"]:
         row = undecided(row, "It agrees with the fitted holes, and not as computed here.")
     return dataclasses.replace(row, computed=f"{early:.0f} to {late:.0f}", difference=None)
 
 
 def _differences() -> list[Row]:
-    upper = [[float(hole) for hole in set_up.holes[2:]] for set_up in SET_UPS]
+    upper = [[hole.number.value for hole in set_up.holes[2:]] for set_up in SET_UPS]
     ratios = [two / one for one, two in zip(*upper, strict=True)]
-    lower = [[float(hole) for hole in set_up.holes[:2]] for set_up in SET_UPS]
+    lower = [[hole.number.value for hole in set_up.holes[:2]] for set_up in SET_UPS]
     spreads = [abs(two / one - 1.0) for one, two in zip(*lower, strict=True)]
     zero = max(zero.real for zero in zeros(course_model(NON_MINIMUM)))
     times = [_settled(set_up, USUAL, 0.02) for set_up in SET_UPS]
     return [
         claimed(
-            "Exercise 2.2.4", "upper holes", "a_3 and a_4 are not the same",
+            PRINTED["Exercise 2.2.4", "upper holes"],
             min(ratios) > 1.0 + 2.0 * max(spreads),
             " and ".join(f"{100.0 * (ratio - 1.0):.1f} %" for ratio in ratios) + " larger",
             reason="The printed holes; those of the lower tanks, a1 and a2, differ by "
-            + " and ".join(f"{100.0 * spread:.1f} %" for spread in spreads) + ".",
+            + " and ".join(f"{100.0 * spread:.1f} %" for spread in spreads)
+            + ".",
         ),
         claimed(
-            "Exercise 2.2.4", "zero in the right half-plane",
-            "the non-minimum phase will have a RHP zero",
-            zero > 0.0, f"{zero:+.4f} rad/s",
+            PRINTED["Exercise 2.2.4", "zero in the right half-plane"],
+            zero > 0.0,
+            f"{zero:+.4f} rad/s",
             reason="Transmission zero of the linear model at levels of the course's exercise "
             f"and with {OF_THE_COURSE}; at any others it is positive as well.",
         ),
         remark(
-            "Exercise 2.2.4", "manual control",
-            "It can be found in section 2.2.3, where Non-minimum are more difficult to be "
-            "manually controlled",
+            PRINTED["Exercise 2.2.4", "manual control"],
             "; ".join(
                 f"{set_up.phase} {time:.0f} s" for set_up, time in zip(SET_UPS, times, strict=True)
             ),
@@ -300,4 +286,4 @@ def _differences() -> list[Row]:
             "voltages, which section 2.2.3 has, it fails. From empty to within 2 %, the report's "
             f"holes, with {OF_THE_COURSE}.",
         ),
-    ]  # fmt: skip
+    ]

@@ -15,8 +15,9 @@ from clepsydra.designs.loop_shaping.precompensator import Precompensator, precom
 from clepsydra.designs.loop_shaping.robust_controller import robust_controller
 from clepsydra.designs.loop_shaping.shaped_plant import shaped_plant
 from clepsydra.papers.comparison import remark
-from clepsydra.papers.experiment import Findings
+from clepsydra.papers.document import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.closed_loop import Kind
 from clepsydra.papers.four_tank_laboratory.controllers import (
     at_the_simulator,
@@ -62,17 +63,13 @@ def response(set_up: SetUp, kind: Kind, units: Units) -> LoopResponse:
 def _guarantee() -> Row:
     """Ask whether the robust controllers keep the norm that they promise."""
     found = {set_up: _norm(set_up) for set_up in SET_UPS}
-    return remark(
-        "Exercise 4.2.2", "Glover-McFarlane", "Glover-McFarlane guarantee robust stabilization",
-        "; ".join(
+    return remark(PRINTED["Exercise 4.2.2", "Glover-McFarlane"], "; ".join(
             f"{set_up.phase}: γ_min = {smallest:.3f}, γ = {gamma:.3f}, norm {designed:.3f} in "
             f"volts and {tripled:.3g} at three times the gain"
             for set_up, (smallest, gamma, designed, tripled) in found.items()
-        ),
-        reason="The report's controllers are not printed; ours are by the rules of the course's "
+        ), reason="The report's controllers are not printed; ours are by the rules of the course's "
         f"exercise, with {OF_THE_COURSE}. It holds in volts, where the norm stays below γ, and "
-        "fails at the simulator's three times the gain.",
-    )  # fmt: skip
+        "fails at the simulator's three times the gain.")  # fmt: skip
 
 
 def _norm(set_up: SetUp) -> tuple[float, float, float, float]:

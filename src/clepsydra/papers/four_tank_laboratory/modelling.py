@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from clepsydra.linear.relative_gain_array import relative_gain_array
 from clepsydra.linear.static_gain import static_gain
 from clepsydra.linear.zeros import zeros
-from clepsydra.papers.comparison import claimed, compared, compared_formula
-from clepsydra.papers.experiment import Findings
+from clepsydra.papers.comparison import (
+    claimed,
+    compared_all,
+    compared_for_each,
+    compared_formulas,
+    entries,
+)
+from clepsydra.papers.document import Findings
+from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     MINIMUM,
     NON_MINIMUM,
@@ -42,138 +51,47 @@ def _linear_model() -> list[Row]:
     )
     state = rates.jacobian(sp.Matrix(h))
     inputs = rates.jacobian(sp.Matrix(u))
-    rows = []
-    printed_times = [A[i] / a[i] * sp.sqrt(2 * h[i] / g) for i in range(4)]
-    times = [sp.simplify(-1 / state[i, i]) for i in range(4)]
-    # One formula for four tanks: the row shows one that differs, if any does.
-    tank = next((i for i in range(4) if sp.simplify(printed_times[i] - times[i]) != 0), 0)
-    rows.append(
-        compared_formula(
-            "(10)",
-            "T_i",
-            printed_times[tank],
-            times[tank],
-            reason="Jacobian of (4); of tank 1, and the other three agree.",
-        )
-    )
-    in_times = {a[i]: A[i] / T[i] * sp.sqrt(2 * h[i] / g) for i in range(4)}
-    state = sp.simplify(state.subs(in_times))
-    printed_state = sp.Matrix(
-        [
-            [-1 / T[0], 0, A[2] / (A[0] * T[2]), 0],
-            [0, -1 / T[1], 0, A[3] / (A[1] * T[3])],
-            [0, 0, -1 / T[2], 0],
-            [0, 0, 0, -1 / T[3]],
-        ]
-    )
-    printed_inputs = sp.Matrix(
-        [
-            [gamma[0] * k[0] / A[0], 0],
-            [0, gamma[1] * k[1] / A[1]],
-            [0, (1 - gamma[1]) * k[1] / A[2]],
-            [(1 - gamma[0]) * k[0] / A[3], 0],
-        ]
-    )
-    for name, printed, found in (("A", printed_state, state), ("B", printed_inputs, inputs)):
-        for i in range(4):
-            for j in range(printed.cols):
-                if printed[i, j] != 0 or found[i, j] != 0:
-                    rows.append(
-                        compared_formula(
-                            "(9)", f"{name}, row {i + 1}, column {j + 1}", printed[i, j],
-                            found[i, j], reason="Jacobian of (4)",
-                        )
-                    )  # fmt: skip
+    times = [
+        (sp.simplify(-1 / state[i, i]), {"A_1": A[i], "a_1": a[i], "h_1": h[i]}) for i in range(4)
+    ]
+    state = sp.simplify(state.subs({a[i]: A[i] / T[i] * sp.sqrt(2 * h[i] / g) for i in range(4)}))
+    matrices = entries("A, row {}, column {}", state) | entries("B, row {}, column {}", inputs)
     show = sp.Matrix([[kc, 0, 0, 0], [0, kc, 0, 0]])
-    G = (show * (s * sp.eye(4) - printed_state).inv() * printed_inputs).applyfunc(sp.factor)
-    c = [T[i] * kc / A[i] for i in range(2)]
-    lags = [1 + s * T[i] for i in range(4)]
-    printed_g = sp.Matrix(
-        [
-            [gamma[0] * k[0] * c[0] / lags[0], (1 - gamma[1]) * k[1] * c[0] / lags[2] / lags[0]],
-            [(1 - gamma[0]) * k[0] * c[1] / lags[3] / lags[1], gamma[1] * k[1] * c[1] / lags[1]],
-        ]
-    )
-    for i in range(2):
-        for j in range(2):
-            rows.append(
-                compared_formula(
-                    "(11)", f"g{i + 1}{j + 1}", printed_g[i, j], G[i, j],
-                    reason="C (sI − A)⁻¹ B of (9)",
-                )
-            )  # fmt: skip
-    plugged = {a[0]: 0, a[1]: 0, a[2]: 0, a[3]: 0, gamma[0]: 1, gamma[1]: 1}
-    for i in range(2):
-        rows.append(
-            compared_formula(
-                "(21)", f"rise of tank {i + 1} with its holes closed", k[i] * u[i] / A[i],
-                rates[i].subs(plugged), reason="(4) without holes and with γ = 1",
-            )
-        )  # fmt: skip
-    return [*rows, *_determinant(G, gamma, k, c, T, s), *_array(G)]
-
-
-def _determinant(G, gamma, k, c, T, s) -> list[Row]:  # type: ignore[no-untyped-def]
-    import sympy as sp
-
+    G = (show * (s * sp.eye(4) - state).inv() * inputs).applyfunc(sp.factor)
     determinant = sp.factor(G.det())
-    poles = sp.prod(1 + s * time for time in T)
-    front = gamma[0] * gamma[1] * k[0] * k[1] * c[0] * c[1] / poles
-    split = (1 - gamma[0]) * (1 - gamma[1]) / (gamma[0] * gamma[1])
-    first = front * ((1 + s * T[2]) * (1 + s * T[3]) - split)
-    both = T[2] * T[3]
-    second = (
-        front
-        * both
-        * (
-            s**2
-            + (T[2] + T[3]) / both * s
-            + (gamma[0] + gamma[1] - 1) / (gamma[0] * gamma[1] * both)
-        )
-    )
+    plugged = {a[0]: 0, a[1]: 0, a[2]: 0, a[3]: 0, gamma[0]: 1, gamma[1]: 1}
+    by_place = {
+        "(9)": {name: value for name, value in matrices.items() if value != 0},
+        "(11)": entries("g", G),
+        "(21)": {
+            f"rise of tank {i + 1} with its holes closed": rates[i].subs(plugged) for i in (0, 1)
+        },
+        "(12)": {f"det G, {line} line": determinant for line in ("first", "second")},
+        **_array(G),
+    }
     return [
-        compared_formula("(12)", "det G, first line", first, determinant, reason="det of (11)"),
-        compared_formula("(12)", "det G, second line", second, determinant, reason="det of (11)"),
+        compared_for_each(PRINTED["(10)", "T_i"], times),
+        *(
+            row
+            for place, found in by_place.items()
+            for row in compared_formulas(PRINTED, place, found)
+        ),
     ]
 
 
-def _array(G) -> list[Row]:  # type: ignore[no-untyped-def]
+def _array(G: Any) -> dict[str, dict[str, Any]]:
+    """Return the relative gains of G by the place and name of their formulas."""
     import sympy as sp
 
     g = sp.Matrix(2, 2, sp.symbols("g_11 g_12 g_21 g_22"))
     array = sp.simplify(g.multiply_elementwise(g.inv().T))
-    determinant = g[0, 0] * g[1, 1] - g[0, 1] * g[1, 0]
-    first = 1 / (1 - g[0, 1] * g[1, 0] / (g[0, 0] * g[1, 1]))
-    named = {symbol.name: symbol for symbol in G.free_symbols}
-    one, two, s = named["gamma_1"], named["gamma_2"], named["s"]
-    at_rest = sp.factor(array[0, 0].subs(dict(zip(g, G, strict=True))).subs(s, 0))
-    straight, across = g[0, 0] * g[1, 1] / determinant, -g[0, 1] * g[1, 0] / determinant
-    rows = [
-        compared_formula(
-            "(15)",
-            f"RGA, row {i + 1}, column {j + 1}",
-            printed,
-            array[i, j],
-            reason="G times the transpose of its inverse, entry by entry",
-        )
-        for (i, j), printed in zip(
-            ((0, 0), (0, 1), (1, 0), (1, 1)), (straight, across, across, straight), strict=True
-        )
-    ]
-    return [
-        *rows,
-        compared_formula("(16)", "λ", first, array[0, 0], reason="first entry of (15)"),
-        compared_formula(
-            "(17)", "RGA, entry beside λ", 1 - first, array[0, 1], reason="second entry of (15)"
-        ),
-        compared_formula(
-            "(18)",
-            "λ at s = 0",
-            one * two / (one + two - 1),
-            at_rest,
-            reason="(15) of the static gain of (11)",
-        ),
-    ]
+    at_rest = array[0, 0].subs(dict(zip(g, G, strict=True))).subs(sp.Symbol("s"), 0)
+    return {
+        "(15)": entries("RGA, row {}, column {}", array),
+        "(16)": {"λ": array[0, 0]},
+        "(17)": {"RGA, entry beside λ": array[0, 1]},
+        "(18)": {"λ at s = 0": sp.factor(at_rest)},
+    }
 
 
 def _zeros() -> list[Row]:
@@ -194,7 +112,7 @@ def _zeros() -> list[Row]:
     }
     return [
         claimed(
-            "(13)", "zeros for 1 < γ1 + γ2 ≤ 2", "holds for zeros with negative real part",
+            PRINTED["(13)", "zeros for 1 < γ1 + γ2 ≤ 2"],
             bool(np.all(rightmost[above] < 0.0)),
             f"largest real part {rightmost[above].max():.3g} rad/s",
             reason=f"Roots of (12) for {above.sum()} pairs of splits, T3 and T4 at the "
@@ -202,44 +120,26 @@ def _zeros() -> list[Row]:
             "their product positive.",
         ),
         claimed(
-            "(14)", "zeros for 0 < γ1 + γ2 ≤ 1", "holds for zeros with non-negative real part",
+            PRINTED["(14)", "zeros for 0 < γ1 + γ2 ≤ 1"],
             bool(np.all(rightmost[~above] >= -1e-12)),
             f"smallest real part of the right one {rightmost[~above].min():.3g} rad/s",
-            reason=(
-                f"The right root of (12) for {(~above).sum()} pairs of splits, which makes the "
-                "process non-minimum phase; at γ1 + γ2 = 1 it stands at zero."
-            ),
+            reason=f"The right root of (12) for {(~above).sum()} pairs of splits, which makes the "
+            "process non-minimum phase; at γ1 + γ2 = 1 it stands at zero.",
         ),
         claimed(
-            "Exercise 2.1.6", "the two set-ups",
-            "For the minimum phase we have γ1 = γ2 = 0.625 …; for the non-minimum phase case we "
-            "have γ1 = γ2 = 0.375",
+            PRINTED["Exercise 2.1.6", "the two set-ups"],
             found["minimum phase"] < 0.0 < found["non-minimum phase"],
             ", ".join(f"{phase}: {value:+.4f} rad/s" for phase, value in found.items()),
             reason="Rightmost transmission zero of the linear model at levels of the course's "
             f"exercise and with {OF_THE_COURSE}; its sign is that of 1 - γ1 - γ2 at any levels.",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _relative_gains() -> list[Row]:
     rows = []
-    for set_up, place, printed, value in (
-        (MINIMUM, "(19)", (("1.5625", "-0.5625"), ("-0.5625", "1.5625")), "1.5625"),
-        (NON_MINIMUM, "(20)", (("-0.5625", "1.5625"), ("1.5625", "-0.5625")), "-0.5625"),
-    ):
+    for set_up, place in ((MINIMUM, "(19)"), (NON_MINIMUM, "(20)")):
         array = relative_gain_array(static_gain(course_model(set_up)))
-        rows.append(
-            compared(
-                "Exercise 2.1.6", f"λ, {set_up.phase}", value, float(array[0, 0]),
-                why="Static gain of the linear model of the process, in which γ is "
-                f"{set_up.split:g}.",
-            )
-        )  # fmt: skip
-        for i in range(2):
-            for j in range(2):
-                rows.append(
-                    compared(place, f"RGA, row {i + 1}, column {j + 1}", printed[i][j],
-                             float(array[i, j]), why="Static gain of the linear model.")
-                )  # fmt: skip
+        rows += compared_all(PRINTED, "Exercise 2.1.6", {f"λ, {set_up.phase}": array[0, 0]})
+        rows += compared_all(PRINTED, place, entries("RGA, row {}, column {}", array))
     return rows

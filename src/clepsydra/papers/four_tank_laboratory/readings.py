@@ -21,6 +21,7 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     Noise,
     SetUp,
 )
+from clepsydra.papers.printed import Printed
 from clepsydra.papers.row import Row
 
 #: Those that are noisy.
@@ -59,7 +60,7 @@ MEDIANS = (
 )
 #: The controllers are not printed either: a claim about the tables is judged by the tables as well,
 #: and by the gain that ours were designed with, which the simulator makes three times as large.
-PRINTED, DESIGNED = "the printed numbers", "our controllers in volts"
+ON_PAPER, DESIGNED = "the printed numbers", "our controllers in volts"
 
 
 def readings_of(set_up: SetUp) -> tuple[Reading, ...]:
@@ -68,28 +69,27 @@ def readings_of(set_up: SetUp) -> tuple[Reading, ...]:
 
 
 def claimed_in_all(
-    place: str, name: str, claim: str, holds: Mapping[Reading | str, bool], computed: str,
-    unit: str = "", *, reason: str,
-) -> Row:  # fmt: skip
-    """Judge a claim by every reading, and `PRINTED`; where they disagree it is but a remark.
+    printed: Printed, holds: Mapping[Reading | str, bool], computed: str, *, reason: str = ""
+) -> Row:
+    """Judge a claim by every reading, and `ON_PAPER`; where they disagree it is but a remark.
 
     Examples
     --------
-    >>> both = {USUAL: True, PRINTED: True}
-    >>> claimed_in_all("Table 5", "rise", "slower", both, "38 s", reason="r").verdict
+    >>> both = {USUAL: True, ON_PAPER: True}
+    >>> line = Printed("Table 5", "rise", "slower", note="r")
+    >>> claimed_in_all(line, both, "38 s").verdict
     'claim holds'
-    >>> claimed_in_all("t", "n", "c", both | {USUAL: False}, "1", reason="r").verdict
+    >>> claimed_in_all(line, both | {USUAL: False}, "1").verdict
     'remark'
     """
+    reason = reason or printed.note
     agreeing, against = (
-        [str(key) for key in sorted(holds, key=lambda key: key != PRINTED) if holds[key] is each]
+        [str(key) for key in sorted(holds, key=lambda key: key != ON_PAPER) if holds[key] is each]
         for each in (True, False)
     )
     if not agreeing or not against:
-        others = [key for key in (PRINTED, DESIGNED) if key in holds]
+        others = [key for key in (ON_PAPER, DESIGNED) if key in holds]
         said = f"So in all readings of noise and holes{''.join(f', by {key}' for key in others)}."
-        return claimed(place, name, claim, not against, computed, unit, reason=f"{reason} {said}")
-    return remark(
-        place, name, claim, computed, unit,
-        reason=f"{reason} It holds by {agreeing[0]}, and fails by {against[0]}.",
-    )  # fmt: skip
+        return claimed(printed, not against, computed, reason=f"{reason} {said}")
+    words = f"{reason} It holds by {agreeing[0]}, and fails by {against[0]}."
+    return remark(printed, computed, reason=words)

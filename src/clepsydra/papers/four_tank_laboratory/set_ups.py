@@ -11,6 +11,8 @@ import numpy as np
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.papers.four_tank_laboratory import PRINTED
+from clepsydra.papers.printed import Printed
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 
@@ -57,10 +59,10 @@ class SetUp:
         [rad/s]
     voltages : tuple of float
         Of the two pumps at the printed levels [V].
-    levels : tuple of str
-        Of Table 1 or 2, as printed [cm].
-    holes : tuple of str
-        (22) to (25), as printed [cm²].
+    level_table : str
+        Where the levels are printed.
+    hole_places : tuple of str
+        Where the equation of the hole of each tank stands.
     """
 
     phase: str
@@ -70,8 +72,19 @@ class SetUp:
     pairing: tuple[tuple[str, str], ...]
     crossover: float
     voltages: tuple[float, float]
-    levels: tuple[str, ...]
-    holes: tuple[str, ...]
+    level_table: str
+    hole_places: tuple[str, str, str, str]
+
+    @property
+    def levels(self) -> tuple[Printed, ...]:
+        """Of Table 1 or 2 [cm]."""
+        return tuple(PRINTED[self.level_table, f"h{tank}"] for tank in (1, 2, 3, 4))
+
+    @property
+    def holes(self) -> tuple[Printed, ...]:
+        """Of (22) to (25) [cm²]."""
+        places = enumerate(self.hole_places, start=1)
+        return tuple(PRINTED[place, f"a{tank}, {self.phase}"] for tank, place in places)
 
 
 MINIMUM = SetUp(
@@ -82,8 +95,8 @@ MINIMUM = SetUp(
     pairing=(("level_1", "pump_1"), ("level_2", "pump_2")),
     crossover=0.1,
     voltages=(7.5, 7.5),
-    levels=("19.775", "27.325", "13.9", "23.5"),
-    holes=("0.1563", "0.1283", "0.0637", "0.0566"),
+    level_table="Table 1",
+    hole_places=("(24)", "(24)", "(22)", "(23)"),
 )
 NON_MINIMUM = SetUp(
     phase="non-minimum phase",
@@ -93,8 +106,8 @@ NON_MINIMUM = SetUp(
     pairing=(("level_1", "pump_2"), ("level_2", "pump_1")),
     crossover=0.02,
     voltages=(7.5, 7.5),
-    levels=("19", "27.25", "6", "9.25"),
-    holes=("0.1538", "0.1331", "0.1617", "0.1504"),
+    level_table="Table 2",
+    hole_places=("(25)", "(25)", "(25)", "(25)"),
 )
 SET_UPS = (MINIMUM, NON_MINIMUM)
 

@@ -11,24 +11,35 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from itertools import product
 
 import numpy as np
 
 from clepsydra.papers.comparison import compared, undecided
 from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.closed_loop import BAND, SEEDS, TARGET, Kind, Runs, runs
-from clepsydra.papers.four_tank_laboratory.readings import USUAL, Reading, readings_of
+from clepsydra.papers.four_tank_laboratory.readings import (
+    DESIGNED,
+    ON_PAPER,
+    READINGS,
+    USUAL,
+    Reading,
+    claimed_in_all,
+    readings_of,
+)
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     MINIMUM,
     NON_MINIMUM,
     OF_THE_COURSE,
     PHASE_MARGIN,
     SENSOR_GAIN,
+    SET_UPS,
     UNCONVERTED,
     SetUp,
     Units,
 )
-from clepsydra.papers.printed import printed_number
+from clepsydra.papers.printed import Printed, PrintedNumber
 from clepsydra.papers.row import Row
 
 #: The report shows one run, so that what noise does to nearly all runs is left open.
@@ -40,37 +51,7 @@ _TANKS = (1, 2)
 _NEARLY_ALL = 1 + round(_CENTRAL[1] * (SEEDS - 1)) - round(_CENTRAL[0] * (SEEDS - 1))
 
 
-@dataclass(frozen=True)
-class Printed:
-    """One line of Table 5 or 6, for tank 1 and tank 2; where one number stands, for both.
-
-    Parameters
-    ----------
-    rise, overshoot, recovery : tuple of str
-        [s], [%], [s]
-    """
-
-    rise: tuple[str, str]
-    overshoot: tuple[str, str]
-    recovery: tuple[str, str]
-
-
-TABLES: dict[Kind, tuple[str, dict[SetUp, Printed]]] = {
-    "decentralised": (
-        "Table 5",
-        {
-            MINIMUM: Printed(("6.3", "6.3"), ("15.17", "17.11"), ("46", "46")),
-            NON_MINIMUM: Printed(("29.4", "32.6"), ("6.67", "27.98"), ("85.75", "104.8")),
-        },
-    ),
-    "robust": (
-        "Table 6",
-        {
-            MINIMUM: Printed(("6.6", "6.6"), ("11.63", "15.58"), ("27.15", "27.15")),
-            NON_MINIMUM: Printed(("103.1", "81.5"), ("0.83", "1.78"), ("83.89", "83.89")),
-        },
-    ),
-}
+_TABLES: dict[Kind, str] = {"decentralised": "Table 5", "robust": "Table 6"}
 _FIGURES = {
     ("decentralised", MINIMUM): "Fig. 7",
     ("decentralised", NON_MINIMUM): "Fig. 8",
@@ -91,12 +72,12 @@ _HOW = {
     "overshoot": "Of the step",
     "recovery": f"Until back within {100 * BAND:g} % of 15 cm",
 }
-#: What is scored, in which unit, how.
-SCORES: tuple[tuple[str, str, Callable[[Runs, int], np.ndarray]], ...] = (
-    ("rise", "s", Runs.rise),
-    ("overshoot", "%", Runs.overshoot),
-    ("recovery", "s", Runs.recovery),
-)
+#: What is scored, and how.
+SCORES: dict[str, Callable[[Runs, int], np.ndarray]] = {
+    "rise": Runs.rise,
+    "overshoot": Runs.overshoot,
+    "recovery": Runs.recovery,
+}
 
 
 def median(
@@ -118,7 +99,7 @@ def _scored(
     score: str, set_up: SetUp, kind: Kind, tank: int, reading: Reading, units: Units = "percent"
 ) -> np.ndarray:
     found = runs(set_up, kind, units, reading.of(set_up).holes, reading.noise)
-    return next(function for name, _, function in SCORES if name == score)(found, tank - 1)
+    return SCORES[score](found, tank - 1)
 
 
 @dataclass(frozen=True)
@@ -144,17 +125,66 @@ class _Spread:
         return self.high - self.low <= _WIDEST * self.value
 
 
-def _cells(kind: Kind) -> list[tuple[SetUp, str, str, tuple[int, ...], str]]:
-    """Return the printed numbers of a table: set-up, score, unit, tanks that it is for, number."""
-    cells: list[tuple[SetUp, str, str, tuple[int, ...], str]] = []
-    for set_up, line in TABLES[kind][1].items():
-        for score, unit, _ in SCORES:
-            one, two = getattr(line, score)
-            if one == two:
-                cells.append((set_up, score, unit, _TANKS, one))
-            else:
-                cells += [(set_up, score, unit, (1,), one), (set_up, score, unit, (2,), two)]
-    return cells
+def _lines(kind: Kind, set_up: SetUp, score: str) -> dict[tuple[int, ...], Printed]:
+    """Return the printed numbers of a score by the tanks that each is for: one may be for both."""
+    groups: tuple[tuple[int, ...], ...] = (_TANKS, (1,), (2,))
+    keys = {
+        tanks: (_TABLES[kind], f"{score} {'/'.join(map(str, tanks))}, {set_up.phase}")
+        for tanks in groups
+    }
+    return {tanks: PRINTED[key] for tanks, key in keys.items() if key in PRINTED}
+
+
+def on_paper(kind: Kind, set_up: SetUp, score: str) -> list[float]:
+    """Return a score of tank 1 and tank 2 as printed."""
+    lines = _lines(kind, set_up, score).items()
+    return [line.number.value for tank in _TANKS for tanks, line in lines if tank in tanks]
+
+
+def everywhere(kind: Kind, score: str) -> dict[Reading | str, dict[SetUp, list[float]]]:
+    """Return a score of both tanks in every reading, by our controllers in volts, and as printed.
+
+    Examples
+    --------
+    >>> everywhere("decentralised", "rise")[ON_PAPER][MINIMUM]
+    [6.3, 6.3]
+    """
+
+    def medians(reading: Reading, units: Units = "percent") -> dict[SetUp, list[float]]:
+        return {
+            s: [median(score, s, kind, tank, reading, units) for tank in _TANKS] for s in SET_UPS
+        }
+
+    found: dict[Reading | str, dict[SetUp, list[float]]] = {
+        each: medians(each) for each in READINGS
+    }
+    printed = {set_up: on_paper(kind, set_up, score) for set_up in SET_UPS}
+    return found | {DESIGNED: medians(USUAL, "volts"), ON_PAPER: printed}
+
+
+def beside_minimum(kind: Kind, line: Printed, score: str, sign: float, reason: str) -> Row:
+    """Judge a claim on non-minimum phase beside minimum phase, in each tank.
+
+    Parameters
+    ----------
+    kind : {"decentralised", "robust"}
+    line : Printed
+    score : str
+    sign : {1.0, -1.0}
+        Whether the score of non-minimum phase is larger by the claim, or smaller.
+    reason : str
+    """
+    values = everywhere(kind, score)
+    unit = "%" if score == "overshoot" else "s"
+    holds = {
+        reading: all(sign * (two - one) > 0.0 for one, two in zip(*each.values(), strict=True))
+        for reading, each in values.items()
+    }
+    told = "; ".join(
+        f"{set_up.phase} {one:.3g} and {two:.3g} {unit}"
+        for set_up, (one, two) in values[USUAL].items()
+    )
+    return claimed_in_all(line, holds, told, reason=reason)
 
 
 def _spreads(
@@ -166,48 +196,53 @@ def _spreads(
     }
 
 
-def _is_open(spreads: list[_Spread], printed: str) -> bool:
-    number = printed_number(printed)
+def _is_open(spreads: list[_Spread], number: PrintedNumber) -> bool:
     return all(spread.holds(number.value, number.half_unit) for spread in spreads)
 
 
 def table_rows(kind: Kind) -> list[Row]:
     """Return the rows of Table 5 or 6."""
-    place, _ = TABLES[kind]
     rows = []
-    for set_up, score, unit, tanks, printed in _cells(kind):
-        spreads = _spreads(set_up, kind, score, tanks)
-        target = float(printed)
-        # The tank of the usual reading that is farther from the print stands for both.
-        usual = max(spreads[USUAL], key=lambda spread: abs(spread.value - target))
-        reach = usual.high - usual.value if target > usual.value else usual.value - usual.low
-        always = all(
-            _is_open(each, printed) and all(spread.decides for spread in each)
-            for each in spreads.values()
-        )
-        of_both = ", of the tank that is farther off" if len(tanks) == 2 else ""
-        words = (
-            f"The controller is not printed; ours is {_CONTROLLERS[kind, set_up]} "
-            f"{_wanted(set_up)}, as the course's exercise asks, designed in volts "
-            f"({SENSOR_GAIN:g} V/cm) and run {UNCONVERTED}: "
-            f"empty tanks, {USUAL}, pours of 6.25 cm, with {OF_THE_COURSE}. "
-            f"{_HOW[score]}, median of {SEEDS} runs{of_both}."
-        )
-        row = compared(
-            place, f"{score} {'/'.join(map(str, tanks))}, {set_up.phase}", printed, usual.value,
-            unit, tolerance=reach / usual.value if always and usual.value else 0.0,
-            why=f"{words} The middle {_NEARLY_ALL} of them are {usual.low:.3g} to "
-            f"{usual.high:.3g} {unit}, and in the other readings of noise and holes they leave it "
-            "open as well.",
-            unprinted=words,
-        )  # fmt: skip
-        rows.append(undecided(row, within) if (within := _within(spreads, printed)) else row)
+    for set_up, score in product(SET_UPS, SCORES):
+        for tanks, line in _lines(kind, set_up, score).items():
+            rows.append(_row(kind, set_up, score, tanks, line))
     return rows
 
 
-def _within(spreads: dict[Reading, list[_Spread]], printed: str) -> str:
+def _row(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...], line: Printed) -> Row:
+    spreads = _spreads(set_up, kind, score, tanks)
+    target = line.number.value
+    # The tank of the usual reading that is farther from the print stands for both.
+    usual = max(spreads[USUAL], key=lambda spread: abs(spread.value - target))
+    reach = usual.high - usual.value if target > usual.value else usual.value - usual.low
+    always = all(
+        _is_open(each, line.number) and all(spread.decides for spread in each)
+        for each in spreads.values()
+    )
+    of_both = ", of the tank that is farther off" if len(tanks) == 2 else ""
+    words = (
+        f"The controller is not printed; ours is {_CONTROLLERS[kind, set_up]} "
+        f"{_wanted(set_up)}, as the course's exercise asks, designed in volts "
+        f"({SENSOR_GAIN:g} V/cm) and run {UNCONVERTED}: "
+        f"empty tanks, {USUAL}, pours of 6.25 cm, with {OF_THE_COURSE}. "
+        f"{_HOW[score]}, median of {SEEDS} runs{of_both}."
+    )
+    row = compared(
+        line,
+        usual.value,
+        tolerance=reach / usual.value if always and usual.value else 0.0,
+        why=f"{words} The middle {_NEARLY_ALL} of them are {usual.low:.3g} to "
+        f"{usual.high:.3g} {line.unit}, and in the other readings of noise and holes they leave it "
+        "open as well.",
+        unprinted=words,
+    )
+    within = _within(spreads, line.number)
+    return undecided(row, within) if within else row
+
+
+def _within(spreads: dict[Reading, list[_Spread]], number: PrintedNumber) -> str:
     """Say in which readings a number lies within our runs, and in which it does not."""
-    holding = {reading: _is_open(each, printed) for reading, each in spreads.items()}
+    holding = {reading: _is_open(each, number) for reading, each in spreads.items()}
     if not any(holding.values()):
         return ""
     if all(holding.values()):
@@ -232,7 +267,7 @@ def _wanted(set_up: SetUp) -> str:
 def table_figures(kind: Kind) -> list[Figure]:
     """Return the runs of Figs. 7 and 8, or 9 and 10: levels and pumps of one seed."""
     figures = []
-    for set_up in (MINIMUM, NON_MINIMUM):
+    for set_up in SET_UPS:
         found = runs(set_up, kind, "percent")
         time = found.time
         target = Curve("reference", time[[0, -1]], np.full(2, 100.0 * TARGET), "dashed")

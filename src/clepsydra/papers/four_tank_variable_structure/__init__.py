@@ -1,1 +1,22 @@
-"""Four tanks with input constraint under variable-structure PID, document 002."""
+"""Four tanks with input constraint under variable-structure PID, Wang and Han 2018."""
+
+from clepsydra.papers.document import Document
+from clepsydra.papers.printed import printed_table
+
+DOCUMENT = Document(
+    __name__,
+    3,
+    "Variable structure PID control of four-tank system with input constraint",
+    "Wang Chen and Han Guangxin, New Materials and Intelligent Manufacturing, 2018, "
+    "363-366, doi 10.26480/icnmim.01.2018.363.366",
+    {
+        "linearisation": "Feedback linearisation, in symbols",
+        "filling": "Filling the tanks, conventional and variable structure",
+        "pump-limits": "Pump limits from 4 to 20 V",
+        "alpha": "The choice of α",
+        "settings": "Derivative action, settings of the PID, and M and P",
+        "robustness": "Pumps and outlets other than assumed",
+        "internal": "The non-minimum-phase trap",
+    },
+)
+PRINTED = printed_table(__name__)

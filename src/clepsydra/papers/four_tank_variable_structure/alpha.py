@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from clepsydra.papers.comparison import claimed
-from clepsydra.papers.experiment import Findings
+from clepsydra.papers.comparison import remark
+from clepsydra.papers.document import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.rig import (
     IN_WORDS,
     Filling,
@@ -14,38 +15,40 @@ from clepsydra.papers.four_tank_variable_structure.rig import (
     in_nu,
     in_volts,
 )
+from clepsydra.papers.four_tank_variable_structure.virtual_lanes import Setting, filled_with
 from clepsydra.papers.row import Row
 
 #: [1/s]
 RATES = np.geomspace(1e-3, 10.0, 41)
 LIMIT = 10.0
+#: Td in Ti, the largest share of eighths with which pumps up to 10 V saturate after decoupling.
+_DERIVATIVE = 0.125
 
 
-def alpha() -> Findings:
+def run() -> Findings:
     """Fill the tanks with many an α."""
     lanes = {f"controller.level_{j}.saturation_rate": RATES for j in (1, 2)}
     volts = fill(in_volts("variable_structure"), LIMIT, parameters=lanes)
     nu = fill(in_nu("variable_structure"), LIMIT, parameters=lanes)
-    return Findings((_adjusts(volts, nu),), (_figure(volts, nu),))
+    differentiated = [Setting(derivative=_DERIVATIVE)] * len(RATES)
+    damped = filled_with("variable_structure", differentiated, LIMIT, RATES)
+    return Findings((_adjusts(volts, nu, damped),), (_figure(volts, nu),))
 
 
-def _adjusts(volts: Filling, nu: Filling) -> Row:
-    settled = [
-        np.array([run.settling(1, lane) for lane in range(len(RATES))]) for run in (volts, nu)
-    ]
+def _adjusts(volts: Filling, nu: Filling, damped: Filling) -> Row:
+    runs = (volts, nu, damped)
+    settled = [np.array([run.settling(1, lane) for lane in range(len(RATES))]) for run in runs]
     ranges = [
         f"{each.min():.3g} (α = {RATES[int(np.argmin(each))]:.2g}) to {each.max():.3g} "
         f"(α = {RATES[int(np.argmax(each))]:.2g})"
         for each in settled
     ]
-    return claimed(
-        "section 4, feature (2)",
-        "settling time of h1 over α",
-        "can easily adjust the closed-loop performance index",
-        all(float(each.max()) > 2.0 * float(each.min()) for each in settled),
-        f"without decoupling {ranges[0]}; after decoupling, α in ν {ranges[1]}",
-        "s",
-        reason="Shortest and longest to 2 %, α from 0.001 to 10 1/s, judged as more than twice. "
+    return remark(
+        PRINTED["section 4, feature (2)", "settling time of h1 over α"],
+        f"without decoupling {ranges[0]}; after decoupling, α in ν {ranges[1]}, and with "
+        f"derivative action, Td = Ti/{1 / _DERIVATIVE:g}, {ranges[2]}",
+        reason="Shortest and longest to 2 %, α from 0.001 to 10 1/s. As more than twice it holds "
+        "with PI controllers, and fails with a derivative action, of which nothing is printed. "
         f"Johansson's PI controllers ({IN_WORDS}) in volts, or times E for ν of (9), 0.5 V/cm, "
         "K_1 of (14) as K/Ti, pumps up to 10 V, from empty tanks and integrals at zero.",
     )

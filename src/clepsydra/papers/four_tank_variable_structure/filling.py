@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from clepsydra.papers.comparison import claimed, compared, remark, undecided
-from clepsydra.papers.experiment import Findings
+from clepsydra.papers.document import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.decoupled import (
     DECOUPLED_READINGS,
     IN_VOLTS,
@@ -45,7 +46,7 @@ _WAYS = (CONVENTIONAL, "variable_structure")
 _LANE = at_limit(USUAL.limit)
 
 
-def filling() -> Findings:
+def run() -> Findings:
     """Fill the tanks with both controllers, after decoupling and without."""
     rows = [
         *_overshoots(),
@@ -69,21 +70,20 @@ def _overshoots() -> list[Row]:
     why = f"The farther of h1 and h2; “around” is taken as 10 %. {READING}"
     conventional, other = (
         compared(
-            PLACE, "overshoot of the level, conventional PID", "12", found, "%",
-            tolerance=0.1, why=why, unprinted=why,
+            PRINTED[PLACE, "overshoot of the level, conventional PID"],
+            found,
+            tolerance=0.1,
+            why=why,
         )
         for found in (farther, agreeing)
-    )  # fmt: skip
+    )
     hangs_on = "It agrees with sensors of 1 V/cm and pumps to 20 V, and not as computed here."
     return [
         undecided(conventional, hangs_on) if other.verdict == "reproduced" else conventional,
         remark(
-            PLACE,
-            "overshoot, variable-structure PID",
-            "almost no overshoot",
+            PRINTED[PLACE, "overshoot, variable-structure PID"],
             f"{both(new, 'overshoot', lane=_LANE)} with α on ν, "
             f"{both(in_volts, 'overshoot', lane=_LANE)} with α in volts",
-            "%",
             reason="h1 and h2. Neither what almost none is nor whether α acts on ν or in volts is "
             f"printed. {IN_VOLTS} {READING}",
         ),
@@ -109,12 +109,9 @@ def _saturation() -> Row:
     ]
     old, new = (decoupled(way) for way in _WAYS)
     return claimed(
-        PLACE,
-        "time of the pumps at a limit",
-        "returns to the control range within a constrained range …. The PID control is much faster",
+        PRINTED[PLACE, "time of the pumps at a limit"],
         max(shares) < 1.0 and max(undecoupled) < 1.0,
         _pumps(new, old, _LANE),
-        "s",
         reason="The sentence is garbled; read as a shorter time at both limits, as it is too with "
         "limits of 4 to 20 V, 1 V/cm, α in volts, and without decoupling, wherever conventional "
         f"PID saturates for {SATURATED:g} s or more. {READING}",
@@ -136,15 +133,9 @@ def _without_saturation() -> Row:
         for old, new in [[fill(controller(way), limits=1000.0) for way in _WAYS]]
     ]
     return claimed(
-        "section 4, feature (1)",
-        "behaviour without saturation",
-        "If saturation does not occur, the behavior of the closed-loop system and the linear "
-        "analysis result are the same",
+        PRINTED["section 4, feature (1)", "behaviour without saturation"],
         max(apart) == 0.0,
         f"{max(apart):.1g}",
-        "cm",
-        reason="Where u_n is u_s, (14) integrates e and nothing else. Largest difference of the "
-        "levels to those without anti-windup, pumps up to 1000 V, after decoupling and without.",
     )
 
 
@@ -154,9 +145,7 @@ def _energy() -> Row:
         [getattr(run, what)(_LANE) for run in (new, old)] for what in ("electric", "pumped")
     )
     return remark(
-        PLACE,
-        "energy of a filling",
-        "practical significance for saving energy",
+        PRINTED[PLACE, "energy of a filling"],
         f"{squares[0]:.0f} against {squares[1]:.0f} V² s, "
         f"{volumes[0]:.2f} against {volumes[1]:.2f} l",
         reason="Neither a measure nor what is significant is printed: squared voltage of both "
@@ -167,12 +156,9 @@ def _energy() -> Row:
 def _overflow() -> Row:
     old, limited = (fill(each(CONVENTIONAL), target=HIGH) for each in (in_nu, in_volts))
     return claimed(
-        PLACE,
-        "water over the rims",
-        "the conventional PID control is prone to overflow when the target liquid level is high",
+        PRINTED[PLACE, "water over the rims"],
         min(old.spilt(), limited.spilt()) > 0.0,
         f"{old.spilt():.0f}",
-        "cm³",
         reason=f"Conventional PID, both levels filled to {100 * HIGH[0]:g} cm in tanks 20 cm high, "
         "as Johansson's are, which is not printed; it does without decoupling too. Beside that: "
         f"{READING}",

@@ -11,8 +11,9 @@ from collections.abc import Callable
 import numpy as np
 
 from clepsydra.papers.comparison import claimed
-from clepsydra.papers.experiment import Findings
+from clepsydra.papers.document import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.decoupled import (
     LIMITS,
     decoupled,
@@ -45,7 +46,7 @@ _SETTINGS = (
 )
 
 
-def pump_limits() -> Findings:
+def run() -> Findings:
     """Fill the tanks with every way against windup and every limit."""
     runs = {
         _WITHOUT: {way: fill(in_volts(way), LIMITS) for way in WAYS},
@@ -69,9 +70,7 @@ def _shares(runs: dict[str, Filling], least: float = SATURATED) -> list[float]:
 def _returns(runs: dict[str, dict[str, Filling]]) -> Row:
     shares = {reading: _shares(found) for reading, found in runs.items()}
     return claimed(
-        "section 4, feature (3)",
-        "time of the pumps at a limit, from 4 to 20 V",
-        "returns to the linear range. The speed is faster than the normal saturation method",
+        PRINTED["section 4, feature (3)", "time of the pumps at a limit, from 4 to 20 V"],
         all(max(each) < 1.0 for each in shares.values())
         and all(max(_shares(found, _SHORTEST)) <= 1.0 for found in runs.values()),
         "; ".join(

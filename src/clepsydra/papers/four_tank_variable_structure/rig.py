@@ -13,7 +13,6 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.virtual_input import AlphaOn, VirtualAntiWindup
 from clepsydra.designs.feedback_linearisation import feedback_linearisation_controller
-from clepsydra.designs.loops.detuning import as_given
 from clepsydra.designs.loops.multiloop import MultiloopPid
 from clepsydra.designs.loops.pid_settings import PidSettings
 from clepsydra.designs.variable_structure_pid import with_variable_structure
@@ -65,13 +64,17 @@ def at_target(levels: tuple[float, float] = TARGET) -> Analysis:
 
 
 @cache
-def in_volts(way: str, alpha: float = ALPHA) -> Controller:
-    """Return Johansson's PI controllers in volts, with one of the `WAYS` against windup."""
+def in_volts(way: str, alpha: float = ALPHA, derivative: float = 0.0) -> Controller:
+    """Return Johansson's PI controllers in volts, with one of the `WAYS` against windup.
+
+    With a derivative time, a share of Ti, they act on the filtered derivative of the level too.
+    """
     analysis = at_target()
     plain = "none" if way == "variable_structure" else way
-    form = PidForm(anti_windup=plain)  # type: ignore[arg-type]
+    form = PidForm("PID" if derivative else "PI", anti_windup=plain)  # type: ignore[arg-type]
     together = MultiloopPid(analysis.model, analysis.pairing, form, "Johansson")
-    found = as_given(SETTINGS, together.peak, "Johansson", "his settings")
+    settings = [each._replace(derivative_time=derivative * each.integral_time) for each in SETTINGS]
+    found = together.as_given(settings, "his settings")
     controller = together.controller(found, "As Johansson", ())
     if way != "variable_structure":
         return controller

@@ -8,7 +8,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from clepsydra.papers.comparison import remark
-from clepsydra.papers.experiment import Findings
+from clepsydra.papers.document import Findings
+from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.decoupled import READING
 from clepsydra.papers.four_tank_variable_structure.readings import (
     CONVENTIONAL,
@@ -24,7 +25,7 @@ _SPREAD = 0.2
 _SCORES = {"overshoot": "%", "settling": "s"}
 
 
-def robustness() -> Findings:
+def run() -> Findings:
     """Fill the tanks of every corner of ±20 % with both controllers, decoupled and not."""
     corners = np.array(list(itertools.product((1 - _SPREAD, 1 + _SPREAD), repeat=len(_VARIED))))
     parameters = {
@@ -51,9 +52,7 @@ def robustness() -> Findings:
         if worst[place]["settling"][0] > worst[place]["settling"][1]
     )
     row = remark(
-        "section 6",
-        "worst overshoot and settling time",
-        "improving the robust performance of the system with control constraints",
+        PRINTED["section 6", "worst overshoot and settling time"],
         _words(others),
         reason="No measure is printed: worst of 16 corners, pump gains and lower outlets each 20 % "
         "more or less than assumed. As computed here it holds of both; of the settling time it "

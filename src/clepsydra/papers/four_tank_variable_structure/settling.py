@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from clepsydra.papers.comparison import remark
+from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.decoupled import READING, at_limit, decoupled
 from clepsydra.papers.four_tank_variable_structure.readings import CONVENTIONAL, USUAL, both
 from clepsydra.papers.row import Row
@@ -18,9 +19,7 @@ def speed() -> Row:
         for what, form in (("settling", ".0f"), ("rise", ".1f"))
     )
     return remark(
-        "section 5",
-        "speed of the response",
-        "in the process of the steady state …, the response … is faster",
+        PRINTED["section 5", "speed of the response"],
         f"settling {settling} s; rise {rise} s",
         reason="h1 and h2. Which time is meant is not said: it holds of settling to 2 %, and fails "
         f"of the rise from 10 to 90 %. {READING}",

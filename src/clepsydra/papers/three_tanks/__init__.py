@@ -1,1 +1,21 @@
 """Nagammai and Latha 2016: three coupled tanks."""
+
+from clepsydra.papers.document import Document
+from clepsydra.papers.printed import printed_table
+
+DOCUMENT = Document(
+    __name__,
+    4,
+    "Design of optimal controllers for a three tank process",
+    "S. Nagammai and S. Latha, Journal of Scientific and Innovative Research 5(2), 2016, 65-70",
+    {
+        "linear-model": "The levels at rest and the linear model",
+        "pid-design": "PID control by Ziegler and Nichols",
+        "state-feedback": "State feedback with a precompensator",
+        "linear-quadratic": "Linear-quadratic control",
+        "equations": "Equations (5) to (7), in symbols",
+        "conclusion": "The conclusion, on the linear model",
+        "servo-and-load": "Setpoint and load, with a real pump",
+    },
+)
+PRINTED = printed_table(__name__)

@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from clepsydra.papers.comparison import claimed, remark
-from clepsydra.papers.experiment import Findings
+from clepsydra.papers.document import Findings
 from clepsydra.papers.row import Row
+from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
 from clepsydra.papers.three_tanks.linear_quadratic import quadratic_loop
 from clepsydra.papers.three_tanks.pid_design import (
@@ -71,52 +72,43 @@ def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Respons
     with_pid = f"{on_model} PID by (3) and the printed Kc, Ki and Kd."
     return [
         remark(
-            "conclusion", "settling time",
-            "the FSFB controller with pre compensator tracks the set point in desired settling "
-            "time",
+            PRINTED["conclusion", "settling time"],
             f"{best.settling:.3f} s to within 2 %, {best.settling_closely:.3f} s to within 1 %",
             reason="“At least 0.2 seconds”, read as at most, are desired. Which band is not said: "
             f"it holds to within 2 % and fails to within 1 %. {on_model}",
         ),
         claimed(
-            "conclusion", "overshoot", "it exhibits less overshoot than PID controller",
-            best.overshoot < pid.overshoot, f"{best.overshoot:.1f} % against {pid.overshoot:.1f} %",
+            PRINTED["conclusion", "overshoot"],
+            best.overshoot < pid.overshoot,
+            f"{best.overshoot:.1f} % against {pid.overshoot:.1f} %",
             reason=with_pid,
         ),
         claimed(
-            "conclusion", "desired specifications",
-            "the time domain specifications are close to the desired specifications with FSFB "
-            "controller than with conventional other controllers",
+            PRINTED["conclusion", "desired specifications"],
             _keeps(best) == (True, True) and all(_keeps(each) == (False, False) for each in others),
             f"FSFB {best.overshoot:.1f} % in {best.settling:.2f} s; "
-            + "; ".join(f"{name} {each.overshoot:.1f} % in {each.settling:.3g} s"
-                        for name, each in zip(names, others, strict=True)),
+            + "; ".join(
+                f"{name} {each.overshoot:.1f} % in {each.settling:.3g} s"
+                for name, each in zip(names, others, strict=True)
+            ),
             reason="Less than 3 % and 0.2 s are desired, settling to within 2 %: FSFB keeps both, "
             f"each of the others neither. {with_pid} LQC on (2) before rounding.",
         ),
         claimed(
-            "conclusion", "settling time, ISE and IAE",
-            "The execution with respect to settling time, peak overshoot, ISE, IAE are superior "
-            "over PID controller",
+            PRINTED["conclusion", "settling time, ISE and IAE"],
             all(one < other for one, other in zip(best[:5], pid[:5], strict=True)),
             f"{best.settling:.2f} against {pid.settling:.0f} s, ISE {best.squared:.2g} against "
             f"{pid.squared:.0f} cm² s, IAE {best.absolute:.2g} against {pid.absolute:.0f} cm s",
             reason=f"Setpoint step of 1 cm; settling to within 2 %, overshoot as above. {with_pid}",
         ),
         remark(
-            "conclusion", "disturbance",
-            "The disturbance rejection capability of FSFB controller is more beneficial than "
-            "other controller",
+            PRINTED["conclusion", "disturbance"],
             f"FSFB {', '.join(f'{each.moved:.2g}' for each in placed.values())}; "
-            + "; ".join(f"{name} {each.moved:.2g}"
-                        for name, each in zip(names, others, strict=True)),
-            "cm",
-            reason="No measure is printed. It holds of the largest deviation of level 3 after 10 "
-            "cm³/s into tank 3 on (2) before rounding, as here (FSFB of Table 2 in its order, PID "
-            "with the printed Kc, Ki and Kd), and fails of what is left in the end, as only PID "
-            "has an integral.",
+            + "; ".join(
+                f"{name} {each.moved:.2g}" for name, each in zip(names, others, strict=True)
+            ),
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _keeps(response: Response) -> tuple[bool, bool]:

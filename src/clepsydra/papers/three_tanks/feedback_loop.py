@@ -10,6 +10,10 @@ import numpy as np
 
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.loop_margins import LoopMargins, loop_margins
+from clepsydra.papers.comparison import compared
+from clepsydra.papers.figure import Curve
+from clepsydra.papers.printed import Printed
+from clepsydra.papers.row import Row
 from clepsydra.papers.three_tanks.printed_model import printed_model
 
 _LEVEL_3 = np.array([[0.0, 0.0, 1.0]])
@@ -101,18 +105,23 @@ class FeedbackLoop:
         # L = 1/S - 1 is below zero where S is below zero or above one, rounding at ω → ∞ apart.
         return [20.0 * math.log10(abs(size)) for size in sizes if not 0.0 <= size <= 1.0 + 1e-9]
 
-    @property
-    def words_on_its_vector_margin(self) -> str:
-        """What it is at other places, and by (6), which takes \\|S\\| where the phase is -180°."""
+    def margin_row(self, printed: Printed) -> Row:
+        """Compare its vector gain margin with a printed one.
+
+        The reason says what it is at other places, and by (6), which takes \\|S\\| where the phase
+        is -180°.
+        """
+        assert math.isinf(self.margins.gain_margin_up or 0.0)
         level = max(self.vector_gain_margins_at_levels)
         crossed = max(
             *self.sensitivity_at_phase_crossings, *self.sensitivity_at_phase_crossings_of_levels
         )
-        return (
+        words = (
             "Where the loop is opened is not said. 20 log10 max|S|, the document's S∞, at the "
             f"feed; at a level it is at most {level:.2f} dB, and where the phase is -180°, as in "
             f"(6) of the vector gain margin, at most {crossed:.2f} dB."
         )
+        return compared(printed, self.vector_gain_margin, unprinted=words)
 
     @property
     def closed_gain_margin(self) -> float:
@@ -147,6 +156,16 @@ class FeedbackLoop:
             state = move @ state
         feed = self.setpoint_gain * size - states @ self.gain[0]
         return states, feed
+
+    def closed_response(self, frequencies: np.ndarray) -> np.ndarray:
+        """Return the closed loop from setpoint to level 3 [n]."""
+        points = 1j * frequencies[:, None, None] * np.eye(3) - self.closed
+        level = np.linalg.solve(points, self.model.B)[:, 2, 0]
+        return np.asarray(level * self.setpoint_gain)
+
+    def step_without_precompensator(self, time: np.ndarray) -> Curve:
+        """Return level 3 over a setpoint step that is fed in as it is."""
+        return Curve(self.label, time, self.step(1.0, time)[0][:, 2] / self.setpoint_gain)
 
     def frequency_response(self, frequencies: np.ndarray) -> np.ndarray:
         """Return L at the feed, K (jω - A)⁻¹ B [n]."""

@@ -12,9 +12,10 @@ from clepsydra.designs.models.first_order_delay import FirstOrderDelay
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.loop_margins import LoopMargins, loop_margins
 from clepsydra.papers.comparison import claimed, compared
-from clepsydra.papers.experiment import Findings
+from clepsydra.papers.document import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.row import Row
+from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.printed_model import DENOMINATOR, NUMERATOR
 
 #: The settings that the document goes on with: K_c [m²/s], K_i [m²/s²], K_d [m²].
@@ -74,17 +75,19 @@ def _two_points() -> list[Row]:
     time_constant = 1.43 * (second - first)
     return [
         compared(
-            "two-point method", "τp", "328.6", time_constant, "s",
+            PRINTED["two-point method", "τp"],
+            time_constant,
             unprinted=f"From {first:.1f} and {second:.1f} s, at which the response of (3) passes "
             "33.3 and 66.6 %; the times that were read are not printed.",
         ),
         compared(
-            "two-point method", "td", "48.56", first - 0.4 * time_constant, "s",
+            PRINTED["two-point method", "td"],
+            first - 0.4 * time_constant,
             unprinted=f"From {first:.1f} s, at which the response of (3) passes 33.3 %, and τp as "
             "computed; the times that were read are not printed.",
         ),
-        compared("two-point method", "Kp", "5744", NUMERATOR / DENOMINATOR[3], "s/m²", why="(3)."),
-    ]  # fmt: skip
+        compared(PRINTED["two-point method", "Kp"], NUMERATOR / DENOMINATOR[3]),
+    ]
 
 
 def _settings() -> list[Row]:
@@ -102,21 +105,19 @@ def _settings() -> list[Row]:
         and abs(GAIN * derivative - DERIVATIVE_GAIN) < 5e-4
         and abs(GAIN / 0.017 - INTEGRAL_GAIN) > 1e-2,
     )
-    why = "Ultimate point of (5) by magnitude and angle."
     return [
-        compared("Ziegler-Nichols", "Kcu", "0.0019", point.gain, "m²/s", why=why),
-        compared("Ziegler-Nichols", "Pu", "0.034", period, "s", right_if=[is_frequency]),
+        compared(PRINTED["Ziegler-Nichols", "Kcu"], point.gain),
+        compared(PRINTED["Ziegler-Nichols", "Pu"], period, right_if=[is_frequency]),
         compared(
-            "Ziegler-Nichols", "Kc", "0.0012", 0.6 * point.gain, "m²/s",
+            PRINTED["Ziegler-Nichols", "Kc"],
+            0.6 * point.gain,
             why=f"0.6 times the ultimate gain {point.gain:.5f} of (5).",
         ),
-        compared("Ziegler-Nichols", "τi", "0.017", integral, "s", right_if=[gains_need]),
-        compared("Ziegler-Nichols", "Ki", "0.000013", GAIN / integral, "m²/s²",
-                 why="Printed Kc over τi = Pu/2, with Pu of (5)."),
-        compared("Ziegler-Nichols", "τd", "0.00425", derivative, "s", right_if=[gains_need]),
-        compared("Ziegler-Nichols", "Kd", "0.028", GAIN * derivative, "m²",
-                 why="Printed Kc times τd = Pu/8, with Pu of (5)."),
-    ]  # fmt: skip
+        compared(PRINTED["Ziegler-Nichols", "τi"], integral, right_if=[gains_need]),
+        compared(PRINTED["Ziegler-Nichols", "Ki"], GAIN / integral),
+        compared(PRINTED["Ziegler-Nichols", "τd"], derivative, right_if=[gains_need]),
+        compared(PRINTED["Ziegler-Nichols", "Kd"], GAIN * derivative),
+    ]
 
 
 @cache
@@ -138,51 +139,32 @@ def loop_model() -> LinearModel:
 def _loop() -> list[Row]:
     numerator = NUMERATOR * np.array([DERIVATIVE_GAIN, GAIN, INTEGRAL_GAIN])
     closed = np.append(DENOMINATOR, 0.0) + np.append(np.zeros(2), numerator)
-    why = "From (3) and the printed Kc, Ki and Kd."
-    printed = (("numerator s²", "0.0015", numerator[0]), ("numerator s", "6.5E-5", numerator[1]),
-               ("numerator constant", "7E-7", numerator[2]), ("denominator s³", "0.127", closed[1]),
-               ("denominator s²", "0.005", closed[2]), ("denominator s", "7.5E-5", closed[3]),
-               ("denominator constant", "7E-7", closed[4]))  # fmt: skip
     place = "closed loop of the PID"
-    rows = []
-    for name, text, value in printed:
-        # Half a unit of the last digit of Kc, 0.0012, in the one coefficient that it leaves open.
-        left = 5e-5 * NUMERATOR if name == "denominator s" else 0.0
-        digits = f" The two digits of Kc leave {left:.1e} open." if left else ""
-        rows.append(
-            compared(
-                place, name, text, float(value),
-                tolerance=left / float(value), why=why + digits,
-            )
-        )  # fmt: skip
+    above = ("numerator s²", "numerator s", "numerator constant")
+    below = tuple(f"denominator {power}" for power in ("s³", "s²", "s", "constant"))
+    found = dict(zip((*above, *below), map(float, (*numerator, *closed[1:])), strict=True))
+    # Half a unit of the last digit of Kc, 0.0012, in the one coefficient that it leaves open.
+    left = {"denominator s": 5e-5 * NUMERATOR}
+    rows = [
+        compared(PRINTED[place, name], value, tolerance=left.get(name, 0.0) / value)
+        for name, value in found.items()
+    ]
     margins = pid_margins()
     phase = math.degrees(margins.phase_margin or 0.0)
     peak = 20.0 * math.log10(margins.sensitivity.peak)
-    poles = np.roots([1.0, *(float(text) for name, text, _ in printed if "denominator" in name)])
+    poles = np.roots([1.0, *(PRINTED[place, name].number.value for name in below)])
     assert math.isinf(margins.gain_margin_up or 0.0)
     rows += [
         claimed(
-            place, "internal stability",
-            "the internal stability is not ensured because GM & PM are not finite",
+            PRINTED[place, "internal stability"],
             bool(poles.real.max() >= 0.0) or not margins.stable,
             f"stable, poles of the printed denominator at most at {poles.real.max():.4f} 1/s",
             reason="Of the loop of (3) and the printed Kc, Ki and Kd. GM is infinite, since the "
             f"phase reaches -180° at no finite frequency, and PM is {phase:.1f}°.",
         ),
-        compared(
-            place, "VGM", "88.3", peak, "dB",
-            unprinted="20 log10 max|S|, the document's S∞. (6) of the vector gain margin takes "
-            "|S| where the phase is -180°, which that of (3) and the printed settings nowhere is.",
-        ),
-        claimed(
-            place, "VGM of the PID",
-            "The VGM is calculated as 88.3dB, which lies above the limit specified in equation "
-            "(6)", peak > 9.5,
-            f"{peak:.2f} dB",
-            reason="|S| of the loop of (3) and the printed settings stays below 9.5 dB at every "
-            "frequency.",
-        ),
-    ]  # fmt: skip
+        compared(PRINTED[place, "VGM"], peak),
+        claimed(PRINTED[place, "VGM of the PID"], peak > 9.5, f"{peak:.2f} dB"),
+    ]
     return rows
 
 

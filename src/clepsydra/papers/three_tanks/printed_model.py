@@ -16,8 +16,6 @@ from clepsydra.process.reader import load_process
 LEVELS = np.array([0.5, 0.45, 0.4])  # table 1 [m]
 FLOW = 5e-5  # table 1 [m³/s]
 AREA = 0.0154  # table 1 [m²]
-#: Where the model of our rows comes from.
-IN_FULL = "A and B in letters with Table 1, levels in metres, unrounded"
 #: Denominator and numerator of the transfer function (3).
 NUMERATOR, DENOMINATOR = 0.054, np.array([1.0, 0.1272, 0.0035, 9.4e-6])
 

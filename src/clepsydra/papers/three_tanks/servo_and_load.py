@@ -14,7 +14,7 @@ from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.designs.bryson import design_lqi
+from clepsydra.designs.lqi import design_lqi
 from clepsydra.designs.states.state_controllers import state_feedback_controller
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linear_model import LinearModel
@@ -22,7 +22,7 @@ from clepsydra.linear.linearise import linearise
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario, Segment
-from clepsydra.papers.experiment import Findings
+from clepsydra.papers.document import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
 from clepsydra.papers.three_tanks.linear_quadratic import quadratic_loop

@@ -7,23 +7,17 @@ from functools import cache
 
 import numpy as np
 
-from clepsydra.papers.comparison import claimed, compared, damaged
-from clepsydra.papers.experiment import Findings
+from clepsydra.papers.comparison import claimed, compared, compared_all, entries
+from clepsydra.papers.document import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.row import Row
+from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
 from clepsydra.papers.three_tanks.printed_model import printed_model, rounded_model
 
 #: Table 2: distance of the dominant poles, K1, K2, K3, N and VGM as printed.
-TABLE = (
-    (25, "1.4", "1560", "923188", "925410", "8.5"),
-    (10, "0.92", "478", "147383", "148070", "11"),
-    (5, "1", "214", "36710", "37016", "12.5"),
-)
-#: What the gains of Tables 2 and 3 were computed from.
-ROUNDED = "From (2) in three decimals, with which every K3 comes out, and B = 64.94 of Qc."
-#: Significant digits of the last column of Table 2, in which 148070 ends with a zero.
-_DIGITS = 5
+#: Table 2: distances of the dominant poles [1/s].
+DISTANCES = (25, 10, 5)
 STEP = 0.01  # ours [m]; the document's is not printed
 
 
@@ -58,51 +52,24 @@ def placed_loop(distance: int, *, rounded: bool = False) -> FeedbackLoop:
 
 
 def _table() -> list[Row]:
+    """Compare gains from (2) in three decimals, with which every K3 comes out, and the margins."""
     rows = []
-    for distance, *texts in TABLE:
+    for distance in DISTANCES:
         exact, used = placed_loop(distance), placed_loop(distance, rounded=True)
         values = [*used.gain[0].tolist(), used.setpoint_gain]
-        for name, text, value in zip(("K1", "K2", "K3", "N"), texts[:4], values, strict=True):
-            rows.append(
-                compared(
-                    "Table 2", f"{name}, -{distance} ± j{distance}", text, value, "m²/s",
-                    digits=_DIGITS if name == "N" else None,
-                    why=ROUNDED
-                    + (f" Printed to {_DIGITS} digits." if name == "N" else "")
-                    + (" It rounds to 1: its row is in whole numbers." if text == "1" else ""),
-                )
-            )  # fmt: skip
-        rows.append(_margin_row("Table 2", exact, texts[4]))
+        names = [f"{name}, -{distance} ± j{distance}" for name in ("K1", "K2", "K3", "N")]
+        rows += compared_all(PRINTED, "Table 2", dict(zip(names, values, strict=True)))
+        rows.append(exact.margin_row(PRINTED["Table 2", f"VGM, {exact.label}"]))
     return rows
 
 
-def _margin_row(place: str, loop: FeedbackLoop, printed: str) -> Row:
-    assert math.isinf(loop.margins.gain_margin_up or 0.0)
-    return compared(
-        place, f"VGM, {loop.label}", printed, loop.vector_gain_margin, "dB",
-        unprinted=loop.words_on_its_vector_margin,
-    )  # fmt: skip
-
-
 def _closed_loop() -> list[Row]:
-    closed = placed_loop(25, rounded=True).closed
-    digits = {"-90": 2, "-101300": 4}
-    printed = (("-90", "-101300", "-6E7"), ("0.03", "-0.058", "0.026"), ("0", "0.026", "-0.04"))
-    place = "closed loop with precompensator"
-    rows = [
-        compared(
-            place, f"A{i + 1}{j + 1}", printed[i][j], float(closed[i, j]),
-            digits=digits.get(printed[i][j]),
-            why=ROUNDED
-            + (f" Printed to {count} digits." if (count := digits.get(printed[i][j])) else ""),
-        )
-        for i in range(3)
-        for j in range(3)
-    ]  # fmt: skip
-    gain = float(printed_model().B[0, 0])
+    place, gain = "closed loop with precompensator", float(printed_model().B[0, 0])
     evidence = ("1/A, as in Qc, and cut to 64.93 in (2)", abs(gain - 64.94) < 5e-3 + 1e-9)
-    row = compared(place, "B1", "69.94", gain, "1/m²", right_if=[evidence])
-    return [*rows, damaged(row, "One digit, which the conversion may have misread.")]
+    return [
+        *compared_all(PRINTED, place, entries("A", placed_loop(25, rounded=True).closed)),
+        compared(PRINTED[place, "B1"], gain, right_if=[evidence]),
+    ]
 
 
 def settling(time: np.ndarray, level: np.ndarray, band: float = 0.02) -> float:
@@ -113,35 +80,26 @@ def settling(time: np.ndarray, level: np.ndarray, band: float = 0.02) -> float:
 
 def _claims() -> list[Row]:
     time = np.linspace(0.0, 3.0, 30001)
-    loops = [placed_loop(distance) for distance, *_ in TABLE]
+    loops = [placed_loop(distance) for distance in DISTANCES]
     settled = [settling(time, loop.step(STEP, time)[0][:, 2]) for loop in loops]
     nearest = min(1.0 / loop.margins.sensitivity.peak for loop in loops)
     return [
         claimed(
-            "Table 2", "speed",
-            "as the dominant poles are moved farther from imaginary axis, the speed of response "
-            "increases",
-            settled[0] < settled[1] < settled[2], ", ".join(f"{each:.2f} s" for each in settled),
-            reason="Settling to within 2 % on the linear model for -25, -10 and -5.",
+            PRINTED["Table 2", "speed"],
+            settled[0] < settled[1] < settled[2],
+            ", ".join(f"{each:.2f} s" for each in settled),
         ),
         claimed(
-            "simulation results", "Nyquist plot",
-            "all the contours … do not enclose the -1+j0 point",
+            PRINTED["simulation results", "Nyquist plot"],
             all(loop.margins.stable for loop in loops),
             f"nearest distance to -1: {nearest:.3f}",
-            reason="Of the three loops of Table 2, opened at the feed. All loops are stable, "
-            "closed and open.",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _servo_without() -> Figure:
     time = np.linspace(0.0, 2.0, 1201)
-    curves = []
-    for distance, *_ in TABLE:
-        loop = placed_loop(distance)
-        level = loop.step(STEP, time)[0][:, 2] / loop.setpoint_gain
-        curves.append(Curve(loop.label, time, level / STEP))
+    curves = [placed_loop(distance).step_without_precompensator(time) for distance in DISTANCES]
     return Figure(
         "Fig. 6", "Setpoint step with state feedback alone",
         (Panel("level 3", "level / step [1]", tuple(curves)),),
@@ -151,7 +109,7 @@ def _servo_without() -> Figure:
 
 def _servo() -> Figure:
     time = np.linspace(0.0, 1.5, 1201)
-    runs = {placed_loop(d).label: placed_loop(d).step(STEP, time) for d, *_ in TABLE}
+    runs = {placed_loop(d).label: placed_loop(d).step(STEP, time) for d in DISTANCES}
     return Figure(
         "Fig. 8", "Setpoint step of 1 cm with state feedback and precompensator, linear model",
         (
@@ -167,10 +125,9 @@ def _servo() -> Figure:
 def _magnitudes() -> Figure:
     frequencies = np.logspace(-1.0, 3.0, 300)
     curves = []
-    for distance, *_ in TABLE:
+    for distance in DISTANCES:
         loop = placed_loop(distance)
-        points = 1j * frequencies[:, None, None] * np.eye(3) - loop.closed
-        level = np.linalg.solve(points, loop.model.B)[:, 2, 0] * loop.setpoint_gain
+        level = loop.closed_response(frequencies)
         curves.append(Curve(loop.label, frequencies, 20.0 * np.log10(np.abs(level))))
     panel = Panel(
         "setpoint to level 3", "magnitude [dB]", tuple(curves), "frequency [rad/s]",
@@ -183,7 +140,7 @@ def _nyquist() -> Figure:
     frequencies = np.logspace(-1.0, 4.0, 600)
     turn = np.linspace(0.0, 2.0 * math.pi, 121)
     curves = [Curve("unit circle around -1", np.cos(turn) - 1.0, np.sin(turn), "dashed")]
-    for distance, *_ in TABLE:
+    for distance in DISTANCES:
         value = placed_loop(distance).frequency_response(frequencies)
         near = np.where(np.abs(value) < 4.0, value, np.nan)
         curves.append(Curve(placed_loop(distance).label, near.real, near.imag))

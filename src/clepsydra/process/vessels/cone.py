@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, ClassVar, Self
 
 import casadi as ca
 
-from clepsydra.process.vessels.vessel import SMALLEST_SHARE, Vessel, VesselParameter
+from clepsydra.base.quantity import quantity
+from clepsydra.process.vessels.vessel import SMALLEST_SHARE, Vessel
 
 if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
@@ -41,48 +42,40 @@ class Cone(Vessel):
     """
 
     shape: ClassVar[str] = "cone"
-    keys: ClassVar[tuple[str, ...]] = ("floor_diameter", "rim_diameter", "height")
 
-    height: float
-    floor_diameter: float
-    rim_diameter: float
+    height: float = quantity(
+        "m", "a height", above=0.0, remedy="give the height of the rim above the floor"
+    )
+    floor_diameter: float = quantity(
+        "m",
+        "a diameter",
+        "diameter at the floor",
+        at_least=0.0,
+        remedy="give the inner diameter at the floor, 0 for a point",
+        default=0.0,
+    )
+    rim_diameter: float = quantity(
+        "m",
+        "a diameter",
+        "diameter at the rim",
+        at_least=0.0,
+        default=0.0,
+        required=True,
+        remedy="give the inner diameter at the rim, 0 for a point",
+    )
 
     @classmethod
     def read(cls, table: TableReader) -> Self:
         """Make the shape from its height and the diameters at floor and rim."""
-        height = table.quantity(
-            "height", "m", "a height", "give the height of the rim above the floor", above=0.0
-        )
-        floor = table.quantity(
-            "floor_diameter",
-            "m",
-            "a diameter",
-            "give the inner diameter at the floor, 0 for a point",
-            at_least=0.0,
-            default=0.0,
-        )
-        rim = table.quantity(
-            "rim_diameter",
-            "m",
-            "a diameter",
-            "give the inner diameter at the rim, 0 for a point",
-            at_least=0.0,
-        )
-        if floor == rim == 0.0:
+        cone = super().read(table)
+        if cone.floor_diameter == cone.rim_diameter == 0.0:
             raise table.refused(
                 "rim_diameter",
                 table.written("rim_diameter"),
                 "a diameter above 0 m at the floor or at the rim",
                 "correct one of the two diameters",
             )
-        return cls(height=height, floor_diameter=floor, rim_diameter=rim)
-
-    def parameters(self) -> tuple[VesselParameter, ...]:
-        """Return the two diameters."""
-        return (
-            VesselParameter("floor_diameter", "m", self.floor_diameter, "diameter at the floor"),
-            VesselParameter("rim_diameter", "m", self.rim_diameter, "diameter at the rim"),
-        )
+        return cone
 
     @property
     def _widens(self) -> bool:

@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import ClassVar
 
 import casadi as ca
 
-from clepsydra.process.vessels.vessel import SMALLEST_SHARE, Vessel, VesselParameter, reciprocal
-
-if TYPE_CHECKING:
-    from clepsydra.process.table_reader import TableReader
+from clepsydra.base.quantity import quantity
+from clepsydra.process.vessels.vessel import SMALLEST_SHARE, Vessel, reciprocal
 
 #: h/D = u P(2u - 1) with u = (2v)^(2/3), for shares v of the capacity up to one half. P is
 #: analytic, as h is a power series in v^(2/3); this is its interpolation in 23 Chebyshev points,
@@ -69,33 +67,17 @@ class HorizontalCylinder(Vessel):
     """
 
     shape: ClassVar[str] = "horizontal cylinder"
-    keys: ClassVar[tuple[str, ...]] = ("diameter", "length")
 
-    diameter: float
-    length: float
+    diameter: float = quantity(
+        "m", "a diameter", "diameter", above=0.0, remedy="give the inner diameter of the tank"
+    )
+    length: float = quantity(
+        "m", "a length", "length", above=0.0, remedy="give the inner length of the tank"
+    )
     height: float = field(init=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "height", self.diameter)
-
-    @classmethod
-    def read(cls, table: TableReader) -> Self:
-        """Make the shape from its diameter and length."""
-        return cls(
-            diameter=table.quantity(
-                "diameter", "m", "a diameter", "give the inner diameter of the tank", above=0.0
-            ),
-            length=table.quantity(
-                "length", "m", "a length", "give the inner length of the tank", above=0.0
-            ),
-        )
-
-    def parameters(self) -> tuple[VesselParameter, ...]:
-        """Return diameter and length."""
-        return (
-            VesselParameter("diameter", "m", self.diameter, "diameter"),
-            VesselParameter("length", "m", self.length, "length"),
-        )
 
     def rim(self, values: Mapping[str, ca.SX]) -> ca.SX:
         """Return the level of the rim [m]: the diameter."""

@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, ClassVar, Self
 
 import casadi as ca
 
+from clepsydra.base.quantity import quantity
+from clepsydra.process import told
+from clepsydra.process.declared import part, read_fields
 from clepsydra.process.vessels.vessel import Vessel, VesselParameter, reciprocal
 
 if TYPE_CHECKING:
@@ -37,8 +40,17 @@ class Prism(Vessel):
     keys: ClassVar[tuple[str, ...]] = ("area", "diameter", "height")
     uniform: ClassVar[bool] = True
 
-    height: float
-    base_area: float
+    height: float = quantity(
+        "m", "a height", above=0.0, remedy="give the height of the rim above the floor"
+    )
+    base_area: float = part(
+        lambda table, key, known: _read_area(table),
+        {
+            "area": told.text("its cross-section [m^2], above 0"),
+            "diameter": told.text("its inner diameter [m], above 0, in place of the area"),
+        },
+        checks=({"anyOf": [{"required": ["area"]}, {"required": ["diameter"]}]},),
+    )
 
     def __init__(self, height: float, area: float) -> None:
         object.__setattr__(self, "height", height)
@@ -47,26 +59,8 @@ class Prism(Vessel):
     @classmethod
     def read(cls, table: TableReader) -> Self:
         """Make the shape from the area, or the diameter of an upright cylinder."""
-        if table.has("area") and table.has("diameter"):
-            raise table.refused(
-                "diameter",
-                table.written("diameter"),
-                "either an area or a diameter",
-                "remove one of the two",
-            )
-        if table.has("diameter"):
-            diameter = table.quantity(
-                "diameter", "m", "a diameter", "give the inner diameter of the tank", above=0.0
-            )
-            area = math.pi / 4 * diameter**2
-        else:
-            area = table.quantity(
-                "area", "m^2", "an area", "give the cross-section of the tank", above=0.0
-            )
-        height = table.quantity(
-            "height", "m", "a height", "give the height of the rim above the floor", above=0.0
-        )
-        return cls(height=height, area=area)
+        found = read_fields(cls, table)
+        return cls(height=found["height"], area=found["base_area"])
 
     def parameters(self) -> tuple[VesselParameter, ...]:
         """Return the cross-section."""
@@ -87,3 +81,14 @@ class Prism(Vessel):
     _area_within = area
     _volume_within = volume
     _level_within = level
+
+
+def _read_area(table: TableReader) -> float:
+    if table.has("area") and table.has("diameter"):
+        table.refuse(("diameter",), "either an area or a diameter", "remove one of the two")
+    if not table.has("diameter"):
+        return table.quantity(
+            "area", "m^2", "an area", "give the cross-section of the tank", above=0.0
+        )
+    remedy = "give the inner diameter of the tank"
+    return math.pi / 4 * table.quantity("diameter", "m", "a diameter", remedy, above=0.0) ** 2

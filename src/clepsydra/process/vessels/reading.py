@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from clepsydra.base.errors import InputError
+from clepsydra.process import told
+from clepsydra.process.declared import table_schema
 from clepsydra.process.table_reader import TableReader
 from clepsydra.process.vessels.cone import Cone
 from clepsydra.process.vessels.horizontal_cylinder import HorizontalCylinder
@@ -16,9 +19,12 @@ from clepsydra.process.vessels.vessel import Vessel
 #: The first is meant where a file names no shape.
 SHAPES: tuple[type[Vessel], ...] = (Prism, HorizontalCylinder, Cone, SphereSegment, AreaTable)
 #: The keys of a tank that describe its shape.
-VESSEL_KEYS: tuple[str, ...] = tuple(
-    dict.fromkeys(["shape", *(key for vessel in SHAPES for key in vessel.keys)])
-)
+VESSEL_KEYS: dict[str, Any] = {
+    "shape": told.choice("its shape; prism if left out", [vessel.shape for vessel in SHAPES])
+}
+for _vessel in SHAPES:
+    for _key, _schema in table_schema(_vessel)["properties"].items():
+        VESSEL_KEYS.setdefault(_key, _schema)
 _LARGEST_CAPACITY = 1e15
 _SMALLEST_CAPACITY = 1e-15
 
@@ -57,6 +63,19 @@ def read_vessel(table: TableReader) -> Vessel:
     made = vessel.read(table)
     _check_capacity(made, table)
     return made
+
+
+def vessel_checks() -> list[dict[str, Any]]:
+    """Return what a JSON Schema requires of each shape, by its name."""
+    found = []
+    for vessel in SHAPES:
+        schema = table_schema(vessel)
+        named: dict[str, Any] = {"properties": {"shape": {"const": vessel.shape}}}
+        if vessel is not SHAPES[0]:
+            named["required"] = ["shape"]
+        wanted = {key: schema[key] for key in ("required", "allOf") if key in schema}
+        found.append({"if": named, "then": wanted})
+    return found
 
 
 def _check_capacity(vessel: Vessel, table: TableReader) -> None:

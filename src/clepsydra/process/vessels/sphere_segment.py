@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import ClassVar
 
 import casadi as ca
 
-from clepsydra.process.vessels.vessel import SMALLEST_SHARE, Vessel, VesselParameter, reciprocal
-
-if TYPE_CHECKING:
-    from clepsydra.process.table_reader import TableReader
+from clepsydra.base.quantity import quantity
+from clepsydra.process.vessels.vessel import SMALLEST_SHARE, Vessel, reciprocal
 
 
 @dataclass(frozen=True)
@@ -39,31 +37,22 @@ class SphereSegment(Vessel):
     """
 
     shape: ClassVar[str] = "sphere"
-    keys: ClassVar[tuple[str, ...]] = ("diameter", "height")
 
-    height: float
-    diameter: float
+    diameter: float = quantity(
+        "m", "a diameter", "diameter", above=0.0, remedy="give the inner diameter of the sphere"
+    )
+    height: float = quantity(
+        "m",
+        "a height",
+        above=0.0,
+        at_most="diameter",
+        default=None,
+        remedy="a sphere ends at its diameter: correct height or diameter",
+    )
 
-    @classmethod
-    def read(cls, table: TableReader) -> Self:
-        """Make the shape from its diameter and, for a bowl, its height."""
-        diameter = table.quantity(
-            "diameter", "m", "a diameter", "give the inner diameter of the sphere", above=0.0
-        )
-        height = table.quantity(
-            "height",
-            "m",
-            "a height",
-            "a sphere ends at its diameter: correct height or diameter",
-            above=0.0,
-            at_most=diameter,
-            default=diameter,
-        )
-        return cls(height=height, diameter=diameter)
-
-    def parameters(self) -> tuple[VesselParameter, ...]:
-        """Return the diameter."""
-        return (VesselParameter("diameter", "m", self.diameter, "diameter"),)
+    def __post_init__(self) -> None:
+        if self.height is None:
+            object.__setattr__(self, "height", self.diameter)
 
     def rim(self, values: Mapping[str, ca.SX]) -> ca.SX:
         """Return the level of the rim [m], which no diameter puts above the top."""

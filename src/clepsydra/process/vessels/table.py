@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import casadi as ca
 
-from clepsydra.process.vessels.vessel import SMALLEST_SHARE, Vessel, VesselParameter
+from clepsydra.process import told
+from clepsydra.process.declared import filled, part
+from clepsydra.process.vessels.vessel import SMALLEST_SHARE, Vessel
 
 if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
@@ -31,6 +33,13 @@ class _Segment:
     area: float
     growth: float
     upward: float
+
+
+class _Rows(NamedTuple):
+    """Levels [m] and areas [m²], with the names of the fields that they fill."""
+
+    levels: tuple[float, ...]
+    areas: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -56,55 +65,18 @@ class AreaTable(Vessel):
     """
 
     shape: ClassVar[str] = "table"
-    keys: ClassVar[tuple[str, ...]] = ("table",)
 
-    levels: tuple[float, ...]
-    areas: tuple[float, ...]
+    levels: tuple[float, ...] = part(
+        lambda table, key, known: _read_rows(table),
+        {"table": told.pairs("list of pairs of level [m] and area [m^2], from the floor up")},
+        fills=True,
+        required=("table",),
+    )
+    areas: tuple[float, ...] = filled()
     height: float = field(init=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "height", self.levels[-1])
-
-    @classmethod
-    def read(cls, table: TableReader) -> Self:
-        """Make the shape from its list of levels and areas."""
-        remedy = 'write as in table = [["0 m", "1 m^2"], ["0.5 m", "2 m^2"]]'
-        rows = table.pairs("table", "m", "m^2", "a list of pairs of level and area", remedy)
-        if len(rows) < 2:
-            raise table.refused("table", table.written("table"), "at least two rows", remedy)
-        levels, areas = tuple(row[0] for row in rows), tuple(row[1] for row in rows)
-        if levels[0] != 0.0:
-            raise table.refused(
-                "table",
-                _shown(levels[0], "m"),
-                "a first level of 0 m, the floor",
-                "measure the levels from the floor, and give the area there",
-            )
-        for lower, upper in pairwise(levels):
-            if not lower < upper:
-                raise table.refused(
-                    "table",
-                    _shown(upper, "m"),
-                    f"a level above {_shown(lower, 'm')}, the one before it",
-                    "sort the rows by their level, and give every level once",
-                )
-        if areas[0] < 0.0:
-            raise table.refused(
-                "table", _shown(areas[0], "m^2"), "an area of at least 0 m^2", "correct the area"
-            )
-        for level, area in rows[1:]:
-            if area <= 0.0:
-                raise table.refused(
-                    "table",
-                    _shown(area, "m^2"),
-                    f"an area above 0 m^2 at {_shown(level, 'm')}",
-                    "correct the area",
-                )
-        return cls(levels=levels, areas=areas)
-
-    def parameters(self) -> tuple[VesselParameter, ...]:
-        """Return none: the entries of the table are constants."""
-        return ()
 
     @property
     def _segments(self) -> list[_Segment]:
@@ -159,3 +131,40 @@ class AreaTable(Vessel):
 
 def _shown(value: float, unit: str) -> str:
     return f"{value:g} {unit}"
+
+
+def _read_rows(table: TableReader) -> _Rows:
+    """Return the list of levels and areas."""
+    remedy = 'write as in table = [["0 m", "1 m^2"], ["0.5 m", "2 m^2"]]'
+    rows = table.pairs("table", "m", "m^2", "a list of pairs of level and area", remedy)
+    if len(rows) < 2:
+        raise table.refused("table", table.written("table"), "at least two rows", remedy)
+    levels, areas = tuple(row[0] for row in rows), tuple(row[1] for row in rows)
+    if levels[0] != 0.0:
+        raise table.refused(
+            "table",
+            _shown(levels[0], "m"),
+            "a first level of 0 m, the floor",
+            "measure the levels from the floor, and give the area there",
+        )
+    for lower, upper in pairwise(levels):
+        if not lower < upper:
+            raise table.refused(
+                "table",
+                _shown(upper, "m"),
+                f"a level above {_shown(lower, 'm')}, the one before it",
+                "sort the rows by their level, and give every level once",
+            )
+    if areas[0] < 0.0:
+        raise table.refused(
+            "table", _shown(areas[0], "m^2"), "an area of at least 0 m^2", "correct the area"
+        )
+    for level, area in rows[1:]:
+        if area <= 0.0:
+            raise table.refused(
+                "table",
+                _shown(area, "m^2"),
+                f"an area above 0 m^2 at {_shown(level, 'm')}",
+                "correct the area",
+            )
+    return _Rows(levels, areas)

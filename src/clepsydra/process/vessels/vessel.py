@@ -13,6 +13,9 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple, Self
 
 import casadi as ca
 
+from clepsydra.base.quantity import quantities
+from clepsydra.process.declared import DeclaredKeys, read_fields
+
 if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
 
@@ -75,7 +78,7 @@ class Vessel(ABC):
     #: What a process file calls it: "cone".
     shape: ClassVar[str]
     #: The keys that a process file may give besides `shape`.
-    keys: ClassVar[tuple[str, ...]]
+    keys: ClassVar[tuple[str, ...]] = DeclaredKeys()  # type: ignore[assignment]
     #: Its area is the same at every level, so that the level itself may be integrated.
     uniform: ClassVar[bool] = False
 
@@ -83,13 +86,17 @@ class Vessel(ABC):
     height: float
 
     @classmethod
-    @abstractmethod
     def read(cls, table: TableReader) -> Self:
-        """Make the shape from the table of a tank."""
+        """Make the shape from the table of a tank: its fields say what they hold."""
+        return cls(**read_fields(cls, table))
 
-    @abstractmethod
     def parameters(self) -> tuple[VesselParameter, ...]:
         """Return the numbers that become parameters of the process."""
+        return tuple(
+            VesselParameter(each.name, each.unit, getattr(self, each.name), each.words)
+            for each in quantities(type(self))
+            if each.words
+        )
 
     @abstractmethod
     def _area_within(self, level: ca.SX, values: Mapping[str, ca.SX]) -> ca.SX:

@@ -3,33 +3,34 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.python_law import PythonLaw
+from clepsydra.designs.design import DESIGNS
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.linear_model import LinearModel
+from clepsydra.process import told
+from clepsydra.process.declared import keys_of, table_schema
+from clepsydra.process.errors_at import errors_at
+from clepsydra.process.known_names import known_name
 from clepsydra.process.process import Process
 from clepsydra.process.table_reader import TableReader
-from clepsydra.studies.file.design_arguments import design_keys, read_arguments, with_model
-from clepsydra.studies.file.design_names import DESIGN_NAMES
-from clepsydra.studies.file.fuzzy_table import FUZZY_KEYS, read_fuzzy_table
-from clepsydra.studies.file.own_law_table import OWN_LAW_KEYS, read_own_law
-from clepsydra.studies.file.placed import placed
-from clepsydra.studies.file.request import ControllerRequest, Maker
-from clepsydra.studies.file.scheme import SCHEME_KEYS, read_scheme
-from clepsydra.studies.file.start_stop_table import START_STOP_KEYS, read_start_stop
-from clepsydra.studies.file.tuning_reader import TUNING_KEYS, read_tuning
-from clepsydra.studies.file.tuning_request import TuningRequest
-from clepsydra.studies.file.weight_bounds import WeightedStart
+from clepsydra.studies.file.design_arguments import read_arguments, with_model
+from clepsydra.studies.file.fuzzy_table import FUZZY, read_fuzzy
+from clepsydra.studies.file.own_law_table import OWN_LAW, read_own_law
+from clepsydra.studies.file.regulator_table import REGULATOR, read_regulator
+from clepsydra.studies.file.request import ControllerRequest, Maker, WrittenMaker
+from clepsydra.studies.file.scheme import read_scheme
+from clepsydra.studies.file.scheme_parts import PARTS
+from clepsydra.studies.file.start_stop_table import StartStop, read_start_stop
+from clepsydra.studies.file.tuning_reader import Tuning, read_tuning
+from clepsydra.studies.file.tuning_request import TuningRequest, WeightedStart
 from clepsydra.studies.tuning.lqi_weights import WeightedDesign
 from clepsydra.studies.tuning.weighted_designs import WEIGHTED_DESIGNS
 
-#: What makes a controller, and how it is tuned after that.
-_Made = tuple[Maker, TuningRequest | None]
 _LONGEST_NAME = 60
 _WAYS = 'write design = "simc", or a loop as in [controllers.NAME.loops.NAME]'
 
@@ -94,77 +95,35 @@ def read_controllers(
 def _controller(rows: TableReader, name: str, process: Process, folder: Path) -> ControllerRequest:
     """Read one controller in the way that its keys say."""
     table = rows.table(name, "a table", _WAYS)
-    ways = {
-        "design": ("design",),
-        "law": ("law",),
-        "fuzzy": ("fuzzy",),
-        "start_stop": ("start_stop",),
-        "loops": SCHEME_KEYS,
-    }
-    written = [way for way, keys in ways.items() if any(table.has(key) for key in keys)]
+    written = [
+        way for way in ("design", "law", "fuzzy", "regulator", "start_stop") if table.has(way)
+    ]
+    written += ["loops"] if any(map(table.has, PARTS)) else []
     if len(written) != 1:
         shown = " and ".join(written) if written else "neither a design nor a loop"
         raise InputError(
             rows.place(name),
             shown,
-            "one way to make a controller: design, loops, start_stop, law or fuzzy",
+            "one way to make a controller: design, loops, start_stop, law, fuzzy or regulator",
             "give each controller a name of its own" if written else _WAYS,
         )
-    make, tune = _READERS[written[0]](rows, name, process, folder)
+    if written == ["design"]:
+        make, tune = _designed(rows, name, process)
+    else:
+        keys, read = _WRITTEN[written[0]]
+        table = rows.table(name, "a table", _WAYS, (*keys, "tune"))
+        made = read(table, name, process, folder)
+        make, tune = lambda analysis, model: made(model), _tuning(table, process)
     return ControllerRequest(name, _checked(make, tune), tune, rows.place(name))
 
 
-def _scheme(rows: TableReader, name: str, process: Process, folder: Path) -> _Made:
-    table = rows.table(name, "a table", _WAYS, (*SCHEME_KEYS, "tune"))
-    scheme = read_scheme(table, name, process)
-    tune = _tuning(table, process)
-    return lambda analysis, model: scheme.controller(analysis.operating_point), tune
-
-
-def _start_stop(rows: TableReader, name: str, process: Process, folder: Path) -> _Made:
-    table = rows.table(name, "a table", _WAYS, ("start_stop", "tune"))
-    remedy = "write [controllers.NAME.start_stop]"
-    levels = read_start_stop(
-        table.table("start_stop", "a table", remedy, START_STOP_KEYS), name, process
-    )
-    tune = _tuning(table, process)
-    return lambda analysis, model: levels.controller(analysis.operating_point), tune
-
-
-def _own_law(rows: TableReader, name: str, process: Process, folder: Path) -> _Made:
-    table = rows.table(name, "a table", _WAYS, (*OWN_LAW_KEYS, "tune"))
-    own = read_own_law(table, name, process, folder)
-    if table.has("tune") and isinstance(own.law, PythonLaw):
-        raise table.refused(
-            "tune",
-            "a law in Python",
-            "a law of expressions, whose candidates run as a batch",
-            "write it with step_law, or leave tune out",
-        )
-    tune = _tuning(table, process)
-    return lambda analysis, model: own.controller(model), tune
-
-
-def _fuzzy(rows: TableReader, name: str, process: Process, folder: Path) -> _Made:
-    table = rows.table(name, "a table", _WAYS, (*FUZZY_KEYS, "tune"))
-    fuzzy = read_fuzzy_table(table, name, process, folder)
-    tune = _tuning(table, process)
-    return lambda analysis, model: fuzzy.controller(analysis.operating_point), tune
-
-
-def _designed(rows: TableReader, name: str, process: Process, folder: Path) -> _Made:
+def _designed(rows: TableReader, name: str, process: Process) -> tuple[Maker, TuningRequest | None]:
     """Return what makes a controller by a design with the arguments of a table."""
     table = rows.table(name, "a table", _WAYS)
     known = table.text("design", "the name of a design", 'write as in design = "simc"')
-    if known not in DESIGN_NAMES:
-        raise table.refused(
-            "design",
-            known[:60],
-            f"a design ({', '.join(DESIGN_NAMES)})",
-            suggestion(known, DESIGN_NAMES, "choose one of them"),
-        )
-    design: Callable[..., Controller] = DESIGN_NAMES[known].load()
-    keys = design_keys(design)
+    known_name(table, "design", known, DESIGNS, "a design")
+    design = DESIGNS[known]
+    keys = design.file_keys
     table = rows.table(name, "a table", _WAYS, ("design", *keys, "tune"))
     arguments = read_arguments(table, design, process)
 
@@ -172,8 +131,8 @@ def _designed(rows: TableReader, name: str, process: Process, folder: Path) -> _
         given = with_model(arguments, analysis.model)
         if "pairing" in keys:
             given.setdefault("pairing", _pairing(table, analysis))
-        with placed(table):
-            found = design(analysis.model, **given)
+        with errors_at(table, {"form": table.place("actions")}):
+            found = design.function(analysis.model, **given)
         return dataclasses.replace(found, name=name)
 
     weighted = WEIGHTED_DESIGNS.get(known)
@@ -206,7 +165,7 @@ def _tuning(
 ) -> TuningRequest | None:
     if not table.has("tune"):
         return None
-    rows = table.table("tune", "a table", "write [controllers.NAME.tune]", TUNING_KEYS)
+    rows = table.table("tune", "a table", "write [controllers.NAME.tune]", keys_of(Tuning))
     return read_tuning(rows, process, weighted)
 
 
@@ -217,17 +176,64 @@ def _checked(make: Maker, tune: TuningRequest | None) -> Maker:
 
     def checked(analysis: Analysis, model: LinearModel) -> Controller:
         controller = make(analysis, model)
-        tune.check(controller, model)
+        tune.space(controller, model)
         return controller
 
     return checked
 
 
-#: How a controller is read, by the key that says in which way it is made.
-_READERS: dict[str, Callable[[TableReader, str, Process, Path], _Made]] = {
-    "design": _designed,
-    "loops": _scheme,
-    "start_stop": _start_stop,
-    "law": _own_law,
-    "fuzzy": _fuzzy,
+_TUNE: dict[str, Any] = {
+    "tune": {"description": "what is tuned by simulation, and for what", **table_schema(Tuning)}
 }
+#: How what is written out is read, by the key that says so: the keys of its table, and who reads.
+_WRITTEN: dict[
+    str, tuple[Mapping[str, Any], Callable[[TableReader, str, Process, Path], WrittenMaker]]
+] = {
+    "loops": (
+        {key: told.by_name(key.replace("_", " "), table_schema(PARTS[key])) for key in PARTS},
+        read_scheme,
+    ),
+    "start_stop": (
+        {
+            "start_stop": {
+                "description": "pumps that run or stand by a level",
+                **table_schema(StartStop),
+            }
+        },
+        read_start_stop,
+    ),
+    "law": (OWN_LAW["properties"], read_own_law),
+    "fuzzy": (FUZZY["properties"], read_fuzzy),
+    "regulator": (REGULATOR["properties"], read_regulator),
+}
+
+
+def controller_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a controller: by its design, or written out.
+
+    Examples
+    --------
+    >>> controller_schema()["properties"]["as_published"]["type"]
+    'boolean'
+    """
+    design = {"design": told.choice("how it is made", [*DESIGNS])}
+    kinds: list[Mapping[str, Any]] = []
+    checks: list[Mapping[str, Any]] = []
+    for name, each in DESIGNS.items():
+        own = {key: schema for a in each.declared.values() for key, schema in a.properties.items()}
+        kinds.append(own)
+        named = {"properties": {"design": {"const": name}}, "required": ["design"]}
+        fitting = told.table({**design, **own, **_TUNE}, ("design", *each.required))
+        checks.append({"if": named, "then": fitting})
+    ways: list[Mapping[str, Any]] = [{"required": ["design"]}]
+    for way, (keys, _) in _WRITTEN.items():
+        kinds.append(keys)
+        said = PARTS if way == "loops" else (way,)
+        ways.append({"anyOf": [{"required": [key]} for key in said]})
+        checks.append({"if": ways[-1], "then": {"propertyNames": {"enum": [*keys, *_TUNE]}}})
+    properties: dict[str, Any] = {**design}
+    for keys in kinds:  # what a key of two kinds has in common is its words
+        for key, schema in keys.items():
+            known = properties.setdefault(key, schema)
+            properties[key] = known if known == schema else {"description": known["description"]}
+    return told.table(properties | _TUNE, (), {"oneOf": ways}, *checks)

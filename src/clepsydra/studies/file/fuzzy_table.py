@@ -2,53 +2,31 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.fuzzy.file import load_fuzzy
 from clepsydra.controllers.fuzzy.wired import WiredFuzzy
-from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
+from clepsydra.process import told
+from clepsydra.process.errors_at import errors_at
 from clepsydra.process.process import Process
 from clepsydra.process.table_reader import TableReader
-from clepsydra.studies.file.placed import placed
+from clepsydra.studies.file.request import WrittenMaker
 
-FUZZY_KEYS = ("fuzzy",)
-
-
-@dataclass(frozen=True, eq=False)
-class FuzzyTable:
-    """A fuzzy controller of a study file.
-
-    Parameters
-    ----------
-    table : TableReader
-    name : str
-        Of the controller.
-    wired : WiredFuzzy
-
-    Examples
-    --------
-    See `read_fuzzy_table`.
-    """
-
-    table: TableReader
-    name: str
-    wired: WiredFuzzy
-
-    def controller(self, point: OperatingPoint) -> Controller:
-        """Return the controller, whose outputs start at the operating point."""
-        with placed(self.table):
-            return self.wired.controller(point, self.name)
+FUZZY = told.table({"fuzzy": told.text("a file of sets and rules")}, ("fuzzy",))
 
 
-def read_fuzzy_table(table: TableReader, name: str, process: Process, folder: Path) -> FuzzyTable:
+def read_fuzzy(table: TableReader, name: str, process: Process, folder: Path) -> WrittenMaker:
     """Read the file of sets and rules that a controller names.
 
+    Its outputs start at the operating point.
+
     Parameters
     ----------
     table : TableReader
-        With `FUZZY_KEYS`.
+        With the keys of `FUZZY`.
     name : str
         Of the controller.
     process : Process
@@ -62,10 +40,9 @@ def read_fuzzy_table(table: TableReader, name: str, process: Process, folder: Pa
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> import tempfile
-    >>> from clepsydra.linear.equilibrium import find_equilibrium
     >>> from clepsydra.process.document import parse
-    >>> from clepsydra.process.reader import load_process
     >>> rules = '''
     ... [inputs.e]
     ... of = "level_1"
@@ -85,12 +62,12 @@ def read_fuzzy_table(table: TableReader, name: str, process: Process, folder: Pa
     ... R1 = "if e is N then u is S"
     ... R2 = "if e is P then u is L"
     ... '''
-    >>> point = find_equilibrium(load_process("quadruple-tank"))
+    >>> plant = cl.load("quadruple-tank")
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     _ = (Path(folder) / "halves.toml").write_text(rules)
-    ...     table = TableReader(parse(b'fuzzy = "halves.toml"', "study.toml"), (), FUZZY_KEYS)
-    ...     found = read_fuzzy_table(table, "two rules", point.process, Path(folder))
-    >>> found.controller(point).initial_state["pump_1.last_output"]
+    ...     table = TableReader(parse(b'fuzzy = "halves.toml"', "study.toml"), (), ["fuzzy"])
+    ...     make = read_fuzzy(table, "two rules", plant.process, Path(folder))
+    >>> make(plant.linear).initial_state["pump_1.last_output"]
     3.0
     """
     expected, remedy = "the name of a file of sets and rules", 'write as in fuzzy = "rules.toml"'
@@ -99,4 +76,10 @@ def read_fuzzy_table(table: TableReader, name: str, process: Process, folder: Pa
         raise table.refused(
             "fuzzy", written[:60], f"{expected} that exists, from {folder}/", remedy
         )
-    return FuzzyTable(table, name, WiredFuzzy(load_fuzzy(folder / written), process))
+    wired = WiredFuzzy(load_fuzzy(folder / written), process)
+
+    def make(model: LinearModel) -> Controller:
+        with errors_at(table):
+            return wired.controller(operating_point_of(model), name)
+
+    return make

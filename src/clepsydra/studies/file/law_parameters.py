@@ -8,21 +8,18 @@ from dataclasses import dataclass, field
 
 from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import split_quantity
+from clepsydra.controllers import pid_keys
+from clepsydra.controllers.pid_keys import SHORT_NAMES
 from clepsydra.controllers.structure.pid_block import PidBlock
+from clepsydra.process.gains import read_gain
+from clepsydra.process.joined_unit import has_units_of, unit_of_gain
 from clepsydra.process.table_reader import TableReader
 from clepsydra.program.step_law import StepLaw
-from clepsydra.studies.file.gains import read_gain
-from clepsydra.studies.file.joined_unit import Time, has_units_of, unit_of_gain
 
 #: What a key of a loop is called among the parameters of a law, where it is not the same.
-LAW_NAMES = {
-    "gain": "proportional_gain",
-    "setpoint_low": "setpoint_low_limit",
-    "setpoint_high": "setpoint_high_limit",
-}
-_KEYS = {law: key for key, law in LAW_NAMES.items()}
+LAW_NAMES = {key: law for law, key in SHORT_NAMES.items()}
 #: The gains of a loop, with what their unit has beside those of the signals.
-GAINS: dict[str, Time] = {"gain": "1", "integral_gain": "1/s", "derivative_gain": "s"}
+GAINS = {SHORT_NAMES.get(law, law): time for law, time in pid_keys.GAINS.items()}
 
 
 def loops_of(law: StepLaw) -> dict[str, PidBlock]:
@@ -57,7 +54,7 @@ def key_of(parameter: Signal) -> str:
     >>> key_of(Signal("level.setpoint_low_limit", "m")), key_of(Signal("level.integral_time", "s"))
     ('setpoint_low', 'integral_time')
     """
-    return _KEYS.get(parameter.part, parameter.part)
+    return SHORT_NAMES.get(parameter.part, parameter.part)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
+import textwrap
 from string import Template
+from typing import Any
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
@@ -11,12 +14,16 @@ from clepsydra.base.units import from_si
 from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.design import DESIGNS
 from clepsydra.designs.gain_units import percent_gain
 from clepsydra.linear.analysis import Analysis, analyse
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.scenario import Scenario
+from clepsydra.process.declared import table_schema
 from clepsydra.process.process import Process
-from clepsydra.studies.file.design_names import DESIGN_NAMES
+from clepsydra.studies.file.reader import STUDY
+from clepsydra.studies.file.scenario_reader import ScenarioTable
+from clepsydra.studies.file.tuning_reader import Tuning
 
 #: Designs of single loops, from the one that is preferred; what the reader calls each.
 _LOOPS = {
@@ -30,10 +37,13 @@ _LOOPS = {
 _OTHERS = {"lqi": "LQI", "lqi_kalman": "LQI, Kalman", "lqr": "LQR", **_LOOPS}
 #: How far the bounds that are shown lie from the design, up and down.
 _WIDTH = 5.0
-#: A line for the first design where it takes a closed-loop time constant.
-_FASTER = """# How fast the loops are to be; left out, as fast as is robust.
+#: Lines for the first design where it takes a closed-loop time constant.
+_FASTER = """$of_closed_loop_time_constant
+# Left out, as fast as is robust.
 # closed_loop_time_constant = "5 min"
 """
+#: How long a line of a comment is at most.
+_LINE = 100
 
 
 def new_study(process: Process, named: str, template: str) -> str:
@@ -73,7 +83,7 @@ def new_study(process: Process, named: str, template: str) -> str:
     second = _second(analysis, first)
     pairs = zip(designed.setpoints, designed.manipulated, strict=True)
     pairing = ", ".join(f'{output} = "{moved}"' for output, moved in pairs)
-    return Template(template).substitute(
+    return Template(template.replace("$more", _more(first))).substitute(
         process=_quoted(named),
         title=_quoted(f"Controllers for {process.title}"),
         duration=time_text(scenario.duration, 4),
@@ -85,10 +95,37 @@ def new_study(process: Process, named: str, template: str) -> str:
         second=second,
         second_name=_OTHERS[second],
         pairing=f"{{ {pairing} }}",
-        more=_FASTER if first in ("simc", "lambda") else "",
         loops=_written_out(process, designed),
         **_bounds(process, designed),
+        **_comments(first),
     )
+
+
+def _more(first: str) -> str:
+    return _FASTER if "closed_loop_time_constant" in DESIGNS[first].file_keys else ""
+
+
+def _comments(first: str) -> dict[str, str]:
+    """Return what is said of each key where it is declared, as a comment above it."""
+    known: dict[str, Any] = {
+        **STUDY["properties"],
+        **table_schema(ScenarioTable)["properties"],
+        **table_schema(Tuning)["properties"],
+    }
+    for argument in DESIGNS[first].declared.values():
+        known |= argument.properties
+    return {f"of_{key}": _comment(schema["description"]) for key, schema in known.items()}
+
+
+def _comment(words: str) -> str:
+    """Return words as a comment: without marks of a page, and in lines that fit.
+
+    >>> _comment("table of what counts, see [Ranking](#ranking)")
+    '# Table of what counts, see Ranking.'
+    """
+    plain = re.sub(r"\[([A-Z]\w+)\]\(#\w+\)", r"\1", words).replace("`", "")
+    lines = textwrap.wrap(f"{plain[0].upper()}{plain[1:]}.", _LINE - 2)
+    return "\n".join(f"# {line}" for line in lines)
 
 
 def _first(analysis: Analysis) -> tuple[str, Controller]:
@@ -122,7 +159,7 @@ def _second(analysis: Analysis, first: str) -> str:
 
 
 def _designed(name: str, analysis: Analysis) -> Controller:
-    design = DESIGN_NAMES[name].load()
+    design = DESIGNS[name].function
     if name not in _LOOPS:
         return design(analysis.model)
     if not analysis.pairing:

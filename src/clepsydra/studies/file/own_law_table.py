@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.own_law import load_law
+from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.controllers.signals import owners
 from clepsydra.designs.own_law import own_controller
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.process.names_among import names_among
+from clepsydra.process import told
+from clepsydra.process.errors_at import errors_at
+from clepsydra.process.known_names import known_names
 from clepsydra.process.process import Process
 from clepsydra.process.table_reader import TableReader
 from clepsydra.program.step_law import StepLaw
 from clepsydra.studies.file.law_parameters import LawParameters
-from clepsydra.studies.file.placed import placed
+from clepsydra.studies.file.request import WrittenMaker
 
 #: What one of a kind is called, and what a law's signal is of it.
 _KINDS = {
@@ -26,58 +28,28 @@ _KINDS = {
     "setpoints": ("setpoint", "sp"),
     "manipulated": ("manipulated", "out"),
 }
-OWN_LAW_KEYS = ("law", "measurements", "setpoints", "manipulated", "parameters", "initial_state")
+OWN_LAW = told.table(
+    {
+        "law": told.text("path of the Python file"),
+        "measurements": told.names("list of sensors, one for each `pv` of the law in its order"),
+        "setpoints": told.names("list of controlled measurements, one for each `sp`"),
+        "manipulated": told.names("list of manipulated variables, one for each `out`"),
+        "parameters": told.by_name("table of values that differ from those in the file"),
+        "initial_state": told.by_name("table of states at the operating point"),
+    },
+    ("law",),
+)
 
 
-@dataclass(frozen=True, eq=False)
-class OwnLaw:
-    """A user's law, and how it is wired to the process.
-
-    Parameters
-    ----------
-    table : TableReader
-    name : str
-    law : StepLaw
-    measurements, setpoints, manipulated : tuple of str
-        In the order of the law.
-    values, initial_state : dict
-
-    Examples
-    --------
-    See `read_own_law`.
-    """
-
-    table: TableReader
-    name: str
-    law: StepLaw
-    measurements: tuple[str, ...]
-    setpoints: tuple[str, ...]
-    manipulated: tuple[str, ...]
-    values: dict[str, float]
-    initial_state: dict[str, float]
-
-    def controller(self, model: LinearModel) -> Controller:
-        """Return the controller, whose outputs start at the operating point of a model."""
-        with placed(self.table):
-            return own_controller(
-                model,
-                self.law,
-                measurements=self.measurements,
-                setpoints=self.setpoints,
-                manipulated=self.manipulated,
-                values=self.values,
-                initial_state=self.initial_state,
-                name=self.name,
-            )
-
-
-def read_own_law(table: TableReader, name: str, process: Process, folder: Path) -> OwnLaw:
+def read_own_law(table: TableReader, name: str, process: Process, folder: Path) -> WrittenMaker:
     """Run the Python file that a controller names, and read how its law is wired.
 
+    The outputs of the controller start at the operating point.
+
     Parameters
     ----------
     table : TableReader
-        With `OWN_LAW_KEYS`.
+        With the keys of `OWN_LAW`.
     name : str
         Of the controller.
     process : Process
@@ -108,9 +80,9 @@ def read_own_law(table: TableReader, name: str, process: Process, folder: Path) 
     >>> plant = cl.load("quadruple-tank")
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     _ = (Path(folder) / "half.py").write_text(code)
-    ...     table = TableReader(parse(text, "study.toml"), (), OWN_LAW_KEYS)
-    ...     own = read_own_law(table, "mine", plant.process, Path(folder))
-    >>> own.controller(plant.linear).values["gain"]
+    ...     table = TableReader(parse(text, "study.toml"), (), None)
+    ...     make = read_own_law(table, "mine", plant.process, Path(folder))
+    >>> make(plant.linear).values["gain"]
     0.5
     """
     expected, remedy = "the name of a Python file", 'write as in law = "my_law.py"'
@@ -133,16 +105,30 @@ def read_own_law(table: TableReader, name: str, process: Process, folder: Path) 
     )
     parameters = {parameter.name: parameter for parameter in law.parameters}
     state = {entry.name: entry for entry in law.state if isinstance(entry, Signal)}
-    return OwnLaw(
-        table,
-        name,
-        law,
-        measurements,
-        setpoints,
-        manipulated,
-        _numbers(table, "parameters", parameters),
-        _numbers(table, "initial_state", state),
-    )
+    values = _numbers(table, "parameters", parameters)
+    initial_state = _numbers(table, "initial_state", state)
+    if table.has("tune") and isinstance(law, PythonLaw):
+        raise table.refused(
+            "tune",
+            "a law in Python",
+            "a law of expressions, whose candidates run as a batch",
+            "write it with step_law, or leave tune out",
+        )
+
+    def make(model: LinearModel) -> Controller:
+        with errors_at(table):
+            return own_controller(
+                model,
+                law,
+                measurements=measurements,
+                setpoints=setpoints,
+                manipulated=manipulated,
+                values=values,
+                initial_state=initial_state,
+                name=name,
+            )
+
+    return make
 
 
 def _names(table: TableReader, key: str, known: list[str], law: StepLaw) -> tuple[str, ...]:
@@ -151,7 +137,7 @@ def _names(table: TableReader, key: str, known: list[str], law: StepLaw) -> tupl
     count = len(owners([*law.inputs, *law.outputs], part))
     if not table.has(key) and count == 0:
         return ()
-    found = names_among(
+    found = known_names(
         known,
         table,
         key,

@@ -3,56 +3,66 @@
 from __future__ import annotations
 
 import math
-from typing import Any, get_args
+from typing import Any
 
 from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import from_si
-from clepsydra.controllers.blocks.anti_windup import AntiWindup
-from clepsydra.controllers.pid_form import (
-    Actions,
-    Algorithm,
-    DerivativeOn,
-    ErrorShape,
-    PidForm,
-)
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.controllers.pid_keys import PARAMETERS
 from clepsydra.controllers.structure.pid_block import PidBlock
+from clepsydra.process import told
+from clepsydra.process.declared import read_fields
+from clepsydra.process.errors_at import errors_at
+from clepsydra.process.gains import read_gain
+from clepsydra.process.signal_values import read_in_range, read_rate, read_value
 from clepsydra.process.table_reader import TableReader
-from clepsydra.studies.file.gains import check_in_range, read_gain, read_rate, read_value
-from clepsydra.studies.file.law_parameters import GAINS, key_of
+from clepsydra.studies.file.law_parameters import GAINS, LAW_NAMES, key_of
 from clepsydra.studies.file.law_range import check_law_range
-from clepsydra.studies.file.placed import placed
 
-_FORM = {
-    "actions": get_args(Actions),
-    "algorithm": get_args(Algorithm),
-    "derivative_on": get_args(DerivativeOn),
-    "error": get_args(ErrorShape),
-    "anti_windup": get_args(AntiWindup),
-}
 #: Actions without the one that a time belongs to.
 _WITHOUT = {
     "integral_time": {"PI": "P", "PID": "PD"},
     "derivative_time": {"PD": "P", "PID": "PI"},
 }
-_WIRING_KEYS = ("measurement", "setpoint", "output", "action", "remote_setpoint")
-_SETTINGS = (
-    "gain",
-    "integral_time",
-    "derivative_time",
-    "derivative_filter",
-    "integral_gain",
-    "derivative_gain",
-    "filter_time",
-    "setpoint_weight",
-    "gap",
-    "gap_gain",
-    "squared_error_scale",
-    "setpoint_ramp",
-    "tracking_time",
-    "setpoint_low",
-    "setpoint_high",
-)
-LOOP_KEYS = (*_WIRING_KEYS, *_FORM, *_SETTINGS)
+_ENDS = ("setpoint_low", "setpoint_high")
+#: What is taken as usual where it is not written.
+_USUAL = ("setpoint_weight", "derivative_filter", "tracking_time")
+_GAINS = 'of the parallel algorithm, in place of the times, as in `"0.1 %/%/min"` and `"3 %/% min"`'
+_SETPOINTS = "of an inner loop: between which values its setpoint may be asked for"
+_GAP = "of gap action: half the width of the gap, and the share of the error that acts within it"
+#: What a loop may be set to, in the words of a study file: the quantities of `PARAMETERS`, but for
+#: the rate of saturation, which belongs to laws of variable structure, and the ends of setpoints.
+_WORDS = {
+    "gain": "K, above zero: the action gives it its sign",
+    "integral_gain": _GAINS,
+    "derivative_gain": _GAINS,
+    "integral_time": "Ti [s], with I",
+    "derivative_time": "Td [s], with D",
+    "filter_time": "of the parallel algorithm with D [s]",
+    "derivative_filter": "Td over the time constant of its filter",
+    "setpoint_weight": "share of the setpoint in the proportional part, 0 to 1",
+    "gap": _GAP,
+    "gap_gain": _GAP,
+    "squared_error_scale": "of squared action: the error at which the gain is K",
+    "setpoint_ramp": 'fastest change of the setpoint, `"5 %/min"`',
+    "tracking_time": "of back-calculation [s]",
+    **dict.fromkeys(_ENDS, _SETPOINTS),
+}
+
+
+def _told(key: str, words: str) -> dict[str, Any]:
+    """Return the schema of a setting: text where its quantity must have a unit."""
+    unit = PARAMETERS[LAW_NAMES.get(key, key)].unit if key not in _ENDS else ""
+    return told.text(words) if unit in ("s", "{measurement}/s") else told.quantity(words)
+
+
+SETTINGS = {
+    "action": told.choice(
+        '`"reverse"`: the output rises when the measurement falls; `"direct"`: it falls',
+        ("reverse", "direct"),
+    ),
+    **{key: _told(key, words) for key, words in _WORDS.items()},
+}
 
 
 def read_form(table: TableReader) -> PidForm:
@@ -67,22 +77,15 @@ def read_form(table: TableReader) -> PidForm:
     --------
     >>> from clepsydra.process.document import parse
     >>> text = b"actions = 'PI'\\nsetpoint_ramp = '1 %/min'"
-    >>> read_form(TableReader(parse(text, "study.toml"), (), LOOP_KEYS)).setpoint_ramp
+    >>> read_form(TableReader(parse(text, "study.toml"), (), None)).setpoint_ramp
     True
     """
     if not table.has("actions"):
         raise table.refused(
             "actions", "no actions", "one of P, PI, PD, PID", 'write as in actions = "PI"'
         )
-    chosen: dict[str, Any] = {
-        key: table.choice(key, words, words[0]) for key, words in _FORM.items() if table.has(key)
-    }
-    with placed(table):
-        return PidForm(
-            **chosen,
-            setpoint_ramp=table.has("setpoint_ramp"),
-            remote_setpoint=table.flag("remote_setpoint", default=False),
-        )
+    with errors_at(table):
+        return PidForm(**read_fields(PidForm, table))
 
 
 class PidTable:
@@ -118,7 +121,7 @@ class PidTable:
     ... gain = "2 %/%"
     ... integral_time = "5 min"
     ... '''
-    >>> table = TableReader(parse(text, "study.toml"), (), LOOP_KEYS)
+    >>> table = TableReader(parse(text, "study.toml"), (), None)
     >>> read = PidTable(table, PidBlock.of(level, read_form(table), pump))
     >>> read.values["level.proportional_gain"], read.values["level.integral_time"], read.assumed
     (-4.0, 300.0, ['setpoint_weight = 1', 'tracking_time = 300 s'])
@@ -131,7 +134,7 @@ class PidTable:
         self.assumed: list[str] = []
         keys = {key_of(parameter): parameter for parameter in block.parameters()}
         for key in table.present:
-            if key in _SETTINGS and key not in keys:
+            if key in _WORDS and key not in keys:
                 raise table.refused(
                     key,
                     table.written(key),
@@ -144,11 +147,12 @@ class PidTable:
             if table.has(key):
                 check_law_range(table, key, parameter, value)
             self.places[parameter.name] = table.place(key)
-        low, high = (path(block.owner, f"setpoint_{end}_limit") for end in ("low", "high"))
+        low, high = (path(block.owner, f"{end}_limit") for end in _ENDS)
         if low in self.values and not self.values[low] < self.values[high]:
+            key = next(filter(table.has, _ENDS), _ENDS[1])
             raise table.refused(
-                "setpoint_low" if table.has("setpoint_low") else "setpoint_high",
-                table.written("setpoint_low" if table.has("setpoint_low") else "setpoint_high"),
+                key,
+                table.written(key),
                 "a low limit of the setpoint below the high one",
                 "exchange or correct them",
             )
@@ -164,73 +168,56 @@ class PidTable:
         return 1.0 if found == "reverse" else -1.0
 
     def _value(self, key: str, parameter: Signal) -> float:
+        """Return what is written at a key, read as the unit that its quantity has."""
         table, block = self.table, self.block
-        if key in GAINS:
-            expected = f"a {key.replace('_', ' ')}"
-            remedy = "write it above zero; its sign is that of the action"
-            return self._sign * read_gain(
-                table, key, block.moved, block.measurement,
-                expected=expected, remedy=remedy, time=GAINS[key], above=0.0,
-            )  # fmt: skip
-        if key in ("integral_time", "derivative_time", "filter_time"):
-            without = _WITHOUT.get(key, {}).get(block.form.actions)
-            remedy = (
-                f'without this action write actions = "{without}"'
-                if without
-                else "give the time constant of the derivative's filter"
-            )
-            return table.quantity(key, "s", "a time", remedy, above=0.0)
-        if key == "tracking_time":
-            if table.has(key):
-                return table.quantity(key, "s", "a time", "leave it out", above=0.0)
-            return self._taken(key, self._tracking_time(), parameter)
-        if key in ("setpoint_weight", "derivative_filter"):
-            if not table.has(key):
-                return self._taken(key, parameter.initial, parameter)
-            return self._number(key, parameter)
-        if key == "gap_gain":
-            return self._number(key, parameter)
-        if key == "setpoint_ramp":
-            return read_rate(
-                table,
-                key,
-                block.measurement,
-                "a rate of change",
-                "give the fastest of the setpoint",
-            )
-        if key in ("setpoint_low", "setpoint_high"):
-            return self._limit(key, parameter)
-        value = read_value(
-            table, key, block.measurement, "a deviation", "give it in the unit of the measurement",
-            change=True,
+        if key in _ENDS:
+            return self._end(key)
+        if key in _USUAL and not table.has(key):
+            usual = self._tracking_time() if key == "tracking_time" else parameter.initial
+            return self._taken(key, usual, parameter)
+        unit = PARAMETERS[parameter.part].unit
+        if unit == "s":
+            return table.quantity(key, "s", "a time", self._without(key), above=0.0)
+        if unit == "1":
+            low, high = parameter.low, parameter.high
+            remedy = f"give one from {low:g} to {high:g}"
+            return table.quantity(key, "1", "a number", remedy, at_least=low, at_most=high)
+        if unit == "{measurement}/s":
+            remedy = "give the fastest of the setpoint"
+            return read_rate(table, key, block.measurement, "a rate of change", remedy)
+        if unit == "{measurement}":
+            remedy = "give it in the unit of the measurement"
+            value = read_value(table, key, block.measurement, "a deviation", remedy, change=True)
+            if not value > 0.0:
+                raise table.refused(key, table.written(key), "a deviation above 0", "correct it")
+            return value
+        return self._sign * read_gain(
+            table, key, block.moved, block.measurement,
+            expected=f"a {key.replace('_', ' ')}",
+            remedy="write it above zero; its sign is that of the action",
+            time=GAINS[key], above=0.0,
         )  # fmt: skip
-        if not value > 0.0:
-            raise table.refused(key, table.written(key), "a deviation above 0", "correct it")
-        return value
 
-    def _number(self, key: str, parameter: Signal) -> float:
-        return self.table.quantity(
-            key,
-            "1",
-            "a number",
-            f"give one from {parameter.low:g} to {parameter.high:g}",
-            at_least=parameter.low,
-            at_most=parameter.high,
-        )
+    def _without(self, key: str) -> str:
+        """Return what to do where a time is missing."""
+        if key == "tracking_time":
+            return "leave it out"
+        without = _WITHOUT.get(key, {}).get(self.block.form.actions)
+        if without:
+            return f'without this action write actions = "{without}"'
+        return "give the time constant of the derivative's filter"
 
-    def _limit(self, key: str, parameter: Signal) -> float:
+    def _end(self, key: str) -> float:
         """Return an end of what an outer loop may ask for."""
-        signal = self.block.measurement
-        if not self.table.has(key):
-            end = signal.low if key == "setpoint_low" else signal.high
-            if not math.isfinite(end):
-                raise self.table.refused(
-                    key, f"no {key}", f"a limit, since {signal.name} has no finite range", "add it"
-                )
-            return self._taken(key, end, signal)
-        value = read_value(self.table, key, signal, "a limit", "give a value of the measurement")
-        check_in_range(self.table, key, signal, value, "a limit")
-        return value
+        table, signal = self.table, self.block.measurement
+        if table.has(key):
+            return read_in_range(table, key, signal, "a limit", "give a value of the measurement")
+        end = signal.low if key == _ENDS[0] else signal.high
+        if not math.isfinite(end):
+            raise table.refused(
+                key, f"no {key}", f"a limit, since {signal.name} has no finite range", "add it"
+            )
+        return self._taken(key, end, signal)
 
     def _tracking_time(self) -> float:
         """Return Ti, or √(Ti Td) with derivative action."""

@@ -3,23 +3,63 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.input_file import read_input
 from clepsydra.base.suggestion import suggestion
 from clepsydra.linear.analysis import analyse
+from clepsydra.process import told
+from clepsydra.process.declared import table_schema
 from clepsydra.process.document import kind_of, parse
 from clepsydra.process.process import Process
 from clepsydra.process.table_reader import TableReader
-from clepsydra.scores.catalogue import SCORES
-from clepsydra.studies.file.controller_reader import read_controllers
+from clepsydra.scores.score import SCORES
+from clepsydra.studies.file.controller_reader import controller_schema, read_controllers
 from clepsydra.studies.file.process_reference import read_process
 from clepsydra.studies.file.request import StudyRequest
-from clepsydra.studies.file.scenario_reader import read_scenario
+from clepsydra.studies.file.scenario_reader import ScenarioTable, read_scenario
 
-STUDY_KEYS = ("process", "title", "seed", "scenario", "ranking", "controllers")
-RANKING_KEYS = ("scores",)
+RANKING = told.table(
+    {"scores": told.names('list of scores, each of all its signals or of one, `"iae[level]"`')},
+    ("scores",),
+)
+STUDY = told.table(
+    {
+        "process": told.text(
+            'a process of the catalogue, `"averaging-tank:inflow-constant"` with a variant, or the '
+            "path of a process file, from the folder of the study file"
+        ),
+        "title": told.text("one line for people"),
+        "seed": {
+            "description": "whole number: of the measurement noise and of searches",
+            "type": "integer",
+            "minimum": 0,
+        },
+        "scenario": {
+            "description": "table of what happens, see [Scenario](#scenario)",
+            **table_schema(ScenarioTable),
+        },
+        "ranking": {"description": "table of what counts, see [Ranking](#ranking)", **RANKING},
+        "controllers": told.by_name("a table for each controller", {"type": "object"}),
+    },
+    ("process",),
+)
+
+
+def study_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a study file, for editors.
+
+    Examples
+    --------
+    >>> study_schema()["properties"]["seed"]["type"]
+    'integer'
+    """
+    schema = "http://json-schema.org/draft-07/schema#"
+    found = {"$schema": schema, "title": "Clepsydra study file", **STUDY}
+    controllers = STUDY["properties"]["controllers"] | {"additionalProperties": controller_schema()}
+    return found | {"properties": STUDY["properties"] | {"controllers": controllers}}
 
 
 def read_study(path: str | Path, *, seed: int | None = None) -> StudyRequest:
@@ -69,7 +109,7 @@ def read_study(path: str | Path, *, seed: int | None = None) -> StudyRequest:
             "write one with clepsydra new --study NAME --process FILE, or give the process itself "
             "to clepsydra study, which then tries every design",
         )
-    general = TableReader(document, (), STUDY_KEYS)
+    general = TableReader(document, (), STUDY["properties"])
     process = read_process(general, path.parent)
     chosen = _seed(general) if seed is None else seed
     scores = _scores(general, process)
@@ -123,7 +163,7 @@ def _scores(general: TableReader, process: Process) -> tuple[str, ...]:
     """Return what the controllers are ranked by."""
     if not general.has("ranking"):
         return ()
-    table = general.table("ranking", "a table", "write [ranking]", RANKING_KEYS)
+    table = general.table("ranking", "a table", "write [ranking]", RANKING["properties"])
     remedy = 'write as in scores = ["iae", "total_variation"]'
     names = table.names("scores", "a list of scores", remedy)
     for name in names:

@@ -2,35 +2,99 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.base.suggestion import suggestion
 from clepsydra.base.words import time_text
 from clepsydra.linear.analysis import Analysis
 from clepsydra.loop.default_scenario import MOST_SAMPLES, add_noise, default_scenario
 from clepsydra.loop.duration import samples_before
 from clepsydra.loop.scenario import Scenario, Segment
+from clepsydra.process import told
+from clepsydra.process.declared import OWN, keys_of, part, read_fields, table_schema
+from clepsydra.process.known_names import known_name
 from clepsydra.process.process import Process
+from clepsydra.process.signal_values import check_in_range, read_value
 from clepsydra.process.table_reader import TableReader
-from clepsydra.studies.file.gains import check_in_range, read_value
 
-SCENARIO_KEYS = ("duration", "noise", "setpoint", "load")
-STEP_KEYS = ("signal", "at", "to", "by")
 _STEPS = "add a step, as in [[scenario.setpoint]], or leave [scenario] out for the usual one"
+_KINDS: tuple[Literal["setpoint", "load"], ...] = ("setpoint", "load")
 
 
 @dataclass(frozen=True)
-class _Step:
-    kind: Literal["setpoint", "load"]
+class Step:
+    """A step of a signal: at which sample, and to which value [SI] from the one before."""
+
     table: TableReader
-    signal: Signal
-    sample: int
+    kind: Literal["setpoint", "load"]
+    signal: Signal = part(
+        lambda table, key, known: _signal(table, known["kind"], known["process"]),
+        required=(OWN,),
+        **told.text("a controlled measurement, or a disturbance"),
+    )
+    sample: int = part(
+        lambda table, key, known: _sample(table, known["period"], known["samples"]),
+        {"at": told.text("when [s]; between two samples, at the later one")},
+        required=("at",),
+    )
+    value: Callable[[float], float] = part(
+        lambda table, key, known: partial(_value, table, known["signal"], known["kind"]),
+        {
+            "to": told.quantity("the value after the step"),
+            "by": told.quantity("the size of the step"),
+        },
+        checks=({"oneOf": [{"required": ["to"]}, {"required": ["by"]}]},),
+    )
+
+
+@dataclass(frozen=True)
+class ScenarioTable:
+    """What a study file says of its scenario.
+
+    Parameters
+    ----------
+    samples : int
+    quiet : int or None
+        The sample from which on there is noise and nothing else; None without such a time.
+    steps : list of Step
+        In order of time, all of them before the noise.
+    """
+
+    samples: int = part(
+        lambda table, key, known: _samples(table, known["period"]),
+        {"duration": told.text("its length [s]")},
+        required=("duration",),
+    )
+    quiet: int | None = part(
+        lambda table, key, known: _noise_begins(table, known["period"], known["samples"]),
+        {
+            "noise": {
+                "description": "`true`, `false`, or a time: then there is noise from that time on, "
+                "without steps, and it is judged how quiet a controller is. The noise of sensors "
+                "and flows is that of the process file, of a sensor without one 0.5 % of its range",
+                "type": ["boolean", "string"],
+            }
+        },
+    )
+    steps: list[Step] = part(
+        lambda table, key, known: _steps(table, known),
+        {
+            "setpoint": told.listed(
+                "list of steps of controlled measurements, each as `[[scenario.setpoint]]`",
+                table_schema(Step),
+            ),
+            "load": told.listed(
+                "list of steps of disturbances, each as `[[scenario.load]]`", table_schema(Step)
+            ),
+        },
+    )
 
 
 def read_scenario(general: TableReader, analysis: Analysis, seed: int) -> Scenario:
@@ -74,22 +138,11 @@ def read_scenario(general: TableReader, analysis: Analysis, seed: int) -> Scenar
     """
     if not general.has("scenario"):
         return default_scenario(analysis.model, seed)
-    table = general.table("scenario", "a table", "write [scenario]", SCENARIO_KEYS)
+    table = general.table("scenario", "a table", "write [scenario]", keys_of(ScenarioTable))
     process = analysis.operating_point.process
     period = process.sampling_period
-    duration = table.quantity(
-        "duration", "s", "a length of time", "say how long the scenario lasts", above=0.0
-    )
-    samples = samples_before(duration, period)
-    if samples > MOST_SAMPLES:
-        raise table.refused(
-            "duration",
-            table.written("duration"),
-            f"at most {time_text(MOST_SAMPLES * period, 4)}, {MOST_SAMPLES:,} sampling periods",
-            "shorten it, or lengthen the sampling period of the process",
-        )
-    quiet = _noise_begins(table, period, samples)
-    steps = _steps(table, process, samples if quiet is None else quiet)
+    known = ScenarioTable(**read_fields(ScenarioTable, table, process=process, period=period))
+    samples, quiet, steps = known.samples, known.quiet, known.steps
     at = analysis.operating_point.as_dict()
     setpoints = np.tile([at[name] for name in process.controlled], (samples, 1))
     disturbances = np.tile([at[signal.name] for signal in process.disturbances], (samples, 1))
@@ -103,7 +156,7 @@ def read_scenario(general: TableReader, analysis: Analysis, seed: int) -> Scenar
             place = [signal.name for signal in process.disturbances].index(step.signal.name)
             column = disturbances[:, place]
         before = float(column[step.sample])
-        value = _value(step, before)
+        value = step.value(before)
         column[step.sample :] = value
         start, stop = step.sample * period, end * period
         segments.append(Segment(step.kind, step.signal.name, start, stop, value - before))
@@ -112,6 +165,22 @@ def read_scenario(general: TableReader, analysis: Analysis, seed: int) -> Scenar
     if quiet is not None or table.flag("noise", default=True):
         add_noise(process, noise, disturbances, slice(quiet, None), seed)
     return Scenario(period, setpoints, disturbances, noise, tuple(segments), seed)
+
+
+def _samples(table: TableReader, period: float) -> int:
+    """Return how many samples a scenario has."""
+    duration = table.quantity(
+        "duration", "s", "a length of time", "say how long the scenario lasts", above=0.0
+    )
+    samples = samples_before(duration, period)
+    if samples > MOST_SAMPLES:
+        raise table.refused(
+            "duration",
+            table.written("duration"),
+            f"at most {time_text(MOST_SAMPLES * period, 4)}, {MOST_SAMPLES:,} sampling periods",
+            "shorten it, or lengthen the sampling period of the process",
+        )
+    return samples
 
 
 def _noise_begins(table: TableReader, period: float, samples: int) -> int | None:
@@ -131,21 +200,17 @@ def _noise_begins(table: TableReader, period: float, samples: int) -> int | None
     return sample
 
 
-def _steps(table: TableReader, process: Process, samples: int) -> list[_Step]:
-    """Return the steps in order of time, all of them before the sample `samples`."""
-    controlled = [process.signal(name) for name in process.controlled]
-    steps = []
-    kinds: tuple[tuple[Literal["setpoint", "load"], list[Signal], str], ...] = (
-        ("setpoint", controlled, "a controlled measurement"),
-        ("load", list(process.disturbances), "a disturbance"),
-    )
-    for kind, known, words in kinds:
-        rows = table.tables(
-            kind, "a list of steps", f"write each as [[scenario.{kind}]]", STEP_KEYS
+def _steps(table: TableReader, known: Mapping[str, Any]) -> list[Step]:
+    """Return the steps in order of time, all of them before the noise."""
+    last = known["samples"] if known["quiet"] is None else known["quiet"]
+    context = {"process": known["process"], "period": known["period"], "samples": last}
+    steps = [
+        Step(row, kind, **read_fields(Step, row, kind=kind, **context))
+        for kind in _KINDS
+        for row in table.tables(
+            kind, "a list of steps", f"write each as [[scenario.{kind}]]", keys_of(Step)
         )
-        for row in rows:
-            signal = _signal(row, known, words, process)
-            steps.append(_Step(kind, row, signal, _sample(row, process.sampling_period, samples)))
+    ]
     if not steps:
         raise InputError(table.place(), "no step", "at least one step", _STEPS)
     steps.sort(key=lambda step: step.sample)
@@ -161,18 +226,14 @@ def _steps(table: TableReader, process: Process, samples: int) -> list[_Step]:
     return steps
 
 
-def _signal(row: TableReader, known: list[Signal], words: str, process: Process) -> Signal:
-    by_name = {signal.name: signal for signal in known}
+def _signal(row: TableReader, kind: str, process: Process) -> Signal:
+    words = "a controlled measurement" if kind == "setpoint" else "a disturbance"
+    signals = process.disturbances
+    if kind == "setpoint":
+        signals = tuple(process.signal(name) for name in process.controlled)
+    by_name = {signal.name: signal for signal in signals}
     name = row.name("signal", f"the name of {words}")
-    if name in by_name:
-        return by_name[name]
-    names = ", ".join(by_name) or "none"
-    raise row.refused(
-        "signal",
-        name[:60],
-        f"{words} of {process.name} ({names})",
-        suggestion(name, by_name, "choose one of them"),
-    )
+    return by_name[known_name(row, "signal", name, by_name, f"{words} of {process.name}")]
 
 
 def _sample(row: TableReader, period: float, samples: int) -> int:
@@ -188,9 +249,8 @@ def _sample(row: TableReader, period: float, samples: int) -> int:
     return sample
 
 
-def _value(step: _Step, before: float) -> float:
+def _value(table: TableReader, signal: Signal, kind: str, before: float) -> float:
     """Return the value after a step [SI]."""
-    table, signal = step.table, step.signal
     if table.has("to") == table.has("by"):
         raise table.refused(
             "by" if table.has("by") else "to",
@@ -206,7 +266,7 @@ def _value(step: _Step, before: float) -> float:
             table, "by", signal, "a change", "give the size of the step", change=True
         )
         value, key = before + change, "by"
-    check_in_range(table, key, signal, value, "a setpoint" if step.kind == "setpoint" else "a load")
+    check_in_range(table, key, signal, value, "a setpoint" if kind == "setpoint" else "a load")
     if value == before:
         raise table.refused(
             key, table.written(key), f"a change of {signal.name}", "let it step, or leave it out"

@@ -14,12 +14,11 @@ from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.controllers.structure.ratio_block import RatioBlock
 from clepsydra.controllers.structure.selector_block import SelectorBlock
 from clepsydra.controllers.structure.split_range_block import Leg, SplitRangeBlock
-from clepsydra.designs.gain_units import has_range
 from clepsydra.designs.loops.words import gain
 from clepsydra.designs.request import in_shown_unit
+from clepsydra.process.joined_unit import BESIDE
 from clepsydra.process.table_reader import TableReader
 from clepsydra.program.step_law import StepLaw
-from clepsydra.studies.file.gains import check_in_range, read_gain, read_rate, read_value
 from clepsydra.studies.file.law_range import check_law_range
 from clepsydra.studies.file.pid_table import PidTable
 from clepsydra.studies.file.scheme_parts import Feedforward, Loop, Ratio, SchemeParts, Split
@@ -72,7 +71,7 @@ class SchemeBlocks:
         for loop in parts.loops:
             self._add_loop(loop)
         for selector in parts.selectors:
-            name = f"selector {selector.name}"
+            name = selector.label
             self.blocks.append(SelectorBlock(name, self._ports(name), selector.selection))
         for split in parts.splits:
             self._add_split(split)
@@ -117,9 +116,7 @@ class SchemeBlocks:
         """
         free = [loop for loop in self.parts.loops if self.wiring.outer(loop) is None]
         found = {loop.measurement.name: loop.measurement for loop in free if loop.setpoint is None}
-        for loop in free:
-            if loop.setpoint is None:
-                continue
+        for loop in (each for each in free if each.setpoint is not None):
             if loop.name in found:
                 raise self.parts.table.refused(
                     "loops",
@@ -137,23 +134,19 @@ class SchemeBlocks:
 
     def _port(self, way: Way) -> str:
         if way.source.startswith("split "):
-            return f"{way.source}, {self.wiring.moved_by(way.source, way.part).name}"
+            return f"{way.source}, {self.wiring.signal_at(way.target).name}"
         if way.source in self.wiring.feedforward:
             return _with_feedforward(way.source)
         return way.source
 
     def _add_loop(self, loop: Loop) -> None:
-        name, wiring = f"loop {loop.name}", self.wiring
-        moved = wiring.moved_by(name)
-        outer = wiring.sources(name)
-        way = next(each for each in wiring.ways if each.source == name)
-        output = way.target.removeprefix("output ")
-        straight = output != way.target and name not in wiring.feedforward
-        setpoint = path(loop.measurement if loop.setpoint is None else loop.name, "sp")
+        name, wiring = loop.label, self.wiring
+        (way,) = (each for each in wiring.ways if each.source == name)
+        outer = self._ports(name)
+        own = path(loop.measurement if loop.setpoint is None else loop.name, "sp")
         if loop.setpoint is not None:
-            self.fixed[setpoint] = loop.setpoint
+            self.fixed[own] = loop.setpoint
         if outer:
-            setpoint = self._port(outer[0])
             self.follows[path(loop.name, "local_setpoint")] = loop.measurement.name
             self.fixed[path(loop.name, "setpoint_source")] = 1.0
         if loop.form.remote_setpoint:
@@ -164,52 +157,39 @@ class SchemeBlocks:
             loop.name,
             loop.form,
             loop.measurement,
-            moved,
-            setpoint,
+            wiring.signal_at(way.target),
+            outer[0] if outer else own,
             inner=bool(outer),
-            direct=straight,
+            direct=way.target.startswith("output ") and name not in wiring.feedforward,
         )
         self.blocks.append(block)
-        read = PidTable(loop.table, block)
+        read = PidTable(loop.settings, block)
         self.values |= read.values
         self.places |= read.places | {name: loop.table.place("anti_windup")}
         self.assumed += [f"{loop.name}.{each}" for each in read.assumed]
         self.words.append(_words(loop, block, read.values))
 
     def _add_split(self, split: Split) -> None:
-        name = f"split {split.name}"
         legs = []
-        for place, part in enumerate(split.parts):
-            moved = self.wiring.moved_by(name, place)
-            ends = []
-            for key in ("at_from", "at_to"):
-                value = read_value(part.table, key, moved, "a value", f"give {moved.name} there")
-                check_in_range(part.table, key, moved, value, "a value")
-                ends.append(value)
-            owner = path(split.name, moved.name)
-            legs.append(Leg(owner, moved, part.start, part.end, *ends))
-        self.blocks.append(SplitRangeBlock(name, self._ports(name)[0], tuple(legs)))
+        signals = self.wiring.moved_by(split.label)
+        for moved, leg in zip(signals, split.legs, strict=True):
+            ends = leg.at_from(moved), leg.at_to(moved)
+            legs.append(Leg(path(split.name, moved.name), moved, *leg.span, *ends))
+        self.blocks.append(SplitRangeBlock(split.label, self._ports(split.label)[0], tuple(legs)))
 
     def _add_ratio(self, ratio: Ratio) -> None:
-        name = f"ratio {ratio.name}"
-        moved, sources = self.wiring.moved_by(name), self._ports(name)
-        source = sources[0] if sources else None
-        self.blocks.append(RatioBlock(name, ratio.name, ratio.wild, moved, source))
+        (moved,) = self.wiring.moved_by(ratio.label)
+        source = next(iter(self._ports(ratio.label)), None)
+        self.blocks.append(RatioBlock(ratio.label, ratio.name, ratio.wild, moved, source))
         for key in ("ratio",) if source is None else ("lowest_ratio", "highest_ratio"):
-            self._put(
-                path(ratio.name, key),
-                read_gain(
-                    ratio.table, key, moved, ratio.wild,
-                    expected="a ratio", remedy="give what is moved per measurement",
-                ),
-                ratio.table, key,
-            )  # fmt: skip
+            value = getattr(ratio, key)(moved, ratio.wild)
+            self._put(path(ratio.name, key), value, ratio.table, key)
 
     def _add_feedforward(self, target: str, added: list[Feedforward]) -> None:
-        moved = self.wiring.moved_by(target)
+        (moved,) = self.wiring.moved_by(target)
         terms = [
             FeedforwardTerm(
-                _owner(each), moved, each.signal, measured=True, dynamic=_is_dynamic(each.table)
+                _owner(each), moved, each.signal, measured=True, dynamic=each.lead is not None
             )
             for each in added
         ]
@@ -219,39 +199,26 @@ class SchemeBlocks:
             self._add_term(each, moved)
 
     def _add_term(self, term: Feedforward, moved: Signal) -> None:
-        table, owner = term.table, _owner(term)
-        value = read_gain(
-            table, "gain", moved, term.signal,
-            expected="a gain", remedy=f"give the change of {moved.name} per {term.signal.name}",
-        )  # fmt: skip
-        self._put(path(owner, "gain"), value, table, "gain")
-        if _is_dynamic(table):
-            for key in ("lead", "lag"):
-                time = table.quantity(
-                    key, "s", "a time", "give both lead and lag, or neither", at_least=0.0
-                )
-                self._put(path(owner, key), time, table, key)
-        reference = path(owner, "reference")
-        if table.has("reference"):
-            value = read_value(
-                table, "reference", term.signal, "a value", "leave it out for the operating point"
-            )
-            check_in_range(table, "reference", term.signal, value, "a reference")
-            self._put(reference, value, table, "reference")
+        found = {"gain": term.gain(moved, term.signal)}
+        if term.lead is not None and term.lag is not None:
+            found |= {"lead": term.lead, "lag": term.lag}
+        if term.reference is not None:
+            found["reference"] = term.reference(term.signal)
         else:
-            self.at_point[reference] = term.signal.name
+            self.at_point[path(_owner(term), "reference")] = term.signal.name
+        for key, value in found.items():
+            self._put(path(_owner(term), key), value, term.table, key)
 
     def _add_output(self, signal: Signal) -> None:
-        table = self.parts.outputs.get(signal.name)
-        limited = table is not None and table.has("rate_limit")
+        written = self.parts.outputs.get(signal.name)
+        limited = written is not None and written.rate_limit is not None
         self.blocks.append(OutputBlock(signal, self._ports(f"output {signal.name}")[0], limited))
-        if table is None:
+        if written is None:
             return
-        ends = {"low": signal.low, "high": signal.high}
-        for key in ends:
-            if table.has(key):
-                ends[key] = read_value(table, key, signal, "a limit", "leave it out for the range")
-                check_in_range(table, key, signal, ends[key], "a limit")
+        table, ends = written.table, {"low": signal.low, "high": signal.high}
+        for key, limit in (("low", written.low), ("high", written.high)):
+            if limit is not None:
+                ends[key] = limit(signal)
                 self._put(path(signal, f"{key}_limit"), ends[key], table, key)
         if not ends["low"] < ends["high"]:
             key, side, other = (
@@ -264,9 +231,8 @@ class SchemeBlocks:
                 f"a limit of {signal.name} {side} {end}, {in_shown_unit(signal, ends[other])}",
                 "exchange the two or widen them",
             )
-        if limited:
-            rate = read_rate(table, "rate_limit", signal, "a rate of change", "give the fastest")
-            self._put(path(signal, "rate_limit"), rate, table, "rate_limit")
+        if written.rate_limit is not None:
+            self._put(path(signal, "rate_limit"), written.rate_limit(signal), table, "rate_limit")
 
     def _put(self, parameter: str, value: float, table: TableReader, key: str) -> None:
         (signal,) = (each for each in self.blocks[-1].parameters() if each.name == parameter)
@@ -284,30 +250,24 @@ def _owner(term: Feedforward) -> str:
     return path("feedforward", term.name)
 
 
-def _is_dynamic(table: TableReader) -> bool:
-    return table.has("lead") or table.has("lag")
-
-
 def _words(loop: Loop, block: PidBlock, values: dict[str, float]) -> str:
     """Return what a loop does as a phrase."""
-    form, signals = loop.form, (block.measurement, block.moved)
+    form, signals, ((_, output),) = loop.form, (block.measurement, block.moved), loop.moves
     units = [signal.shown_unit for signal in signals]
     said = []
     for name, (key, time) in zip(("K", "Ki", "Kd"), GAINS.items(), strict=True):
         value = values.get(path(loop.name, key))
         if value is None:
             continue
-        if all(map(has_range, signals)):
-            said.append(f"{name} = {gain(value, *signals)}{time}")
+        if all(signal.has_range for signal in signals):
+            said.append(f"{name} = {gain(value, *signals)}{BESIDE[time]}")
         else:
             shown = value * from_si(1.0, block.moved.unit, units[1])
             shown /= from_si(1.0, block.measurement.unit, units[0])
-            said.append(f"{name} = {shown:.3g} ({units[1]})/({units[0]}){time}")
+            said.append(f"{name} = {shown:.3g} ({units[1]})/({units[0]}){BESIDE[time]}")
     for name, key in (("Ti", "integral_time"), ("Td", "derivative_time")):
         if (parameter := path(loop.name, key)) in values:
             said.append(f"{name} = {time_text(values[parameter])}")
     if loop.setpoint is not None:
         said.append(f"setpoint {in_shown_unit(loop.measurement, loop.setpoint)}")
-    return (
-        f"{loop.name}: {loop.measurement.name} by {loop.output}, {form.actions}, {', '.join(said)}"
-    )
+    return f"{loop.name}: {loop.measurement.name} by {output}, {form.actions}, {', '.join(said)}"

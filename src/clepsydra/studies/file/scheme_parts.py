@@ -2,136 +2,212 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any, NamedTuple, get_args
 
+from clepsydra.base.quantity import quantity
 from clepsydra.base.signal import Signal
-from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.selector_block import Selection
+from clepsydra.process import told
+from clepsydra.process.declared import OWN, filled, keys_of, part, read_fields, table_schema
 from clepsydra.process.process import Process
+from clepsydra.process.signal_values import read_in_range, read_rate
 from clepsydra.process.table_reader import TableReader, checked_name
-from clepsydra.studies.file.gains import check_in_range, read_value
-from clepsydra.studies.file.pid_table import LOOP_KEYS, read_form
+from clepsydra.studies.file.fields import Gain, Value, gain_between, moved, sensor, value_in_range
+from clepsydra.studies.file.pid_table import SETTINGS, read_form
 
-SELECTOR_KEYS = ("select", "output")
-SPLIT_KEYS = ("parts",)
-PART_KEYS = ("output", "from", "to", "at_from", "at_to")
-RATIO_KEYS = ("measurement", "ratio", "lowest_ratio", "highest_ratio", "output")
-FEEDFORWARD_KEYS = ("measurement", "to", "gain", "lead", "lag", "reference")
-OUTPUT_KEYS = ("low", "high", "rate_limit")
+_PART = "its part of the range"
+_THERE = "values of what it moves, there and beyond"
+_ENDS = "give the ends between which the loop may trim it"
+_TRIMMED = "where a loop has the ratio as its `output`: between which values it may trim it"
+
+
+def _lag(beside: str) -> Any:
+    """Return the field of a time that has a meaning only beside another one."""
+    return quantity(
+        "s",
+        "a time",
+        at_least=0.0,
+        needs=beside,
+        required=True,
+        remedy="give both lead and lag, or neither",
+    )
 
 
 @dataclass(frozen=True)
-class Loop:
-    """A PID loop.
+class Part:
+    """A part of a scheme that moves something.
 
     Parameters
     ----------
     table : TableReader
+        Where it was written.
     name : str
-    form : PidForm
-    measurement : Signal
-    setpoint : float or None
-        A fixed one [measurement unit]; None for the operator's, or another loop's.
-    output : str
-        As written.
+    moves : tuple of (TableReader, str)
+        What it moves, and the table in which that was written as `output`; a split range moves
+        several.
 
     Examples
     --------
-    See `clepsydra.studies.file.scheme.read_scheme`.
+    >>> Selector(None, "lowest", (), "low").label
+    'selector lowest'
     """
 
     table: TableReader
     name: str
-    form: PidForm
-    measurement: Signal
-    setpoint: float | None
-    output: str
+    moves: tuple[tuple[TableReader, str], ...] = moved()
+
+    @property
+    def kind(self) -> str:
+        """What it is: loop, selector, split or ratio."""
+        return type(self).__name__.lower()
+
+    @property
+    def label(self) -> str:
+        """What its block is called."""
+        return f"{self.kind} {self.name}"
 
 
 @dataclass(frozen=True)
-class Selector:
-    """The lowest or highest of what several loops ask for.
+class Loop(Part):
+    """A PID loop; a fixed setpoint [measurement unit] is None for the operator's or a loop's."""
 
-    Examples
-    --------
-    See `clepsydra.studies.file.scheme.read_scheme`.
-    """
-
-    table: TableReader
-    name: str
-    selection: Selection
-    output: str
-
-
-@dataclass(frozen=True)
-class SplitPart:
-    """One actuator of a split range; from and to in percent, 0 to 100.
-
-    Examples
-    --------
-    See `clepsydra.studies.file.scheme.read_scheme`.
-    """
-
-    table: TableReader
-    output: str
-    start: float
-    end: float
+    moves: tuple[tuple[TableReader, str], ...] = moved(
+        "what it moves: a manipulated variable, a selector, split range or ratio by its name, or "
+        'the setpoint of another loop, `"flow.setpoint"`'
+    )
+    form: PidForm = part(
+        lambda table, key, known: read_form(table),
+        table_schema(PidForm)["properties"],
+        required=("actions",),
+    )
+    measurement: Signal = sensor("the sensor that it reads")
+    setpoint: float | None = part(
+        lambda table, key, known: _setpoint(table, known["measurement"], known["form"]),
+        **told.quantity('`"operator"`, or a fixed value'),
+    )
+    settings: TableReader = part(
+        lambda table, key, known: table, SETTINGS, required=("action", "gain")
+    )
 
 
 @dataclass(frozen=True)
-class Split:
-    """A split range.
+class Selector(Part):
+    """The lowest or highest of what several loops ask for."""
 
-    Examples
-    --------
-    See `clepsydra.studies.file.scheme.read_scheme`.
-    """
-
-    table: TableReader
-    name: str
-    parts: tuple[SplitPart, ...]
+    selection: Selection = part(
+        lambda table, key, known: _selection(table),
+        {"select": told.choice('`"low"` or `"high"`', get_args(Selection))},
+        required=("select",),
+    )
 
 
 @dataclass(frozen=True)
-class Ratio:
-    """A flow in proportion to a wild one.
+class Leg:
+    """A part of a split range: start and end [1], and what it moves has which values there."""
 
-    Examples
-    --------
-    See `clepsydra.studies.file.scheme.read_scheme`.
-    """
+    moves: tuple[tuple[TableReader, str], ...] = moved()
+    span: tuple[float, float] = part(
+        lambda table, key, known: _span(table),
+        {"from": told.quantity(_PART), "to": told.quantity(_PART)},
+        required=("from", "to"),
+    )
+    at_from: Value = value_in_range(
+        _THERE, "a value", "give {signal} there", key="at_from", required=True
+    )
+    at_to: Value = value_in_range(
+        _THERE, "a value", "give {signal} there", key="at_to", required=True
+    )
 
-    table: TableReader
-    name: str
-    wild: Signal
-    output: str
+
+class _Legs(NamedTuple):
+    """What the parts of a split range move, and the parts, by the fields that they fill."""
+
+    moves: tuple[tuple[TableReader, str], ...]
+    legs: tuple[Leg, ...]
+
+
+@dataclass(frozen=True)
+class Split(Part):
+    """A split range of several parts; start and end of each in percent, 0 to 100."""
+
+    moves: tuple[tuple[TableReader, str], ...] = part(
+        lambda table, key, known: _legs(table, known["process"]),
+        {
+            "parts": told.listed(
+                "list of two or more parts that do not overlap", table_schema(Leg), least=2
+            )
+        },
+        fills=True,
+        required=("parts",),
+    )
+    legs: tuple[Leg, ...] = filled()
+
+
+@dataclass(frozen=True)
+class Ratio(Part):
+    """A flow in proportion to a wild one."""
+
+    moves: tuple[tuple[TableReader, str], ...] = moved("what follows it, as of a loop")
+    wild: Signal = sensor("the sensor of the wild flow")
+    ratio: Gain = gain_between(
+        "what is moved per measurement, as a gain", "a ratio", "give what is moved per measurement"
+    )
+    lowest_ratio: Gain = gain_between(_TRIMMED, "a ratio", _ENDS)
+    highest_ratio: Gain = gain_between(_TRIMMED, "a ratio", _ENDS)
 
 
 @dataclass(frozen=True)
 class Feedforward:
-    """What a measurement adds to what another part asks for.
-
-    Examples
-    --------
-    See `clepsydra.studies.file.scheme.read_scheme`.
-    """
+    """What a measurement adds to what another part asks for; lead and lag [s] or None."""
 
     table: TableReader
     name: str
-    signal: Signal
-    to: str
+    signal: Signal = sensor("the sensor of the disturbance")
+    to: str = part(
+        lambda table, key, known: _target(table, known["targets"]),
+        required=(OWN,),
+        **told.text("the loop, selector or ratio that it adds to"),
+    )
+    gain: Gain = gain_between(
+        "with its sign", "a gain", "give the change of {moved} per {measured}", required=True
+    )
+    lead: float | None = _lag(beside="lag")
+    lag: float | None = _lag(beside="lead")
+    reference: Value | None = value_in_range(
+        "where it adds nothing", "a reference", "leave it out for the operating point"
+    )
+
+
+@dataclass(frozen=True)
+class Output:
+    """What narrows a manipulated variable."""
+
+    table: TableReader
+    low: Value | None = value_in_range("limits", "a limit", "leave it out for the range")
+    high: Value | None = value_in_range("limits", "a limit", "leave it out for the range")
+    rate_limit: Value | None = part(
+        lambda table, key, known: _rate_limit(table, key),
+        **told.text('fastest change, `"10 %/min"`'),
+    )
+
+
+#: The tables of a scheme, by the key of each: their names are one's own.
+PARTS: dict[str, type] = {
+    "loops": Loop,
+    "selectors": Selector,
+    "split_ranges": Split,
+    "ratios": Ratio,
+    "feedforward": Feedforward,
+    "outputs": Output,
+}
 
 
 @dataclass(frozen=True)
 class SchemeParts:
-    """Everything that a scheme is made of.
-
-    Examples
-    --------
-    See `clepsydra.studies.file.scheme.read_scheme`.
-    """
+    """Everything that a scheme is made of."""
 
     table: TableReader
     process: Process
@@ -140,7 +216,7 @@ class SchemeParts:
     splits: tuple[Split, ...]
     ratios: tuple[Ratio, ...]
     feedforwards: tuple[Feedforward, ...]
-    outputs: dict[str, TableReader]
+    outputs: dict[str, Output]
 
 
 def read_parts(table: TableReader, process: Process) -> SchemeParts:
@@ -155,62 +231,42 @@ def read_parts(table: TableReader, process: Process) -> SchemeParts:
     --------
     See `clepsydra.studies.file.scheme.read_scheme`.
     """
+    adding = [key for key in ("loops", "selectors", "ratios") if table.has(key)]
+    targets = [name for key in adding for name, _ in _rows(table, key)]
+
+    def parts(key: str) -> tuple[Any, ...]:
+        kind = PARTS[key]
+        return tuple(
+            kind(row, name, **read_fields(kind, row, process=process, targets=targets))
+            for name, row in _rows(table, key)
+        )
+
     return SchemeParts(
-        table=table,
-        process=process,
-        loops=tuple(_loop(row, name, process) for name, row in _rows(table, "loops", LOOP_KEYS)),
-        selectors=tuple(
-            _selector(row, name, process) for name, row in _rows(table, "selectors", SELECTOR_KEYS)
-        ),
-        splits=tuple(
-            _split(row, name, process) for name, row in _rows(table, "split_ranges", SPLIT_KEYS)
-        ),
-        ratios=tuple(
-            Ratio(row, name, _measurement(row, process), _output(row, process))
-            for name, row in _rows(table, "ratios", RATIO_KEYS)
-        ),
-        feedforwards=tuple(
-            Feedforward(row, name, _measurement(row, process), _adds_to(row, table))
-            for name, row in _rows(table, "feedforward", FEEDFORWARD_KEYS)
-        ),
+        table,
+        process,
+        loops=parts("loops"),
+        selectors=parts("selectors"),
+        splits=parts("split_ranges"),
+        ratios=parts("ratios"),
+        feedforwards=parts("feedforward"),
         outputs=_outputs(table, process),
     )
 
 
-def _rows(table: TableReader, key: str, keys: Iterable[str]) -> list[tuple[str, TableReader]]:
-    """Return the tables below a key by name."""
-    if not table.has(key):
-        return []
-    expected, remedy = "tables with a name each", f"write as in {table_name(key)}"
-    rows = table.table(key, expected, remedy)
-    found = []
-    for name in rows.present:
-        checked_name(name, rows.place(name))
-        found.append((name, rows.table(name, "a table", remedy, keys)))
-    return found
+def _rows(table: TableReader, key: str) -> Iterator[tuple[str, TableReader]]:
+    """Yield the tables below a key by name."""
+    if table.has(key):
+        remedy = f"write as in [controllers.NAME.{key}.NAME]"
+        rows = table.table(key, "tables with a name each", remedy)
+        for name in rows.present:
+            checked_name(name, rows.place(name))
+            yield name, rows.table(name, "a table", remedy, keys_of(PARTS[key]))
 
 
-def table_name(key: str) -> str:
-    """Return how the tables below a key are written.
-
-    Examples
-    --------
-    >>> table_name("loops")
-    '[controllers.NAME.loops.NAME]'
-    """
-    return f"[controllers.NAME.{key}.NAME]"
-
-
-def _loop(table: TableReader, name: str, process: Process) -> Loop:
-    form = read_form(table)
-    measurement = _measurement(table, process)
-    return Loop(
-        table,
-        name,
-        form,
-        measurement,
-        _setpoint(table, measurement, form),
-        _output(table, process),
+def _target(table: TableReader, targets: Sequence[str]) -> str:
+    expected = f"the loop, selector or ratio that it adds to ({', '.join(targets) or 'none here'})"
+    return table.text(
+        "to", expected, f'write as in to = "{targets[0]}"' if targets else "add a loop"
     )
 
 
@@ -219,8 +275,7 @@ def _setpoint(table: TableReader, measurement: Signal, form: PidForm) -> float |
     if not table.has("setpoint") or table.raw("setpoint") == "operator":
         return None
     remedy = 'leave it out where the operator gives it, or write a value, as in setpoint = "60 %"'
-    value = read_value(table, "setpoint", measurement, "a fixed setpoint", remedy)
-    check_in_range(table, "setpoint", measurement, value, "a setpoint")
+    value = read_in_range(table, "setpoint", measurement, "a setpoint", remedy)
     if form.remote_setpoint:
         raise table.refused(
             "remote_setpoint", "true", "no fixed setpoint beside it", "leave one of the two out"
@@ -228,88 +283,69 @@ def _setpoint(table: TableReader, measurement: Signal, form: PidForm) -> float |
     return value
 
 
-def _selector(table: TableReader, name: str, process: Process) -> Selector:
+def _selection(table: TableReader) -> Selection:
     if not table.has("select"):
         raise table.refused("select", "no select", "low or high", 'write as in select = "low"')
-    lowest = table.choice("select", ("low", "high"), "low") == "low"
-    return Selector(table, name, "low" if lowest else "high", _output(table, process))
+    return "low" if table.choice("select", get_args(Selection), "low") == "low" else "high"
 
 
-def _split(table: TableReader, name: str, process: Process) -> Split:
+def _legs(table: TableReader, process: Process) -> _Legs:
     remedy = (
         'write as in parts = [{ output = "inlet", from = "0 %", to = "50 %", '
         'at_from = "100 %", at_to = "0 %" }, …]'
     )
-    rows = table.tables("parts", "a list of two or more parts of the range", remedy, PART_KEYS)
+    expected = "a list of two or more parts of the range"
+    rows = table.tables("parts", expected, remedy, keys_of(Leg))
     if len(rows) < 2:
         raise table.refused(
             "parts", len(rows), "two or more parts of the range, one for each actuator", remedy
         )
-    parts: list[SplitPart] = []
+    legs: list[Leg] = []
     for row in rows:
-        start, end = (
-            100.0
-            * row.quantity(
-                key, "1", "a share of the range", 'give it from "0 %" to "100 %"',
-                at_least=0.0, at_most=1.0,
-            )
-            for key in ("from", "to")
-        )  # fmt: skip
-        if not start < end:
-            raise row.refused(
-                "to", row.written("to"), "the end of the part above its start", "exchange them"
-            )
-        for other in parts:
-            if start < other.end and other.start < end:
+        leg = Leg(**read_fields(Leg, row, process=process))
+        start, end = leg.span
+        for other in legs:
+            low, high = other.span
+            if start < high and low < end:
                 raise row.refused(
                     "from",
                     row.written("from"),
-                    f"a part that does not overlap that of {other.output}, "
-                    f"{other.start:g} to {other.end:g} %",
+                    f"a part that does not overlap that of {other.moves[0][1]}, "
+                    f"{low:g} to {high:g} %",
                     "let one begin where the other ends",
                 )
-        parts.append(SplitPart(row, _output(row, process), start, end))
-    return Split(table, name, tuple(parts))
+        legs.append(leg)
+    return _Legs(tuple(move for leg in legs for move in leg.moves), tuple(legs))
 
 
-def _outputs(table: TableReader, process: Process) -> dict[str, TableReader]:
+def _span(table: TableReader) -> tuple[float, float]:
+    """Return start and end of a part [%]."""
+    remedy = 'give it from "0 %" to "100 %"'
+    start, end = (
+        100.0 * table.quantity(key, "1", "a share of the range", remedy, at_least=0.0, at_most=1.0)
+        for key in ("from", "to")
+    )
+    if not start < end:
+        raise table.refused(
+            "to", table.written("to"), "the end of the part above its start", "exchange them"
+        )
+    return start, end
+
+
+def _rate_limit(table: TableReader, key: str) -> Value | None:
+    if not table.has(key):
+        return None
+    return lambda signal: read_rate(table, key, signal, "a rate of change", "give the fastest")
+
+
+def _outputs(table: TableReader, process: Process) -> dict[str, Output]:
     if not table.has("outputs"):
         return {}
     known = [signal.name for signal in process.inputs]
-    rows = table.table(
-        "outputs", "tables of manipulated variables", f"write {table_name('outputs')}", known
-    )
-    return {
-        name: rows.table(name, "a table", "write its keys", OUTPUT_KEYS) for name in rows.present
+    remedy = "write [controllers.NAME.outputs.NAME]"
+    rows = table.table("outputs", "tables of manipulated variables", remedy, known)
+    found = {
+        name: rows.table(name, "a table", "write its keys", keys_of(Output))
+        for name in rows.present
     }
-
-
-def _measurement(table: TableReader, process: Process) -> Signal:
-    known = {signal.name: signal for signal in process.measurements}
-    remedy = f'write as in measurement = "{next(iter(known))}"'
-    name = table.text("measurement", "the sensor that it reads", remedy)
-    if name not in known:
-        raise table.refused(
-            "measurement",
-            name[:60],
-            f"a sensor of {process.name} ({', '.join(known)})",
-            suggestion(name, known, "choose one of them"),
-        )
-    return known[name]
-
-
-def _output(table: TableReader, process: Process) -> str:
-    remedy = f'write the name of one, as in output = "{process.inputs[0].name}"'
-    return table.text("output", "what it moves", remedy)
-
-
-def _adds_to(table: TableReader, parts: TableReader) -> str:
-    """Return the loop, selector or ratio that a feedforward adds to."""
-    names = [
-        name
-        for key in ("loops", "selectors", "ratios")
-        if parts.has(key)
-        for name in parts.table(key, "tables with a name each", f"write {table_name(key)}").present
-    ]
-    words = f"the loop, selector or ratio that it adds to ({', '.join(names) or 'none here'})"
-    return table.text("to", words, f'write as in to = "{names[0]}"' if names else "add a loop")
+    return {name: Output(row, **read_fields(Output, row)) for name, row in found.items()}

@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.base.suggestion import suggestion
+from clepsydra.controllers.structure.order import in_order
+from clepsydra.process.errors_at import errors_at
+from clepsydra.process.joined_unit import unit_of_gain
+from clepsydra.process.known_names import known_name
 from clepsydra.process.table_reader import TableReader
-from clepsydra.studies.file.gains import read_gain
-from clepsydra.studies.file.joined_unit import unit_of_gain
 from clepsydra.studies.file.scheme_parts import (
     Feedforward,
     Loop,
+    Part,
     Ratio,
     SchemeParts,
     Selector,
     Split,
 )
-
-_SETPOINT = ".setpoint"
 
 
 class Way(NamedTuple):
@@ -30,31 +30,34 @@ class Way(NamedTuple):
     ----------
     source, target : str
         "loop level", "selector lowest", "split inlets", "ratio acid" or "output outflow".
-    table, key : TableReader, str
-        Where it was written.
-    part : int
-        Of a split range, from 0.
+    table : TableReader
+        Where it was written, as `output`.
 
     Examples
     --------
-    >>> Way("loop level", "output outflow", None, "output").part
-    0
+    >>> Way("loop level", "output outflow", None).target
+    'output outflow'
     """
 
     source: str
     target: str
     table: TableReader
-    key: str
-    part: int = 0
 
 
-@dataclass
 class Wiring:
     """The ways of all signals of a scheme, checked.
 
     Parameters
     ----------
     parts : SchemeParts
+
+    Attributes
+    ----------
+    ways : list of Way
+    outputs : list of str
+        The manipulated variables that the scheme moves, in the order of the process.
+    feedforward : dict
+        Part to the terms that are added to it.
 
     Raises
     ------
@@ -68,32 +71,27 @@ class Wiring:
     See `clepsydra.studies.file.scheme.read_scheme`.
     """
 
-    parts: SchemeParts
-    ways: list[Way] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        self._by_name = {
-            **{f"loop {loop.name}": loop for loop in self.parts.loops},
-            **{f"selector {each.name}": each for each in self.parts.selectors},
-            **{f"split {each.name}": each for each in self.parts.splits},
-            **{f"ratio {each.name}": each for each in self.parts.ratios},
-        }
+    def __init__(self, parts: SchemeParts) -> None:
+        self.parts = parts
+        moving = (*parts.loops, *parts.selectors, *parts.ratios, *parts.splits)
+        self._by_label: dict[str, Part] = {part.label: part for part in moving}
         self._check_names()
-        self.ways = list(self._written())
+        self.ways = [
+            Way(part.label, self._target(table, written), table)
+            for part in moving
+            for table, written in part.moves
+        ]
         self._check_taken_once()
         self._check_circles()
-        self._check_sources()
+        for part in moving:
+            self._check_sources(part)
         self.feedforward = self._feedforward()
+        moved = {way.target for way in self.ways}
+        self.outputs = [u.name for u in parts.process.inputs if f"output {u.name}" in moved]
         if not self.outputs:
-            raise self.parts.table.refused(
+            raise parts.table.refused(
                 "outputs", "nothing", "a loop that moves a manipulated variable", "add one"
             )
-
-    @property
-    def outputs(self) -> list[str]:
-        """The manipulated variables that the scheme moves, in the order of the process."""
-        moved = {way.target for way in self.ways}
-        return [u.name for u in self.parts.process.inputs if f"output {u.name}" in moved]
 
     def sources(self, target: str) -> list[Way]:
         """Return the ways that lead to a part or an output."""
@@ -101,36 +99,27 @@ class Wiring:
 
     def outer(self, loop: Loop) -> str | None:
         """Return the part that gives the setpoint of a loop; None where the operator does."""
-        ways = self.sources(f"loop {loop.name}")
-        return ways[0].source if ways else None
+        return next((way.source for way in self.sources(loop.label)), None)
 
-    def moved_by(self, source: str, part: int = 0) -> Signal:
-        """Return the signal that a part moves: it lends unit and range."""
-        way = [each for each in self.ways if each.source == source][part]
-        return self._signal_at(way.target)
+    def moved_by(self, source: str) -> list[Signal]:
+        """Return the signals that a part moves: they lend unit and range."""
+        return [self.signal_at(way.target) for way in self.ways if way.source == source]
 
-    def _signal_at(self, target: str) -> Signal:
-        if target.startswith("output "):
+    def signal_at(self, target: str) -> Signal:
+        """Return the signal of a part or an output that is moved."""
+        if target not in self._by_label:
             return self.parts.process.signal(target.removeprefix("output "))
-        part = self._by_name[target]
+        part = self._by_label[target]
         if isinstance(part, Loop):
             return part.measurement
         if isinstance(part, Split):
-            return Signal(f"{part.name}", "%", low=0.0, high=100.0)
-        if isinstance(part, Ratio):
-            return self._ratio(part, target)
-        return self.moved_by(target)
+            return Signal(part.name, "%", low=0.0, high=100.0)
+        (moved,) = self.moved_by(target)
+        return self._ratio(part, moved) if isinstance(part, Ratio) else moved
 
-    def _ratio(self, part: Ratio, target: str) -> Signal:
+    def _ratio(self, part: Ratio, moved: Signal) -> Signal:
         """Return the ratio that a loop trims, with its limits as range."""
-        moved = self.moved_by(target)
-        low, high = (
-            read_gain(
-                part.table, key, moved, part.wild,
-                expected="a ratio", remedy="give the ends between which the loop may trim it",
-            )
-            for key in ("lowest_ratio", "highest_ratio")
-        )  # fmt: skip
+        low, high = part.lowest_ratio(moved, part.wild), part.highest_ratio(moved, part.wild)
         if not low < high:
             raise part.table.refused(
                 "lowest_ratio",
@@ -140,179 +129,128 @@ class Wiring:
             )
         return Signal(part.name, unit_of_gain(moved, part.wild), low=low, high=high)
 
+    def _joints(self) -> Iterator[Part]:
+        """Yield what several parts of other kinds may move by its name: all but loops."""
+        yield from (*self.parts.selectors, *self.parts.splits, *self.parts.ratios)
+
     def _check_names(self) -> None:
-        inputs = {signal.name for signal in self.parts.process.inputs}
-        seen: dict[str, str] = {}
-        blocks: tuple[Selector | Split | Ratio, ...] = (
-            *self.parts.selectors,
-            *self.parts.splits,
-            *self.parts.ratios,
-        )
-        for each in blocks:
-            if each.name in inputs or each.name in seen:
-                other = "a manipulated variable" if each.name in inputs else seen[each.name]
-                kind = type(each).__name__.lower()
+        seen = {signal.name: "a manipulated variable" for signal in self.parts.process.inputs}
+        for each in self._joints():
+            if each.name in seen:
                 raise self.parts.table.refused(
-                    f"{kind}s" if kind != "split" else "split_ranges",
+                    "split_ranges" if isinstance(each, Split) else f"{each.kind}s",
                     each.name,
-                    f"a name of its own for each part; {each.name} is {other} as well",
-                    f"rename it, for example to {each.name}_{kind}",
+                    f"a name of its own for each part; {each.name} is {seen[each.name]} as well",
+                    f"rename it, for example to {each.name}_{each.kind}",
                 )
-            seen[each.name] = f"a {type(each).__name__.lower()}"
+            seen[each.name] = f"a {each.kind}"
 
-    def _written(self) -> Iterator[Way]:
-        for loop in self.parts.loops:
-            yield self._way(f"loop {loop.name}", loop.table, loop.output)
-        for selector in self.parts.selectors:
-            yield self._way(f"selector {selector.name}", selector.table, selector.output)
-        for ratio in self.parts.ratios:
-            yield self._way(f"ratio {ratio.name}", ratio.table, ratio.output)
-        for split in self.parts.splits:
-            for number, part in enumerate(split.parts):
-                way = self._way(f"split {split.name}", part.table, part.output)
-                yield way._replace(part=number)
-
-    def _way(self, source: str, table: TableReader, written: str) -> Way:
-        inputs = [signal.name for signal in self.parts.process.inputs]
-        if written in inputs:
-            return Way(source, f"output {written}", table, "output")
-        if written.endswith(_SETPOINT):
-            loop = written.removesuffix(_SETPOINT)
-            if f"loop {loop}" in self._by_name:
-                return Way(source, f"loop {loop}", table, "output")
+    def _target(self, table: TableReader, written: str) -> str:
+        """Return the label of what is written as an output."""
+        inputs = {u.name: f"output {u.name}" for u in self.parts.process.inputs}
+        joints = {each.name: each.label for each in self._joints()}
+        cascades = {path(loop.name, "setpoint"): loop.label for loop in self.parts.loops}
+        targets = joints | cascades | inputs
+        if written in targets:
+            return targets[written]
+        loop, _, part = written.rpartition(".")
+        if part == "setpoint":
             raise table.refused(
                 "output",
                 written,
-                f"the setpoint of a loop of this scheme "
-                f"({', '.join(each.name + _SETPOINT for each in self.parts.loops)}): a cascade "
+                f"the setpoint of a loop of this scheme ({', '.join(cascades)}): a cascade "
                 "needs an inner loop with a measurement of its own",
                 f"add a table loops.{loop} with its measurement, or move something else",
             )
-        kinds = ("selector", "split", "ratio")
-        for kind in kinds:
-            if f"{kind} {written}" in self._by_name:
-                return Way(source, f"{kind} {written}", table, "output")
-        known = [name.split(" ", 1)[1] for name in self._by_name if not name.startswith("loop ")]
-        cascade = [each.name + _SETPOINT for each in self.parts.loops]
-        if written in (each.name for each in self.parts.loops):
-            remedy = f'write "{written}{_SETPOINT}" for a cascade'
-        else:
-            remedy = suggestion(written, [*inputs, *known, *cascade], "correct the name")
+        cascade = path(written, "setpoint")
         raise table.refused(
             "output",
             written[:60],
             f"a manipulated variable ({', '.join(inputs)}), a selector, a split range or a ratio "
-            f"({', '.join(known) or 'none here'}), or the setpoint of another loop",
-            remedy,
+            f"({', '.join(joints) or 'none here'}), or the setpoint of another loop",
+            f'write "{cascade}" for a cascade'
+            if cascade in cascades
+            else suggestion(written, [*inputs, *joints, *cascades], "correct the name"),
         )
 
     def _check_taken_once(self) -> None:
+        first: dict[str, Way] = {}
         for way in self.ways:
-            first = self.sources(way.target)[0]
-            if way.target.startswith("selector ") or first is way:
+            known = first.setdefault(way.target, way)
+            target = self._by_label.get(way.target)
+            if known is way or isinstance(target, Selector):
                 continue
-            what = way.target.split(" ", 1)[1]
-            what += _SETPOINT if way.target.startswith("loop ") else ""
+            what = way.target.partition(" ")[2] + (".setpoint" if isinstance(target, Loop) else "")
             raise way.table.refused(
-                way.key,
+                "output",
                 what,
-                f"something of its own to move: {first.source} moves {what} already",
+                f"something of its own to move: {known.source} moves {what} already",
                 "put a selector between the two, or a split range with a loop for each",
             )
 
-    def _check_sources(self) -> None:
-        for loop in self.parts.loops:
-            outer = self.outer(loop)
-            if outer is not None and loop.table.has("setpoint"):
-                raise loop.table.refused(
-                    "setpoint",
-                    loop.table.written("setpoint"),
-                    f"no setpoint: {outer} gives it",
-                    "leave it out, or let that loop move something else",
-                )
-            if outer is not None and loop.form.remote_setpoint:
-                raise loop.table.refused(
-                    "remote_setpoint", "true", f"no remote setpoint: {outer} gives it", "remove it"
-                )
-            if outer is None and loop.setpoint is None:
-                self._check_operator(loop)
-        for selector in self.parts.selectors:
-            ways = self.sources(f"selector {selector.name}")
-            if len(ways) < 2:
-                raise selector.table.refused(
-                    "select",
-                    f"{len(ways)} loops",
-                    f'two or more parts that have output = "{selector.name}"',
-                    "let another loop move it, or leave the selector out",
-                )
-        for split in self.parts.splits:
-            if not self.sources(f"split {split.name}"):
-                raise split.table.refused(
-                    "parts",
-                    "nothing that moves it",
-                    f'a loop that has output = "{split.name}"',
-                    "let one move it, or leave the split range out",
-                )
-        for ratio in self.parts.ratios:
-            trimmed = bool(self.sources(f"ratio {ratio.name}"))
-            wrong = ("ratio",) if trimmed else ("lowest_ratio", "highest_ratio")
-            for key in wrong:
-                if ratio.table.has(key):
-                    raise ratio.table.refused(
-                        key,
-                        ratio.table.written(key),
-                        "lowest_ratio and highest_ratio, since a loop trims it"
-                        if trimmed
-                        else "ratio alone, since no loop trims it",
-                        "remove it",
-                    )
+    def _check_circles(self) -> None:
+        sources = {label: [way.source for way in self.sources(label)] for label in self._by_label}
+        places = {way.source: way.table.place("output") for way in self.ways}
+        with errors_at(self.parts.table, places):
+            in_order("control scheme", sources)
 
-    def _check_operator(self, loop: Loop) -> None:
-        controlled = self.parts.process.controlled
-        if loop.measurement.name not in controlled:
-            raise loop.table.refused(
+    def _check_sources(self, part: Part) -> None:
+        """Refuse a part that lacks what moves it, or has more than it can follow."""
+        table, sources = part.table, self.sources(part.label)
+        if isinstance(part, Loop):
+            self._check_setpoint(part, sources[0].source if sources else None)
+        elif isinstance(part, Selector) and len(sources) < 2:
+            raise table.refused(
+                "select",
+                f"{len(sources)} loops",
+                f'two or more parts that have output = "{part.name}"',
+                "let another loop move it, or leave the selector out",
+            )
+        elif isinstance(part, Split) and not sources:
+            raise table.refused(
+                "parts",
+                "nothing that moves it",
+                f'a loop that has output = "{part.name}"',
+                "let one move it, or leave the split range out",
+            )
+        elif isinstance(part, Ratio):
+            expected = "ratio alone, since no loop trims it"
+            if sources:
+                expected = "lowest_ratio and highest_ratio, since a loop trims it"
+            for key in ("ratio",) if sources else ("lowest_ratio", "highest_ratio"):
+                if table.has(key):
+                    raise table.refused(key, table.written(key), expected, "remove it")
+
+    def _check_setpoint(self, loop: Loop, outer: str | None) -> None:
+        table, controlled = loop.table, self.parts.process.controlled
+        if outer is not None and table.has("setpoint"):
+            raise table.refused(
                 "setpoint",
-                "operator" if loop.table.has("setpoint") else "no setpoint",
+                table.written("setpoint"),
+                f"no setpoint: {outer} gives it",
+                "leave it out, or let that loop move something else",
+            )
+        if outer is not None and loop.form.remote_setpoint:
+            raise table.refused(
+                "remote_setpoint", "true", f"no remote setpoint: {outer} gives it", "remove it"
+            )
+        if outer is None and loop.setpoint is None and loop.measurement.name not in controlled:
+            raise table.refused(
+                "setpoint",
+                "operator" if table.has("setpoint") else "no setpoint",
                 f"a value, since {loop.measurement.name} is none of the controlled measurements "
                 f"({', '.join(controlled)}), whose setpoints the operator gives",
                 f"write it with its unit, in {loop.measurement.shown_unit}, or let another loop "
                 "move it",
             )
 
-    def _check_circles(self) -> None:
-        for start in self.ways:
-            circle = self._way_back([start.source], start.target)
-            if circle:
-                raise start.table.refused(
-                    start.key,
-                    " → ".join(each.split(" ", 1)[1] for each in circle),
-                    "a way from setpoints to manipulated variables without a circle",
-                    "let one of them move something else",
-                )
-
-    def _way_back(self, passed: list[str], target: str) -> list[str]:
-        """Return the parts from the first one back to it; none where it is not reached."""
-        if target in passed:
-            return [*passed, target] if target == passed[0] else []
-        for way in self.ways:
-            if way.source == target and (found := self._way_back([*passed, target], way.target)):
-                return found
-        return []
-
     def _feedforward(self) -> dict[str, list[Feedforward]]:
         """Return the terms that are added to each part."""
         found: dict[str, list[Feedforward]] = {}
-        names = {
-            name.split(" ", 1)[1]: name for name in self._by_name if not name.startswith("split ")
-        }
-        names |= {each.name: f"loop {each.name}" for each in self.parts.loops}
-        for each in self.parts.feedforwards:
-            if each.to not in names:
-                raise each.table.refused(
-                    "to",
-                    each.to[:60],
-                    f"a loop, selector or ratio of this scheme ({', '.join(names)})",
-                    suggestion(each.to, names, "choose one of them"),
-                )
-            found.setdefault(names[each.to], []).append(each)
+        parts = self.parts
+        names = {each.name: each.label for each in (*parts.selectors, *parts.ratios, *parts.loops)}
+        for each in parts.feedforwards:
+            words = "a loop, selector or ratio of this scheme"
+            to = known_name(each.table, "to", each.to, names, words)
+            found.setdefault(names[to], []).append(each)
         return found

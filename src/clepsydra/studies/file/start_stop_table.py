@@ -2,90 +2,113 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
+from clepsydra.base.quantity import quantity
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.at_rest import state_at_rest
+from clepsydra.controllers.complexity import Complexity
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import check_parameters
 from clepsydra.controllers.signals import owners
-from clepsydra.controllers.start_stop_levels import FAMILY, start_stop_law
-from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.process.names_among import names_among
+from clepsydra.controllers.start_stop_levels import FAMILY, check_levels, start_stop_law
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
+from clepsydra.process import told
+from clepsydra.process.declared import OWN, flag, keys_of, part, read_fields
+from clepsydra.process.errors_at import errors_at
+from clepsydra.process.known_names import known_names
 from clepsydra.process.process import Process
+from clepsydra.process.signal_values import read_in_range
 from clepsydra.process.table_reader import TableReader, shown_value
-from clepsydra.program.step_law import StepLaw
-from clepsydra.studies.file.gains import check_in_range, read_value
+from clepsydra.studies.file.fields import sensor
 from clepsydra.studies.file.law_range import check_law_range
-from clepsydra.studies.file.placed import placed
-
-START_STOP_KEYS = (
-    "measurement",
-    "pumps",
-    "start",
-    "stop",
-    "alternation",
-    "shortest_rest",
-    "running",
-    "stopped",
-)
+from clepsydra.studies.file.request import WrittenMaker
 
 
-@dataclass(frozen=True, eq=False)
-class StartStop:
-    """A law of start and stop levels with its numbers.
+def _pumps(table: TableReader, process: Process) -> tuple[Signal, ...]:
+    inputs = [signal.name for signal in process.inputs]
+    names = known_names(
+        inputs,
+        table,
+        "pumps",
+        expected="a list of manipulated variables",
+        remedy=f'write as in pumps = ["{inputs[0]}"]',
+        each="the name of a manipulated variable",
+    )
+    return tuple(process.signal(name) for name in names)
 
-    Parameters
-    ----------
-    name : str
-    law : StepLaw
-    values : dict
-    measurement : str
-    pumps : tuple of str
 
-    Examples
-    --------
-    See `read_start_stop`.
-    """
+def _levels(table: TableReader, key: str, known: Mapping[str, Any]) -> list[float]:
+    return _one_for_each(table, key, [known["measured"]] * len(known["pumps"]))
 
-    name: str
-    law: StepLaw
-    values: dict[str, float]
-    measurement: str
-    pumps: tuple[str, ...]
 
-    def controller(self, point: OperatingPoint) -> Controller:
-        """Return the controller; all pumps stand until the level says otherwise."""
-        at = point.as_dict()
-        resting = {
-            path(pump, "tracking"): self.values[path(pump, "stopped_value")] for pump in self.pumps
-        }
-        inputs = {path(self.measurement, "pv"): at[self.measurement], **resting}
-        return Controller(
-            name=self.name,
-            family=FAMILY,
-            design=f"Written out: {', '.join(self.pumps)} by start and stop levels of "
-            f"{self.measurement}.",
-            law=self.law,
-            values=self.values,
-            initial_state=state_at_rest(self.law, self.values, inputs),
-            measurements=(self.measurement,),
-            setpoints=(),
-            manipulated=self.pumps,
-            notes=("It follows no setpoint: the level goes to and fro between start and stop.",),
+def _moved(table: TableReader, key: str, known: Mapping[str, Any]) -> list[float] | None:
+    return _one_for_each(table, key, known["pumps"]) if table.has(key) else None
+
+
+def _one_for_each(table: TableReader, key: str, signals: Sequence[Signal]) -> list[float]:
+    """Return a list of values, one for each pump, each in the range of its signal."""
+    remedy = f'write as in {key} = ["1 m", "2 m"], in the unit of what it is of'
+    written = table.raw(key) if table.has(key) else None
+    if not isinstance(written, list) or len(written) != len(signals):
+        shown = f"no {key}" if written is None else shown_value(written)
+        raise table.refused(
+            key, shown, f"a list of {len(signals)} values, one for each pump", remedy
         )
+    return [
+        read_in_range(table.with_value(key, value), key, signal, "a value", remedy)
+        for value, signal in zip(written, signals, strict=True)
+    ]
 
 
-def read_start_stop(table: TableReader, name: str, process: Process) -> StartStop:
+_LEVELS = "lists of levels, one for each stage; pumps that fill start below where they stop"
+_VALUES = "lists of values, one for each pump, while it runs and stands"
+
+
+@dataclass(frozen=True)
+class StartStop:
+    """Start and stop levels [unit of the measurement], and what pumps run with [their units]."""
+
+    measured: Signal = sensor("the sensor of the level", "the sensor of the level")
+    pumps: tuple[Signal, ...] = part(
+        lambda table, key, known: _pumps(table, known["process"]),
+        required=(OWN,),
+        **told.names("list of manipulated variables"),
+    )
+    start: list[float] = part(_levels, required=(OWN,), **told.quantities(_LEVELS))
+    stop: list[float] = part(_levels, required=(OWN,), **told.quantities(_LEVELS))
+    running: list[float] | None = part(_moved, **told.quantities(_VALUES))
+    stopped: list[float] | None = part(_moved, **told.quantities(_VALUES))
+    alternation: bool = flag(default=True, words="whether the duty pump changes after each run")
+    shortest_rest: float = quantity(
+        "s",
+        "least time from a stop to the next start of a pump",
+        at_least=0.0,
+        default=0.0,
+        remedy="leave it out for none",
+    )
+
+
+def read_start_stop(
+    written: TableReader, name: str, process: Process, folder: Path
+) -> WrittenMaker:
     """Read start and stop levels, one of each for every pump.
 
+    All pumps stand until the level says otherwise.
+
     Parameters
     ----------
-    table : TableReader
-        With `START_STOP_KEYS`.
+    written : TableReader
+        Of the controller, with a table `start_stop`.
     name : str
         Of the controller.
     process : Process
+    folder : Path
+        Of the study file; not used.
 
     Raises
     ------
@@ -95,105 +118,58 @@ def read_start_stop(table: TableReader, name: str, process: Process) -> StartSto
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.process.document import parse
-    >>> from clepsydra.process.reader import load_process
-    >>> text = b'''measurement = "level"
+    >>> text = b'''[start_stop]
+    ... measurement = "level"
     ... pumps = ["duty", "standby"]
     ... start = ["10 mA", "13 mA"]
     ... stop = ["7 mA", "9 mA"]
     ... '''
-    >>> table = TableReader(parse(text, "study.toml"), (), START_STOP_KEYS)
-    >>> found = read_start_stop(table, "pumps", load_process("wet-well:start-stop"))
+    >>> table = TableReader(parse(text, "study.toml"), (), None)
+    >>> plant = cl.load("wet-well:start-stop")
+    >>> found = read_start_stop(table, "pumps", plant.process, Path())(plant.linear)
     >>> found.values["stage.2.start_level"], found.values["duty.running_value"]
     (0.013, 1.0)
     """
-    sensors = {signal.name: signal for signal in process.measurements}
-    inputs = [signal.name for signal in process.inputs]
-    remedy = f'write as in measurement = "{next(iter(sensors))}"'
-    measurement = table.text("measurement", "the sensor of the level", remedy)
-    (measured_by,) = names_among(
-        list(sensors),
-        table.with_value("measurement", [measurement]),
-        "measurement",
-        expected="the sensor of the level",
-        remedy=remedy,
-        each="the name of a sensor",
-    )
-    measured = sensors[measured_by]
-    pumps = names_among(
-        inputs,
-        table,
-        "pumps",
-        expected="a list of manipulated variables",
-        remedy=f'write as in pumps = ["{inputs[0]}"]',
-        each="the name of a manipulated variable",
-    )
-    driven = [process.signal(pump) for pump in pumps]
-    law = start_stop_law([measured], driven)
+    remedy = "write [controllers.NAME.start_stop]"
+    table = written.table("start_stop", "a table", remedy, keys_of(StartStop))
+    read = StartStop(**read_fields(StartStop, table, process=process))
+    measurement, pumps = read.measured.name, tuple(pump.name for pump in read.pumps)
+    law = start_stop_law([read.measured], read.pumps)
     values = {parameter.name: parameter.initial for parameter in law.parameters}
     places: dict[str, str] = {}
-    written: list[list[float]] = []
-    for key, parameter in (("start", "start_level"), ("stop", "stop_level")):
-        levels = _one_for_each(table, key, pumps, [measured] * len(pumps))
-        names = [path(stage, parameter) for stage in owners(law.parameters, parameter)]
+    for key, levels in (("start", read.start), ("stop", read.stop)):
+        names = [path(s, f"{key}_level") for s in owners(law.parameters, f"{key}_level")]
         values |= dict(zip(names, levels, strict=True))
         places |= dict.fromkeys(names, table.place(key))
-        written.append(levels)
-    _check_levels(table, *written)
-    for key in ("running", "stopped"):
-        if table.has(key):
-            moved = _one_for_each(table, key, pumps, driven)
-            values |= {
-                path(pump, f"{key}_value"): value for pump, value in zip(pumps, moved, strict=True)
-            }
-    values["alternation"] = float(table.flag("alternation", default=True))
-    values["shortest_rest"] = table.quantity(
-        "shortest_rest", "s", "a time", "leave it out for none", at_least=0.0, default=0.0
-    )
+    for key, moved in (("running", read.running), ("stopped", read.stopped)):
+        if moved is not None:
+            names = [path(pump, f"{key}_value") for pump in pumps]
+            values |= dict(zip(names, moved, strict=True))
+    values |= {"alternation": float(read.alternation), "shortest_rest": read.shortest_rest}
     if table.has("shortest_rest"):
         (rest,) = (each for each in law.parameters if each.name == "shortest_rest")
         check_law_range(table, "shortest_rest", rest, values["shortest_rest"])
-    with placed(table, places):
+    with errors_at(table, places):
         check_parameters(law, values, name)
-    return StartStop(name, law, values, measured.name, pumps)
+        check_levels(law, values, name)
 
+    def make(model: LinearModel) -> Controller:
+        at = {measurement: operating_point_of(model).as_dict()[measurement]}
+        at |= {pump: values[path(pump, "stopped_value")] for pump in pumps}
+        return Controller(
+            name=name,
+            family=FAMILY,
+            structure=Complexity.LOOPS,
+            design=f"Written out: {', '.join(pumps)} by start and stop levels of {measurement}.",
+            law=law,
+            values=values,
+            initial_state=state_at_rest(law, values, at),
+            measurements=(measurement,),
+            setpoints=(),
+            manipulated=pumps,
+            notes=("It follows no setpoint: the level goes to and fro between start and stop.",),
+        )
 
-def _check_levels(table: TableReader, start: list[float], stop: list[float]) -> None:
-    """Refuse what `start_stop_levels.check_levels` does, in the words of the file."""
-    starts, stops = table.raw("start"), table.raw("stop")
-    assert isinstance(starts, list) and isinstance(stops, list)
-    side = "above" if start[0] >= stop[0] else "below"
-    sign = 1.0 if side == "above" else -1.0
-    for j in range(len(start)):
-        if not sign * (start[j] - stop[j]) > 0.0:
-            raise table.refused(
-                "start",
-                shown_value(starts[j]),
-                f"a start of stage {j + 1} {side} its stop at {stops[j]}",
-                "let every stage start on the same side of where it stops",
-            )
-        if j and not sign * (start[j] - start[j - 1]) > 0.0:
-            raise table.refused(
-                "start",
-                shown_value(starts[j]),
-                f"a start of stage {j + 1} {side} that of stage {j} at {starts[j - 1]}",
-                "let each stage start after the one before it",
-            )
-
-
-def _one_for_each(
-    table: TableReader, key: str, pumps: tuple[str, ...], signals: list[Signal]
-) -> list[float]:
-    """Return a list of values, one for each pump, each in the range of its signal."""
-    remedy = f'write as in {key} = ["1 m", "2 m"], in the unit of what it is of'
-    written = table.raw(key) if table.has(key) else None
-    if not isinstance(written, list) or len(written) != len(pumps):
-        shown = f"no {key}" if written is None else shown_value(written)
-        raise table.refused(key, shown, f"a list of {len(pumps)} values, one for each pump", remedy)
-    found = []
-    for number, signal in enumerate(signals):
-        entry = table.with_value(key, written[number])
-        value = read_value(entry, key, signal, "a value", remedy)
-        check_in_range(entry, key, signal, value, "a value")
-        found.append(value)
-    return found
+    return make

@@ -4,34 +4,92 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 
+from clepsydra.base.quantity import quantity
 from clepsydra.base.signal import path
 from clepsydra.base.suggestion import suggestion
-from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT
+from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT
+from clepsydra.process import told
+from clepsydra.process.declared import part, read_fields
+from clepsydra.process.errors_at import errors_at
 from clepsydra.process.process import Process
+from clepsydra.process.signal_values import read_value
 from clepsydra.process.table_reader import TableReader, shown_value
-from clepsydra.scores.catalogue import SCORES
-from clepsydra.studies.file.gains import read_value
-from clepsydra.studies.file.placed import placed
-from clepsydra.studies.file.tuning_bound import Bound
-from clepsydra.studies.file.tuning_request import TuningRequest
-from clepsydra.studies.file.weight_bounds import WeightedStart
+from clepsydra.scores.score import SCORES
+from clepsydra.studies.file.tuning_bounds import Bound
+from clepsydra.studies.file.tuning_request import TuningRequest, WeightedStart
 from clepsydra.studies.tuning.lqi_weights import KINDS
 from clepsydra.studies.tuning.objective import Limits, Objective, judged
 
-TUNING_KEYS = (
-    "objective",
-    "method",
-    "parameters",
-    "maximum_sensitivity",
-    "overshoot",
-    "total_variation",
-)
+METHODS = ("minimax", "weighted")
 _WEIGHT_REMEDY = (
     'write as in inputs.pump = [1e-3, 1e3] or states."tank.level" = [1e-3, 1e3], in quotes where '
     "a name has a dot"
 )
 _NAMES = 'write as in objective = "iae", ["iae[level_1]", "ise[level_2]"] or { iae = 1.0 }'
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """What a study file says of a tuning.
+
+    Parameters
+    ----------
+    objective : Objective
+    bounds : tuple of Bound or None
+    total_variation : dict
+        Manipulated variable to its limit [its unit].
+    maximum_sensitivity, overshoot : float
+        Limits [1]
+    """
+
+    objective: Objective = part(
+        lambda table, key, known: _objective(table, known["process"]),
+        {
+            "objective": {
+                "description": "a score, a list of scores, or a table of scores with weights; a "
+                "score is of all its signals or of one",
+                "type": ["string", "array", "object"],
+            },
+            "method": told.choice(
+                '`"minimax"`: the largest score counts; `"weighted"`: their sum. Each is taken '
+                "relative to the start",
+                METHODS,
+            ),
+        },
+    )
+    bounds: tuple[Bound, ...] | None = part(
+        lambda table, key, known: _bounds(table),
+        {
+            "parameters": {
+                "description": "what may change, each with a low and a high bound: a key of a "
+                "loop, `level.gain`, or a parameter of the law, `level.integral_time`. Loops that "
+                "a design makes are called by their measurement",
+                "type": "object",
+            }
+        },
+    )
+    total_variation: dict[str, float] = part(
+        lambda table, key, known: _total_variation(table, known["process"]),
+        **told.by_name("table of manipulated variables with their limits"),
+    )
+    maximum_sensitivity: float = quantity(
+        "1",
+        "a limit of max|S| of all loops together",
+        above=1.0,
+        default=SENSITIVITY_LIMIT,
+        remedy="1.4 to 2 is customary",
+    )
+    overshoot: float = quantity(
+        "1",
+        "a limit of the overshoot of every setpoint step, a share of the step",
+        at_least=0.0,
+        at_most=1.0,
+        default=math.inf,
+        absent=math.inf,
+        remedy='write as in "10 %" of the step',
+    )
 
 
 def read_tuning(
@@ -49,7 +107,7 @@ def read_tuning(
     Parameters
     ----------
     table : TableReader
-        With `TUNING_KEYS`.
+        With the keys of `Tuning`.
     process : Process
     weighted : callable, optional
         What makes the start of a design by weights.
@@ -66,15 +124,15 @@ def read_tuning(
     >>> from clepsydra.process.reader import load_process
     >>> text = b'''objective = "iae"
     ... maximum_sensitivity = 1.7'''
-    >>> table = TableReader(parse(text, "study.toml"), (), TUNING_KEYS)
+    >>> table = TableReader(parse(text, "study.toml"), (), None)
     >>> found = read_tuning(table, load_process("quadruple-tank"))
     >>> found.objective.words
     'the larger of IAE of level_1 and IAE of level_2, each relative to the start'
     """
-    with placed(table):
-        objective = _objective(table, process)
-        limits = _limits(table, process)
-    return TuningRequest(table, objective, limits, _bounds(table), weighted)
+    with errors_at(table):
+        read = Tuning(**read_fields(Tuning, table, process=process))
+        limits = Limits(read.maximum_sensitivity, 100.0 * read.overshoot, read.total_variation)
+    return TuningRequest(table, read.objective, limits, read.bounds, weighted)
 
 
 def _objective(table: TableReader, process: Process) -> Objective:
@@ -95,7 +153,7 @@ def _objective(table: TableReader, process: Process) -> Objective:
     else:
         raise table.refused("objective", shown_value(written), "a score, or several", _NAMES)
     weighted = "weighted" if isinstance(written, dict) else "minimax"
-    method = table.choice("method", ("minimax", "weighted"), weighted)
+    method = table.choice("method", METHODS, weighted)
     return Objective("minimax" if method == "minimax" else "weighted", weights)
 
 
@@ -130,50 +188,25 @@ def _scores(table: TableReader, name: str, process: Process) -> list[str]:
     return [name]
 
 
-def _limits(table: TableReader, process: Process) -> Limits:
-    moved = {}
-    if table.has("total_variation"):
-        row = table.table(
-            "total_variation",
-            "manipulated variables with their largest total variation",
-            f'write as in {{ {process.inputs[0].name} = "300 %" }}',
-            [signal.name for signal in process.inputs],
-        )
-        for name in row.present:
-            moved[name] = read_value(
-                row,
-                name,
-                process.signal(name),
-                "a total variation",
-                "give the sum of all moves",
-                change=True,
-            )
-            if not moved[name] > 0.0:
-                raise row.refused(
-                    name, row.written(name), "a total variation above 0", "give the sum of moves"
-                )
-    overshoot = math.inf
-    if table.has("overshoot"):
-        overshoot = 100.0 * table.quantity(
-            "overshoot",
-            "1",
-            "an overshoot",
-            'write as in "10 %" of the step',
-            at_least=0.0,
-            at_most=1.0,
-        )
-    return Limits(
-        table.quantity(
-            "maximum_sensitivity",
-            "1",
-            "a number",
-            "1.4 to 2 is customary",
-            above=1.0,
-            default=SENSITIVITY_LIMIT,
-        ),
-        overshoot,
-        moved,
+def _total_variation(table: TableReader, process: Process) -> dict[str, float]:
+    """Return the limit of each manipulated variable that has one."""
+    if not table.has("total_variation"):
+        return {}
+    row = table.table(
+        "total_variation",
+        "manipulated variables with their largest total variation",
+        f'write as in {{ {process.inputs[0].name} = "300 %" }}',
+        [signal.name for signal in process.inputs],
     )
+    what, remedy = "a total variation", "give the sum of all moves"
+    found = {
+        name: read_value(row, name, process.signal(name), what, remedy, change=True)
+        for name in row.present
+    }
+    for name, limit in found.items():
+        if not limit > 0.0:
+            raise row.refused(name, row.written(name), f"{what} above 0", remedy)
+    return found
 
 
 def _bounds(table: TableReader) -> tuple[Bound, ...] | None:
@@ -182,7 +215,7 @@ def _bounds(table: TableReader) -> tuple[Bound, ...] | None:
         return None
     remedy = 'write as in level.gain = ["0.1 %/%", "10 %/%"], or leave parameters out'
     rows = table.table("parameters", "parameters with their bounds", remedy)
-    found = list(_bounds_below(rows, None, remedy))
+    found = list(_bounds_below(rows, "", remedy))
     if not found:
         raise table.refused("parameters", "none", "at least one parameter", remedy)
     for bound in found:
@@ -190,7 +223,7 @@ def _bounds(table: TableReader) -> tuple[Bound, ...] | None:
     return tuple(found)
 
 
-def _bounds_below(rows: TableReader, owner: str | None, remedy: str) -> Iterator[Bound]:
+def _bounds_below(rows: TableReader, owner: str, remedy: str) -> Iterator[Bound]:
     """Yield the bounds of a table, and of those below it; a weight's name is one key."""
     for name in rows.present:
         if isinstance(rows.raw(name), dict) and owner not in KINDS:

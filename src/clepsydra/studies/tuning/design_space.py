@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
 
-from clepsydra.controllers.controller import Controller
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.process.process import Process
-from clepsydra.studies.tuning.parameters import (
-    TunedParameter,
-    check_names,
-    check_start,
-    shares,
-    values_of,
-)
-from clepsydra.studies.tuning.search_space import NumberWords
+from clepsydra.studies.tuning.parameters import TunedParameter
+from clepsydra.studies.tuning.search_space import NumberWords, SearchSpace
 
 
 class NumberDesign(Protocol):
@@ -33,6 +25,10 @@ class NumberDesign(Protocol):
     def numbers(self) -> Mapping[str, float]:
         """The numbers at the start by name."""
 
+    @property
+    def words(self) -> NumberWords:
+        """The numbers in words."""
+
     def values(self, numbers: Mapping[str, float]) -> dict[str, float]:
         """Return the law's parameters that these numbers make.
 
@@ -44,52 +40,45 @@ class NumberDesign(Protocol):
             They make none.
         """
 
-    def words(self, process: Process) -> NumberWords:
-        """Return the numbers in words."""
+    def notes(
+        self, parameters: Sequence[TunedParameter], tuned: Mapping[str, float]
+    ) -> Sequence[str]:
+        """Return what is to be known of the numbers that a search found."""
 
 
 @dataclass(frozen=True, eq=False)
-class DesignSpace:
+class DesignSpace(SearchSpace):
     """The unit cube of tuned design numbers; the law's parameters follow by the design.
 
     Parameters
     ----------
     controller : Controller
         Made with the numbers of the start.
-    parameters : tuple of TunedParameter
+    parameters : sequence of TunedParameter
         Numbers of the design; the others stay as they are.
     design : NumberDesign
 
-    Raises
-    ------
-    InputError
-        There is no parameter, one is named twice or is none of the design, or the start lies
-        outside of the bounds.
-
     Examples
     --------
-    See `clepsydra.studies.tuning.tuned_lqi.tuned_lqi`.
+    See `clepsydra.studies.tuning.weight_space.weight_space`.
     """
 
-    controller: Controller
-    parameters: tuple[TunedParameter, ...]
     design: NumberDesign
     _made: dict[bytes, dict[str, float]] = field(default_factory=dict, repr=False)
 
-    def __post_init__(self) -> None:
-        known = self.design.numbers
-        check_names(self.parameters, known, "one of ")
-        for parameter in self.parameters:
-            check_start(parameter, known[parameter.name])
+    @property
+    def numbers(self) -> Mapping[str, float]:
+        """The numbers of the design."""
+        return self.design.numbers
 
     @property
-    def start(self) -> np.ndarray:
-        """Where the numbers of the start stand in the cube [p]."""
-        return shares(self.parameters, self.design.numbers)
+    def words(self) -> NumberWords:
+        """The numbers in words."""
+        return self.design.words
 
-    def numbers_at(self, points: np.ndarray) -> dict[str, np.ndarray]:
-        """Return the tuned numbers by name [n], at points [n, p]."""
-        return values_of(self.parameters, self.design.numbers, points)
+    def notes(self, tuned: Mapping[str, float]) -> Sequence[str]:
+        """Return what the design has to say of the numbers that were found."""
+        return self.design.notes(self.parameters, tuned)
 
     def values_at(self, points: np.ndarray) -> dict[str, np.ndarray]:
         """Return the law's parameters that the design makes by name [n], at points [n, p].
@@ -97,43 +86,16 @@ class DesignSpace:
         Not a number where the design does not apply.
         """
         made = [self._values(point) for point in np.atleast_2d(points)]
-        return {
-            name: np.array([values.get(name, np.nan) for values in made]) for name in self._names
-        }
-
-    def controller_values(self, point: np.ndarray) -> dict[str, float]:
-        """Return all parameter values of the law at one point [p]."""
-        values = self._values(point)
-        return {
-            **self.controller.values,
-            **{name: values.get(name, np.nan) for name in self._names},
-        }
-
-    def identity(self) -> dict[str, object]:
-        """Return what tells this space from any other, for JSON."""
-        return {
-            "parameters": [asdict(parameter) for parameter in self.parameters],
-            "numbers": dict(self.design.numbers),
-        }
-
-    def words(self, process: Process) -> NumberWords:
-        """Return the numbers in words."""
-        return self.design.words(process)
-
-    @property
-    def _names(self) -> tuple[str, ...]:
-        """The law's parameters that the design makes."""
-        return tuple(self._values(self.start))
+        names = self._values(self.start)
+        return {name: np.array([values.get(name, np.nan) for values in made]) for name in names}
 
     def _values(self, point: np.ndarray) -> dict[str, float]:
         """Return what the design makes at a point; nothing where it does not apply."""
         key = point.tobytes()
         if key not in self._made:
-            numbers = {**self.design.numbers}
-            numbers |= {name: float(value[0]) for name, value in self.numbers_at(point).items()}
+            tuned = {name: float(value[0]) for name, value in self.numbers_at(point).items()}
             try:
-                made = self.design.values(numbers)
+                self._made[key] = self.design.values({**self.numbers, **tuned})
             except NotApplicable:
-                made = {}
-            self._made[key] = made
+                self._made[key] = {}
         return self._made[key]

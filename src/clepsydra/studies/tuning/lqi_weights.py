@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import NamedTuple
 
@@ -11,14 +11,17 @@ import numpy as np
 from clepsydra.base.signal import path
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.designed_values import applicable_values
-from clepsydra.designs.states.linear_quadratic import LqiGains, lqi_gains_by_weights
+from clepsydra.designs.states.linear_quadratic import LqiGains, lqi_gains
 from clepsydra.designs.states.measured_states import with_outputs
 from clepsydra.designs.states.quadratic_weights import QuadraticWeights
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
-from clepsydra.process.process import Process
+from clepsydra.studies.tuning.parameters import TunedParameter
+from clepsydra.studies.tuning.search_space import NumberWords
 
 KINDS = ("states", "inputs", "integrals")
+#: A lowest weight this near counts as reached, a share of it.
+_BINDS = 1e-2
 
 
 class WeightedDesign(NamedTuple):
@@ -112,9 +115,7 @@ class LqiWeights:
             There are no stabilising gains, or one is outside of what the law takes.
         """
         start = self._start
-        gains = lqi_gains_by_weights(
-            start.model, self.weights(numbers), self._period, start.horizon
-        )
+        gains = lqi_gains(start.model, self.weights(numbers), self._period, start.horizon)
         # The law sees measurements: F x = (F M⁻¹) y where y = M x.
         feedback = np.linalg.solve(self._shown.T, gains.feedback.T).T
         controller = start.controller
@@ -137,9 +138,32 @@ class LqiWeights:
         applicable_values(controller.law, {**own, **found}, controller.name)
         return found
 
-    def words(self, process: Process) -> WeightWords:
-        """Return the weights in words."""
+    @property
+    def words(self) -> WeightWords:
+        """The weights in words."""
         return WeightWords()
+
+    def notes(
+        self, parameters: Sequence[TunedParameter], tuned: Mapping[str, float]
+    ) -> tuple[str, ...]:
+        """Return which weights were kept, and which lowest ones chose the result."""
+        notes = []
+        others = ((name, value) for name, value in self.numbers.items() if name not in tuned)
+        kept = [f"{name} = {value:.4g}" for name, value in others]
+        if kept:
+            why = ", since only ratios of weights count" if len(kept) == 1 else ""
+            notes.append(f"Kept as it was: weight of {', '.join(kept)}{why}.")
+        cheapest = [
+            p.name
+            for p in parameters
+            if p.name.startswith("inputs.") and tuned[p.name] <= p.low * (1.0 + _BINDS)
+        ]
+        if cheapest:
+            notes.append(
+                f"The lowest weight allowed of {' and '.join(cheapest)} chose how fast it moves, "
+                "not the objective, which cheaper moves lower further: limit the total variation."
+            )
+        return tuple(notes)
 
     def _matrix(self, kind: str) -> np.ndarray:
         matrix = getattr(self._start.weights, kind)
@@ -147,7 +171,7 @@ class LqiWeights:
         return matrix
 
 
-class WeightWords:
+class WeightWords(NumberWords):
     """Weights in words: numbers per SI unit squared, as in a study file.
 
     Examples
@@ -159,11 +183,3 @@ class WeightWords:
     def name(self, parameter: str) -> str:
         """Return what the reader calls a weight."""
         return f"weight of {parameter}"
-
-    def value(self, parameter: str, value: float) -> str:
-        """Return a weight."""
-        return f"{value:.4g}"
-
-    def turns(self, parameter: str, value: float) -> bool:
-        """Return False: a weight has no sign to leave out."""
-        return False

@@ -10,11 +10,9 @@ from typing import Literal
 
 import numpy as np
 
-from clepsydra.base.arguments import require_type
+from clepsydra.base.arguments import is_finite_number, require_type
 from clepsydra.base.errors import InputError
-from clepsydra.controllers.parameters import is_finite_number
-from clepsydra.scores.catalogue import SCORES
-from clepsydra.scores.score import split_score
+from clepsydra.scores.score import SCORES, split_score
 
 #: Above its limit by this share, a candidate still counts as one that stands on it.
 ON_LIMIT = 1e-6

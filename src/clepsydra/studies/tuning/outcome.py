@@ -77,7 +77,7 @@ def outcome(
     assert best is not None
     space = problem.space
     start = space.controller
-    words = space.words(problem.batch.loop.process)
+    words = space.words
     values = designed_values(
         start.law,
         space.controller_values(best.point),
@@ -116,7 +116,7 @@ def outcome(
             **start.initial_state,
             **{name: float(state[0]) for name, state in resting.items()},
         },
-        notes=(*start.notes, *notes),
+        notes=(*start.notes, *notes, *space.notes(numbers)),
         slowed=1.0,
     )
     return TuningResult(

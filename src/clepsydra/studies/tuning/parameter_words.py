@@ -6,37 +6,33 @@ from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import from_si
 from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.pid_keys import GAINS
+from clepsydra.controllers.pid_keys import GAINS, SHORT_NAMES
 from clepsydra.controllers.structure.pid_block import PidBlock
-from clepsydra.designs.gain_units import has_range, percent_gain
+from clepsydra.designs.gain_units import percent_gain
+from clepsydra.process.joined_unit import BESIDE
 from clepsydra.process.process import Process
 from clepsydra.scores.score import split_score
-
-#: What a study file calls a parameter of a loop, where it is not the same.
-_NAMES = {"proportional_gain": "gain"}
+from clepsydra.studies.tuning.search_space import NumberWords
 
 
-class ParameterWords:
+class ParameterWords(NumberWords):
     """The parameters of one controller in words.
 
     Parameters
     ----------
     controller : Controller
-    process : Process
-        Lends ranges and display units.
 
     Examples
     --------
     >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
-    >>> process = load_process("wet-well")
-    >>> words = ParameterWords(design_simc(analyse(process).model), process)
+    >>> words = ParameterWords(design_simc(analyse(load_process("wet-well")).model))
     >>> words.name("level.proportional_gain"), words.value("level.proportional_gain", -125.0)
     ('level.gain', '2 %/%')
     """
 
-    def __init__(self, controller: Controller, process: Process) -> None:
+    def __init__(self, controller: Controller) -> None:
         self._parameters = {parameter.name: parameter for parameter in controller.law.parameters}
         self._loops = {
             parameter.name: block
@@ -50,7 +46,7 @@ class ParameterWords:
         if parameter not in self._loops:
             return parameter
         signal = self._parameters[parameter]
-        return path(signal.owner, _NAMES.get(signal.part, signal.part))
+        return path(signal.owner, SHORT_NAMES.get(signal.part, signal.part))
 
     def value(self, parameter: str, value: float) -> str:
         """Return a value [the law's unit]; of a loop's gain without the sign of its action."""
@@ -58,9 +54,9 @@ class ParameterWords:
         if self._is_gain(parameter):
             block = self._loops[parameter]
             measured, moved = block.measurement, block.moved
-            if has_range(measured) and has_range(moved):
+            if measured.has_range and moved.has_range:
                 shown = percent_gain(abs(value), measured, moved)
-                return f"{shown:.4g} %/%{GAINS[signal.part]}"
+                return f"{shown:.4g} %/%{BESIDE[GAINS[signal.part]]}"
             return _quantity(signal, abs(value))
         if signal.unit == "s":
             return time_text(value)

@@ -1,23 +1,23 @@
-"""What is tuned: parameters of a step law between bounds, and the cube that a search moves in."""
+"""What is tuned: parameters of a step law, or other numbers, between bounds."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from clepsydra.base.arguments import require_type, sequence_of
+from clepsydra.base.arguments import is_finite_number, require_type, sequence_of
 from clepsydra.base.errors import InputError
-from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.parameters import is_finite_number
-from clepsydra.process.process import Process
-from clepsydra.studies.tuning.parameter_words import ParameterWords
+from clepsydra.designs.applicability import NotApplicable
 
 #: A start this near outside a bound stands on it, a share of the width.
 ROUNDING = 1e-9
+METHOD = "tuning by simulation"
+#: What is tuned of a law where nothing is named.
+_TUNED = ("proportional_gain", "integral_time", "integral_gain")
 
 
 @dataclass(frozen=True)
@@ -100,167 +100,6 @@ a low bound below the high bound; exchange or widen them.
         return math.log(ratio) / math.log(self.high / self.low)
 
 
-@dataclass(frozen=True)
-class LawSpace:
-    """The unit cube of the tuned parameters of one controller.
-
-    Parameters
-    ----------
-    controller : Controller
-        Its values are where the search starts.
-    parameters : tuple of TunedParameter
-
-    Raises
-    ------
-    InputError
-        There is no parameter, one is named twice or is none of the law, a bound lies outside
-        of what the law takes, or the start lies outside of the bounds.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> controller = cl.design.simc(cl.load("quadruple-tank"))
-    >>> space = LawSpace(controller, (TunedParameter("level_1.proportional_gain", 0.3, 30.0),))
-    >>> space.start.round(6), space.values_at(np.array([0.25]))
-    (array([0.5]), {'level_1.proportional_gain': array([0.9486833])})
-    """
-
-    controller: Controller
-    parameters: tuple[TunedParameter, ...]
-
-    def __post_init__(self) -> None:
-        law = {p.name: p for p in self.controller.law.parameters}
-        check_names(self.parameters, law, f"a parameter of {self.controller.law.name}: ")
-        for parameter in self.parameters:
-            for name in (parameter.name, *parameter.followers):
-                own = law[name]
-                if not (own.low <= parameter.low and parameter.high <= own.high):
-                    raise InputError(
-                        f"tuning, {parameter.name}",
-                        f"bounds {parameter.low:g} to {parameter.high:g}",
-                        f"bounds for {name} within {own.low:g} to {own.high:g} {own.unit}",
-                        "narrow the bounds",
-                    )  # fmt: skip
-            check_start(parameter, self.controller.values[parameter.name])
-
-    @property
-    def start(self) -> np.ndarray:
-        """Where the controller's own values stand in the cube [p]."""
-        return shares(self.parameters, self.controller.values)
-
-    def numbers_at(self, points: np.ndarray) -> dict[str, np.ndarray]:
-        """Return the tuned parameters by name [n], at points [n, p]."""
-        return self.values_at(points)
-
-    def values_at(self, points: np.ndarray) -> dict[str, np.ndarray]:
-        """Return the values of tuned parameters and followers by name [n], at points [n, p].
-
-        At the start they are the controller's own, in every bit.
-        """
-        return values_of(self.parameters, self.controller.values, points)
-
-    def controller_values(self, point: np.ndarray) -> dict[str, float]:
-        """Return all parameter values of the law at one point [p]."""
-        found = {name: float(value[0]) for name, value in self.values_at(point).items()}
-        return {**self.controller.values, **found}
-
-    def identity(self) -> dict[str, object]:
-        """Return what tells this space from any other, for JSON."""
-        return {"parameters": [asdict(parameter) for parameter in self.parameters]}
-
-    def words(self, process: Process) -> ParameterWords:
-        """Return the tuned parameters in words."""
-        return ParameterWords(self.controller, process)
-
-
-def check_names(
-    parameters: Sequence[TunedParameter], known: Collection[str], expected: str
-) -> None:
-    """Refuse parameters of which there is none, or one is unknown or named twice.
-
-    Parameters
-    ----------
-    parameters : sequence of TunedParameter
-    known : collection of str
-        Names of all that can be tuned.
-    expected : str
-        What stands before these in a message.
-
-    Raises
-    ------
-    InputError
-
-    Examples
-    --------
-    >>> check_names([TunedParameter("gain", 1.0, 2.0)], ["gain", "time"], "one of ")
-    """
-    place = "tuning, parameters"
-    if not parameters:
-        raise InputError(place, "none", "at least one", "name what to tune")
-    named: set[str] = set()
-    for parameter in parameters:
-        for name in (parameter.name, *parameter.followers):
-            if name not in known:
-                raise InputError(
-                    place, name, f"{expected}{', '.join(known)}",
-                    suggestion(name, known, "choose one of them"),
-                )  # fmt: skip
-            if name in named:
-                raise InputError(place, name, "each name once", "drop one")
-            named.add(name)
-
-
-def shares(parameters: Sequence[TunedParameter], values: Mapping[str, float]) -> np.ndarray:
-    """Return where values stand between the bounds of each parameter [p], 0 to 1.
-
-    Examples
-    --------
-    >>> shares([TunedParameter("gain", 1.0, 100.0)], {"gain": 10.0})
-    array([0.5])
-    """
-    return np.clip([p.share(values[p.name]) for p in parameters], 0.0, 1.0)
-
-
-def values_of(
-    parameters: Sequence[TunedParameter], start: Mapping[str, float], points: np.ndarray
-) -> dict[str, np.ndarray]:
-    """Return the values of parameters and followers by name [n], at points [n, p].
-
-    At the shares of the values of the start they are these, in every bit.
-
-    Examples
-    --------
-    >>> values_of([TunedParameter("gain", 1.0, 100.0)], {"gain": 10.0}, np.array([[0.5], [1.0]]))
-    {'gain': array([ 10., 100.])}
-    """
-    points = np.atleast_2d(points)
-    at_start = np.all(points == shares(parameters, start), axis=1)
-    return {
-        name: np.where(at_start, start[name], parameter.value(column))
-        for parameter, column in zip(parameters, points.T, strict=True)
-        for name in (parameter.name, *parameter.followers)
-    }
-
-
-def check_start(parameter: TunedParameter, start: float) -> None:
-    """Refuse a start outside of a parameter's bounds.
-
-    Raises
-    ------
-    InputError
-
-    Examples
-    --------
-    >>> check_start(TunedParameter("level_1.integral_time", 4.0, 400.0), 40.0)
-    """
-    if not -ROUNDING <= parameter.share(start) <= 1.0 + ROUNDING:
-        raise InputError(
-            f"tuning, {parameter.name}", f"a start at {start:g}",
-            f"a start within its bounds {parameter.low:g} to {parameter.high:g}",
-            "widen the bounds or start elsewhere",
-        )  # fmt: skip
-
-
 def around(
     controller: Controller, names: Sequence[str], factor: float = 10.0
 ) -> tuple[TunedParameter, ...]:
@@ -318,3 +157,27 @@ def around(
             )
         )
     return tuple(found)
+
+
+def gains_and_times(controller: Controller) -> tuple[TunedParameter, ...]:
+    """Return gains and integral times of a law, each within a factor of ten.
+
+    Raises
+    ------
+    NotApplicable
+        It has neither.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> [p.name for p in gains_and_times(cl.design.simc(cl.load("three-tanks")))]
+    ['level_3.proportional_gain', 'level_3.integral_time']
+    """
+    names = [
+        parameter.name
+        for parameter in controller.law.parameters
+        if parameter.part in _TUNED and controller.values[parameter.name] != 0.0
+    ]
+    if not names:
+        raise NotApplicable(METHOD, f"{controller.name} has no gain and no integral time to tune")
+    return around(controller, names)

@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.controllers.controller import Controller
 from clepsydra.designs.sampled.sampled_loop import SampledLoops
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.lane_status import LaneStatus
@@ -20,8 +19,9 @@ from clepsydra.loop.running_scores import running_scores
 from clepsydra.loop.scenario import Scenario
 from clepsydra.scores.score import split_score
 from clepsydra.studies.tuning.batch import BatchEvaluation
+from clepsydra.studies.tuning.goal import Goal
 from clepsydra.studies.tuning.memory import Memory
-from clepsydra.studies.tuning.objective import ON_LIMIT, Limits, Objective
+from clepsydra.studies.tuning.objective import ON_LIMIT
 from clepsydra.studies.tuning.search_space import SearchSpace
 
 
@@ -105,10 +105,7 @@ class TuningProblem:
     Parameters
     ----------
     space : SearchSpace
-    model : LinearModel
-    scenarios : sequence of Scenario
-    objective : Objective
-    limits : Limits
+    goal : Goal
 
     Raises
     ------
@@ -121,16 +118,9 @@ class TuningProblem:
     See `clepsydra.studies.tuning.tune.tune`.
     """
 
-    def __init__(
-        self,
-        space: SearchSpace,
-        model: LinearModel,
-        scenarios: Sequence[Scenario],
-        objective: Objective,
-        limits: Limits,
-    ) -> None:
-        self.space, self.objective, self.limits = space, objective, limits
-        names = list(objective.names)
+    def __init__(self, space: SearchSpace, goal: Goal) -> None:
+        self.space, self.objective, self.limits = space, goal.objective, goal.limits
+        limits, model, scenarios = goal.limits, goal.model, goal.scenarios
         self.limited: dict[str, float] = {}
         if np.isfinite(limits.overshoot):
             stepped = {
@@ -148,7 +138,7 @@ class TuningProblem:
         self.limited |= {f"total_variation[{u}]": v for u, v in limits.total_variation.items()}
         for name, (low, high) in limits.levels.items():
             self.limited |= {f"lowest[{name}]": low, f"highest[{name}]": high}
-        self.names = tuple(dict.fromkeys([*names, *self.limited]))
+        self.names = tuple(dict.fromkeys([*goal.objective.names, *self.limited]))
         self.batch = BatchEvaluation(space.controller, model, scenarios, self.names)
         self._loops = SampledLoops(space.controller, model)
         self.memory = Memory(len(space.start), len(self.names) + 1, self._digest(model, scenarios))
@@ -281,12 +271,13 @@ class TuningProblem:
 
     def _digest(self, model: LinearModel, scenarios: Sequence[Scenario]) -> str:
         """Return what tells this problem from any other."""
-        controller: Controller = self.space.controller
+        controller = self.space.controller
         said = {
             "program": repr(self.batch.program),
             "values": controller.values,
             "state": controller.initial_state,
-            **self.space.identity(),
+            "parameters": [asdict(parameter) for parameter in self.space.parameters],
+            "numbers": dict(self.space.numbers),
             "objective": asdict(self.objective),
             "limits": asdict(self.limits),
             "segments": [[asdict(part) for part in scenario.segments] for scenario in scenarios],

@@ -1,73 +1,137 @@
-"""Tuning by simulation: the parameters of any step law, on the process's own equations."""
+"""Tuning by simulation: a search everywhere first, then near the best, then along the front."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
-from clepsydra.base.arguments import require_type, sequence_of
-from clepsydra.controllers.controller import Controller
-from clepsydra.linear.linear_model import LinearModel
-from clepsydra.loop.scenario import Scenario
-from clepsydra.studies.tuning.objective import Limits, Objective
-from clepsydra.studies.tuning.parameters import LawSpace, TunedParameter
+import numpy as np
+
+from clepsydra.base.arguments import is_finite_number, require_type
+from clepsydra.base.errors import InputError
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.studies.tuning.global_search import search_globally
+from clepsydra.studies.tuning.goal import Goal
+from clepsydra.studies.tuning.outcome import outcome, why_none
+from clepsydra.studies.tuning.parameters import METHOD
+from clepsydra.studies.tuning.pareto import pareto_front
+from clepsydra.studies.tuning.problem import TuningProblem
+from clepsydra.studies.tuning.refinement import refine
 from clepsydra.studies.tuning.result import TuningResult
-from clepsydra.studies.tuning.search import GENERATIONS, Progress, search
+from clepsydra.studies.tuning.search_space import SearchSpace
+
+#: Generations of the global search, if nothing else is asked for.
+GENERATIONS = 40
+#: Local searches from where the last one ended, at most.
+_LOCAL_SEARCHES = 3
+#: A local search that brings less than this share is the last.
+_WORTH_ANOTHER = 1e-6
 
 
-def tune(
-    controller: Controller,
-    model: LinearModel,
-    scenario: Scenario | Sequence[Scenario],
-    parameters: Sequence[TunedParameter],
-    objective: Objective,
-    *,
-    limits: Limits | None = None,
-    generations: int = GENERATIONS,
-    seed: int = 1,
-    front: Sequence[float] = (),
-    progress: Callable[[Progress], None] | None = None,
-    state_file: str | Path | None = None,
-) -> TuningResult:
-    """Find the parameter values whose simulated loop scores best and keeps some limits.
-
-    First differential evolution looks everywhere between the bounds, then sequential quadratic
-    programming goes from the best to the minimum near it. Candidates are simulated in batches
-    on the engine; max|S| is that of the sampled loop, exact. The same seed gives the same result.
+class Progress(NamedTuple):
+    """How far a tuning has come.
 
     Parameters
     ----------
-    controller : Controller
-        Of any family; its values are the start.
-    model : LinearModel
-        Of the process at the operating point where the scenario begins, with every measurement
-        that the controller reads.
-    scenario : Scenario or sequence of Scenario
-        Over several the scores add up, the overshoot is the largest.
-    parameters : sequence of TunedParameter
-    objective : Objective
-        `objective.minimax` or `objective.weighted_sum`.
-    limits : Limits, optional
-        None if omitted. A tank that runs empty or over, a pump that runs dry and a trip are never
-        let pass, unless they happen at the start as well.
+    stage : str
+        "global search", "local search" or "Pareto front".
+    evaluations : int
+        Different candidates so far.
+    objective : float
+        The best so far that keeps all limits; infinite while there is none.
+
+    Examples
+    --------
+    >>> Progress("global search", 64, 0.8).evaluations
+    64
+    """
+
+    stage: str
+    evaluations: int
+    objective: float
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """How to look for the best candidate.
+
+    Parameters
+    ----------
     generations : int
         Of the global search, at most; 0 for the local search alone.
     seed : int
-        Of the global search.
+        Of the global search: the same seed gives the same result.
     front : sequence of float
         Bounds of max|S| at which the Pareto front is refined.
     progress : callable, optional
         Takes a `Progress` after each batch.
     state_file : str or Path, optional
         Where everything computed is kept, now and then and at the end or an interruption
-        (control-C), which returns the best so far. Called again with the same arguments it
-        goes on, and ends as it would have without the break.
+        (control-C), which returns the best so far. The same tuning goes on from there, and ends
+        as it would have without the break.
 
     Raises
     ------
     InputError
-        A bound, a name, a limit or the start cannot be used, or the state file is of another
-        problem.
+        One of them cannot be used.
+
+    Examples
+    --------
+    >>> Search(generations=-1)
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: tuning, generations: got -1, expected a whole number from 0; \
+choose another.
+    """
+
+    generations: int = GENERATIONS
+    seed: int = 1
+    front: Sequence[float] = ()
+    progress: Callable[[Progress], None] | None = None
+    state_file: str | Path | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("generations", "seed"):
+            value = getattr(self, name)
+            whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+            if not whole or value < 0:
+                raise InputError(
+                    f"tuning, {name}", value, "a whole number from 0", "choose another"
+                )
+        front = self.front
+        listed = isinstance(front, (list, tuple, np.ndarray)) and all(map(is_finite_number, front))
+        if not listed:
+            number = is_finite_number(front) or isinstance(front, str)
+            raise InputError(
+                "tuning, front", front if number else "no list of numbers",
+                "a list of bounds of max|S|", "write as in [1.4, 1.7, 2.0]",
+            )  # fmt: skip
+        require_type(
+            self.state_file, (Path, str, type(None)), "tuning, state_file",
+            "the path of a file, or None", "give it as Path or text",
+        )  # fmt: skip
+
+
+def tune(space: SearchSpace, goal: Goal, search: Search | None = None) -> TuningResult:
+    """Find the point of a space whose simulated loop scores best and keeps some limits.
+
+    First differential evolution looks everywhere between the bounds, then sequential quadratic
+    programming goes from the best to the minimum near it. Candidates are simulated in batches
+    on the engine; max|S| is that of the sampled loop, exact.
+
+    Parameters
+    ----------
+    space : SearchSpace
+        Where to look, and how a controller follows.
+    goal : Goal
+    search : Search, optional
+
+    Raises
+    ------
+    InputError
+        A score, a limit or the start cannot be used, or the state file is of another problem.
     NotApplicable
         No candidate keeps the limits.
 
@@ -77,30 +141,62 @@ def tune(
 
     >>> import clepsydra as cl
     >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.studies.tuning.objective import minimax
+    >>> from clepsydra.studies.tuning.law_space import LawSpace
+    >>> from clepsydra.studies.tuning.objective import Limits, minimax
     >>> from clepsydra.studies.tuning.parameters import around
     >>> plant = cl.load("quadruple-tank-nonminimum-phase")
     >>> start = cl.design.simc(plant)
-    >>> found = tune(start, plant.linear, default_scenario(plant.linear),
-    ...              around(start, ["level_1.proportional_gain", "level_1.integral_time"], 3.0),
-    ...              minimax("iae[level_1]", "iae[level_2]"), limits=Limits(2.0), generations=1)
+    >>> names = ["level_1.proportional_gain", "level_1.integral_time"]
+    >>> goal = Goal(plant.linear, default_scenario(plant.linear),
+    ...             minimax("iae[level_1]", "iae[level_2]"), Limits(2.0))
+    >>> found = tune(LawSpace(start, around(start, names, 3.0)), goal, Search(generations=1))
     >>> found.objective < 1.0, found.maximum_sensitivity < 2.00001
     (True, True)
     """
-    require_type(controller, Controller, "controller", "a Controller", "design one, or make one")
-    parameters = sequence_of(
-        parameters, TunedParameter, "tuning, parameters", "a list of TunedParameter",
-        "make them, as by around(controller, [names])",
-    )  # fmt: skip
-    return search(
-        LawSpace(controller, tuple(parameters)),
-        model,
-        scenario,
-        objective,
-        limits=limits,
-        generations=generations,
-        seed=seed,
-        front=front,
-        progress=progress,
-        state_file=state_file,
-    )
+    search = search or Search()
+    problem = TuningProblem(space, goal)
+    file = None if search.state_file is None else Path(search.state_file)
+    if file is not None:
+        problem.memory.load(file)
+    stage, interrupted = "start", False
+
+    def tell() -> None:
+        if file is not None:
+            problem.memory.save_now_and_then(file)
+        if search.progress is not None:
+            best = problem.best.objective if problem.best else np.inf
+            search.progress(Progress(stage, problem.evaluations, best))
+
+    problem.on_progress = tell
+    try:
+        problem.begin()
+        if search.generations:
+            stage = "global search"
+            search_globally(problem, generations=search.generations, seed=search.seed)
+        stage = "local search"
+        _refine_until_still(problem)
+        stage = "Pareto front"
+        front = pareto_front(problem, search.front)
+    except KeyboardInterrupt:
+        interrupted = True
+        if problem.best is None:
+            raise
+        front = pareto_front(problem, ())
+    finally:
+        if file is not None:
+            problem.memory.save(file)
+    if problem.best is None:
+        raise NotApplicable(METHOD, why_none(problem))
+    return outcome(problem, front, search.seed, interrupted)
+
+
+def _refine_until_still(problem: TuningProblem) -> None:
+    """Repeat the local search while it helps: from a kink it may have to start again."""
+    limit = problem.limits.maximum_sensitivity
+    point = problem.best.point if problem.best else problem.space.start
+    for _ in range(_LOCAL_SEARCHES):
+        before = problem.best.objective if problem.best else np.inf
+        refine(problem, point, limit)
+        if problem.best is None or problem.best.objective >= before * (1.0 - _WORTH_ANOTHER):
+            return
+        point = problem.best.point

@@ -8,15 +8,12 @@ from functools import partial
 import numpy as np
 
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
-from clepsydra.designs.bryson import (
-    acceptable_deviations,
-    slowest_time_constant,
-    tracking_times,
-    weighed_lqi,
-)
+from clepsydra.designs.lqi import weighed_lqi
 from clepsydra.designs.lqi_by_weights import design_lqi_by_weights
-from clepsydra.designs.states.linear_quadratic import METHOD, LqiGains
+from clepsydra.designs.states.bryson_rule import acceptable_deviations
+from clepsydra.designs.states.linear_quadratic import METHOD, LqiGains, slowest_time_constant
 from clepsydra.designs.states.quadratic_weights import QuadraticWeights
+from clepsydra.designs.states.robust_lqi import tracking_times
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.studies.tuning.lqi_weights import WeightedDesign
@@ -29,7 +26,7 @@ def lqi_by_bryson(
     maximum_moves: Mapping[str, float] | None = None,
     anti_windup: AntiWindup = "back_calculation",
 ) -> WeightedDesign:
-    """Return LQI by Bryson's rule with its weights; all as for `designs.bryson.design_lqi`.
+    """Return LQI by Bryson's rule with its weights; all as for `designs.lqi.design_lqi`.
 
     Examples
     --------
@@ -73,7 +70,7 @@ def _as_pi(
     feedback: np.ndarray,
     gains: LqiGains,
 ) -> list[float]:
-    return tracking_times(model, measurements, feedback, gains, horizon)
+    return tracking_times(model, measurements, feedback, gains.integral, horizon)
 
 
 def _slowest(period: float, inputs: int, feedback: np.ndarray, gains: LqiGains) -> list[float]:

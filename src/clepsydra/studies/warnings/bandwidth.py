@@ -7,13 +7,13 @@ import math
 import numpy as np
 
 from clepsydra.base.words import listed, time_text
-from clepsydra.linear.compared import compared
-from clepsydra.linear.dead_time_structure import dead_times
+from clepsydra.linear.dead_time import dead_times
+from clepsydra.linear.directions import ZeroDirection, zero_directions
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.poles import origin_radius
+from clepsydra.linear.ranges import in_known_ranges
 from clepsydra.linear.response import frequency_response
 from clepsydra.linear.roots import roots_of
-from clepsydra.linear.zero_directions import ZeroDirection, zero_directions
 from clepsydra.studies.warnings.loop_response import LoopResponse
 
 #: Where the sensitivity in a direction reaches this from below, the bandwidth ends.
@@ -44,7 +44,7 @@ def blocking_zeros(model: LinearModel) -> list[ZeroDirection]:
     """
     roots = roots_of(model)
     radius = origin_radius(roots.zeros_of.A)
-    shares = compared(roots.zeros_of)
+    shares = in_known_ranges(roots.zeros_of)
     if shares is None or not np.any(roots.zeros.real > radius):
         return []
     farthest = np.abs(roots.zeros).max() * (1.0 + 1e-6)
@@ -165,7 +165,7 @@ def bandwidth_warnings(
         times = late[row][ways[row]]
         # No number: ways of different dead times lead there, and the shortest is not known.
         dead_time = float(np.min(times)) if times.size and np.all(times > 0.0) else 0.0
-        crossover = float(response.channels[name].crossovers.max(initial=0.0))
+        crossover = response.channels[name].bandwidth
         if crossover * dead_time > 1.0:
             words.append(
                 f"The loop of {name} crosses over at {crossover:.3g} rad/s, but its dead time of "

@@ -64,6 +64,11 @@ class Channel:
         found = np.exp(_at_zeros(self._size, np.log(self.frequencies)))
         return np.append(found, self.frequencies[-1:] if self._size[-1] >= 0.0 else [])
 
+    @property
+    def bandwidth(self) -> float:
+        """The fastest frequency at which |L| = 1 [rad/s]; 0 where there is none."""
+        return float(self.crossovers.max(initial=0.0))
+
     @cached_property
     def gain_margin(self) -> Margin:
         """The factor nearest to one that puts L through -1."""

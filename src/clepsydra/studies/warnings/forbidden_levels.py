@@ -11,11 +11,11 @@ from clepsydra.base.words import listed
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.scenario import Scenario
+from clepsydra.process.elements.pump import Pump
+from clepsydra.process.elements.sensor import Sensor
+from clepsydra.process.elements.tank import Tank
 from clepsydra.process.level_switch import LevelLimit
 from clepsydra.process.process import Process
-from clepsydra.process.pump import Pump
-from clepsydra.process.sensor import Sensor
-from clepsydra.process.tank import Tank
 from clepsydra.studies.warnings.resting import Rest
 from clepsydra.studies.warnings.words import shown
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.base.words import time_text
-from clepsydra.loop.happenings import happenings
+from clepsydra.loop.events import events_of
 from clepsydra.loop.lane_status import EMPTY_SHARE
 from clepsydra.loop.run import Run
 from clepsydra.studies.warnings.words import shown
@@ -108,7 +108,7 @@ def emptied(run: Run) -> list[Harm]:
 
 
 def _of_events(run: Run) -> list[Harm]:
-    happened = happenings(run.process, run.values)
+    happened = events_of(run.process, run.values)
     found = []
     for event in run.process.motion.events:
         times = [each for each in happened if each.event == event.name]

@@ -6,9 +6,8 @@ import math
 
 import numpy as np
 
-from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT
-from clepsydra.linear.disk_margin import DiskMargin
-from clepsydra.linear.structured_norm import structured_norm
+from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT
+from clepsydra.linear.disk_margin import DiskMargin, structured_singular_values
 from clepsydra.studies.warnings.channel import Channel
 from clepsydra.studies.warnings.loop_response import LoopResponse
 
@@ -111,7 +110,7 @@ def _all_at_once(response: LoopResponse) -> list[str]:
         ("measurements", response.at_output),
         ("manipulated variables", response.at_input),
     ):
-        sizes = structured_norm(values - np.eye(values.shape[1]) / 2.0)
+        sizes = structured_singular_values(values - np.eye(values.shape[1]) / 2.0)
         place = int(np.argmax(sizes))
         disk = DiskMargin(min(1.0 / float(sizes[place]), 2.0), float(response.frequencies[place]))
         if disk.size < _DISK:

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from clepsydra.controllers.controller import Controller
+from clepsydra.linear.dead_time import at_rest
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.linear.pade import at_rest
 from clepsydra.loop.scenario import Scenario, Segment
 
 #: What is missed of the outputs wanted, as a share, where the inputs cannot hold them at all.

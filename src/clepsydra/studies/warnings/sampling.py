@@ -47,10 +47,7 @@ def sampling_warnings(controller: Controller, response: LoopResponse) -> list[st
 
 def _crossover(response: LoopResponse) -> list[str]:
     period = response.period
-    fastest = {
-        name: float(response.channels[name].crossovers.max(initial=0.0))
-        for name in response.outputs
-    }
+    fastest = {name: response.channels[name].bandwidth for name in response.outputs}
     late = [name for name, omega in fastest.items() if omega * period > _TOO_SLOW]
     if not late:
         return []

@@ -6,16 +6,16 @@ import numpy as np
 
 from clepsydra.base.words import listed, time_text
 from clepsydra.controllers.controller import Controller
-from clepsydra.linear.compared import compared
 from clepsydra.linear.controllability import (
     NOT_AT_ALL,
     ModeMargin,
     controllability_margins,
     observability_margins,
 )
+from clepsydra.linear.dead_time import at_rest
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.pade import at_rest
 from clepsydra.linear.poles import origin_radius
+from clepsydra.linear.ranges import in_known_ranges
 from clepsydra.studies.warnings.loop_response import LoopResponse
 
 #: An eigenvalue of a law so near above one is an integrator with its rounding.
@@ -86,7 +86,7 @@ def _loop(response: LoopResponse) -> list[str]:
 
 def _hidden(controller: Controller, model: LinearModel) -> list[str]:
     sub = model.select(tuple(dict.fromkeys(controller.measurements)), controller.manipulated)
-    shares = compared(sub)
+    shares = in_known_ranges(sub)
     if shares is None:
         return []
     resting = at_rest(shares)

@@ -9,11 +9,12 @@ from itertools import product
 
 import numpy as np
 
+from clepsydra.base.key import ratio_of_units
 from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import to_si
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_keys import GAINS
-from clepsydra.controllers.signals import LARGEST_PARAMETER, owners, ratio_of_units
+from clepsydra.controllers.signals import LARGEST_PARAMETER, owners
 from clepsydra.designs.loops.control_authority import largest_proportional_gain
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
@@ -127,8 +128,7 @@ class _Loops:
         found = []
         for loop, (measurement, manipulated) in self.pairs.items():
             gain = abs(controller.values[path(loop, "proportional_gain")])
-            crossovers = response.channels[measurement.name].crossovers
-            fastest = float(crossovers.max(initial=0.0))
+            fastest = response.channels[measurement.name].bandwidth
             if self.integrates:
                 weak = gain * measurement.span < _TOO_WEAK * manipulated.span
             else:
@@ -166,13 +166,10 @@ class _Loops:
                         return False
         changed = dataclasses.replace(self.controller, values=values)
         response = loop_response(changed, self.model)
-        turns = [
-            float(response.channels[name].crossovers.max(initial=0.0)) * response.period
-            for name in response.outputs
-        ]
+        fastest = max(response.channels[name].bandwidth for name in response.outputs)
         return (
             self.is_calm(response)
-            and max(turns) <= _FASTEST_TURN
+            and fastest * response.period <= _FASTEST_TURN
             and not set(factors) & {*self.too_large(changed), *self.too_weak(changed, response)}
         )
 

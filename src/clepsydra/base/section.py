@@ -1,0 +1,92 @@
+"""What a result says, as sections of lines and tables that any page can show."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Mark(Enum):
+    """What stands before a line, and so what kind of line it is."""
+
+    PLAIN = ""
+    ANSWER = "answer"
+    POINT = "•"
+    WATCH = "!"
+    REFUSED = "–"
+    COMMAND = "$"
+
+
+@dataclass(frozen=True)
+class Line:
+    """One sentence or more, to be broken where the page ends.
+
+    Examples
+    --------
+    >>> Line("pump_1 stood at its limit for 12 s", Mark.WATCH).mark.value
+    '!'
+    """
+
+    text: str
+    mark: Mark = Mark.PLAIN
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of text with a title, a head and rows.
+
+    Parameters
+    ----------
+    title : str
+        Without one it stands close to the lines around it.
+    head : tuple of str
+    rows : tuple of tuple of str
+    names : int
+        So many columns from the left hold names; the others hold values.
+    kept : int
+        So many columns from the left stay where the page is too narrow; 0 for all.
+
+    Examples
+    --------
+    >>> Table("Scenario", ("what", "size"), (("load inflow_1", "+2 cm³/s"),)).rows[0]
+    ('load inflow_1', '+2 cm³/s')
+    """
+
+    title: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    names: int = 1
+    kept: int = 0
+
+
+@dataclass(frozen=True)
+class Section:
+    """What belongs together: its title, then its lines and tables in their order.
+
+    Parameters
+    ----------
+    title : str
+        May be empty.
+    parts : tuple
+        Of `Line`, `Table` and `Section`.
+
+    Examples
+    --------
+    >>> Section("Quadruple tank", (Line("Use PI, SIMC."),)).parts[0].text
+    'Use PI, SIMC.'
+    """
+
+    title: str = ""
+    parts: tuple[Line | Table | Section, ...] = ()
+
+
+def marked(mark: Mark, texts: Iterable[str]) -> tuple[Line, ...]:
+    """Return lines with the same mark.
+
+    Examples
+    --------
+    >>> [line.text for line in marked(Mark.POINT, ["It is stable.", "It has no zeros."])]
+    ['It is stable.', 'It has no zeros.']
+    """
+    return tuple(Line(text, mark) for text in texts)

@@ -1,0 +1,164 @@
+"""What a proof runs: printed code on a target, what it is compared with, and by which bound."""
+
+from __future__ import annotations
+
+import importlib.metadata
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from clepsydra.base.arguments import sequence_of
+from clepsydra.base.errors import InputError
+from clepsydra.deploy.compiler import Compiler
+from clepsydra.deploy.printing.precision import Precision
+from clepsydra.deploy.proof.comparison import Difference, is_exact
+from clepsydra.deploy.proof.contents import Contents
+from clepsydra.deploy.proof.job import Job
+from clepsydra.deploy.proof.limits import PYTHON_LAW, Limit
+from clepsydra.deploy.proof.row import ProofRow, Verdict
+from clepsydra.deploy.proof.single_scans import DIVERGED
+from clepsydra.deploy.target import TARGETS
+
+#: Difference, bound (None: there is none), and further fields of the row.
+Measured = tuple[Difference, float | None, dict[str, Any]]
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run of what is printed of a controller or a process.
+
+    Parameters
+    ----------
+    name : str
+    precision : {"double", "single"}
+    against : str
+        What it is compared with.
+    version : str
+        Of what runs it.
+    printed : callable
+        Takes a job and returns the files that it prints.
+    measure : callable
+        Takes a job and these files, and returns what was measured.
+    limits : tuple of Limit
+        What the target cannot express by its nature.
+    scores : bool
+        Whether the row has scores of the loop.
+    in_si : bool
+        Whether the program with ports in SI is run.
+
+    Examples
+    --------
+    >>> [run.name for run in runs_of("process", Compiler(("cc",), "cc 1.0"), ("c", "st"))]
+    ['C', 'Structured Text, matiec', 'Structured Text, codesys', 'Structured Text, scl']
+    """
+
+    name: str
+    precision: Precision
+    against: str
+    version: str
+    printed: Callable[[Job], Contents]
+    measure: Callable[[Job, Contents], Measured]
+    limits: tuple[Limit, ...] = (PYTHON_LAW,)
+    scores: bool = False
+    in_si: bool = False
+
+    def setting(self, job: Job) -> str:
+        """Return a digest of what a job runs through."""
+        return f"{job.setting} {job.loop}" if self.scores else job.setting
+
+    def row(self, job: Job, blank: ProofRow, printed: Contents) -> ProofRow:
+        """Run what was printed of a job and fill its row."""
+        difference, bound, more = self.measure(job, printed)
+        return replace(
+            blank,
+            exact=is_exact(job.program),
+            largest=difference.largest,
+            signal=difference.signal,
+            scan=difference.scan,
+            differing=difference.differing,
+            decisions=difference.decisions,
+            overflows=difference.overflows,
+            bound=bound,
+            verdict=verdict(difference, bound),
+            **more,
+        )
+
+
+def proved_targets(to: str | Sequence[str] | None) -> tuple[str, ...]:
+    """Return the targets that are to be proved, each once and in their order; all for None.
+
+    Raises
+    ------
+    InputError
+        There is none, or one that is not known or runs nothing.
+
+    Examples
+    --------
+    >>> proved_targets(None), proved_targets(["fmu", "c", "c"])
+    (('c', 'st', 'fmu'), ('c', 'fmu'))
+    """
+    known = tuple(name for name, target in TARGETS.items() if target.runs)
+    if to is None:
+        return known
+    place, expected = "proof, to", f"one or more of {', '.join(known)}"
+    remedy = "name what is to be run, or leave it out: then all is"
+    asked = (to,) if isinstance(to, str) else sequence_of(to, str, place, expected, remedy)
+    unknown = next((each for each in asked if each not in known), None)
+    if unknown is not None or not asked:
+        raise InputError(place, unknown or "nothing", expected, remedy)
+    return tuple(each for each in known if each in asked)
+
+
+def runs_of(kind: str, compiler: Compiler, to: Sequence[str]) -> list[Run]:
+    """Return what is run of a controller or a process on some targets; what takes longest last.
+
+    Raises
+    ------
+    InputError
+        A package of the proof is missing.
+    """
+    found = [run for name in to if (runs := TARGETS[name].runs) for run in runs(kind, compiler)]
+    return sorted(found, key=lambda run: (run.precision == "single", run.scores))
+
+
+def version_of(package: str) -> str:
+    """Return the version of a package that a proof needs.
+
+    Raises
+    ------
+    InputError
+        It is missing.
+
+    Examples
+    --------
+    >>> version_of("numpy").startswith("numpy ")
+    True
+    """
+    try:
+        return f"{package} {importlib.metadata.version(package)}"
+    except importlib.metadata.PackageNotFoundError:
+        raise InputError(
+            "proof", f"no package {package}", "all packages of the proof",
+            "pip install 'clepsydra[verify]'",
+        ) from None  # fmt: skip
+
+
+def verdict(difference: Difference, bound: float | None) -> Verdict:
+    """Return the verdict of a difference; without a bound it is only reported.
+
+    Examples
+    --------
+    >>> verdict(Difference(1e-3, "y", 0, 1, 0, -1), None)
+    'reported'
+    """
+    if difference.differing == 0:
+        return "equal"
+    if bound is None:
+        # Rounding may move a number, and turn none into what is infinite or not a number.
+        if difference.overflows:
+            return "differs"
+        return "diverges" if difference.largest > DIVERGED else "reported"
+    # Where nothing but exact operations are, the sign of a zero counts too; and a decision that
+    # differs is no matter of a bound.
+    within = bound > 0.0 and difference.largest <= bound and difference.decisions == 0
+    return "within the bound" if within else "differs"

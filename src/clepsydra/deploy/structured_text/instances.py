@@ -1,0 +1,98 @@
+"""The calls of a printed program as instances of function blocks: names, and a first scan."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from clepsydra.base.signal import Signal
+from clepsydra.deploy.printing.identifiers import Identifiers
+from clepsydra.program.builder import BlockBuilder
+from clepsydra.program.entries import signal_of
+from clepsydra.program.inlined import append, renamed
+from clepsydra.program.owned_state import RESTART
+from clepsydra.program.program import Call, Program, Statement
+
+#: The state that tells the first scan from the others.
+BEGUN = "begun"
+
+
+def with_block_names(program: Program, words: frozenset[str]) -> Program:
+    """Return a program whose calls, and what they call, have names of a system.
+
+    No instance has the name of a signal of its caller, and no signal of a block that is called
+    is a word of the system: that block comes from us, not from its user.
+
+    Parameters
+    ----------
+    program : Program
+    words : frozenset of str
+        Of the system, in upper case.
+
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.program.program import Block, Operation
+    >>> twice = Program("twice", (), (Signal("ramp"),), (), (Signal("b"),),
+    ...                 Block(1, (Operation(1, "add", (0, 0)),), (1,)))
+    >>> calls = Block(1, (Call((1,), twice, "flow", (0,)),), (1,))
+    >>> law = Program("law", (), (Signal("flow"),), (), (Signal("y"),), calls)
+    >>> (call,) = with_block_names(law, frozenset({"RAMP"})).calls
+    >>> call.instance, call.program.inputs[0].name
+    ('flow_block', 'ramp_value')
+    """
+    groups = (*program.state, *program.inputs, *program.parameters, *program.outputs)
+    taken = {signal_of(entry).identifier.lower() for entry in groups}
+
+    def no_word(signal: Signal) -> Signal:
+        is_word = signal.identifier.upper() in words
+        return replace(signal, name=f"{signal.name}_value") if is_word else signal
+
+    def named(statement: Statement) -> Statement:
+        if not isinstance(statement, Call):
+            return statement
+        block = with_block_names(statement.program, words).with_signals(no_word)
+        told = {f"{name}_value": text for name, text in block.words.items()} | {**block.words}
+        instance = statement.identifier
+        clash = "_block" if instance.lower() in taken else ""
+        renamed = replace(block, words=told)
+        return replace(statement, instance=instance + clash, program=renamed)
+
+    block = replace(program.block, statements=tuple(map(named, program.block.statements)))
+    return replace(program, block=block)
+
+
+def beginning(program: Program) -> Program:
+    """Return a program whose instances begin anew in its first scan.
+
+    Their start values are inputs: a retained state of the program says whether it has run.
+
+    Examples
+    --------
+    See `clepsydra.deploy.structured_text.printer.function_blocks`.
+    """
+    block, states = program.block, len(program.state)
+    ports = {signal.name for call in program.calls for signal in call.program.inputs}
+    if RESTART not in ports:
+        return program
+    entries = (*program.state, *program.inputs, *program.parameters, *program.outputs)
+    taken = [signal_of(entry).identifier for entry in entries]
+    taken += [call.identifier for call in program.calls]
+    name = Identifiers(taken, ignore_case=True).new(BEGUN)
+    about = "has run; else its blocks begin with their start values"
+    begun = Signal(name, kind="boolean", description=about)
+    builder = BlockBuilder(block.arguments + 1)
+
+    def called(builder: BlockBuilder, call: Call, place: Mapping[int, int]) -> Sequence[int]:
+        given = [place[value] for value in call.arguments]
+        for k, signal in enumerate(call.program.inputs, len(call.program.state)):
+            if signal.name == RESTART:
+                first = builder.operation("not", states)
+                given[k] = builder.operation("or", first, given[k])
+        return builder.call(call.program, call.instance, given)
+
+    given = [*range(states), *range(states + 1, block.arguments + 1)]
+    values, place = append(builder, block, given, called)
+    results = [*values[:states], builder.constant(1.0), *values[states:]]
+    state, names = (*program.state, begun), renamed(program, place)
+    return replace(program, state=state, block=builder.finish(results), names=names)

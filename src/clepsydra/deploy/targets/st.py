@@ -1,0 +1,90 @@
+"""IEC 61131-3 Structured Text: a function block, and a project that runs it against the tank."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from clepsydra.deploy.target import TARGETS, Delivery, ExportedFiles, Options, Target
+
+if TYPE_CHECKING:
+    from clepsydra.deploy.compiler import Compiler
+    from clepsydra.deploy.proof.run import Run
+    from clepsydra.program.program import Program
+
+
+def _controller(delivery: Delivery, options: Options) -> ExportedFiles:
+    """Return NAME.st or NAME.scl with the function block, and the test project.
+
+    That is NAME_test.st with block, tank and the program that runs both, and but for scl
+    NAME_test.xml, the same as PLCopen XML. A tank with a number that REAL cannot hold is left out.
+    """
+    from clepsydra.base.errors import InputError
+    from clepsydra.deploy.process_program import process_program
+    from clepsydra.deploy.structured_text.dialect import dialect_of
+    from clepsydra.deploy.structured_text.printer import print_structured_text
+    from clepsydra.deploy.structured_text.time_literal import time_literal
+    from clepsydra.deploy.tagged import tagged_point
+
+    ready, dialect = delivery.ready, options["dialect"]
+    name, ending = ready.program.name, "scl" if dialect == "scl" else "st"
+    time_literal(ready.process.sampling_period)  # refuses what no task can hold
+    rules = replace(dialect_of(dialect).names, language=f"Structured Text, {dialect}", longest=0)
+    for signal, tag in ready.process.tags.items():
+        rules.check(tag, f"{ready.process.address}, tag of {signal}")
+    texts = {
+        f"{name}.{ending}": print_structured_text(ready.program, origin=ready.origin, **options)
+    }
+    next_step = f"docs/plc.md says how {name}.{ending} comes into the project of the PLC; "
+    tank = process_program(tagged_point(ready.point))
+    try:
+        print_structured_text(tank, **options)
+    except InputError as refusal:
+        next_step += f"there is no test project, since the tank cannot be printed: {refusal}"
+    else:
+        projects = _test_projects(delivery, tank, options)
+        texts |= {f"{name}_test.{kind}": text for kind, text in projects.items()}
+        next_step += f"run {name}_test.{ending} there first."
+    # TIA Portal takes a text without a byte order mark for one of the machine's code page.
+    encoding = "utf-8-sig" if dialect == "scl" else "utf-8"
+    files = {file: text.encode(encoding) for file, text in texts.items()}
+    return ExportedFiles(files, ready.facts | options, next_step)
+
+
+def _test_projects(delivery: Delivery, tank: Program, options: Options) -> dict[str, str]:
+    """Return the project that runs a controller against its tank, by the ending of its file."""
+    from clepsydra.deploy.exportable import process_origin
+    from clepsydra.deploy.plcopen.printer import print_plcopen_project
+    from clepsydra.deploy.structured_text.project import Project, print_test_project
+
+    ready = delivery.ready
+    project = Project(
+        ready.program,
+        tank,
+        ready.wires,
+        ready.process.sampling_period,
+        ready.origin,
+        process_origin(ready.point),
+        **options,
+    )
+    if options["dialect"] == "scl":  # TIA Portal reads no PLCopen XML
+        return {"scl": print_test_project(project)}
+    return {"st": print_test_project(project), "xml": print_plcopen_project(project)}
+
+
+def _runs(kind: str, compiler: Compiler) -> list[Run]:
+    from clepsydra.deploy.proof.text_runs import text_runs
+
+    return text_runs(kind)
+
+
+TARGETS.add(
+    "st",
+    Target(
+        2,
+        "IEC 61131-3 Structured Text with a test project and PLCopen XML",
+        _controller,
+        {"precision": ("double", "single"), "dialect": ("codesys", "matiec", "scl")},
+        runs=_runs,
+    ),
+)

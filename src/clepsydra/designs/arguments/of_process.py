@@ -1,0 +1,140 @@
+"""Arguments that name signals of the process, or are values of them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from clepsydra.base.signal import Signal
+from clepsydra.designs.arguments.argument import Argument, argument
+from clepsydra.process.known_names import known_name, known_names
+from clepsydra.process.signal_values import read_value
+
+if TYPE_CHECKING:
+    from clepsydra.process.process import Process
+    from clepsydra.process.table_reader import TableReader
+
+
+def _pairs(table: TableReader, key: str, process: Process) -> tuple[tuple[str, str], ...]:
+    """Read which input moves which controlled measurement."""
+    remedy = f'write as in pairing = {{ {process.controlled[0]} = "{process.inputs[0].name}" }}'
+    inputs = [signal.name for signal in process.inputs]
+    rows = table.table(key, "controlled measurements, each with its input", remedy)
+    pairs: list[tuple[str, str]] = []
+    for output in rows.present:
+        known_name(
+            rows, output, output, process.controlled, f"a controlled measurement of {process.name}"
+        )
+        moved = rows.name(output, "the name of an input")
+        known_name(rows, output, moved, inputs, f"an input of {process.name}")
+        for other, taken in pairs:
+            if taken == moved:
+                raise rows.refused(
+                    output,
+                    moved,
+                    f"an input of its own: {moved} moves {other} already",
+                    "pair each input once",
+                )
+        pairs.append((output, moved))
+    if not pairs:
+        raise table.refused(key, "no pair", "at least one pair", remedy)
+    return tuple(pairs)
+
+
+def largest_deviations(name: str, words: str, *, of_inputs: bool) -> Argument:
+    """Return an argument that is a largest deviation of some signals [their units]."""
+    each = "an input" if of_inputs else "a controlled measurement"
+
+    def read(table: TableReader, key: str, process: Process) -> dict[str, float]:
+        known = [u.name for u in process.inputs] if of_inputs else list(process.controlled)
+        remedy = f'write as in {{ {known[0]} = "10 %" }}'
+        rows = table.table(key, "signals with their largest deviation", remedy)
+        found = {}
+        for signal in rows.present:
+            known_name(rows, signal, signal, known, f"{each} of {process.name}")
+            found[signal] = _positive(rows, signal, process.signal(signal), remedy)
+        return found
+
+    return argument(name, read, words, _OF_SIGNALS, "of signals")
+
+
+def one_deviation(name: str, words: str) -> Argument:
+    """Return an argument that is one deviation for all controlled measurements, of one unit."""
+
+    def read(table: TableReader, key: str, process: Process) -> float:
+        signals = [process.signal(name) for name in process.controlled]
+        if len({(signal.unit, signal.low, signal.high) for signal in signals}) > 1:
+            raise table.refused(
+                key,
+                table.written(key),
+                f"no one {key} for {', '.join(process.controlled)}, which differ in unit or range",
+                "leave it out, or give a time instead",
+            )
+        return _positive(table, key, signals[0], 'write as in "20 %" of the range')
+
+    return argument(name, read, words, {"type": ["string", "number"]}, "of signals")
+
+
+def _positive(table: TableReader, key: str, signal: Signal, remedy: str) -> float:
+    value = read_value(table, key, signal, "a deviation", remedy, change=True)
+    if not value > 0.0:
+        raise table.refused(key, table.written(key), "a deviation above 0", remedy)
+    return value
+
+
+def _sensors(table: TableReader, key: str, process: Process) -> tuple[str, ...]:
+    known = [signal.name for signal in process.measurements]
+    return known_names(
+        known,
+        table,
+        key,
+        expected="a list of sensors",
+        remedy=f'write as in ["{known[0]}"]',
+        each="the name of a sensor",
+    )
+
+
+def _controlled(table: TableReader, key: str, process: Process) -> str:
+    """Read the name of a controlled measurement."""
+    name = table.text(key, "a controlled measurement", f'write as in "{process.controlled[0]}"')
+    known_name(table, key, name, process.controlled, f"a controlled measurement of {process.name}")
+    return name
+
+
+def _values_of(over: str) -> Argument:
+    """Return the operating points of a schedule, quantities of the measurement that it is over."""
+
+    def read(table: TableReader, key: str, process: Process) -> list[float]:
+        name = _controlled(table, over, process)
+        signal = process.signal(name)
+        remedy = f'write as in ["10 {signal.shown_unit}"]'
+        written = table.raw(key)
+        if not isinstance(written, list) or not written:
+            raise table.refused(key, table.written(key), f"a list of values of {name}", remedy)
+        return [
+            read_value(table.with_value(key, entry), key, signal, "a value", remedy)
+            for entry in written
+        ]
+
+    words = "list of values of what a schedule is over"
+    schema = {"type": "array", "items": {"type": ["string", "number"]}}
+    return argument("points", read, words, schema, "of signals")
+
+
+_OF_SIGNALS = {"type": "object", "additionalProperties": {"type": ["string", "number"]}}
+PAIRING = argument(
+    "pairing",
+    _pairs,
+    "table of controlled measurements, each with its input; as the relative gains suggest if left "
+    "out",
+    {"type": "object", "additionalProperties": {"type": "string"}},
+)
+MEASUREMENTS = argument(
+    "measurements",
+    _sensors,
+    "list of sensors that a filter or an observer reads",
+    {"type": "array", "items": {"type": "string"}},
+)
+OVER = argument(
+    "over", _controlled, "the controlled measurement that a schedule is over", {"type": "string"}
+)
+POINTS = _values_of("over")

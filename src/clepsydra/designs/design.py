@@ -1,0 +1,132 @@
+"""What a design is called and what it is: declared above the function that designs."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from clepsydra.base.registry import Registry
+from clepsydra.designs.arguments.argument import Argument, of_key
+
+if TYPE_CHECKING:
+    from clepsydra.base.key import Key
+    from clepsydra.controllers.controller import Controller
+
+F = TypeVar("F", bound="Callable[..., Controller]")
+
+
+@dataclass(frozen=True)
+class Studied:
+    """A controller by a design that a study of all controllers tries.
+
+    Parameters
+    ----------
+    place : float
+        Studies go from the lowest to the highest.
+    name : str
+        What the reader sees: "PID, SIMC".
+    arguments : mapping
+        As in a study file: {"actions": "PID"}.
+    """
+
+    place: float
+    name: str
+    arguments: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Design:
+    """A design method: a linear model and some arguments to a controller.
+
+    Parameters
+    ----------
+    name : str
+        What study files and `clepsydra.design` call it.
+    words : str
+        What it is, in a few words.
+    function : callable
+        It takes a model first, and a pairing second if it has one; each keyword is a key of the
+        study file.
+    studied : tuple of Studied
+        As what a study of all controllers tries it.
+    keys : tuple of Key or Argument
+        Its arguments, as study files, calls and editors take them; a key is a quantity above its
+        low bound. Pairing and form are the same of every design, and need no mention; what only
+        a program can give, a controller or a sampled model, is not among them.
+    """
+
+    name: str
+    words: str
+    function: Callable[..., Controller]
+    studied: tuple[Studied, ...] = ()
+    keys: tuple[Key | Argument, ...] = ()
+
+    @property
+    def declared(self) -> dict[str, Argument]:
+        """What it takes besides the model, by name, in the order of the function.
+
+        >>> list(DESIGNS["arrest_time"].declared)
+        ['pairing', 'form', 'arrest_time', 'deviation']
+        """
+        from clepsydra.designs.arguments.of_process import PAIRING  # with all that reads a table
+        from clepsydra.designs.arguments.pid_form import FORM
+
+        own = [each if isinstance(each, Argument) else of_key(each) for each in self.keys]
+        known = {each.name: each for each in (PAIRING, FORM, *own)}
+        return {name: known[name] for name in self.arguments if name in known}
+
+    @property
+    def file_keys(self) -> tuple[str, ...]:
+        """Its keys in a study file, where a form of PID controller stands by keys of its own.
+
+        >>> DESIGNS["amigo"].file_keys
+        ('pairing', 'actions', 'algorithm', 'derivative_on', 'anti_windup', 'as_published')
+        """
+        return tuple(key for each in self.declared.values() for key in each.keys)
+
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        """The names of what it takes besides the model."""
+        return tuple(inspect.signature(self.function).parameters)[1:]
+
+    @property
+    def required(self) -> tuple[str, ...]:
+        """Those without a default, but for the pairing, which the analysis suggests.
+
+        >>> DESIGNS["lqi_by_weights"].required
+        ('weights',)
+        """
+        parameters = inspect.signature(self.function).parameters
+        return tuple(
+            name
+            for name in self.arguments
+            if parameters[name].default is inspect.Parameter.empty and name != "pairing"
+        )
+
+    @property
+    def place(self) -> tuple[float, str]:
+        """Where it stands among the designs: as in a study, what no study tries at the end."""
+        return min((each.place for each in self.studied), default=float("inf")), self.name
+
+
+DESIGNS: Registry[Design] = Registry("clepsydra.designs", order=lambda design: design.place)
+
+
+def design(
+    name: str, words: str, *studied: Studied, keys: tuple[Key | Argument, ...] = ()
+) -> Callable[[F], F]:
+    """Return a decorator that registers a function as a design; all as in `Design`.
+
+    Examples
+    --------
+    >>> DESIGNS["simc"].words, [each.name for each in DESIGNS["simc"].studied][:2]
+    ('PI or PID by SIMC', ['PI, SIMC', 'PI, SIMC, static decoupling'])
+    """
+
+    def register(function: F) -> F:
+        DESIGNS.add(name, Design(name, words, function, studied, keys))
+        return function
+
+    return register

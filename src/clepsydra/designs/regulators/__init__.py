@@ -1,0 +1,1 @@
+"""Linear regulators that were designed elsewhere."""

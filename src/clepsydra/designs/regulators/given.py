@@ -1,0 +1,181 @@
+"""A regulator that was designed elsewhere: its four matrices, looked at before they are used."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from clepsydra.base.arguments import is_finite_number
+from clepsydra.base.errors import InputError
+from clepsydra.base.quantity import Quantity
+from clepsydra.controllers.conditioned_linear import MOST_STATES
+
+METHOD = "regulator"
+#: From here on a number is a mistake, or the regulator a limiter.
+_LARGEST = 1e12
+_NAMES = ("A", "B", "C", "D")
+SAMPLING_PERIOD = Quantity(
+    "sampling_period", "s", low=0.0, strict=True, expected="a time",
+    remedy='write as in "1 s", or leave it out in continuous time',
+)  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class GivenRegulator:
+    """x' = A x + B e, u = C x + D e in continuous time, or x(k+1) with a sampling period.
+
+    Parameters
+    ----------
+    A, B, C, D : ndarray [n, n], [n, p], [m, n], [m, p]
+        In units of one's own. A D of a single zero is one of the size that fits.
+    period : float, optional
+        Of a regulator that is sampled already [s].
+    place : str
+        Where it stands, for messages.
+
+    Raises
+    ------
+    InputError
+        A matrix is none of real finite numbers, or two do not fit together; there are no or more
+        than 60 states; or the period is none.
+
+    Examples
+    --------
+    PI control with K = 2 and Ti = 10 s:
+
+    >>> GivenRegulator(0.0, 0.2, 1.0, 2.0).D.tolist()
+    [[2.0]]
+    >>> GivenRegulator([[0.0, 1.0]], 0.2, 1.0, 2.0)
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: regulator, A: got '1 × 2', expected a square matrix of 1 to \
+60 states; give A, B, C and D of one state space, a regulator without states as a PID or own law.
+    """
+
+    A: np.ndarray
+    B: np.ndarray
+    C: np.ndarray
+    D: np.ndarray
+    period: float | None = None
+    place: str = METHOD
+
+    def __post_init__(self) -> None:
+        for name in _NAMES:
+            object.__setattr__(self, name, self._matrix(name))
+        n, (m, _), (_, p) = len(self.A), self.C.shape, self.B.shape
+        if self.A.shape != (n, n) or not 1 <= n <= MOST_STATES:
+            raise self._refused(
+                "A",
+                f"a square matrix of 1 to {MOST_STATES} states",
+                "reduce the order of the regulator, as with balred or balreduce"
+                if n == self.A.shape[1] > MOST_STATES
+                else "give A, B, C and D of one state space, a regulator without states as a PID "
+                "or own law",
+            )
+        if self.D.shape == (1, 1) and not self.D.any():
+            object.__setattr__(self, "D", np.zeros((m, p)))
+        for name, shape in (("B", (n, p)), ("C", (m, n)), ("D", (m, p))):
+            if getattr(self, name).shape != shape:
+                raise self._refused(
+                    name,
+                    f"{shape[0]} × {shape[1]}, as the others have {n} states, {p} inputs and "
+                    f"{m} outputs",
+                    "give A, B, C and D of one state space",
+                )
+        period = self.period
+        if period is not None and (not is_finite_number(period) or period <= 0.0):
+            raise InputError(
+                f"{self.place}, sampling period", period, "a time above 0",
+                "leave it out for a regulator in continuous time",
+            )  # fmt: skip
+
+    def _matrix(self, name: str) -> np.ndarray:
+        expected, remedy = "a matrix of real finite numbers", "give numbers alone, without units"
+        place = f"{self.place}, {name}"
+        try:
+            given = np.asarray(getattr(self, name))
+        except ValueError:  # rows of different lengths
+            raise InputError(place, "rows of different lengths", expected, remedy) from None
+        if given.dtype.kind not in "iuf" or given.ndim > 2:
+            if given.dtype.kind == "c" and not np.any(np.imag(given)):
+                given = np.real(given)
+            else:
+                shown = "complex numbers" if given.dtype.kind == "c" else f"{given.dtype} numbers"
+                shown = f"{given.ndim} dimensions" if given.ndim > 2 else shown
+                raise InputError(place, shown, expected, remedy)
+        found = np.array(np.atleast_2d(given), float)
+        wrong = found[~(np.abs(found) <= _LARGEST)]
+        if wrong.size:
+            raise InputError(
+                place, float(wrong[0]), f"{expected}, none above {_LARGEST:g}",
+                "look at how the regulator was made",
+            )  # fmt: skip
+        return found
+
+    def _refused(self, name: str, expected: str, remedy: str) -> InputError:
+        rows, columns = getattr(self, name).shape
+        return InputError(f"{self.place}, {name}", f"{rows} × {columns}", expected, remedy)
+
+
+def given_regulator(regulator: Any, period: float | None = None) -> GivenRegulator:
+    """Return a regulator from its matrices, or from what has them.
+
+    Parameters
+    ----------
+    regulator : sequence of four matrices, GivenRegulator, or object
+        A, B, C and D; or a StateSpace of python-control or SciPy.
+    period : float, optional
+        Of a regulator that is sampled already, and does not say so itself [s].
+
+    Raises
+    ------
+    InputError
+        It is none of these, it is wrong, or it has another sampling period than the one given.
+
+    Examples
+    --------
+    >>> import control
+    >>> given_regulator(control.ss([[0.5]], [[1.0]], [[1.0]], [[0.0]], 2.0)).period
+    2.0
+    """
+    if isinstance(regulator, GivenRegulator):
+        found, stated = regulator, regulator.period
+        matrices: Any = [getattr(found, name) for name in _NAMES]
+        place = found.place
+    elif all(hasattr(regulator, name) for name in _NAMES):
+        matrices, place = [getattr(regulator, name) for name in _NAMES], METHOD
+        stated = _period_of(regulator, period)
+    elif isinstance(regulator, (list, tuple)) and len(regulator) == len(_NAMES):
+        matrices, place, stated = regulator, METHOD, None
+    else:
+        name = type(regulator).__name__
+        raise InputError(
+            METHOD, f"a {name}",
+            "a MAT file, four matrices (A, B, C, D), or a state space of python-control or SciPy",
+            "turn a transfer function into one, as with control.ss(controller)",
+        )  # fmt: skip
+    if period is not None and stated is not None and not np.isclose(period, stated, rtol=1e-9):
+        raise InputError(
+            f"{place}, sampling period", f"{period:g} s", f"{stated:g} s, as the regulator has",
+            "leave it out",
+        )  # fmt: skip
+    A, B, C, D = matrices
+    return GivenRegulator(A, B, C, D, stated if stated is not None else period, place)
+
+
+def _period_of(system: Any, given: float | None) -> float | None:
+    """Return the sampling period of a system; None in continuous time, or where it is given."""
+    step = getattr(system, "dt", 0)
+    # SciPy's continuous systems have none; of python-control that is a time not told.
+    if step is None and type(system).__module__.startswith("scipy."):
+        return None
+    if step is None or step is True:
+        if given is None:
+            raise InputError(
+                f"{METHOD}, sampling period", "none", "the one that it was designed for",
+                'give it, as in sampling_period="1 s", or 0 to the system for continuous time',
+            )  # fmt: skip
+        return None
+    return None if step == 0 else float(step)

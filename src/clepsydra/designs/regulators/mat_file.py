@@ -1,0 +1,109 @@
+"""A regulator in a MAT file, as Matlab and Octave save one: matrices A, B, C and D by name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.input_file import read_input
+from clepsydra.controllers.conditioned_linear import MOST_STATES
+from clepsydra.designs.regulators.given import GivenRegulator
+from clepsydra.designs.regulators.mat_variables import Variable, mat_variables
+
+_EXPECTED = "a MAT file with the matrices A, B, C and D"
+_SAVE = "[A, B, C, D] = ssdata(F); save('reg1.mat', 'A', 'B', 'C', 'D', '-v7')"
+#: Sixty states take 0.1 MB.
+_LARGEST_FILE = 1_000_000
+_REQUIRED = ("A", "B", "C", "D")
+_OPTIONAL = ("E", "Ts")
+
+
+def read_mat(path: str | Path) -> GivenRegulator:
+    """Read a regulator from a MAT file of version 4, 6 or 7.
+
+    Nothing but six matrices of numbers is read: A, B, C, D; Ts, the sampling period [s], zero or
+    left out in continuous time; and E, which has to be the identity. Others may stand beside them.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Raises
+    ------
+    InputError
+        There is no such file, it is of version 7.3 or no MAT file, a matrix is missing, no matrix
+        of numbers, or wrong; the place names the file and the matrix.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from scipy.io import savemat
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "reg1.mat"
+    ...     savemat(file, {"A": 0.0, "B": 0.2, "C": 1.0, "D": 2.0})
+    ...     regulator = read_mat(file)
+    >>> regulator.D.tolist(), regulator.period
+    ([[2.0]], None)
+    """
+    path = Path(path)
+    content = read_input(path, _EXPECTED, _LARGEST_FILE)
+    place = str(path) if str(path).isprintable() else ascii(str(path))
+    if b"\x89HDF\r\n" in content[:520]:
+        raise InputError(
+            place, "version 7.3, an HDF5 file", f"{_EXPECTED} of version 7 or lower",
+            f"save it as in {_SAVE}",
+        )  # fmt: skip
+    try:
+        found = mat_variables(content, MOST_STATES)
+    except ValueError:
+        raise InputError(
+            place, "something else, or damaged", _EXPECTED, f"save it as in {_SAVE}"
+        ) from None
+    missing = [name for name in _REQUIRED if name not in found]
+    if missing:
+        there = ", ".join(sorted(name for name in found if name.isidentifier()))[:60]
+        raise InputError(
+            place, there or "no variables", f"{_EXPECTED}; it lacks {', '.join(missing)}",
+            f"save it as in {_SAVE}",
+        )  # fmt: skip
+    matrices = {
+        name: _numbers(f"{place}, {name}", found[name])
+        for name in (*_REQUIRED, *_OPTIONAL)
+        if name in found
+    }
+    A, B, C, D = (matrices[name] for name in _REQUIRED)
+    return GivenRegulator(A, B, C, D, _period(place, matrices), place)
+
+
+def _numbers(place: str, variable: Variable) -> np.ndarray:
+    """Return the numbers of a matrix, and refuse what has none or too many."""
+    if variable.numbers is None:
+        size = " × ".join(map(str, variable.shape))
+        raise InputError(
+            place,
+            f"{variable.kind} {size}".strip(),
+            f"a matrix of numbers, at most {MOST_STATES} × {MOST_STATES}",
+            f"save numbers, as in {_SAVE}, of a regulator of low order; full(A) if it is sparse",
+        )
+    return variable.numbers
+
+
+def _period(place: str, matrices: dict[str, np.ndarray]) -> float | None:
+    """Return Ts, and refuse a descriptor system, which may be improper."""
+    order = len(matrices["A"])
+    if "E" in matrices and not np.array_equal(matrices["E"], np.eye(order)):
+        raise InputError(
+            f"{place}, E", "another matrix", "the identity: a regulator x' = A x + B e",
+            "make it proper and explicit, as with ss(F, 'explicit')",
+        )  # fmt: skip
+    if "Ts" not in matrices:
+        return None
+    given = np.asarray(matrices["Ts"])
+    if given.shape != (1, 1) or given.dtype.kind not in "iuf" or not given[0, 0] >= 0.0:
+        raise InputError(
+            f"{place}, Ts", str(given.ravel()[:3].tolist()), "one number, 0 or above [s]",
+            "give the sampling period, or 0 in continuous time; Matlab's -1 is none",
+        )  # fmt: skip
+    return float(given[0, 0]) or None

@@ -1,0 +1,191 @@
+"""Bryson's rule: weights from the largest acceptable deviations."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from clepsydra.base.arguments import check_choice
+from clepsydra.base.errors import InputError
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.arguments.of_process import largest_deviations
+from clepsydra.designs.loops.control_authority import DESIGN_STEP, control_authorities
+from clepsydra.designs.request import in_shown_unit, positive_number
+from clepsydra.designs.states.quadratic_weights import QuadraticWeights
+from clepsydra.linear.dead_time import at_rest
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
+from clepsydra.linear.poles import origin_radius, time_constants
+from clepsydra.linear.zeros import zeros
+from clepsydra.process.process import Process
+
+#: Largest deviations that a design by Bryson's rule accepts.
+DEVIATIONS = (
+    largest_deviations(
+        "maximum_errors",
+        'largest acceptable deviations of controlled measurements: `{ level = "5 %" }`',
+        of_inputs=False,
+    ),
+    largest_deviations(
+        "maximum_moves",
+        'largest acceptable deviations of inputs: `{ outflow = "20 %" }`',
+        of_inputs=True,
+    ),
+)
+
+
+class Deviations(NamedTuple):
+    """The largest acceptable deviations, and how long an error may last.
+
+    Parameters
+    ----------
+    errors, moves : dict
+        Output and input names to deviations [their units].
+    horizon : float
+        T [s]
+
+    Examples
+    --------
+    >>> Deviations({"level": 0.1}, {"pump": 3.0}, 30.0).slower(2.0)
+    Deviations(errors={'level': 0.1}, moves={'pump': 1.5}, horizon=60.0)
+    """
+
+    errors: dict[str, float]
+    moves: dict[str, float]
+    horizon: float
+
+    def slower(self, factor: float) -> Deviations:
+        """Return deviations that ask for less: smaller moves and a longer horizon."""
+        moves = {name: value / factor for name, value in self.moves.items()}
+        return Deviations(self.errors, moves, self.horizon * factor)
+
+    def sizes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return errors and moves as arrays [q] and [m]."""
+        return np.array(list(self.errors.values())), np.array(list(self.moves.values()))
+
+    def in_words(self, process: Process) -> str:
+        """Return them as the reader sees them."""
+        parts = [
+            f"{name} {in_shown_unit(process.signal(name), value)}"
+            for name, value in (self.errors | self.moves).items()
+        ]
+        return f"largest acceptable deviations {', '.join(parts)}"
+
+    def weights(self, model: LinearModel) -> QuadraticWeights:
+        """Return Bryson's weights of a model."""
+        return bryson_weights(model, *self.sizes(), self.horizon)
+
+
+def acceptable_deviations(
+    model: LinearModel,
+    maximum_errors: Mapping[str, float] | None,
+    maximum_moves: Mapping[str, float] | None,
+    method: str,
+) -> Deviations:
+    """Return Bryson's deviations: the default ones, with those that were given in their place.
+
+    Parameters
+    ----------
+    model, maximum_errors, maximum_moves
+        As for `design_lqi`.
+    method : str
+        For the message.
+
+    Raises
+    ------
+    InputError
+        A mapping names an unknown signal, or a deviation is not above zero.
+    NotApplicable
+        The model has nothing to tell a horizon from.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> model = cl.load("quadruple-tank").linear
+    >>> acceptable_deviations(model, {"level_1": 0.5}, None, "LQI").errors
+    {'level_1': 0.5, 'level_2': 1.0}
+    """
+    point = operating_point_of(model)
+    usual = {name: DESIGN_STEP * point.process.signal(name).span for name in model.outputs}
+    errors = _given(f"{method}, maximum_errors", maximum_errors, usual)
+    rooms = control_authorities(point, model.inputs).tolist()
+    usual = dict(zip(model.inputs, rooms, strict=True))
+    moves = _given(f"{method}, maximum_moves", maximum_moves, usual)
+    sizes = np.array(list(errors.values())), np.array(list(moves.values()))
+    return Deviations(errors, moves, _horizon(model, *sizes, method))
+
+
+def bryson_weights(
+    model: LinearModel,
+    maximum_errors: np.ndarray,
+    maximum_moves: np.ndarray,
+    settling_horizon: float | np.ndarray,
+) -> QuadraticWeights:
+    """Return Bryson's weights, each the inverse square of the largest acceptable deviation.
+
+    The cost is ∫ Σ (y_j/ȳ_j)² + Σ (u_i/ū_i)² dt + Δt Σ_k Σ_j (w_j(k)/(ȳ_j T))², where T is the
+    time for which a largest error may last.
+
+    Parameters
+    ----------
+    model : LinearModel
+    maximum_errors : ndarray [q]
+        ȳ [output unit]
+    maximum_moves : ndarray [m]
+        ū [input unit]
+    settling_horizon : float or ndarray [q]
+        T [s]
+
+    References
+    ----------
+    A. E. Bryson and Y.-C. Ho, Applied Optimal Control, Hemisphere 1975, chapter 5.
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> tank = LinearModel(0.0 * one, one, one[:, :0], 5.0 * one, 0.0 * one,
+    ...                    ("tank.level",), ("pump",), (), ("level",))
+    >>> float(bryson_weights(tank, np.ones(1), np.array([2.0]), 10.0).states[0, 0])
+    25.0
+    """
+    errors, moves = np.asarray(maximum_errors, float), np.asarray(maximum_moves, float)
+    return QuadraticWeights(
+        states=model.C.T @ np.diag(errors**-2) @ model.C,
+        inputs=np.diag(moves**-2),
+        integrals=np.diag((errors * settling_horizon) ** -2),
+    )
+
+
+def _horizon(model: LinearModel, errors: np.ndarray, moves: np.ndarray, method: str) -> float:
+    """Return the time for which a largest error may last [s]."""
+    late = float(model.times.sum())
+    model = at_rest(model)
+    times = [float(time) for time in time_constants(model) if math.isfinite(time) and time > 0.0]
+    radius = origin_radius(model.A)
+    inverse = [1.0 / abs(zero) for zero in zeros(model) if zero.real > radius]
+    if times or inverse or late:
+        return max(max(times, default=0.0) / 3.0, max(inverse, default=0.0), late)
+    rates = np.abs(model.C @ model.B) @ moves
+    if not np.all(rates > 0.0):
+        raise NotApplicable(method, "the model has no time constant to scale the weights with")
+    return float(np.max(errors / rates))
+
+
+def _given(
+    place: str, given: Mapping[str, float] | None, default: dict[str, float]
+) -> dict[str, float]:
+    """Return the default deviations with those that were given in their place, checked."""
+    if given is not None and not isinstance(given, Mapping):
+        raise InputError(place, given, "names with numbers", "give a dictionary")
+    for name, value in (given or {}).items():
+        check_choice(place, name, [*default])
+        positive_number(
+            f"{place}, {name}",
+            value,
+            f"a deviation above zero, as a number in the unit of {name}",
+            "give its largest acceptable deviation",
+        )
+    return {name: float((given or {}).get(name, value)) for name, value in default.items()}

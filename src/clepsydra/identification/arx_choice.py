@@ -1,0 +1,182 @@
+"""Which order and delay of an ARX model explains a record best."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.identification.arx import (
+    ArxFit,
+    checked_records,
+    fit_arx,
+    least_squares,
+    whole_number,
+)
+
+_ORDERS = (1, 2, 3)
+#: Delays are tried up to this share of the record, and never more than so many.
+_LATEST, _MOST = 0.2, 60
+
+
+def choose_arx(signal: np.ndarray, output: np.ndarray, period: float) -> ArxFit:
+    """Fit ARX models with an offset, and keep the best by Schwarz's criterion.
+
+    They are of order 1 to 3 with every delay. All are compared on the same samples, those that
+    the longest delay leaves; the one that is kept is fitted again on all that its own leaves.
+
+    Parameters
+    ----------
+    signal, output : ndarray [N]
+        u, held between the samples, and y, as they were measured.
+    period : float
+        [s]
+
+    Raises
+    ------
+    InputError
+        No order has regressors that the record tells apart.
+
+    References
+    ----------
+    L. Ljung, System Identification, 2nd ed., 1999, sections 4.2, 10.1 and 16.4.
+
+    Examples
+    --------
+    >>> from clepsydra.designs.polynomial.sampled_model import SampledModel
+    >>> u = 3.0 + np.sign(np.sin(1.7 * np.arange(90) ** 1.3))
+    >>> y = 12.0 + SampledModel((0.2,), (-0.9,), 4, 1.0).output(u - 3.0)
+    >>> fit = choose_arx(u, y, 1.0)
+    >>> fit.model.in_words(), round(fit.offset, 6)
+    ('(0.2 z^-1) / (1 − 0.9 z^-1) z^-4', 0.6)
+    """
+    longest = longest_delay(len(signal))
+    first = max(_ORDERS) + longest
+    best, lowest = None, math.inf
+    spread = float(np.var(output)) * (len(signal) - first)
+    for order in _ORDERS:
+        for delay in range(longest + 1):
+            skipped = first - order - delay
+            solved = least_squares(signal[skipped:], output[skipped:], order, delay, offset=True)
+            if solved is None:
+                continue
+            # An exact fit leaves rounding, which does not choose between models.
+            cost = max(float(solved[1] @ solved[1]), 1e-24 * spread)
+            rows = len(solved[1])
+            criterion = rows * math.log(cost / rows) + 2 * order * math.log(rows)
+            if criterion < lowest - 1e-9 * rows:
+                best, lowest = (order, delay), criterion
+    if best is None:
+        raise InputError(
+            "ARX", f"{len(signal)} samples", "an input that tells its parameters apart",
+            "excite the process by more than one step",
+        )  # fmt: skip
+    order, delay = best
+    return fit_arx(signal, output, order=order, delay=delay, period=period, offset=True)
+
+
+def longest_delay(samples: int) -> int:
+    """Return the longest delay that is tried on a record of so many samples [samples].
+
+    Examples
+    --------
+    >>> longest_delay(120), longest_delay(5000)
+    (24, 60)
+    """
+    return min(_MOST, int(_LATEST * samples))
+
+
+@dataclass(frozen=True, eq=False)
+class DelayChoice:
+    """Fits with several delays, and the one that explains the record best.
+
+    Parameters
+    ----------
+    delays : tuple of int
+        [samples]
+    fits : tuple of ArxFit
+
+    Examples
+    --------
+    See `choose_delay`.
+    """
+
+    delays: tuple[int, ...]
+    fits: tuple[ArxFit, ...]
+
+    @cached_property
+    def costs(self) -> np.ndarray:
+        """J(d): the sum of squared residuals of the same samples for each delay."""
+        return np.array([fit.cost for fit in self.fits])
+
+    @property
+    def delay(self) -> int:
+        """d of the smallest J."""
+        return self.delays[int(np.argmin(self.costs))]
+
+    @property
+    def fit(self) -> ArxFit:
+        """The fit with that delay."""
+        return self.fits[int(np.argmin(self.costs))]
+
+
+def choose_delay(
+    signal: np.ndarray,
+    output: np.ndarray,
+    *,
+    order: int,
+    delays: Iterable[int],
+    period: float,
+) -> DelayChoice:
+    """Fit an ARX model with each delay and choose the one of the smallest J(d).
+
+    The longer the delay the fewer samples can be fitted; so that every J is a sum over the same
+    samples, those that the longest delay leaves.
+
+    Parameters
+    ----------
+    signal, output : ndarray [N]
+        As for `identification.arx.fit_arx`.
+    order : int
+    delays : iterable of int
+        [samples]
+    period : float
+        [s]
+
+    Raises
+    ------
+    InputError
+        There is no delay to try, one is no whole number of samples, or as for `fit_arx`.
+
+    References
+    ----------
+    V. Bobál, S. Talaš, P. Dostál, M. Kubalčík, Polynomial Digital Control of a Series Equal
+    Liquid Tanks, eq. (17) and Fig. 3.
+
+    Examples
+    --------
+    >>> from clepsydra.designs.polynomial.sampled_model import SampledModel
+    >>> u = np.sign(np.sin(1.7 * np.arange(90) ** 1.3))
+    >>> y = SampledModel((0.2,), (-0.9,), 4, 1.0).output(u)
+    >>> choose_delay(u, y, order=1, delays=range(9), period=1.0).delay
+    4
+    """
+    signal, output = checked_records(signal, output)
+    tried = tuple(whole_number("choice of the delay, delays", each, 0) for each in delays)
+    if not tried:
+        raise InputError(
+            "choice of the delay, delays", [], "delays to try", "give some, as range(9)"
+        )
+    longest = max(tried)
+    fits = tuple(
+        fit_arx(
+            signal[longest - delay :], output[longest - delay :],
+            order=order, delay=delay, period=period,
+        )
+        for delay in tried
+    )  # fmt: skip
+    return DelayChoice(tried, fits)

@@ -1,0 +1,4 @@
+"""What an export can be, for who only lists it: nothing numeric is loaded."""
+
+from clepsydra.deploy.target import TARGETS as TARGETS
+from clepsydra.deploy.target import target_of as target_of

@@ -1,0 +1,211 @@
+"""Zeros and poles with the directions in which they block, are reached and are shown."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.minimal_realisation import minimal_realisation, scaled_system
+from clepsydra.linear.poles import poles
+from clepsydra.linear.zeros import normal_rank, zeros
+
+# Far above what null vectors of a small matrix are rounded by, far below what anyone reads.
+_ROUNDING = 1e-12
+_NULL = 1e-12
+
+
+class ZeroDirection(NamedTuple):
+    """A transmission zero z, with G(z) input_direction = 0 and output_directionᴴ G(z) = 0.
+
+    Parameters
+    ----------
+    zero : complex
+        [rad/s]
+    input_direction : ndarray [m], complex
+        The combination of inputs that no output shows; of length one.
+    output_direction : ndarray [q], complex
+        The combination of outputs that no input moves; of length one. For a zero in the right
+        half-plane it is what first goes the wrong way, and its largest entry is the output that
+        suffers.
+
+    Examples
+    --------
+    >>> ZeroDirection(0.5 + 0j, np.array([1.0]), np.array([1.0])).zero
+    (0.5+0j)
+    """
+
+    zero: complex
+    input_direction: np.ndarray
+    output_direction: np.ndarray
+
+
+def zero_directions(model: LinearModel) -> list[ZeroDirection]:
+    """Return each zero with its input and output direction, in the order of `zeros`.
+
+    They are the null vectors of the Rosenbrock matrix [[A - z I, B], [C, D]] of the minimal
+    realisation, so a zero that is a pole as well has them too. The largest entry is real and
+    positive. Directions depend on units: `in_ranges(model)` gives those that compare.
+
+    Parameters
+    ----------
+    model : LinearModel
+
+    Returns
+    -------
+    list of ZeroDirection
+        Of a zero that stands twice with two directions, two.
+
+    Raises
+    ------
+    InputError
+        The model has dead time: it may have infinitely many zeros.
+
+    References
+    ----------
+    S. Skogestad and I. Postlethwaite, Multivariable Feedback Control, 2nd ed., 2005, section
+    4.5.
+
+    Examples
+    --------
+    (1 - s)/(s + 1)² from the first input to the first output, beside 1/(s + 1):
+
+    >>> A = np.array([[-1.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
+    >>> B = np.array([[-1.0, 0.0], [2.0, 0.0], [0.0, 1.0]])
+    >>> model = LinearModel(A, B, B[:, :0], np.eye(3)[[0, 2]], np.zeros((2, 2)), ("a", "b", "c"),
+    ...                     ("u", "v"), (), ("y", "z"))
+    >>> found = zero_directions(model)[0]
+    >>> abs(found.zero - 1.0) < 1e-9, found.output_direction.real.round(6).tolist()
+    (True, [1.0, 0.0])
+    """
+    roots = zeros(model)
+    scaled = scaled_system(*minimal_realisation(model.A, model.B, model.C, model.D))
+    n, full_rank = len(scaled.A), normal_rank(model)
+    system = np.block([[scaled.A, scaled.B], [scaled.C, scaled.D]]).astype(complex)
+    found = []
+    for place, root in enumerate(roots):
+        # A root that stands again takes the next null vector of the same matrix: with its last
+        # digits, which are rounding, the null vectors of a second one would be any others.
+        same = np.flatnonzero(np.abs(roots[: place + 1] - root) <= 1e-9 * abs(root))
+        matrix = system.copy()
+        matrix[:n, :n] -= roots[same[0]] / scaled.rate * np.eye(n)
+        left, _, right = np.linalg.svd(matrix)
+        null = n + full_rank - len(same)
+        inputs = right.conj()[null, n:] / scaled.input_sizes
+        outputs = left[n:, null] / scaled.output_sizes
+        found.append(ZeroDirection(complex(root), unit_direction(inputs), unit_direction(outputs)))
+    return found
+
+
+def unit_direction(vector: np.ndarray) -> np.ndarray:
+    """Return a complex vector at length one with its largest entry positive; zero stays zero.
+
+    Of entries as large as each other the first is positive, and what is but rounding is zero, so
+    that the direction does not depend on how the linear algebra happened to round.
+
+    Examples
+    --------
+    >>> unit_direction(np.array([-1.0, 1.0 + 1e-15, -1e-17])).real.round(3)
+    array([ 0.707, -0.707,  0.   ])
+    >>> unit_direction(np.array([0.0, -2.0j])).real
+    array([0., 1.])
+    """
+    sizes = np.abs(vector)
+    length = np.linalg.norm(sizes)
+    if length == 0.0:
+        return np.asarray(vector, complex)
+    largest = vector[int(np.argmax(sizes >= (1.0 - _ROUNDING) * sizes.max()))]
+    turned = np.asarray(vector * (np.abs(largest) / largest) / length, complex)
+    parts = turned.view(float)
+    parts[np.abs(parts) < _ROUNDING] = 0.0
+    return turned
+
+
+class PoleDirection(NamedTuple):
+    """A pole p, its mode among the states, and its directions.
+
+    Parameters
+    ----------
+    pole : complex
+        [rad/s]
+    mode : ndarray [n], complex
+        How the states move together, A mode = p mode; of length one.
+    input_direction : ndarray [m], complex
+        The combination of inputs that moves the mode most; zero where none does.
+    output_direction : ndarray [q], complex
+        What the outputs show of the mode; zero where they show nothing.
+
+    Examples
+    --------
+    >>> one = np.ones(1)
+    >>> PoleDirection(-0.5 + 0j, one, one, one).pole
+    (-0.5+0j)
+    """
+
+    pole: complex
+    mode: np.ndarray
+    input_direction: np.ndarray
+    output_direction: np.ndarray
+
+
+def pole_directions(model: LinearModel) -> list[PoleDirection]:
+    """Return each pole with its directions Bᴴ q and C t, t and q its right and left eigenvector.
+
+    Directions are of length one with the largest entry positive. They depend on units:
+    `in_ranges(model)` gives those that compare. Of a pole that stands several times the
+    directions are one choice among many.
+
+    Parameters
+    ----------
+    model : LinearModel
+
+    Returns
+    -------
+    list of PoleDirection
+        The rightmost pole first.
+
+    Raises
+    ------
+    InputError
+        The model has dead time: it may have infinitely many poles.
+
+    References
+    ----------
+    S. Skogestad and I. Postlethwaite, Multivariable Feedback Control, 2nd ed., 2005, section
+    4.4.
+
+    Examples
+    --------
+    Two tanks side by side, each with its own pump:
+
+    >>> A, B = np.diag([-0.02, -0.01]), np.eye(2)
+    >>> model = LinearModel(A, B, B[:, :0], np.eye(2), np.zeros((2, 2)), ("a", "b"),
+    ...                     ("u", "v"), (), ("y", "z"))
+    >>> slow = pole_directions(model)[0]
+    >>> slow.pole.real, slow.input_direction.real.tolist()
+    (-0.01, [0.0, 1.0])
+    """
+    from scipy.linalg import eig
+    from scipy.optimize import linear_sum_assignment
+
+    exact = poles(model)  # refuses dead time, and has integrators at the origin
+    if not len(exact):
+        return []
+    rates, left, right = eig(model.A, left=True, right=True)
+    _, order = linear_sum_assignment(np.abs(exact[:, None] - rates))
+    found = []
+    for pole, place in zip(exact, order, strict=True):
+        reached = model.B.T @ left[:, place]
+        shown = model.C @ right[:, place]
+        reached[np.abs(reached) <= _NULL * np.linalg.norm(model.B)] = 0.0
+        shown[np.abs(shown) <= _NULL * np.linalg.norm(model.C)] = 0.0
+        found.append(
+            PoleDirection(
+                complex(pole),
+                unit_direction(right[:, place]),
+                unit_direction(reached),
+                unit_direction(shown),
+            )
+        )
+    return found

@@ -1,0 +1,175 @@
+"""A loop sample by sample: a law in Python, or a process that CVODES moves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.controller import Controller
+from clepsydra.engine.kernel import Kernel
+from clepsydra.engine.reference import LawEvaluation
+from clepsydra.engine.stepping import SteppedKernel
+from clepsydra.loop.closed_loop import closed_loop
+from clepsydra.loop.inner_setpoints import inner_setpoints
+from clepsydra.loop.motion_block import motion_at_rest
+from clepsydra.loop.reference_motion import ReferenceMotion
+from clepsydra.loop.scenario import Scenario
+from clepsydra.loop.solver import Solver
+from clepsydra.program.step_law import Equations, step_law
+
+if TYPE_CHECKING:
+    from clepsydra.loop.loop import Loop
+
+
+@contextmanager
+def naming_sample(sample: int, period: float) -> Iterator[None]:
+    """Add to an error of a law in which sample it came about.
+
+    Parameters
+    ----------
+    sample : int
+    period : float
+        Between samples [s].
+
+    Examples
+    --------
+    >>> with naming_sample(30, 2.0):
+    ...     raise InputError("law.py, line 7, step", "KeyError: 'gain'", "a number", "correct it")
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: law.py, line 7, step, sample 30 at 60 s: got \
+"KeyError: 'gain'", expected a number; correct it.
+    """
+    try:
+        yield
+    except InputError as error:
+        place = f"{error.place}, sample {sample} at {sample * period:g} s"
+        raise InputError(place, error.value, error.expected, error.remedy) from None
+
+
+def stepped_loop(
+    loop: Loop, scenario: Scenario, substeps: int, solver: Solver = "kernel"
+) -> dict[str, np.ndarray]:
+    """Simulate a loop sample by sample, with its law outside of the kernel.
+
+    By the kernel the process is moved by the same statements as in the compiled loop, so a law
+    that does the same arithmetic as expressions gives the same run, bit for bit.
+
+    Parameters
+    ----------
+    loop : Loop
+    scenario : Scenario
+    substeps : int
+        RK4 steps in a sampling period.
+    solver : {"kernel", "reference"}
+
+    Returns
+    -------
+    dict
+        Name to trajectory [samples]: what the compiled loop records.
+
+    Raises
+    ------
+    InputError
+        The law fails; the message names the sample and its time.
+
+    Examples
+    --------
+    A compiled law on the slow path:
+
+    >>> import clepsydra as cl
+    >>> from clepsydra.loop.loop import Loop
+    >>> plant = cl.load("quadruple-tank")
+    >>> loop = Loop(cl.design.simc(plant), plant.linear)
+    >>> setpoints = np.repeat([plant.point.measurements[:2] + [1.0, 0.0]], 50, axis=0)
+    >>> scenario = Scenario(1.0, setpoints, np.zeros((50, 2)), np.zeros((50, 4)), (), 1)
+    >>> slow = stepped_loop(loop, scenario, loop.substeps)["level_1"]
+    >>> bool((slow == loop.run(scenario).values["level_1"]).all())
+    True
+    """
+    controller, law = loop.controller, loop.controller.law
+    given, at_rest = loop.inputs_of(scenario), loop.at_rest()
+    plant = (_ReferencePlant if solver == "reference" else _KernelPlant)(loop, substeps)
+    evaluation = LawEvaluation(
+        law,
+        np.array([controller.values[parameter.name] for parameter in law.parameters]),
+        np.array([controller.initial_state[entry.name] for entry in law.state]),
+    )
+    inner = inner_setpoints(controller, loop.process)
+    rows: list[dict[str, float]] = []
+    for k in range(scenario.samples):
+        now = at_rest | {name: float(column[k]) for name, column in given.items()}
+        now |= plant.look(now)
+        with naming_sample(k, scenario.sampling_period):
+            outputs = evaluation.step(loop.law_inputs(now))
+        now |= loop.told_by_law(outputs)
+        after = dict(zip((x.name for x in law.state), evaluation.state, strict=True))
+        now |= {each.name: float(after[each.state]) for each in inner}
+        plant.advance(now)
+        rows.append(now)
+    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+
+
+class _KernelPlant:
+    """A process that a kernel moves, every input at its manual value."""
+
+    def __init__(self, loop: Loop, substeps: int) -> None:
+        process, at_rest = loop.process, loop.at_rest()
+        self._by_hand = {f"{u.name}.manual": u.name for u in process.inputs}
+        self._outside = {d.name for d in process.disturbances}
+        self._outside |= {f"{y.name}.noise" for y in process.measurements}
+        constant = {
+            name: value
+            for name, value in at_rest.items()
+            if name not in self._outside
+            and name not in self._by_hand
+            and not name.startswith("controller.")
+        }
+        self._moving = SteppedKernel(
+            Kernel(closed_loop(process, _NOBODY, substeps=substeps, constant=constant)),
+            inputs={name: at_rest[name] for name in self._by_hand},
+            state=motion_at_rest(loop.point),
+        )
+
+    def look(self, now: dict[str, float]) -> dict[str, float]:
+        return self._moving.look({name: now[name] for name in self._outside})
+
+    def advance(self, now: dict[str, float]) -> None:
+        self._moving.step({manual: now[name] for manual, name in self._by_hand.items()})
+
+
+class _ReferencePlant:
+    """A process that CVODES moves."""
+
+    def __init__(self, loop: Loop, substeps: int) -> None:
+        self._process = loop.process
+        spilt = tuple(loop.process.spilt.values())
+        self._motion = ReferenceMotion(loop.point, substeps, spilt)
+
+    def look(self, now: dict[str, float]) -> dict[str, float]:
+        process, state = self._process, self._motion.state()
+        found = {u.name: now[f"{u.name}.manual"] for u in process.inputs}
+        found |= {x.name: float(v) for x, v in zip(process.state, state, strict=True)}
+        found |= self._motion.recorded()
+        true = np.array(process.measure(state, process.parameter_values)).ravel()
+        noise = [now[f"{y.name}.noise"] for y in process.measurements]
+        shown = np.array(process.display(true + noise)).ravel()
+        return found | {y.name: float(v) for y, v in zip(process.measurements, shown, strict=True)}
+
+    def advance(self, now: dict[str, float]) -> None:
+        groups = (self._process.inputs, self._process.disturbances)
+        self._motion.advance(*(np.array([now[s.name] for s in group]) for group in groups))
+
+
+#: Stands for no controller: every input of the process is at its manual value.
+_NOBODY = Controller(
+    "nobody", "none", "", step_law(
+        "nobody", inputs=[], parameters=[], state=[], outputs=[],
+        equations=lambda symbols: Equations({}, {}),
+    ),
+    {}, {}, (), (), (),
+)  # fmt: skip

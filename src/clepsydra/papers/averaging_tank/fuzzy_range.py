@@ -1,0 +1,104 @@
+"""Section 5 of fuzzy control: large steps, and the scan of a programmable logic controller."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clepsydra.loop.run import Run
+from clepsydra.papers.averaging_tank import PRINTED
+from clepsydra.papers.averaging_tank.fuzzy import FILTERED, Reading, fuzzy_run
+from clepsydra.papers.averaging_tank.operating_range import (
+    HORIZON,
+    LARGE_STEPS,
+    Step,
+    relative_error,
+)
+from clepsydra.papers.averaging_tank.sampling import CYCLE
+from clepsydra.papers.averaging_tank.step_run import MEASURED, STEPS, indices
+from clepsydra.papers.averaging_tank.symbols import Variant
+from clepsydra.papers.averaging_tank.trends import trend_figure
+from clepsydra.papers.comparison import remark
+from clepsydra.papers.document import Findings
+from clepsydra.papers.figure import Figure
+from clepsydra.papers.row import Row
+
+#: At this scan, and at 0.2 ms, the document's step ends alike [s].
+_FAST = 1e-3
+_SCANS = (_FAST, 2e-3, 5e-3, CYCLE, 2.0 * CYCLE)
+#: Of a run at a scan, and its end that is looked at [s].
+_RUN, _END = 10.0, 2.0
+_VARIANTS: tuple[Variant, Variant] = ("outflow", "inflow")
+_BY_HAND = {
+    f"{law}, f_{constant[:-4]} constant": (constant, law)
+    for law in ("PI", "LQI")
+    for constant in _VARIANTS
+}
+
+
+def run() -> Findings:
+    """Return the rows on large steps and on scans, and a picture of the scans."""
+    return Findings((large_steps(FILTERED), scans(FILTERED)), (_figure(),))
+
+
+def fuzzy_error(reading: Reading, step: Step) -> float:
+    """Return ∫ |e| dt over the size of the step [s], as `operating_range.relative_error` has it."""
+    sizes = step.sizes
+    both = sizes.get("C", 0.0), sizes.get("V", 0.0)
+    errors = indices(fuzzy_run(reading, both, HORIZON, _FAST))
+    return float(np.mean([errors["IAE", name] / abs(size) for name, size in sizes.items()]))
+
+
+def large_steps(reading: Reading) -> Row:
+    """Compare the nine steps of `operating_range` under the three kinds of control."""
+    best, beaten, worse = 0, [], {}
+    for step in LARGE_STEPS:
+        error = fuzzy_error(reading, step)
+        worse[step] = error / fuzzy_error(reading, step.small)
+        others = {who: relative_error(*each, step) for who, each in _BY_HAND.items()}
+        below = [f"{who} {other:.2f} s" for who, other in others.items() if other < error]
+        best += not below
+        if below:
+            beaten.append(f"{step.words}, {error:.2f} s ({'; '.join(below)})")
+    worst = max(worse, key=lambda step: worse[step])
+    named = " nor of ".join(beaten)
+    return remark(
+        PRINTED["section 5", "fuzzy control, large steps"],
+        f"smallest error in {best} of {len(LARGE_STEPS)} steps; not of {named}; at worst "
+        f"{worse[worst]:.1f} times that of a small step, {worst.words}",
+        reason=f"Steps, limits and measure are those of the row on large steps, IAE of {HORIZON:g} "
+        "s over the size of the step, beside PI and LQI by hand with either flow constant; fuzzy "
+        "control, which moves all three inputs, at 1 ms with a filter of 2 ms. Which steps are "
+        "meant is not said: it holds of most, and fails of those named.",
+    )
+
+
+def rest_of(found: Run) -> tuple[float, float, float, float]:
+    """Return the largest errors of C and V at the end [% of the step], and f_in [m³/s]."""
+    end = found.time > found.time[-1] - _END
+    errors = []
+    for output, (name, factor) in MEASURED.items():
+        error = (found.values[f"{name}.setpoint"] - found.true_measurement(name))[end] / factor
+        errors.append(100.0 * float(np.max(np.abs(error))) / STEPS[output])
+    inflow = found.values["inflow"][end]
+    return errors[0], errors[1], float(inflow.min()), float(inflow.max())
+
+
+def scans(reading: Reading) -> Row:
+    """Tell what is left of the document's step at longer and longer scans."""
+    told = []
+    for scan in _SCANS:
+        of_c, of_v, low, high = rest_of(fuzzy_run(reading, horizon=_RUN, period=scan))
+        told.append(
+            f"{1e3 * scan:g} ms: C within {of_c:.1f} %, V {of_v:.1f} %, f_in {low:.2f} to "
+            f"{high:.2f} m³/s"
+        )
+    return remark(PRINTED["section 5", "fuzzy control in a PLC"], "; ".join(told))
+
+
+def _figure() -> Figure:
+    runs = {f"{1e3 * scan:g} ms": fuzzy_run(FILTERED, horizon=_RUN, period=scan)
+            for scan in (_FAST, CYCLE)}  # fmt: skip
+    return trend_figure(
+        "", "Steps of both references under fuzzy control, at two scans", runs, 1.0,
+        f"At {1e3 * CYCLE:g} ms the flows never come to rest.",
+    )  # fmt: skip

@@ -1,0 +1,111 @@
+"""A document and its experiments: a folder here, which registers itself by lying here."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+import pkgutil
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from clepsydra import papers
+from clepsydra.base.errors import InputError
+from clepsydra.base.suggestion import suggestion
+from clepsydra.papers.figure import Figure
+from clepsydra.papers.row import Row
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What an experiment found.
+
+    Parameters
+    ----------
+    rows : tuple of Row
+    figures : tuple of Figure
+    """
+
+    rows: tuple[Row, ...]
+    figures: tuple[Figure, ...] = ()
+
+
+@dataclass(frozen=True)
+class Document:
+    """A published document.
+
+    Parameters
+    ----------
+    package : str
+        The folder, in which each experiment is a module with a function ``run() -> Findings``, and
+        ``printed.csv`` the table of what is printed.
+    number : int
+        Documents are told in this order.
+    title : str
+        Of the document.
+    reference : str
+        Authors, year, and where it was published.
+    experiments : mapping
+        Name of each, "closed-loop" for the module closed_loop, to its title.
+
+    Examples
+    --------
+    >>> Document("clepsydra.papers.three_tanks", 3, "Three tanks", "2016", {}).key
+    'three-tanks'
+    """
+
+    package: str
+    number: int
+    title: str
+    reference: str
+    experiments: Mapping[str, str]
+
+    @property
+    def key(self) -> str:
+        """How the command line calls it: "averaging-tank"."""
+        return self.package.rpartition(".")[2].replace("_", "-")
+
+    def findings(self, experiment: str) -> Findings:
+        """Run an experiment, and return its rows with the keys of document and experiment."""
+        module = importlib.import_module(f"{self.package}.{experiment.replace('-', '_')}")
+        found: Findings = module.run()
+        rows = tuple(
+            dataclasses.replace(row, document=self.key, experiment=experiment) for row in found.rows
+        )
+        return Findings(rows, found.figures)
+
+
+def documents() -> dict[str, Document]:
+    """Return every document by its key: the ``DOCUMENT`` of each folder of this package.
+
+    Examples
+    --------
+    >>> list(documents())[:2]
+    ['averaging-tank', 'eight-tanks']
+    """
+    folders = [each.name for each in pkgutil.iter_modules(papers.__path__) if each.ispkg]
+    found = [importlib.import_module(f"{papers.__name__}.{name}").DOCUMENT for name in folders]
+    return {each.key: each for each in sorted(found, key=lambda document: document.number)}
+
+
+def load_document(key: str) -> Document:
+    """Return a document.
+
+    Parameters
+    ----------
+    key : str
+
+    Raises
+    ------
+    InputError
+        There is no such document.
+
+    Examples
+    --------
+    >>> load_document("three-tanks").number
+    4
+    """
+    known = documents()
+    if key not in known:
+        expected, remedy = f"one of {', '.join(known)}", "choose one of these"
+        raise InputError("document", key, expected, suggestion(key, known, remedy))
+    return known[key]

@@ -1,0 +1,100 @@
+"""Section 2: the equations of the chain, and its numbers."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from clepsydra.linear.static_gain import static_gain
+from clepsydra.papers.comparison import circular, compared, compared_all, compared_formulas, stated
+from clepsydra.papers.document import Findings
+from clepsydra.papers.eight_tanks import PRINTED
+from clepsydra.papers.eight_tanks.six_designs import GAIN, MINUTE, TANKS, chain
+from clepsydra.papers.row import Row
+
+_DIAMETER, _TIME = 1.0, 2.0  # [m], [min]
+_AREA, _K1 = (PRINTED["section 2", name].number.value for name in ("tank area F", "K1"))
+
+
+def run() -> Findings:
+    """Return the rows of section 2."""
+    return Findings((*_numbers(), *_transfer_function(), *_formulas()))
+
+
+def _numbers() -> list[Row]:
+    area = np.pi * _DIAMETER**2 / 4.0
+    coefficient = _AREA / _TIME
+    gain = 1.0 / _K1
+    evidence = [
+        (f"F / T = {_AREA} / {_TIME:g} is the printed K1", coefficient == _K1),
+        (
+            f"the printed fraction 1 / {_K1} is {gain:.3f}",
+            abs(gain * _K1 - 1.0) < 1e-12 and abs(GAIN * _K1 - 1.0) > 0.2,
+        ),
+    ]
+    # Exponents of m and min: K1 is an area over a time.
+    of_k1 = {"m": 2, "min": -1}
+    of_gain = {unit: -power for unit, power in of_k1.items()}
+    return [
+        *compared_all(PRINTED, "section 2", {"tank area F": area, "K1": coefficient}),
+        compared(PRINTED["section 2", "static gain K_g = 1/K1"], gain, right_if=evidence),
+        stated(PRINTED["section 2", "unit of K_g"], "min/m²", of_gain == {"m": 2, "min": 1}),
+    ]  # fmt: skip
+
+
+@cache
+def _poles() -> np.ndarray:
+    return np.asarray(np.linalg.eigvals(chain().model.A))
+
+
+def _transfer_function() -> list[Row]:
+    """Return the numbers of (8) beside those of the process that is simulated here."""
+    gain = float(static_gain(chain().model)[0, 0]) / MINUTE
+    # Eight equal poles come out as a ring; its middle is exact.
+    time_constant = float(-1.0 / np.mean(_poles()).real) / MINUTE
+    why = (
+        "Read back from that process, linearised. By the printed K1 it is "
+        f"{1.0 / _K1:.3f} min/m², see K_g in section 2."
+    )
+    others = {"time constant of a tank": time_constant, "order": len(_poles())}
+    rows = [
+        compared(PRINTED["(8)", "static gain"], gain, why=why),
+        *compared_all(PRINTED, "(8)", others),
+    ]
+    taken = "The process eight-tanks:paper was made from (8), to be the document's chain."
+    return [circular(row, taken) for row in rows]
+
+
+def _formulas() -> list[Row]:
+    from sympy import solve, symbols
+
+    s, T, K1, F = symbols("s T K_1 F", positive=True)
+    inflow, outflow, level = symbols("q_I q_O h")
+    second_inflow, first_level = symbols("q_2I h_1")
+
+    def tank(into: Any) -> dict[Any, Any]:
+        """Solve equations (2) of one tank for its level and outflow."""
+        found = solve(
+            [F * s * level - (into - outflow), outflow - K1 * level], [level, outflow], dict=True
+        )[0]
+        return {name: value.subs(F, T * K1) for name, value in found.items()}
+
+    first = tank(inflow)
+    last, into = first, inflow
+    for _ in range(TANKS):
+        last = tank(into)
+        into = last[outflow]
+    by_place = {
+        "(3)": {"level over inflow of a tank": first[level] / inflow},
+        "(4)": {"level of tank 1": first[level]},
+        "(5)": {
+            "level of tank 2": tank(second_inflow)[level],
+            "level of tank 2 by that of tank 1": tank(K1 * first_level)[level],
+        },
+        "(6), (7)": {"level of tank n over inflow of tank 1, n = 8": last[level] / inflow},
+    }
+    return [
+        row for place, found in by_place.items() for row in compared_formulas(PRINTED, place, found)
+    ]

@@ -1,0 +1,120 @@
+"""Equations (9), (10) and (13) to (18): the chain and its model, sampled and estimated.
+
+(10) and (16) define the model and the error, and (19) is a command whose function and start are
+not printed, so that no row judges these; what the command finds is in `second_order_model`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from sympy import Expr, Function, Poly, symbols
+
+from clepsydra.identification.arx import fit_arx
+from clepsydra.identification.arx_choice import choose_delay
+from clepsydra.papers.comparison import compared_formula, remark, stated
+from clepsydra.papers.document import Findings
+from clepsydra.papers.eight_tanks import PRINTED
+from clepsydra.papers.eight_tanks.identification import DELAYS, record
+from clepsydra.papers.eight_tanks.six_designs import (
+    GAIN,
+    PRINTED_D,
+    TANKS,
+    TIME_CONSTANT,
+    printed_model,
+    sampled_chain,
+)
+from clepsydra.papers.row import Row
+
+#: Terms of a series in z^-1 that are compared.
+_TERMS = 40
+#: What binomials of the eighth power leave of rounding [min/m²].
+_ROUNDING = 1e-12
+#: An estimate from a record without noise is exact but for that.
+_EXACT = 1e-6
+_ORDER, _RECORDS = 2, 40
+
+
+def run() -> Findings:
+    """Return the rows of these equations."""
+    return Findings((_held_chain(), *_second_order(), _estimates(), _first_error()))
+
+
+def held_coefficients() -> np.ndarray:
+    """Return A(x) (1 − x) Σ h(k) x^k by powers of x = z^-1, where h is the step response of (8).
+
+    Behind eight equal tanks it is h(k) = K_g P(8, k T0/T), an incomplete gamma function. With
+    the A of the sampled chain this is B of (9), and nothing else.
+    """
+    from scipy.special import gammainc
+
+    step = GAIN * gammainc(TANKS, np.arange(_TERMS) / TIME_CONSTANT)
+    return np.convolve(np.convolve(sampled_chain().A, [1.0, -1.0]), step)[:_TERMS]
+
+
+def _held_chain() -> Row:
+    model = sampled_chain()
+    B = np.zeros(_TERMS)
+    B[1 : 1 + len(model.numerator)] = model.numerator
+    is_right = (
+        len(model.numerator) == len(model.denominator) == TANKS
+        and float(np.max(np.abs(held_coefficients() - B))) < _ROUNDING
+    )
+    words = ", ".join(
+        f"{name}1 = {values[0]:.4g}, {name}{len(values)} = {values[-1]:.4g}"
+        for name, values in (("b", model.numerator), ("a", model.denominator))
+    )
+    return stated(PRINTED["(9)", "form of the chain, sampled"], words, is_right)
+
+
+def _second_order() -> list[Row]:
+    """Write (10) with the operator x = z^-1 as an equation of samples, and with d = 5."""
+    x, z, k, d, a1, a2, b1, b2 = symbols("x z k d a1 a2 b1 b2")
+    y, u, noise = Function("y"), Function("u"), Function("e_s")
+    A, B = 1 + a1 * x + a2 * x**2, b1 * x + b2 * x**2
+
+    def moved(operator: Expr, signal: Function, late: Expr) -> Expr:
+        terms = Poly(operator, x).terms()
+        return sum(factor * signal(k - power - late) for (power,), factor in terms)
+
+    predicted = moved(B, u, d) - moved(A - 1, y, 0 * d)
+    return [
+        compared_formula(PRINTED["(13)", "y(k)"], predicted + noise(k)),
+        compared_formula(PRINTED["(15)", "predicted output"], predicted),
+        compared_formula(
+            PRINTED["(18)", "model with five steps of delay"],
+            (B / A * x**PRINTED_D).subs(x, 1 / z),
+        ),
+    ]
+
+
+def _estimates() -> Row:
+    """Estimate (21) from a record that it made itself."""
+    model = printed_model()
+    inflow, _ = record(0, 1)
+    level = model.output(inflow)
+    found = fit_arx(inflow, level, order=_ORDER, delay=PRINTED_D, period=1.0).coefficients
+    made = np.array([*model.denominator, *model.numerator])
+    words = ", ".join(f"{value:.4g}" for value in found)
+    is_right = float(np.max(np.abs(found - made))) < _EXACT
+    return stated(PRINTED["(14)", "order of the estimates"], words, is_right)
+
+
+def _first_error() -> Row:
+    first = _ORDER + PRINTED_D + 1
+    whole = [_from_rest(seed) for seed in range(_RECORDS)]
+    return remark(
+        PRINTED["(17)", "first sample of the sum"],
+        f"k = {first} for d = {PRINTED_D}",
+        reason="(15) reaches back to u(k−2−d), so that of N samples the first error is that of "
+        "k = n + d + 1, and (11) has N−n−d of them. From k = 1 it holds of a record that begins at "
+        "rest, with zeros before it, which is not said. Summed so, the smallest J is at d = "
+        f"{' or '.join(map(str, sorted(set(whole))))} in {_RECORDS} records like those of the row "
+        "on the delay steps.",
+    )
+
+
+def _from_rest(seed: int) -> int:
+    """Return the delay of the smallest J of all N samples, those before them zero."""
+    before = np.zeros(_ORDER + max(DELAYS))
+    inflow, level = (np.concatenate([before, values]) for values in record(seed, 1))
+    return choose_delay(inflow, level, order=_ORDER, delays=DELAYS, period=1.0).delay

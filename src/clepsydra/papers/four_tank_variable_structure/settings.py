@@ -1,0 +1,137 @@
+"""What the settings that are not printed decide: derivative action, gains, and M and P of (10).
+
+The document names the paper that has its PID settings, prints no number of them, and neither a
+weight nor a filter of the setpoint, so that those have no row.
+"""
+
+from __future__ import annotations
+
+import itertools
+from functools import cache
+
+import numpy as np
+
+from clepsydra.controllers.virtual_input import VirtualAntiWindup
+from clepsydra.papers.comparison import remark
+from clepsydra.papers.document import Findings
+from clepsydra.papers.four_tank_variable_structure import PRINTED
+from clepsydra.papers.four_tank_variable_structure.decoupled import LIMITS, READING, at_limit
+from clepsydra.papers.four_tank_variable_structure.filling import HIGH
+from clepsydra.papers.four_tank_variable_structure.readings import (
+    SATURATED,
+    USUAL,
+    both,
+)
+from clepsydra.papers.four_tank_variable_structure.rig import Filling, fill, in_volts
+from clepsydra.papers.four_tank_variable_structure.virtual_lanes import Setting, filled_with
+from clepsydra.papers.row import Row
+
+#: Td in Ti: half of Ziegler and Nichols' and theirs.
+DERIVATIVES = (0.125, 0.25)
+#: Of K and of Ti, in Johansson's.
+_TIMES = (0.5, 1.0, 2.0)
+_OTHERS = tuple(Setting(gain, time) for gain, time in itertools.product(_TIMES, _TIMES))
+_WEIGHTS = (1.0, 0.5, 0.0)
+_WAYS: tuple[VirtualAntiWindup, ...] = ("variable_structure", "none")
+_LANE = at_limit(USUAL.limit)
+
+
+def run() -> Findings:
+    """Fill the tanks with settings other than Johansson's."""
+    return Findings((_derivative(), _settings(), _adjustable()))
+
+
+@cache
+def _decoupled(way: VirtualAntiWindup, setting: Setting) -> Filling:
+    """Fill the tanks under (9), a lane for each limit."""
+    return filled_with(way, [setting] * len(LIMITS), LIMITS)
+
+
+def _shares(new: Filling, old: Filling) -> list[float]:
+    """Return the time at a limit over that of conventional PID, wherever that saturates."""
+    times = [
+        (new.saturated(pump, limit, lane), old.saturated(pump, limit, lane))
+        for lane, limit in enumerate(map(float, LIMITS))
+        for pump in (1, 2)
+    ]
+    return [one / other for one, other in times if other >= SATURATED]
+
+
+def _derivative() -> Row:
+    words, longest = [], 0.0
+    for share in DERIVATIVES:
+        runs = {
+            "after decoupling": [_decoupled(way, Setting(derivative=share)) for way in _WAYS],
+            "without": [fill(in_volts(way, derivative=share), LIMITS) for way in _WAYS],
+        }
+        longest = max(longest, *(max(_shares(*pair)) for pair in runs.values()))
+        told = "; ".join(
+            f"{reading} " + " against ".join(both(each, "overshoot", lane=_LANE) for each in pair)
+            for reading, pair in runs.items()
+        )
+        words.append(f"Td = Ti/{1 / share:g}: {told}")
+    idle = [
+        share
+        for share in DERIVATIVES
+        if not any(
+            _decoupled("none", Setting(derivative=share)).saturated(pump, 10.0, _LANE)
+            for pump in (1, 2)
+        )
+    ]
+    unsaturated = " and ".join(f"Ti/{1 / share:g}" for share in idle)
+    return remark(
+        PRINTED["section 5", "overshoot with derivative action"],
+        ". ".join(words),
+        reason="h1 and h2, variable structure against conventional. That there is a derivative "
+        "action follows from the name alone; no setting, filter or input of it is printed, and "
+        "(14) has none. On the level, ideal after decoupling, where it divides K and K/Ti by "
+        f"1 + E K Td, and else filtered with Td/10; with Td = {unsaturated} no pump saturates "
+        "after decoupling. Wherever one does for a second, from 4 to 20 V, it is at its limit "
+        f"at most {longest:.2f} times as long with variable structure. Beside that: {READING}",
+    )
+
+
+def _settings() -> Row:
+    pairs = [[_decoupled(way, each) for way in _WAYS] for each in _OTHERS]
+    ranges = []
+    for place in range(len(_WAYS)):
+        found = [pair[place].overshoot(tank, _LANE) for pair in pairs for tank in (1, 2)]
+        ranges.append(f"{min(found):.1f} to {max(found):.1f}")
+    longest = max(share for pair in pairs for share in _shares(*pair))
+    spilt = filled_with("none", _OTHERS, target=HIGH)
+    least = min(spilt.spilt(lane) for lane in range(len(_OTHERS)))
+    nearest = min(
+        (abs(pair[1].overshoot(tank, _LANE) - 12.0), -each.time, each, pair[1])
+        for each, pair in zip(_OTHERS, pairs, strict=True)
+        for tank in (1, 2)
+    )
+    setting, run = nearest[2], nearest[3]
+    return remark(
+        PRINTED["section 5", "overshoot over the settings"],
+        f"{ranges[0]} against {ranges[1]}",
+        reason="h1 and h2, variable structure against conventional, K and Ti each half, once and "
+        f"twice Johansson's. That paper's settings are not printed here. Nearest to the 12 % that "
+        f"are printed is conventional PID with {setting.gain:g} K and {setting.time:g} Ti, "
+        f"{both(run, 'overshoot', lane=_LANE)} %. With all nine the pumps are at most "
+        f"{longest:.2f} times as long at a limit, wherever conventional PID is there for a second "
+        f"or more from 4 to 20 V, and that spills at least {least:.0f} cm³ at {100 * HIGH[0]:g} "
+        f"cm. Beside that: {READING}",
+    )
+
+
+def _adjustable() -> Row:
+    lanes = [Setting(weight=weight) for weight in _WEIGHTS]
+    old, new = filled_with("none", lanes), filled_with("variable_structure", lanes)
+    told = [
+        f"{share:g}: {both(new, 'overshoot', lane=lane)} against "
+        f"{both(old, 'overshoot', lane=lane)}"
+        for lane, share in enumerate(1.0 - np.array(_WEIGHTS))
+    ]
+    return remark(
+        PRINTED["(11)", "overshoot over the share of m_0 in the proportional part"],
+        ", ".join(told),
+        reason="h1 and h2, variable structure against conventional. No m_0 or p is printed, and "
+        "the other rows have m_0 = 0 and p = 1. With r = 1 and PI of ν, the level acts through "
+        "p K + m_0 and the setpoint through p K, so that p is part of the gain and m_0 a weight "
+        f"of the setpoint; their sum is kept here. Beside that: {READING}",
+    )

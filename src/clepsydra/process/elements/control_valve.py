@@ -1,0 +1,364 @@
+"""A control valve: a throttle that a controller opens and shuts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar, Self
+
+import casadi as ca
+
+from clepsydra.base.quantity import quantity
+from clepsydra.base.signal import Signal
+from clepsydra.process import told
+from clepsydra.process.actuator import ROUNDING, limited_speed
+from clepsydra.process.backlash import Backlash
+from clepsydra.process.declared import choice, filled, flag, link, part
+from clepsydra.process.element import Element
+from clepsydra.process.elements.orifice import LAMINAR
+from clepsydra.process.flow import Flow
+from clepsydra.process.hybrid import Event
+from clepsydra.process.manipulated_signal import actuator_signal
+from clepsydra.process.root_law import falling_root, signed_root
+from clepsydra.process.stiction import Stiction
+from clepsydra.process.suction import BREAKS_OFF, SUCTION_KEY, Suction, drawn, read_suction
+from clepsydra.process.valve_characteristic import CHARACTERISTICS, opened
+from clepsydra.process.vessels.vessel import Vessel
+from clepsydra.program.step_law import Symbols
+
+if TYPE_CHECKING:
+    from clepsydra.process.table_reader import TableReader
+
+#: What a Kv is defined with: water, and a pressure difference of 1 bar.
+_DENSITY, _BAR = 1000.0, 1e5
+
+
+@dataclass(frozen=True)
+class ControlValve(Element):
+    """A valve with a flow coefficient: q = Kv f(s) √(Δp / 1 bar · 1000 kg/m³ / ρ).
+
+    IEC 60534-2-1, 2011, for turbulent flow of a liquid without cavitation. With
+    Δp = ρ g Δh the density cancels and q = Kv f(s) √(g/100) φ(Δh), Δh in metres; φ is the root
+    law of `clepsydra.process.root_law`, laminar below 1 mm. A supply pressure adds
+    p / (1000 kg/m³ g) to Δh: it counts as that of a liquid with the density of water. f is in
+    `clepsydra.process.valve_characteristic`; with the Kv of pipe and fittings in series,
+    1/Kv² = 1/(Kv_valve f)² + 1/Kv_line², it becomes the installed characteristic.
+
+    The position of the actuator follows the signal at once, or over a stroke time: at a constant
+    speed, with the last of the way at a time constant of one per cent of the stroke time. The
+    stem follows the actuator, with backlash or stiction if the file says so.
+
+    A free discharge falls into whatever is below, and nothing comes back; a submerged valve
+    joins two tanks at their floors and flows either way. A valve that would go on emptying a
+    tank without liquid breaks off, see `clepsydra.process.suction`.
+
+    Parameters
+    ----------
+    name : str
+        Also the name of the manipulated variable, the opening that is asked for.
+    source : str
+        The tank or reservoir above.
+    destination : str
+        The element that the liquid falls into; the other tank if submerged.
+    kv : float
+        Flow through the open valve at 1 bar of water [m³/s].
+    low, high : float
+        Signals of the shut and of the open valve.
+    nominal : float or None
+        Signal at the operating point; None where the process gives levels instead.
+    unit : str
+        SI unit of the signal: "V", "A", "1" or "Hz".
+    characteristic : {"linear", "equal percentage", "quick opening"}
+    rangeability : float
+        Of an equal-percentage valve [1].
+    submerged : bool
+        It joins two tanks below their surfaces.
+    elevation : float
+        Height of the source's floor, or of the surface of a reservoir, above the outlet, or
+        above the floor of the other tank if submerged [m].
+    pressure : float
+        Supply pressure at the source above that at the outlet [Pa].
+    line_kv : float
+        Kv of pipe and fittings in series [m³/s].
+    stroke_time : float
+        From shut to open [s]; 0 for at once.
+    friction : Backlash or Stiction or None
+        Between actuator and stem.
+    source_vessel : Vessel or None
+        Shape of the tank above; None for a reservoir.
+    suction : Suction or None
+        From that tank, where pressure or elevation would let the valve empty it.
+
+    Examples
+    --------
+    Kv is the flow at 1 bar, here from a reservoir:
+
+    >>> valve = ControlValve("valve_1", "main", "tank_1", kv=10 / 3600, low=0.0, high=1.0,
+    ...                      nominal=1.0, unit="1", pressure=1e5)
+    >>> symbols = {"valve_1": 1.0, "valve_1.kv": 10 / 3600, "valve_1.pressure": 1e5}
+    >>> symbols["gravity"] = 9.81
+    >>> (flow,) = valve.flows(symbols, ())
+    >>> round(float(flow.rate) * 3600, 9)  # [m³/h]
+    10.0
+    """
+
+    kind: ClassVar[str] = "control valve"
+    place: ClassVar[int] = 6
+    table: ClassVar[str] = "valves"
+    symbol: ClassVar[str] = "valve"
+    tagged: ClassVar[bool] = True
+
+    source: str = link("the name of a tank or reservoir", "source")
+    destination: str = link("the name of a tank or reservoir", "receiver")
+    kv: float = quantity(
+        "m^3/s",
+        "a Kv",
+        "flow at 1 bar through the open",
+        above=0.0,
+        remedy="give the flow at 1 bar of water, often in m^3/h",
+    )
+    low: float = actuator_signal()
+    high: float = filled()
+    nominal: float | None = filled()
+    unit: str = "1"
+    characteristic: str = choice(CHARACTERISTICS, words="how its flow follows its signal")
+    rangeability: float = quantity(
+        "1",
+        "a rangeability",
+        "rangeability of",
+        above=1.0,
+        default=50.0,
+        needs="equal_percentage",
+        remedy="leave it out for 50",
+    )
+    submerged: bool = flag(default=False, words="whether it joins two tanks below their surfaces")
+    elevation: float = quantity(
+        "m",
+        "a height",
+        default=0.0,
+        remedy="name the higher of the two tanks as the source",
+        lowest=lambda known: 0.0 if known["submerged"] else -math.inf,
+    )
+    pressure: float = quantity(
+        "Pa",
+        "a supply pressure",
+        "pressure before",
+        at_least=0.0,
+        default=0.0,
+        absent=0.0,
+        remedy="leave it out for an open source",
+    )
+    line_kv: float = quantity(
+        "m^3/s",
+        "a Kv",
+        "flow at 1 bar in the line of",
+        above=0.0,
+        default=math.inf,
+        absent=math.inf,
+        remedy="leave it out for a line without loss",
+    )
+    stroke_time: float = quantity(
+        "s",
+        "a time",
+        "stroke time of",
+        above=0.0,
+        default=0.0,
+        absent=0.0,
+        remedy="leave it out for a valve that follows at once",
+    )
+    friction: Backlash | Stiction | None = part(
+        lambda table, key, known: _read_friction(table),
+        {
+            "backlash": told.quantity("dead travel between signal and valve, a share of the range"),
+            "stiction": told.quantity("what friction holds back, a share of the range"),
+            "slip_jump": told.quantity("how far it jumps once it slips, a share of the range"),
+        },
+        default=None,
+    )
+    source_vessel: Vessel | None = part(
+        lambda table, key, known: table.vessel_of(known["source"]),
+        {SUCTION_KEY: told.text("level of its tank at which its intake draws air [m]")},
+        default=None,
+    )
+    suction: Suction | None = None
+
+    @classmethod
+    def read(cls, name: str, table: TableReader) -> Self:
+        """Make the valve from its table of a process file."""
+        valve = super().read(name, table)
+        if not valve.equal_percentage:
+            table.refuse(
+                ("rangeability",),
+                "no rangeability, since only an equal-percentage valve has one",
+                'remove it, or write characteristic = "equal percentage"',
+            )
+        source = valve.source
+        forced = valve.elevation + valve.pressure / _BAR > 0.0
+        if valve.source_vessel is None and not valve.submerged and not forced:
+            raise table.refused(
+                "pressure",
+                "a valve with no pressure",
+                f"a pressure, or an elevation of {source} above the outlet, "
+                f"since {source} is no tank",
+                'write as in pressure = "0.5 bar" or elevation = "2 m"',
+            )
+        return replace(valve, suction=read_suction(table, source, forced=forced))
+
+    @property
+    def equal_percentage(self) -> bool:
+        """Whether every part of the stroke multiplies the flow alike."""
+        return self.characteristic == "equal percentage"
+
+    def states(self) -> tuple[Signal, ...]:
+        """Return the position of the actuator, where it takes time to move."""
+        if not self.stroke_time:
+            return ()
+        signal = self.inputs()[0]
+        return (
+            Signal(
+                self._position,
+                display_unit="%",
+                low=0.0,
+                high=1.0,
+                initial=(signal.initial - self.low) / (self.high - self.low),
+                description=f"position of the actuator of {self.name}",
+            ),
+        )
+
+    def memories(self) -> tuple[Signal, ...]:
+        """Return whether it draws liquid, and where a stem with play or stiction stands."""
+        return (
+            *((self.suction.memory(self.name),) if self.suction else ()),
+            *(self.friction.memories(self.name) if self.friction else ()),
+        )
+
+    def inputs(self) -> tuple[Signal, ...]:
+        """Return the signal; without a nominal value it stands in the middle of its range."""
+        return (
+            Signal(
+                self.name,
+                self.unit,
+                display_unit=self.display_units.get("range", ""),
+                low=self.low,
+                high=self.high,
+                initial=(self.low + self.high) / 2 if self.nominal is None else self.nominal,
+                description=f"signal to {self.name}",
+            ),
+        )
+
+    def parameters(self) -> tuple[Signal, ...]:
+        """Return the numbers of the valve, of its line and of its actuator."""
+        own = [] if self.friction is None else self.friction.parameters()
+        friction = [self._parameter(key, "1", value, words) for key, value, words in own]
+        return (*super().parameters(), *friction)
+
+    def flows(self, symbols: Symbols, received: Sequence[Flow]) -> tuple[Flow, ...]:
+        """Return q = (Kv √(g/100)) · (f φ), with the line in series."""
+        gravity = symbols["gravity"]
+        coefficient = symbols[f"{self.name}.kv"] * ca.sqrt(gravity * (_DENSITY / _BAR))
+        share = opened(
+            self.characteristic, self._stem(symbols), symbols.get(f"{self.name}.rangeability", 1.0)
+        )
+        if self._has_line:
+            ratio = symbols[f"{self.name}.kv"] / symbols[f"{self.name}.line_kv"]
+            share = share / ca.sqrt(1 + (ratio * ratio) * (share * share))
+        head = ca.SX(0)
+        if self.elevation:
+            head = head + self.elevation
+        if self.pressure:
+            head = head + symbols[f"{self.name}.pressure"] / (_DENSITY * gravity)
+        if self.submerged or self.source_vessel:
+            head = head + symbols[f"{self.source}.level"]
+        if self.submerged:
+            driving = signed_root(head - symbols[f"{self.destination}.level"], LAMINAR)
+        else:
+            driving = falling_root(head, LAMINAR)
+        if self.suction:
+            # What comes back through a submerged valve may still come.
+            rest = ca.fmin(driving, 0) if self.submerged else 0
+            driving = drawn(self.name, driving, symbols, rest)
+        return (
+            Flow(
+                self.source,
+                self.destination,
+                coefficient,
+                share * driving,
+                reversible=self.submerged,
+            ),
+        )
+
+    def rates(
+        self, symbols: Symbols, received: Sequence[Flow], given: Sequence[Flow]
+    ) -> dict[str, ca.SX]:
+        """Return the speed of the actuator."""
+        if not self.stroke_time:
+            return {}
+        per_stroke = 1 / symbols[f"{self.name}.stroke_time"]
+        missing = self._asked(symbols) - symbols[self._position]
+        return {self._position: limited_speed(missing, per_stroke * (1 / ROUNDING), per_stroke)}
+
+    def events(self, symbols: Symbols) -> tuple[Event, ...]:
+        """Return where its tank runs empty, and where the stem breaks away and sticks."""
+        events: tuple[Event, ...] = ()
+        if self.suction:
+            events += self.suction.events(self.name, symbols, BREAKS_OFF)
+        if self.friction is not None:
+            events += self.friction.events(self.name, *self._actuator(symbols), symbols)
+        return events
+
+    def updates(self, symbols: Symbols) -> dict[str, ca.SX]:
+        """Return where the stem stands at the end of a step."""
+        if self.friction is None:
+            return {}
+        return {
+            f"{self.name}.stem": self._stem(symbols),
+            f"{self.name}.begins": ca.SX(0),
+        }
+
+    @property
+    def _position(self) -> str:
+        return f"{self.name}.position"
+
+    @property
+    def _has_line(self) -> bool:
+        return math.isfinite(self.line_kv)
+
+    def _asked(self, symbols: Symbols) -> ca.SX:
+        """Return the opening that the signal asks for, from stop to stop."""
+        share = (symbols[self.name] - self.low) * (1 / (self.high - self.low))
+        return ca.fmin(ca.fmax(share, 0), 1)
+
+    def _actuator(self, symbols: Symbols) -> tuple[ca.SX, ca.SX]:
+        """Return where the actuator is, and where it is on its way to."""
+        asked = self._asked(symbols)
+        return (symbols[self._position] if self.stroke_time else asked), asked
+
+    def _stem(self, symbols: Symbols) -> ca.SX:
+        position, _ = self._actuator(symbols)
+        if self.friction is None:
+            return position
+        return self.friction.stem(self.name, position, symbols)
+
+
+def _read_friction(table: TableReader) -> Backlash | Stiction | None:
+    """Read what is between actuator and stem: play or stiction, but not both."""
+    what = "a share of the stroke"
+    if table.has("backlash"):
+        expected = "no stiction beside backlash, since its band contains the play"
+        table.refuse(("stiction", "slip_jump"), expected, "remove one of the two")
+        remedy = "give the play, a small part of the stroke"
+        return Backlash(table.quantity("backlash", "1", what, remedy, above=0.0, at_most=0.5))
+    if not table.has("stiction"):
+        remedy = 'remove it, or add the band as in stiction = "5 %"'
+        table.refuse(("slip_jump",), "no jump without stiction", remedy)
+        return None
+    band = table.quantity(
+        "stiction", "1", what, "give the way of a reversal until the stem moves",
+        above=0.0, at_most=0.5,
+    )  # fmt: skip
+    jump = table.quantity(
+        "slip_jump", "1", what, "give the jump of the stem, at most its stick band",
+        above=0.0, at_most=band,
+    )  # fmt: skip
+    return Stiction(band, jump)

@@ -1,0 +1,143 @@
+"""A forced flow: a flow whose size is given from outside, whatever the levels are."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Self
+
+import casadi as ca
+
+from clepsydra.base.signal import Signal
+from clepsydra.process import told
+from clepsydra.process.concentrations import (
+    GivenConcentration,
+    brought,
+    concentration_signals,
+    concentration_steps,
+    concentration_values,
+)
+from clepsydra.process.declared import filled, link, part
+from clepsydra.process.disturbance_range import read_disturbance_range
+from clepsydra.process.element import Element
+from clepsydra.process.flow import Flow
+from clepsydra.process.hybrid import Event
+from clepsydra.process.suction import BREAKS_OFF, Suction, drawing, drawn
+from clepsydra.program.step_law import Symbols
+
+if TYPE_CHECKING:
+    from clepsydra.process.table_reader import TableReader
+
+
+@dataclass(frozen=True)
+class ForcedFlow(Element):
+    """A forced flow: q = d, into a tank from outside, out of a tank, or from one to another.
+
+    Out of an empty tank nothing flows, see `clepsydra.process.suction`.
+
+    Parameters
+    ----------
+    name : str
+        Also the name of its signal, d [m³/s], a disturbance unless the file manipulates it.
+    source, destination : str
+        Elements; empty for outside the plant, but not both.
+    low, high : float
+        Range [m³/s].
+    nominal : float
+        Value at the operating point [m³/s].
+    step : float
+        Size of the load step of the default scenario [m³/s].
+    given : mapping
+        Component to its concentration, in liquid from outside.
+    suction : Suction or None
+        From the tank that it is drawn from; None where it comes from elsewhere.
+
+    Examples
+    --------
+    >>> rain = ForcedFlow("rain", "", "tank_1", low=0.0, high=1e-5, nominal=0.0, step=2e-6)
+    >>> rain.disturbances()[0].high
+    1e-05
+    """
+
+    kind: ClassVar[str] = "forced flow"
+    place: ClassVar[int] = 8
+    table: ClassVar[str] = "flows"
+    symbol: ClassVar[str] = "flow"
+    tagged: ClassVar[bool] = True
+
+    source: str = link("the name of a tank", "source", optional=True)
+    destination: str = link("the name of a tank", "receiver", optional=True)
+    low: float = part(
+        lambda table, key, known: read_disturbance_range(table, "m^3/s", "flow"),
+        {
+            "range": told.quantities("range of the flow [m^3/s]", 2),
+            "nominal": told.text("the flow at the operating point [m^3/s]"),
+            "step": told.text("size of the load step of studies [m^3/s]; none if left out"),
+        },
+        fills=True,
+        required=("range", "nominal"),
+    )
+    high: float = filled()
+    nominal: float = filled()
+    step: float = 0.0
+    suction: Suction | None = drawing()
+    given: Mapping[str, GivenConcentration] = brought()
+
+    @classmethod
+    def read(cls, name: str, table: TableReader) -> Self:
+        """Make the flow from its table of a process file."""
+        flow = super().read(name, table)
+        if not flow.source and not flow.destination:
+            raise table.refused(
+                "destination",
+                "no destination",
+                "the name of a tank",
+                'write as in destination = "tank_1", or give a source',
+            )
+        if flow.source:
+            expected = "no concentration, since the liquid comes from an element"
+            table.refuse(("concentration",), expected, "remove it, or remove the source")
+        return flow
+
+    def brings(self) -> tuple[str, ...]:
+        """Return the components with a concentration of their own."""
+        return tuple(self.given)
+
+    def disturbances(self) -> tuple[Signal, ...]:
+        """Return the flow, and the concentrations that vary."""
+        return (
+            Signal(
+                self.name,
+                "m^3/s",
+                display_unit=self.display_units.get("range", ""),
+                low=self.low,
+                high=self.high,
+                initial=self.nominal,
+                description=f"flow of {self.name}",
+            ),
+            *concentration_signals(self.name, self.given, self.components),
+        )
+
+    def load_steps(self) -> dict[str, float]:
+        """Return the sizes of its load steps by signal."""
+        own = {self.name: self.step} if self.step else {}
+        return own | concentration_steps(self.name, self.given)
+
+    def memories(self) -> tuple[Signal, ...]:
+        """Return whether it draws liquid, where it comes out of a tank."""
+        return (self.suction.memory(self.name),) if self.suction else ()
+
+    def flows(self, symbols: Symbols, received: Sequence[Flow]) -> tuple[Flow, ...]:
+        """Return q = d."""
+        flow = symbols[self.name]
+        if self.suction:
+            flow = drawn(self.name, flow, symbols)
+        fluxes = None
+        if not self.source:
+            carried = concentration_values(self.name, self.given, self.components, symbols)
+            fluxes = {name: flow * concentration for name, concentration in carried.items()}
+        return (Flow(self.source, self.destination, ca.SX(1), ca.SX(flow), fluxes=fluxes),)
+
+    def events(self, symbols: Symbols) -> tuple[Event, ...]:
+        """Return where its tank runs empty."""
+        return self.suction.events(self.name, symbols, BREAKS_OFF) if self.suction else ()

@@ -1,0 +1,70 @@
+"""A linear outlet: a flow in proportion to the level, as through a long thin tube."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import casadi as ca
+
+from clepsydra.base.quantity import quantity
+from clepsydra.process.declared import flag, link
+from clepsydra.process.element import Element
+from clepsydra.process.flow import Flow
+from clepsydra.program.step_law import Symbols
+
+
+@dataclass(frozen=True)
+class LinearOutlet(Element):
+    """A laminar outlet at the floor: q = k h, or q = k (h₁ - h₂) between two tanks.
+
+    The law of Hagen and Poiseuille for a tube of length l and radius r, k = π r⁴ g / (8 ν l).
+
+    Parameters
+    ----------
+    name : str
+    source : str
+        The tank that it empties.
+    destination : str
+        The element that the liquid falls into; the other tank if submerged.
+    coefficient : float
+        k [m²/s]
+    submerged : bool
+        It joins two tanks below their surfaces, and flows either way.
+
+    Examples
+    --------
+    >>> outlet = LinearOutlet("outlet_1", "tank_1", "basin", coefficient=2e-5)
+    >>> (flow,) = outlet.flows({"outlet_1.coefficient": 2e-5, "tank_1.level": ca.SX(0.5)}, ())
+    >>> float(flow.rate)
+    1e-05
+    """
+
+    kind: ClassVar[str] = "linear outlet"
+    place: ClassVar[int] = 4
+    table: ClassVar[str] = "linear_outlets"
+    symbol: ClassVar[str] = "orifice"
+
+    source: str = link("the name of a tank", "tank")
+    destination: str = link("the name of a tank or reservoir", "receiver")
+    coefficient: float = quantity(
+        "m^2/s",
+        "a flow per level",
+        "flow per level of",
+        above=0.0,
+        remedy="give the flow at one metre of level",
+    )
+    submerged: bool = flag(default=False, words="whether it joins two tanks below their surfaces")
+
+    def flows(self, symbols: Symbols, received: Sequence[Flow]) -> tuple[Flow, ...]:
+        """Return q = k h."""
+        level = symbols[f"{self.source}.level"]
+        if self.submerged:
+            driver = level - symbols[f"{self.destination}.level"]
+        else:
+            driver = ca.fmax(level, 0)
+        coefficient = symbols[f"{self.name}.coefficient"]
+        return (
+            Flow(self.source, self.destination, coefficient, driver, reversible=self.submerged),
+        )

@@ -1,0 +1,350 @@
+"""A sensor: what the controller sees of a level, volume, concentration or flow."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+import casadi as ca
+
+from clepsydra.base.quantity import quantity
+from clepsydra.base.signal import Signal
+from clepsydra.process import told
+from clepsydra.process.component import Component
+from clepsydra.process.declared import filled, part
+from clepsydra.process.element import Connection, Element
+from clepsydra.process.flow import Flow
+from clepsydra.process.sensor_reading import (
+    QUANTITIES,
+    SensorScale,
+    gain_unit,
+    read_measured,
+    read_scale,
+    read_share,
+)
+from clepsydra.process.vessels.vessel import Vessel, reciprocal
+from clepsydra.program.step_law import Symbols
+
+if TYPE_CHECKING:
+    from clepsydra.process.table_reader import TableReader
+
+#: A signal of 4 to 20 mA goes on to these currents [A] beyond its range, and no further.
+NAMUR_LIMITS = (3.8e-3, 20.5e-3)
+_UNITS = {"level": "m", "volume": "m^3", "flow": "m^3/s"}
+
+
+def _scale(table: TableReader, key: str, known: Mapping[str, Any]) -> SensorScale:
+    return read_scale(table, _quantity_unit(known["measured"], table.components))
+
+
+def _share(table: TableReader, key: str, known: Mapping[str, Any]) -> float | None:
+    """Read noise, which may be none, or resolution; None where the file does not say."""
+    if not table.has(key):
+        return None
+    scale = SensorScale(known["unit"], known["low"], known["high"])
+    return read_share(table, key, scale, at_least=0.0 if key == "noise" else None)
+
+
+@dataclass(frozen=True)
+class Sensor(Element):
+    """A sensor that shows a quantity q as y = q, y = k q, or y = y_low + k (q - q_low).
+
+    For y = k h see K. H. Johansson, IEEE Transactions on Control Systems Technology 8(3), 2000,
+    section II, doi 10.1109/87.845876.
+
+    With a lag it shows q_l instead of q, where T dq_l/dt = q - q_l; a flow has no other way to be
+    measured, since it may jump. What reaches the controller is y with noise, rounded to the
+    resolution and limited to the range. A signal of 4 to 20 mA is limited to 3.8 and 20.5 mA
+    (NAMUR NE 43, Standardisation of the signal level for the failure information of digital
+    transmitters, 2003).
+
+    Parameters
+    ----------
+    name : str
+        Also the name of the measurement, y [`unit`].
+    tank : str
+        The tank whose content it measures; empty for a flow.
+    low, high : float
+        Range of the measurement [`unit`], 0 % and 100 %.
+    gain : float or None
+        k, per SI unit of q; None for a sensor that shows q itself.
+    zero : float or None
+        q_low, which it shows as `low`; None where it shows 0 as 0.
+    unit : str
+        SI unit of the measurement, "V", "A", "1" or that of q; empty for V with a gain and that
+        of q without.
+    measured : str
+        "level" [m], "volume" [m³], "flow" [m³/s], or the name of a component [its unit].
+    flow : str
+        The element whose flow it measures; empty for a tank.
+    vessel : Vessel or None
+        Shape of the tank, which a volume needs.
+    lag : float or None
+        Time constant T [s].
+    noise : float or None
+        Standard deviation of the measurement [`unit`]; None where it is not known.
+    resolution : float or None
+        Step between two measurements [`unit`].
+
+    Examples
+    --------
+    >>> sensor = Sensor("level_1", "tank_1", low=0.0, high=10.0, gain=50.0)
+    >>> readings = sensor.readings({"level_1.gain": 50.0, "tank_1.level": 0.124})
+    >>> round(readings["level_1"], 6)  # [V]
+    6.2
+    >>> sensor.displayed({"level_1": ca.SX(10.3)})
+    {'level_1': SX(10)}
+    """
+
+    kind: ClassVar[str] = "sensor"
+    place: ClassVar[int] = 10
+    table: ClassVar[str] = "sensors"
+    symbol: ClassVar[str] = "sensor"
+    tagged: ClassVar[bool] = True
+
+    tank: str = part(
+        lambda table, key, known: read_measured(table),
+        {
+            "tank": told.text("the tank whose content it measures"),
+            "quantity": told.choice("what of the tank it measures", QUANTITIES),
+            "component": told.text("the component whose concentration it measures"),
+            "flow": told.text("the element whose flow it measures"),
+        },
+        fills=True,
+        checks=({"anyOf": [{"required": ["tank"]}, {"required": ["flow"]}]},),
+    )
+    low: float = part(
+        _scale,
+        {
+            "gain": told.quantity("what it shows per quantity"),
+            "span": told.quantities("quantities that it shows as the ends of its range", 2),
+            "range": told.quantities("range of what it shows", 2),
+        },
+        fills=True,
+        required=("range",),
+    )
+    high: float = filled()
+    gain: float | None = None
+    zero: float | None = None
+    unit: str = ""
+    measured: str = "level"
+    flow: str = ""
+    vessel: Vessel | None = part(
+        lambda table, key, known: table.vessel_of(known["tank"]), {"lag": {}}, default=None
+    )
+    lag: float | None = quantity(
+        "s",
+        "a time constant",
+        "time constant of",
+        above=0.0,
+        default=None,
+        remedy="leave it out for none",
+    )
+    noise: float | None = part(
+        _share, default=None, **told.quantity("standard deviation of its noise")
+    )
+    resolution: float | None = part(
+        _share, default=None, **told.quantity("smallest step that it shows")
+    )
+
+    def __post_init__(self) -> None:
+        if not self.unit:
+            object.__setattr__(self, "unit", self.quantity_unit if self.gain is None else "V")
+
+    @classmethod
+    def read(cls, name: str, table: TableReader) -> Self:
+        """Make the sensor from its table of a process file."""
+        sensor = super().read(name, table)
+        whole = sensor.vessel is None or sensor.vessel.uniform
+        if sensor.lag is None and (sensor.flow or (sensor.measured == "volume" and not whole)):
+            # Without a lag the measurement must be in proportion to a state.
+            raise table.refused(
+                "lag",
+                "no lag",
+                f"the time constant of a sensor of {'flow' if sensor.flow else 'such a volume'}",
+                'write as in lag = "0.5 s"' + ("" if sensor.flow else ", or measure the level"),
+            )
+        return sensor
+
+    @property
+    def quantity_unit(self) -> str:
+        """SI unit of what it measures."""
+        return _quantity_unit(self.measured, self.components)
+
+    @property
+    def shown_quantity_unit(self) -> str:
+        """The unit of what it measures that the reader sees."""
+        shown = "" if self.unit != self.quantity_unit else self.display_units.get("range", "")
+        return self.display_units.get("span", shown) or self.quantity_unit
+
+    @property
+    def quantity(self) -> str:
+        """The signal that it measures: "tank_1.level", "tank_1.salt", "pump_1.flow"."""
+        return f"{self.flow}.flow" if self.flow else f"{self.tank}.{self.measured}"
+
+    def to_quantity(self, reading: float) -> float:
+        """Return the quantity [SI] that the sensor shows as a reading [`unit`]."""
+        if self.gain is None:
+            return reading
+        if self.zero is None:
+            return reading / self.gain
+        return self.zero + (reading - self.low) / self.gain
+
+    def to_reading(self, quantity: float) -> float:
+        """Return what the sensor shows [`unit`] of a quantity [SI]."""
+        if self.gain is None:
+            return quantity
+        return (
+            self.gain * quantity
+            if self.zero is None
+            else self.low + self.gain * (quantity - self.zero)
+        )
+
+    def connections(self) -> tuple[Connection, ...]:
+        """Return the tank, or the element that causes the flow."""
+        if self.flow:
+            return (Connection(("flow",), self.flow, "flow", carries_flow=False),)
+        return (Connection(("tank",), self.tank, "tank", carries_flow=False),)
+
+    def states(self) -> tuple[Signal, ...]:
+        """Return the lagged quantity where it has a lag.
+
+        Its range goes on beyond that of the sensor, since the quantity may: a finite range scales
+        searches, but nothing holds this state within it.
+        """
+        if self.lag is None:
+            return ()
+        largest = max(abs(self.to_quantity(end)) for end in (self.low, self.high))
+        if self.vessel is not None and self.measured in ("level", "volume"):
+            held = self.vessel.height if self.measured == "level" else self.vessel.capacity
+            largest = max(largest, held)
+        return (
+            Signal(
+                self._lagged,
+                self.quantity_unit,
+                display_unit=self.shown_quantity_unit,
+                low=-largest,
+                high=2 * largest,
+                initial=largest / 2,
+                description=f"{self._words} as {self.name} follows it",
+            ),
+        )
+
+    def measurements(self) -> tuple[Signal, ...]:
+        """Return the measurement."""
+        return (
+            Signal(
+                self.name,
+                self.unit,
+                display_unit=self.display_units.get("range", ""),
+                low=self.low,
+                high=self.high,
+                description=f"measured {self._words}",
+            ),
+        )
+
+    def measured_states(self) -> dict[str, str]:
+        """Return the level, the concentration or the lagged state that the measurement shows."""
+        if self.lag is not None:
+            return {self.name: self._lagged}
+        return {self.name: f"{self.tank}.level" if self.measured == "volume" else self.quantity}
+
+    def noises(self) -> dict[str, float]:
+        """Return the standard deviation of the measurement [`unit`] where it is known."""
+        return {} if self.noise is None else {self.name: self.noise}
+
+    def parameters(self) -> tuple[Signal, ...]:
+        """Return gain, zero and time constant, as far as it has them."""
+        found = []
+        if self.gain is not None:
+            unit = gain_unit(self.unit, self.quantity_unit)
+            words = f"signal per {self.measured} of {self.name}"
+            found.append(
+                Signal(
+                    f"{self.name}.gain",
+                    unit,
+                    self._shown_gain,
+                    0.0,
+                    initial=self.gain,
+                    description=words,
+                )
+            )
+        if self.zero is not None:
+            found.append(
+                Signal(
+                    f"{self.name}.zero",
+                    self.quantity_unit,
+                    display_unit=self.display_units.get("span", ""),
+                    initial=self.zero,
+                    description=f"{self.measured} at the low end of the range of {self.name}",
+                )
+            )
+        return (*found, *super().parameters())
+
+    @property
+    def _shown_gain(self) -> str:
+        """The unit of the gain that the reader sees: that of range over that of span."""
+        above, below = (self.display_units.get(key, "") for key in ("range", "span"))
+        if self.zero is None or not (above and below):
+            return self.display_units.get("gain", "")
+        return f"{above}/{below if below.isalpha() else f'({below})'}"
+
+    def rates(
+        self, symbols: Symbols, received: Sequence[Flow], given: Sequence[Flow]
+    ) -> dict[str, ca.SX]:
+        """Return dq_l/dt = (q - q_l) / T."""
+        if self.lag is None:
+            return {}
+        difference = self._true(symbols) - symbols[self._lagged]
+        return {self._lagged: difference * reciprocal(symbols[f"{self.name}.lag"])}
+
+    def readings(self, symbols: Symbols) -> dict[str, ca.SX]:
+        """Return y = q, y = k q, or y = y_low + k (q - q_low)."""
+        quantity = self._true(symbols) if self.lag is None else symbols[self._lagged]
+        if self.gain is None:
+            return {self.name: quantity}
+        gain = symbols[f"{self.name}.gain"]
+        if self.zero is None:
+            return {self.name: gain * quantity}
+        return {self.name: self.low + gain * (quantity - symbols[f"{self.name}.zero"])}
+
+    def displayed(self, readings: Symbols) -> dict[str, ca.SX]:
+        """Return the reading rounded to the resolution and limited; no number stays none."""
+        shown = readings[self.name]
+        if self.resolution:
+            shown = ca.floor(shown / self.resolution + 0.5) * self.resolution
+        low, high = self.limits
+        return {self.name: ca.if_else(shown > high, high, ca.if_else(shown < low, low, shown))}
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """The least and the largest measurement that it gives [`unit`]."""
+        whole = (self.low, self.high)
+        return NAMUR_LIMITS if self.unit == "A" and whole == (0.004, 0.02) else whole
+
+    def _true(self, symbols: Symbols) -> ca.SX:
+        """Return the quantity at this instant."""
+        if self.measured != "volume" or self.vessel is None:
+            return symbols[self.quantity]
+        sizes = {key: symbols[f"{self.tank}.{key}"] for key, *_ in self.vessel.parameters()}
+        return self.vessel.volume(symbols[f"{self.tank}.level"], sizes)
+
+    @property
+    def _lagged(self) -> str:
+        return f"{self.name}.lagged"
+
+    @property
+    def _words(self) -> str:
+        if self.flow:
+            return f"flow of {self.flow}"
+        if self.measured in _UNITS:
+            return f"{self.measured} of {self.tank}"
+        return f"concentration of {self.measured} in {self.tank}"
+
+
+def _quantity_unit(measured: str, components: Sequence[Component]) -> str:
+    """Return the SI unit of a quantity."""
+    if measured in _UNITS:
+        return _UNITS[measured]
+    return next(component.unit for component in components if component.name == measured)

@@ -1,0 +1,57 @@
+"""Errors of designs and laws, told with the line of the file that caused them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+
+from clepsydra.base.errors import InputError
+from clepsydra.process.table_reader import TableReader
+
+
+@contextmanager
+def errors_at(table: TableReader, places: Mapping[str, str] | None = None) -> Iterator[None]:
+    """Give an `InputError` the place in a table that it is about.
+
+    An error that has a place in the file keeps it. Else it is the place of the key or parameter
+    with which the error's own place ends, or else of the table.
+
+    Parameters
+    ----------
+    table : TableReader
+    places : mapping, optional
+        Parameter of a law to the place of the key that gave it.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> table = TableReader(parse(b"design = 'simc'\\nphase = '-1 deg'", "a.toml"), (), None)
+    >>> with errors_at(table):
+    ...     raise InputError("phase margin, phase", -0.017, "a phase above 0", "raise it")
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: a.toml, line 2, phase: got -0.017, expected a phase above 0; \
+raise it.
+    """
+    try:
+        yield
+    except InputError as error:
+        raise InputError(
+            _place(error, table, places or {}), error.value, error.expected, error.remedy
+        ) from None
+
+
+def _place(error: InputError, table: TableReader, places: Mapping[str, str]) -> str:
+    parts = error.place.split(", ")
+    if error.place.startswith(f"{table.place().partition(', line ')[0]}, line "):
+        return error.place
+    for part in reversed(parts):
+        if part in places:
+            return places[part]
+        if table.has(part):
+            return table.place(part)
+    return table.place()

@@ -1,0 +1,82 @@
+"""Names in a file that have to be among those that are known."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+from clepsydra.base.suggestion import suggestion
+from clepsydra.process.table_reader import TableReader
+
+
+def known_name(
+    table: TableReader, key: str, name: str, known: Collection[str], words: str, remedy: str = ""
+) -> str:
+    """Return a name that was written at a key.
+
+    Raises
+    ------
+    InputError
+        It is none of those that are known; the message lists them after the words.
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> table = TableReader(parse(b"to = 'lvl'", "study.toml"), (), None)
+    >>> known_name(table, "to", "lvl", ["level", "flow"], "a loop of this scheme")
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: study.toml, line 1, to: got 'lvl', expected a loop of this \
+scheme (level, flow); perhaps 'level' was meant.
+    """
+    if name in known:
+        return name
+    raise table.refused(
+        key,
+        name[:60],
+        f"{words} ({', '.join(known) or 'none'})",
+        suggestion(name, known, remedy or "choose one of them"),
+    )
+
+
+def known_names(
+    known: Sequence[str],
+    table: TableReader,
+    key: str,
+    *,
+    expected: str,
+    remedy: str,
+    each: str,
+) -> tuple[str, ...]:
+    """Read a list of names.
+
+    Parameters
+    ----------
+    known : sequence of str
+    table : TableReader
+    key : str
+    expected, remedy : str
+        What the list is and how it is written.
+    each : str
+        What each name is.
+
+    Raises
+    ------
+    InputError
+        It is no list of names, a name stands twice, or one is unknown.
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> table = TableReader(parse(b"controlled = ['level']", "plant.toml"), (), None)
+    >>> known_names(
+    ...     ["level", "strength"], table, "controlled", expected="a list of sensors",
+    ...     remedy="write one", each="the name of a sensor")
+    ('level',)
+    """
+    names = table.names(key, expected, remedy)
+    for name in names:
+        if name not in known:
+            raise table.refused(
+                key, name[:60], each, suggestion(name, known, f"choose from {', '.join(known)}")
+            )
+    return names

@@ -1,0 +1,195 @@
+"""Values of signals, changes and rates of them, as a table of a file gives them."""
+
+from __future__ import annotations
+
+import math
+
+from clepsydra.base.signal import Signal
+from clepsydra.base.units import convertible, from_si, split_quantity, to_si, with_percent_hint
+from clepsydra.process.table_reader import TableReader, shown_value
+
+
+def check_unit(
+    table: TableReader, key: str, unit: str, expected: str, example: str, remedy: str
+) -> None:
+    """Refuse what is no quantity of a unit, in words about what is asked for.
+
+    Parameters
+    ----------
+    table : TableReader
+    key : str
+    unit : str
+        SI unit; "1" for a number.
+    expected : str
+        With the units that suit.
+    example : str
+        A quantity that could be written.
+    remedy : str
+        What to do where the key is missing.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> table = TableReader(parse(b"to = '3 m'", "a.toml"), (), None)
+    >>> check_unit(table, "to", "A", "a setpoint in mA", "12 mA", "add it")
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: a.toml, line 1, to: got '3 m', expected a setpoint in mA; \
+'m' is no unit of it: write as in "12 mA".
+    """
+    write = f'write as in "{example}"'
+    if not table.has(key):
+        raise table.refused(key, f"no {key}", expected, f"{remedy}: {write}")
+    written = table.raw(key)
+    number = isinstance(written, (int, float)) and not isinstance(written, bool)
+    parts = split_quantity(written)
+    if not number and parts is None:
+        raise table.refused(key, table.written(key), expected, write)
+    written_unit = parts[1] if parts else ""
+    if not written_unit and unit != "1":
+        raise table.refused(key, table.written(key), expected, f"the unit is missing: {write}")
+    if written_unit and not convertible(written_unit, unit):
+        problem = f"{shown_value(written_unit)!r} is no unit of it"
+        raise table.refused(key, table.written(key), expected, f"{problem}: {write}")
+
+
+def read_value(
+    table: TableReader,
+    key: str,
+    signal: Signal,
+    expected: str,
+    remedy: str,
+    *,
+    change: bool = False,
+) -> float:
+    """Read a value of a signal, or a change of it, in its SI unit.
+
+    Of a signal that is not itself in percent, percent are those of its range.
+
+    Parameters
+    ----------
+    table : TableReader
+    key : str
+    signal : Signal
+    expected, remedy : str
+    change : bool
+        Whether it is a difference of two values.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> level = Signal("level", "A", low=0.004, high=0.020)
+    >>> table = TableReader(parse(b"a = '12 mA'\\nb = '50 %'", "a.toml"), (), None)
+    >>> [read_value(table, key, level, "a level", "") for key in "ab"]
+    [0.012, 0.012]
+    """
+    text = table.raw(key) if table.has(key) else None
+    parts = split_quantity(text)
+    if parts is not None and parts[1] == "%" and signal.unit != "1" and math.isfinite(signal.span):
+        percent = 100.0 * to_si(text, "1", table.place(key))
+        value = signal.from_percent(percent)
+        return value - signal.low if change else value
+    words, example = _of_signal(signal, change=change)
+    check_unit(table, key, signal.unit, f"{expected} {words}", example, remedy)
+    return table.quantity(key, signal.unit, expected, remedy)
+
+
+def _of_signal(signal: Signal, *, change: bool) -> tuple[str, str]:
+    """Return how a value of a signal is written, and an example."""
+    unit = signal.shown_unit
+    beside = "" if unit == "1" else f" {unit}"
+    words = f"of {signal.name} in {unit}" if beside else f"of {signal.name}, a number"
+    if not signal.has_range:
+        return words, f"1{beside}"
+    low, high, middle = (
+        f"{from_si(each, signal.unit, unit):.6g}"
+        for each in (signal.low, signal.high, signal.from_percent(50.0))
+    )
+    if change:
+        middle = f"{from_si(0.1 * signal.span, signal.unit, unit):.4g}"
+    else:
+        words = f"of {signal.name} from {low} to {high}{beside}"
+    return words + ("" if signal.unit == "1" else ", or in % of its range"), f"{middle}{beside}"
+
+
+def read_rate(table: TableReader, key: str, signal: Signal, expected: str, remedy: str) -> float:
+    """Read a largest rate of change of a signal, above zero [SI unit/s].
+
+    Of a signal that is not itself in percent, percent are those of its range.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> level = Signal("level", "A", low=0.004, high=0.020)
+    >>> table = TableReader(parse(b"a = '0.6 mA/min'\\nb = '10 %/min'", "a.toml"), (), None)
+    >>> [round(read_rate(table, key, level, "a rate", ""), 9) for key in "ab"]
+    [1e-05, 2.6667e-05]
+    """
+    text = table.raw(key) if table.has(key) else None
+    parts = split_quantity(text)
+    unit = "1/s" if signal.unit == "1" else f"{signal.unit}/s"
+    finite = signal.unit != "1" and math.isfinite(signal.span)
+    if parts is not None and parts[1].startswith("%/") and finite:
+        rate = table.quantity(key, "1/s", expected, remedy, above=0.0)
+        return rate * signal.span
+    shown = "1" if signal.shown_unit == "1" else signal.shown_unit
+    words = f"{expected} of {signal.name}, in {shown}/min"
+    words += " or %/min of its range" if finite else ""
+    example = "10 %/min" if finite or shown == "%" else f"1 {shown}/min"
+    check_unit(table, key, unit, words, example, remedy)
+    return table.quantity(key, unit, expected, remedy, above=0.0)
+
+
+def read_in_range(
+    table: TableReader, key: str, signal: Signal, expected: str, remedy: str
+) -> float:
+    """Read a value of a signal that lies in its range, in its SI unit.
+
+    Raises
+    ------
+    InputError
+    """
+    value = read_value(table, key, signal, expected, remedy)
+    check_in_range(table, key, signal, value, expected)
+    return value
+
+
+def check_in_range(table: TableReader, key: str, signal: Signal, value: float, what: str) -> None:
+    """Refuse a value [SI] outside the range of its signal.
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> table = TableReader(parse(b"to = '6 m'", "a.toml"), (), None)
+    >>> check_in_range(table, "to", Signal("level", "m", low=0.0, high=5.0), 6.0, "a setpoint")
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: a.toml, line 1, to: got '6 m', expected a setpoint from 0 to \
+5 m, the range of level; stay inside the range.
+    """
+    if signal.low <= value <= signal.high:
+        return
+    unit = signal.shown_unit
+    low, high, found = (
+        f"{from_si(each, signal.unit, unit):.6g}" for each in (signal.low, signal.high, value)
+    )
+    shown = "" if unit == "1" else f" {unit}"
+    asked = table.written(key)
+    raise table.refused(
+        key,
+        f"{asked}, to {found}{shown}" if key == "by" else asked,
+        f"{what} from {low} to {high}{shown}, the range of {signal.name}",
+        with_percent_hint("stay inside the range", table.raw(key), signal.unit),
+    )

@@ -1,0 +1,74 @@
+"""What an editor is told of the keys of a file, in the words of JSON Schema."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+Schema = Mapping[str, Any]
+#: A quantity as a file has it: text with a unit, or a number where it needs none.
+QUANTITY: Schema = {"type": ["string", "number"]}
+
+
+def quantity(words: str) -> dict[str, Any]:
+    """Return the schema of a quantity.
+
+    >>> quantity("a level")
+    {'description': 'a level', 'type': ['string', 'number']}
+    """
+    return {"description": words, **QUANTITY}
+
+
+def text(words: str) -> dict[str, Any]:
+    """Return the schema of a text, as a name."""
+    return {"description": words, "type": "string"}
+
+
+def choice(words: str, choices: Sequence[str]) -> dict[str, Any]:
+    """Return the schema of one of a few words."""
+    return {"description": words, "enum": list(choices)}
+
+
+def names(words: str) -> dict[str, Any]:
+    """Return the schema of a list of names, at least one."""
+    return {"description": words, "type": "array", "items": {"type": "string"}, "minItems": 1}
+
+
+def quantities(words: str, count: int | None = None) -> dict[str, Any]:
+    """Return the schema of a list of quantities, of so many where a count is given."""
+    found = {"description": words, "type": "array", "items": QUANTITY, "minItems": count or 1}
+    return found if count is None else found | {"maxItems": count}
+
+
+def pairs(words: str) -> dict[str, Any]:
+    """Return the schema of a list of pairs of quantities."""
+    each = {"type": "array", "items": QUANTITY, "minItems": 2, "maxItems": 2}
+    return {"description": words, "type": "array", "items": each, "minItems": 1}
+
+
+def by_name(words: str, each: Schema = QUANTITY) -> dict[str, Any]:
+    """Return the schema of a table of names of one's own, each with a value."""
+    return {"description": words, "type": "object", "additionalProperties": each}
+
+
+def listed(words: str, each: Schema, least: int = 0) -> dict[str, Any]:
+    """Return the schema of a list of tables."""
+    return {"description": words, "type": "array", "items": each, "minItems": least}
+
+
+def flag(words: str) -> dict[str, Any]:
+    """Return the schema of what is true or false."""
+    return {"description": words, "type": "boolean"}
+
+
+def table(
+    properties: Mapping[str, Schema], required: Sequence[str] = (), *checks: Schema
+) -> dict[str, Any]:
+    """Return the schema of a table of some keys and no others.
+
+    >>> table({"select": choice("which", ["low", "high"])}, ["select"])["required"]
+    ['select']
+    """
+    found = {"type": "object", "properties": dict(properties), "additionalProperties": False}
+    found |= {"required": [*required]} if required else {}
+    return found | ({"allOf": [*checks]} if checks else {})

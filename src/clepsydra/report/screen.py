@@ -1,0 +1,139 @@
+"""Sections on a terminal: as wide as it is, and no name broken within a word."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from clepsydra.base.section import Line, Mark, Section, Table
+
+if TYPE_CHECKING:
+    from rich.console import Console, ConsoleOptions, RenderableType, RenderResult
+    from rich.table import Table as RichTable
+
+#: A long name takes more lines rather than more of the width than this.
+_NAME = 30
+_BACKSLASH, _INDENT = " \\", " " * 7
+_STYLES = {Mark.ANSWER: "bold", Mark.WATCH: "yellow"}
+
+
+class Screen:
+    """A section as Rich shows it on a terminal of any width.
+
+    Examples
+    --------
+    >>> import io
+    >>> from rich.console import Console
+    >>> console = Console(width=20, file=io.StringIO(), record=True)
+    >>> table = Table("", ("level", "settles", "noise"), (("tank_1", "34.0 s", "3.3 %"),), kept=1)
+    >>> console.print(Screen(Section("", (table,))))
+    >>> [line.strip() for line in console.export_text().splitlines() if "level" in line]
+    ['level   settles']
+    """
+
+    def __init__(self, section: Section) -> None:
+        self.section = section
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        """Yield what is shown in the width that there is."""
+        from rich.text import Text
+
+        if self.section.title:
+            yield Text(self.section.title, style="bold")
+        beside: list[RenderableType] = []
+        for part in self.section.parts:
+            if isinstance(part, Table):
+                beside.append(_fitting(part, console, options))
+                continue
+            yield from _placed(beside)
+            beside = []
+            yield Screen(part) if isinstance(part, Section) else _line(part, options.max_width)
+        yield from _placed(beside)
+
+
+def _placed(tables: list[RenderableType]) -> list[RenderableType]:
+    """Return tables that follow each other, side by side where there is room."""
+    from rich.columns import Columns
+
+    return [Columns(tables, padding=(0, 4))] if len(tables) > 1 else tables
+
+
+def _line(line: Line, width: int) -> RenderableType:
+    from rich.table import Table as RichTable
+    from rich.text import Text
+
+    style = _STYLES.get(line.mark, "")
+    if line.mark in (Mark.PLAIN, Mark.ANSWER):
+        return Text(line.text, style=style)
+    if line.mark is Mark.COMMAND:
+        return Text(_continued(line.text, width))
+    hanging = RichTable.grid(padding=(0, 2))
+    hanging.add_column(width=2, justify="right")
+    hanging.add_column()
+    hanging.add_row(Text(line.mark.value, style=style), Text(line.text, style=style))
+    return hanging
+
+
+def _continued(command: str, width: int) -> str:
+    """Return a command, on several lines that can be copied where it is too long for one."""
+    lines = [""]
+    for place, part in enumerate(command.split(" --")):
+        words = f" --{part}" if place else part
+        if place and len(lines[-1] + words) > width - len(_BACKSLASH):
+            lines.append(f"{_INDENT}{words}")
+        else:
+            lines[-1] += words
+    return f"{_BACKSLASH}\n".join(lines)
+
+
+def _fitting(table: Table, console: Console, options: ConsoleOptions) -> RenderableType:
+    """Return a table without the columns on its right for which there is no room."""
+    columns = len(table.head)
+    while True:
+        found = _rich(table, columns)
+        fits = _narrowest(table, columns) <= options.max_width
+        if fits or not table.kept or columns <= table.kept:
+            return found
+        columns -= 1
+
+
+def _narrowest(table: Table, columns: int) -> int:
+    """Return how wide a table is with its names broken where they may be."""
+    columns_of = list(zip(table.head, *table.rows, strict=True))[:columns]
+    widths = [
+        _name_width(cells)
+        if place < table.names
+        else max(len(line) for cell in cells for line in cell.split("\n"))
+        for place, cells in enumerate(columns_of)
+    ]
+    return sum(widths) + 2 * columns
+
+
+def _name_width(cells: Sequence[str]) -> int:
+    """Return how wide names are that are broken between words only."""
+    longest_word = max(len(word) for cell in cells for word in ("", *cell.split()))
+    return max(min(max(map(len, cells)), _NAME), longest_word)
+
+
+def _rich(table: Table, columns: int) -> RichTable:
+    from rich import box
+    from rich.table import Table as RichTable
+    from rich.text import Text
+
+    found = RichTable(
+        title=Text(table.title, style="bold") if table.title else None,
+        title_justify="left",
+        box=box.SIMPLE_HEAD if table.title else None,
+        pad_edge=False,
+        padding=(0, 1) if table.title else (0, 2, 0, 0),
+    )
+    for place, head in enumerate(table.head[:columns]):
+        named = place < table.names
+        cells = [head, *(row[place] for row in table.rows)]
+        settings: dict[str, Any] = {"min_width": _name_width(cells)} if named else {}
+        found.add_column(
+            Text(head), justify="left" if named else "right", no_wrap=not named, **settings
+        )
+    for row in table.rows:
+        found.add_row(*[Text(cell) for cell in row[:columns]])
+    return found

@@ -1,0 +1,64 @@
+"""The settings of PID loops at a glance, a row each."""
+
+from __future__ import annotations
+
+import math
+
+from clepsydra.base.section import Table
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.structure.pid_block import PidBlock
+from clepsydra.designs.gain_units import gain_units
+from clepsydra.process.process import Process
+from clepsydra.report.facts import gain_text, known_signal
+from clepsydra.report.pid_tables import isa_settings
+from clepsydra.report.quantities import number_text, time_cell
+
+_DIGITS = 3
+
+
+def settings_table(controller: Controller, process: Process) -> Table | None:
+    """Return gain, times and setpoint weight of each loop in ISA form; None where it has no loop.
+
+    The gain K stands in the units of the process file and in % of the output's range per % of the
+    measurement's, the times in the unit that suits them.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> table = settings_table(cl.design.simc(plant), plant.process)
+    >>> table.head
+    ('settings, ISA form', 'K', 'K [%/%]', 'Ti', 'b')
+    >>> table.rows[0]
+    ('level_1 by pump_1', '3.00 V/V', '3.00', '32.0 s', '1')
+    """
+    loops = [block for block in controller.law.blocks if isinstance(block, PidBlock)]
+    if not loops:
+        return None
+    rows = [_row(block, controller, process) for block in loops]
+    head = ("settings, ISA form", "K", "K [%/%]", "Ti", "Td", "b")
+    used = [place for place in range(len(head)) if any(row[place] for row in rows)]
+    return Table(
+        "",
+        tuple(head[place] for place in used),
+        tuple(tuple(row[place] for place in used) for row in rows),
+    )
+
+
+def _row(block: PidBlock, controller: Controller, process: Process) -> tuple[str, ...]:
+    measurement, moved = (known_signal(process, each) for each in (block.measurement, block.moved))
+    name = f"{measurement.name} by {moved.name}"
+    settings = isa_settings(block, controller)
+    if settings is None:
+        return name, "no ISA form", "", "", "", ""
+    ranged = measurement.has_range and moved.has_range
+    percent = gain_units(settings, measurement, moved).percent_gain if ranged else 0.0
+    weight = controller.values.get(f"{block.owner}.setpoint_weight")
+    return (
+        name,
+        gain_text(settings.gain, measurement, moved, _DIGITS),
+        number_text(percent, _DIGITS) if percent else "",
+        time_cell(settings.integral_time) if math.isfinite(settings.integral_time) else "none",
+        time_cell(settings.derivative_time) if settings.derivative_time else "",
+        "" if weight is None else f"{weight:.2g}",
+    )

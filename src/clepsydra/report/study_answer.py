@@ -1,0 +1,195 @@
+"""The answer of a study in a screen: what to use, how good it is, what to watch."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+from clepsydra.base.section import Line, Mark, Section, Table, marked
+from clepsydra.report.performance import figures_of, joined, performance_words
+from clepsydra.report.score_tables import ranking_note, ranking_rows, standing_word
+from clepsydra.report.settings_table import settings_table
+from clepsydra.studies.ranking_words import trust_sentence
+from clepsydra.studies.recommendation import Recommendation, recommend
+from clepsydra.studies.result import Candidate, StudyResult
+
+#: Of the answer: rows of the ranking, of settings, and warnings.
+_RANKED, _LOOPS, _WATCHED = 5, 3, 2
+#: An overshoot worth watching [% of the step].
+_OVERSHOOT = 10.0
+_EMPTY = Line("")
+
+
+def study_answer(
+    result: StudyResult, *, every: bool = False, why: bool = False, refused: bool = False
+) -> Section:
+    """Return what an engineer asks first, in about 25 lines of 80 columns, and more on request.
+
+    Parameters
+    ----------
+    result : StudyResult
+    every : bool
+        Whether the whole ranking is shown.
+    why : bool
+        Whether the reasons, all warnings and the rule of the ranking follow.
+    refused : bool
+        Whether what does not apply follows, with why.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> plant = cl.load("three-tanks")
+    >>> result = cl.study(plant, [cl.design.simc(plant), cl.design.amigo(plant)])
+    >>> study_answer(result).parts[0].text[:32]
+    'Use PI, AMIGO on Three coupled t'
+    """
+    advice = recommend(result.ranking, result.accept)
+    parts: list[Line | Table | Section] = [Line(result.verdict, Mark.ANSWER)]
+    if advice is not None:
+        parts += advised(result, advice)
+    if result.ranking:
+        parts += [_EMPTY, ranking_glance(result, None if every else _RANKED)]
+    rest = _rest(result, every, why, refused)
+    parts += [Line(rest)] if rest else []
+    if why:
+        parts += _reasons(result)
+    if refused or not result.ranking:
+        parts += [_EMPTY, *_refused(result)]
+    if advice is not None:
+        parts += [_EMPTY, *_commands(result, advice)]
+    elif result.ranking:
+        parts += [_EMPTY, Line("Next: open the report, and change the process or its sampling.")]
+    return Section("", tuple(parts))
+
+
+def ranking_glance(result: StudyResult, rows: int | None = None) -> Table:
+    """Return the first of the ranking in physical numbers, then as multiples of the best.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> plant = cl.load("three-tanks")
+    >>> result = cl.study(plant, [cl.design.simc(plant), cl.design.amigo(plant)])
+    >>> ranking_glance(result).rows[0][:2]
+    ('1', 'PI, AMIGO')
+    """
+    shown = result.ranking[:rows]
+    columns = [
+        ("", [str(each.rank) for each in shown]),
+        ("controller", [each.controller.title for each in shown]),
+    ]
+    standings = [standing_word(each) for each in shown]
+    if len(set(standings)) > 1:
+        columns.append(("standing", standings))
+    columns += [
+        (figure.title, [figure.cell(result.process, each) for each in shown])
+        for figure in figures_of(result.process)
+    ]
+    columns += [
+        ("error × best", [f"{each.mean_error:.2f}" for each in shown]),
+        ("max|S|", [f"{each.maximum_sensitivity:.2f}" for each in shown]),
+    ]
+    told = [(head, cells) for head, cells in columns if set(cells) - {"–", "nan"}]
+    rows_of = zip(*(cells for _, cells in told), strict=True)
+    return Table("", tuple(head for head, _ in told), tuple(rows_of), names=2, kept=3)
+
+
+def advised(result: StudyResult, advice: Recommendation) -> list[Line | Table | Section]:
+    """Return how good the recommended controller is, its settings, and what to watch.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> plant = cl.load("three-tanks")
+    >>> result = cl.study(plant, [cl.design.simc(plant)])
+    >>> advised(result, recommend(result.ranking))[0].text[:22]
+    'It settles in 5.10 min'
+    """
+    process, simplest, best = result.process, advice.simplest, advice.best
+    parts: list[Line | Table | Section] = []
+    words = performance_words(process, simplest)
+    said = [f"It {words}."] if words else []
+    parts.append(Line(" ".join([*said, trust_sentence(simplest)])))
+    settings = settings_table(simplest.controller, process)
+    if settings is not None:
+        parts += [_EMPTY, _shortened(settings), _EMPTY]
+    parts += marked(Mark.WATCH, _watched(simplest))
+    if best is not simplest:
+        parts.append(Line(_better(advice)))
+    return parts
+
+
+def _better(advice: Recommendation) -> str:
+    """Return what the best controller gains and needs beside the simplest."""
+    controller = advice.best.controller
+    needs = f"it needs {controller.complexity.words}"
+    if controller.further_measurements:
+        needs = f"it also measures {joined(controller.further_measurements)}"
+    saved = f"has {100.0 * advice.saved:.0f} % less error"
+    return f"The best, {controller.title}, {saved}; {needs}."
+
+
+def _watched(candidate: Candidate) -> list[str]:
+    """Return what to watch with a controller; what its standing says stands with it."""
+    said = []
+    overshoot = max(
+        (value for key, value in candidate.scores.items() if key.startswith("overshoot[")),
+        default=0.0,
+    )
+    if overshoot > _OVERSHOOT:
+        said.append(f"It overshoots a step of the setpoint by {overshoot:.0f} %.")
+    if candidate.controller.slowed > 1.0:
+        factor = f"{candidate.controller.slowed:.3g}"
+        said.append(f"Its rule was slowed {factor} times, so that its loops bear each other.")
+    said += [_first_clause(words) for words in candidate.warnings]
+    more = len(said) - _WATCHED
+    return said[:_WATCHED] + ([f"{more} more to watch: --why."] if more > 0 else [])
+
+
+def _first_clause(words: str) -> str:
+    """Return what a warning is about, without what it means and what to do."""
+    return f"{re.split('[;:] ', words)[0].rstrip('.')}."
+
+
+def _shortened(settings: Table) -> Table:
+    more = len(settings.rows) - _LOOPS
+    if more <= 0:
+        return settings
+    rest = (f"{more} more loops: in the report", *[""] * (len(settings.head) - 1))
+    return replace(settings, rows=(*settings.rows[:_LOOPS], rest))
+
+
+def _rest(result: StudyResult, every: bool, why: bool, refused: bool) -> str:
+    """Return what is not shown, and the option that shows it."""
+    more = len(result.ranking) - _RANKED
+    said = [f"{more} more: --all"] if more > 0 and not every else []
+    said += ["why this order: --why"] if result.ranking and not why else []
+    count = len(result.not_applicable)
+    said += [f"{count} not applicable: --refused"] if count and not refused else []
+    return "; ".join(said)
+
+
+def _reasons(result: StudyResult) -> list[Line | Table | Section]:
+    parts: list[Line | Table | Section] = [_EMPTY]
+    parts += [Line(f"{row.rank}  {row.controller}: {row.reason}") for row in ranking_rows(result)]
+    for each in result.ranking:
+        titled = (f"{each.controller.title}: {words}" for words in each.warnings)
+        parts += marked(Mark.WATCH, titled)
+    return [*parts, _EMPTY, Line(ranking_note(result))]
+
+
+def _refused(result: StudyResult) -> tuple[Line, ...]:
+    named = (f"{name} does not apply: {reason}" for name, reason in result.not_applicable)
+    return marked(Mark.REFUSED, named)
+
+
+def _commands(result: StudyResult, advice: Recommendation) -> tuple[Line, ...]:
+    subject = result.path or result.process.address
+    controller = f'--controller "{advice.simplest.controller.name}"'
+    return marked(
+        Mark.COMMAND,
+        (
+            f"Next: clepsydra export {subject} {controller} --to st",
+            f"      clepsydra verify {subject} {controller}",
+        ),
+    )

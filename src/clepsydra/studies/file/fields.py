@@ -1,0 +1,77 @@
+"""Fields of what a study file writes out: sensors, what is moved, and quantities of both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from clepsydra.base.signal import Signal
+from clepsydra.process import told
+from clepsydra.process.declared import OWN, part
+from clepsydra.process.gains import read_gain
+from clepsydra.process.known_names import known_name
+from clepsydra.process.signal_values import read_in_range
+from clepsydra.process.table_reader import TableReader
+
+#: From what is moved and what is measured to the gain between them [SI units of both].
+Gain = Callable[[Signal, Signal], float]
+#: From a signal to a value in its range [its unit].
+Value = Callable[[Signal], float]
+
+
+def sensor(words: str, expected: str = "the sensor that it reads") -> Any:
+    """Return the field of the signal that the key `measurement` names."""
+
+    def read(table: TableReader, key: str, known: Mapping[str, Any]) -> Signal:
+        process, key = known["process"], "measurement"
+        signals = {signal.name: signal for signal in process.measurements}
+        name = table.text(key, expected, f'write as in measurement = "{next(iter(signals))}"')
+        return signals[known_name(table, key, name, signals, f"a sensor of {process.name}")]
+
+    return part(read, {"measurement": told.text(words)}, required=("measurement",))
+
+
+def moved(words: str = "what it moves, as of a loop") -> Any:
+    """Return the field of what the key `output` names, beside the table where it is written."""
+
+    def read(
+        table: TableReader, key: str, known: Mapping[str, Any]
+    ) -> tuple[tuple[TableReader, str]]:
+        remedy = f'write the name of one, as in output = "{known["process"].inputs[0].name}"'
+        return ((table, table.text("output", "what it moves", remedy)),)
+
+    return part(read, {"output": told.text(words)}, required=("output",))
+
+
+def gain_between(words: str, expected: str, remedy: str, *, required: bool = False) -> Any:
+    """Return the field of a `Gain`, which is read once its signals are known."""
+
+    def read(table: TableReader, key: str, known: Mapping[str, Any]) -> Gain:
+        return lambda moved, measured: read_gain(
+            table,
+            key,
+            moved,
+            measured,
+            expected=expected,
+            remedy=remedy.format(moved=moved.name, measured=measured.name),
+        )
+
+    return part(read, required=(OWN,) if required else (), **told.quantity(words))
+
+
+def value_in_range(
+    words: str, expected: str, remedy: str, *, key: str = OWN, required: bool = False
+) -> Any:
+    """Return the field of a `Value`, which is read once its signal is known."""
+
+    def read(table: TableReader, name: str, known: Mapping[str, Any]) -> Value | None:
+        name = key or name
+        if not required and not table.has(name):
+            return None
+        return lambda signal: read_in_range(
+            table, name, signal, expected, remedy.format(signal=signal.name)
+        )
+
+    schema = {key: told.quantity(words)} if key else None
+    keys = (key,) if required else ()
+    return part(read, schema, required=keys, **({} if key else told.quantity(words)))

@@ -1,0 +1,108 @@
+"""The answer of a study: its parts, and how they stand on terminals and as Markdown."""
+
+import io
+import re
+from dataclasses import replace
+
+import pytest
+from rich.console import Console
+
+from clepsydra.report.markdown import markdown
+from clepsydra.report.screen import Screen
+from clepsydra.report.study_answer import study_answer
+from clepsydra.studies.result import Standing
+
+
+def screen(result, width, **more):
+    stream = io.StringIO()
+    Console(file=stream, width=width, force_terminal=False).print(
+        Screen(study_answer(result, **more))
+    )
+    return [line.rstrip() for line in stream.getvalue().splitlines()]
+
+
+@pytest.mark.parametrize("width", [80, 100])
+def test_the_answer_fits_a_terminal_and_begins_with_the_verdict(result, width):
+    lines = screen(result, width)
+    assert len(lines) <= 24 and max(map(len, lines)) <= width  # one more says what was written
+    assert " ".join(lines).startswith(result.verdict[:60])
+
+
+def test_the_settings_of_the_recommended_stand_in_units_of_the_file_and_in_percent(result):
+    lines = screen(result, 80)
+    (row,) = (line for line in lines if line.startswith("level_1 by pump_1"))
+    values = result.ranking[0].controller.values
+    gain, time = values["level_1.proportional_gain"], values["level_1.integral_time"]
+    assert row.split()[3:] == [f"{gain:.2f}", "V/V", f"{gain:.2f}", f"{time:.1f}", "s", "1"]
+
+
+def test_columns_go_from_the_right_and_names_stay_whole(result):
+    wide, narrow = (
+        next(line for line in screen(result, width) if line.lstrip().startswith("controller"))
+        for width in (100, 60)
+    )
+    assert "max|S|" in wide and "max|S|" not in narrow
+    assert wide.split()[: len(narrow.split())] == narrow.split()
+    long = replace(result.ranking[0].controller, name="State feedback by pole placement, observed")
+    longer = replace(result, ranking=(replace(result.ranking[0], controller=long),))
+    words = set(re.findall(r"[A-Za-z]+", " ".join(screen(longer, 60))))
+    assert {"State", "feedback", "placement", "observed"} <= words
+
+
+def test_what_to_watch_is_short_and_the_rest_is_counted(result):
+    told = ("pump_1 stands at a limit: give it more range.", "a level spills", "noise", "drift")
+    first = replace(result.ranking[0], warnings=told, scores={"overshoot[level_1]": 34.2})
+    lines = screen(replace(result, ranking=(first,)), 80)
+    assert [line for line in lines if line.startswith(" !")] == [
+        " !  It overshoots a step of the setpoint by 34 %.",
+        " !  pump_1 stands at a limit.",
+        " !  3 more to watch: --why.",
+    ]
+    assert told[0] in " ".join(screen(replace(result, ranking=(first,)), 100, why=True))
+
+
+def test_the_ranking_is_cut_at_five_and_shown_whole_on_request(result):
+    several = tuple(replace(result.ranking[0], rank=rank) for rank in range(1, 9))
+    many = replace(result, ranking=several)
+    short, whole = "\n".join(screen(many, 80)), "\n".join(screen(many, 80, every=True))
+    assert "3 more: --all" in short and not re.search(r"^8 ", short, re.M)
+    assert "--all" not in whole and re.search(r"^8 ", whole, re.M)
+
+
+def test_what_does_not_apply_is_counted_and_named_on_request(result):
+    assert any(line.endswith("1 not applicable: --refused") for line in screen(result, 80))
+    said = " ".join(screen(result, 80, refused=True))
+    assert "Smith predictor does not apply: the process has no dead time" in said
+
+
+def test_reasons_and_the_rule_come_on_request(result):
+    said = " ".join(screen(result, 100, why=True))
+    assert result.ranking[1].reason in said and "Order: " in said
+
+
+def test_the_least_bad_is_not_recommended(result):
+    unsafe = tuple(replace(entry, standing=Standing.UNSAFE) for entry in result.ranking)
+    said = "\n".join(screen(replace(result, ranking=unsafe), 80))
+    assert "clepsydra export" not in said and "settings" not in said
+    assert "Next: open the report, and change the process or its sampling." in said
+
+
+def test_a_study_without_any_controller_says_why(result):
+    said = screen(replace(result, ranking=(), verdict="No controller applies."), 80)
+    assert said[0] == "No controller applies."
+    assert any("the process has no dead time" in line for line in said)
+
+
+def test_a_command_that_is_too_long_can_still_be_copied(result):
+    long = replace(result.ranking[0].controller, name="PI with a name " + 3 * "that is long ")
+    lines = screen(replace(result, ranking=(replace(result.ranking[0], controller=long),)), 60)
+    start = next(k for k, line in enumerate(lines) if line.startswith("Next: "))
+    assert lines[start].endswith(" \\") and lines[start + 1].lstrip().startswith("--controller")
+
+
+def test_names_are_not_read_as_markup(result):
+    first = result.ranking[0]
+    renamed = replace(first, controller=replace(first.controller, name="[red]P|I[/red]"))
+    changed = replace(result, ranking=(renamed,))
+    assert "[red]P|I[/red]" in "\n".join(screen(changed, 80))
+    assert "\\[red\\]P\\|I\\[/red\\]" in markdown(study_answer(changed))
