@@ -42,6 +42,15 @@ def arrest_time(
 ) -> Controller:
     """Design PI controllers that let levels move, so that the flows behind them hardly do."""
 
+def disturbance_rejection(
+    plant: Plant,
+    pairing: Pairing | None = ...,
+    *,
+    closed_loop_time_constant: Quantity | None = ...,
+    observer_ratio: Quantity = ...,
+) -> Controller:
+    """Design a loop of active disturbance rejection for each pair."""
+
 def feedback_linearisation(
     plant: Plant,
     *,

@@ -1,0 +1,172 @@
+"""Active disturbance rejection by bandwidths: one for the loop, a multiple for its observer."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+from clepsydra.base.signal import path
+from clepsydra.base.words import time_text
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.disturbance_rejection import FAMILY, disturbance_rejection_law
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.designs.applicability import reasons_about
+from clepsydra.designs.arguments.argument import number
+from clepsydra.designs.at_operating_point import controller_at, numbers_at
+from clepsydra.designs.design import design
+from clepsydra.designs.designed_values import applicable_values, rounded_values
+from clepsydra.designs.loops.closed_loop_time import CLOSED_LOOP_TIME
+from clepsydra.designs.loops.multiloop import MultiloopPid, PairedLoop
+from clepsydra.designs.loops.pairing import Pairing
+from clepsydra.designs.loops.words import model_words
+from clepsydra.designs.models.first_order_delay import FirstOrderDelay, half_rule
+from clepsydra.designs.request import positive_number
+from clepsydra.designs.sampled.sampled_loop import SampledLoops
+from clepsydra.designs.sampled.sampled_process import refusing
+from clepsydra.designs.slowing_down import OF_LOOPS, as_given, note_on_peak, slow_down
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.operating_point import OperatingPoint
+
+METHOD = "disturbance rejection"
+#: Of the observer to the loop: faster hears more noise, slower leaves less margin.
+RATIO = 5.0
+_RATIO = number(
+    "observer_ratio",
+    "a factor",
+    "how many times faster than its loop an observer is",
+    example=f"{RATIO:g}",
+)
+
+
+@design(
+    "disturbance_rejection",
+    "active disturbance rejection (ADRC)",
+    keys=(CLOSED_LOOP_TIME, _RATIO),
+)
+def design_disturbance_rejection(
+    model: LinearModel,
+    pairing: Pairing | None = None,
+    *,
+    closed_loop_time_constant: float | None = None,
+    observer_ratio: float = RATIO,
+) -> Controller:
+    """Design a loop of active disturbance rejection for each pair.
+
+    Of each paired element the half rule leaves the slope b0 and an effective delay, to which half
+    a sampling period is added; its lag is left to the observer, as is the load. The loop has the
+    bandwidth ωc = 1/τc and the observer ωo = ratio · ωc. Without a given τc each loop takes the
+    shortest that is not below its effective delay and at which a setpoint step of a tenth of the
+    measurement's range does not saturate the input; then all are lengthened by one factor until
+    the sampled loops together have a sensitivity peak of 2 (`designs.slowing_down`).
+
+    Apt where loads count and models are poor: it needs one number of the process, b0, and reaches
+    the setpoint without an integral that could wind up.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Of a process at an operating point.
+    pairing : sequence of (output, input), or mapping, optional
+        The one that the relative gains suggest if left out.
+    closed_loop_time_constant : float, optional
+        τc of all loops [s].
+    observer_ratio : float
+        ωo/ωc, usually 3 to 10.
+
+    Returns
+    -------
+    Controller
+        Loop i for the i-th pair.
+
+    Raises
+    ------
+    NotApplicable
+        An element has no first-order model, the loops are unstable together, or a setting is
+        outside of what a controller takes.
+    InputError
+        The model has no operating point, the pairing is no pairing of the model, or a number is
+        not above zero.
+
+    References
+    ----------
+    Z. Gao, Scaling and bandwidth-parameterization based controller tuning, American Control
+    Conference 2003, 4989-4996; G. Herbst, Electronics 2(3), 2013, 246-279,
+    doi 10.3390/electronics2030246, for the ratio.
+
+    Examples
+    --------
+    A level that integrates, with τc = 1000 s; the observer is five times as fast:
+
+    >>> import clepsydra as cl
+    >>> plant = cl.load("equalisation-tank")
+    >>> found = design_disturbance_rejection(plant.linear, closed_loop_time_constant=1000.0)
+    >>> found.values["level.bandwidth"], found.values["level.observer_bandwidth"]
+    (0.001, 0.005)
+    """
+    ratio = positive_number(
+        f"{METHOD}, observer_ratio", observer_ratio, "a factor above 0", "3 to 10 are usual"
+    )
+    together = MultiloopPid(model, pairing, PidForm(), METHOD)
+    reduced = [_reduced(loop, together.process.sampling_period) for loop in together.loops]
+    blank = _controller(together.loops, reduced, together.point)
+    with refusing(METHOD, "its sampled loops need"):
+        sampled = SampledLoops(blank, model)
+
+    def values_at(times: Sequence[float]) -> dict[str, float]:
+        values = dict(blank.values)
+        for loop, time in zip(together.loops, times, strict=True):
+            values[path(loop.output, "bandwidth")] = 1.0 / time
+            values[path(loop.output, "observer_bandwidth")] = ratio / time
+        return rounded_values(blank.law, values, together.point)
+
+    def peak(values: dict[str, float]) -> float:
+        return sampled.at(values).maximum_sensitivity
+
+    if closed_loop_time_constant is None:
+        shortest = [
+            max(each.delay, 1.0 / (abs(each.slope) * loop.largest_gain))
+            for loop, each in zip(together.loops, reduced, strict=True)
+        ]
+        found = slow_down(
+            lambda factor: values_at([factor * time for time in shortest]), peak, METHOD, OF_LOOPS
+        )
+        times = [found.factor * time for time in shortest]
+    else:
+        time = positive_number(
+            f"{METHOD}, closed_loop_time_constant",
+            closed_loop_time_constant,
+            "a time above 0 s",
+            "give it in seconds",
+        )
+        times = [time] * len(reduced)
+        choice = f"a closed-loop time constant of {time:g} s"
+        found = as_given(values_at(times), peak, METHOD, choice)
+    words = "; ".join(
+        f"{loop.pair}: {model_words(each, loop.output, loop.input)}, closed-loop time constant "
+        f"{time_text(time)}"
+        for loop, each, time in zip(together.loops, reduced, times, strict=True)
+    )
+    made = dataclasses.replace(blank, values=applicable_values(blank.law, found.design, METHOD))
+    return made.described(
+        f"Active disturbance rejection (Gao 2003), the observer {ratio:g} times as fast as its "
+        f"loop; sensitivity peak of all loops together {found.peak:.2f}.",
+        [
+            f"First-order models by the half rule: {words}.",
+            *note_on_peak(found.peak, "choose a longer closed-loop time constant"),
+        ],
+        found.factor,
+    )
+
+
+def _reduced(loop: PairedLoop, period: float) -> FirstOrderDelay:
+    with reasons_about(loop.pair):
+        return half_rule(loop.element, period / 2.0, method=METHOD)
+
+
+def _controller(
+    loops: Sequence[PairedLoop], reduced: Sequence[FirstOrderDelay], point: OperatingPoint
+) -> Controller:
+    """Return the controller without its bandwidths, of which its state at rest does not depend."""
+    law = disturbance_rejection_law([x.output for x in loops], [x.input for x in loops])
+    values = numbers_at(point, law.parameters, model_gain=[each.slope for each in reduced])
+    return controller_at(point, "ADRC", FAMILY, law, values, method=METHOD)
