@@ -264,7 +264,7 @@ def test_a_run_that_broke_off_after_its_last_step_has_no_good_score_either() -> 
     parts["outputs"]["level_1"] = np.where(TIME > 3500.0, math.nan, parts["outputs"]["level_1"])
     scores = scores_of(TIME, **parts, segments=SEGMENTS, measured=parts["outputs"])
     of_level_1 = [value for name, value in scores.items() if name.endswith("[level_1]")]
-    assert len(of_level_1) == 16
+    assert len(of_level_1) == 17
     assert set(of_level_1) == {math.inf}
 
 
@@ -325,7 +325,8 @@ def test_a_setpoint_that_nothing_follows_has_no_step_response():
     usual = scores_of(TIME, segments=SEGMENTS, **given)
     other = scores_of(TIME, segments=SEGMENTS, followed=("level_2",), **given)
     gone = {f"{score}[level_1]" for score in (
-        "overshoot", "rise_time", "settling_time", "settling_time_2", "settling_time_noisy"
+        "overshoot", "rise_time", "settling_time", "settling_time_2", "settling_time_noisy",
+        "undershoot",
     )}  # fmt: skip
     assert gone & set(usual) == set(usual) - set(other) >= {"overshoot[level_1]"}
     assert all(other[name] == usual[name] for name in other)

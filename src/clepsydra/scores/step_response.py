@@ -47,6 +47,22 @@ def passed(sample: Sample) -> Expression:
     return 100 * larger(0, larger(-sample.first * sample.per_step, -sample.last * sample.per_step))
 
 
+def fallen_behind(sample: Sample) -> Expression:
+    """Return how far the output stands before where a setpoint step began [% of the step].
+
+    Examples
+    --------
+    A step from 4 to 5, at whose end the output stands at 3.8:
+
+    >>> round(fallen_behind(Sample(setpoint=5.0, before=4.0, now=3.8, per_step=1.0)).item(), 9)
+    20.0
+    """
+    # That is −z, and 1 − z the error in steps; of a signal without a step it is 0.
+    return 100 * larger(
+        0, larger(sample.first * sample.per_step, sample.last * sample.per_step) - 1
+    )
+
+
 OVERSHOOT = Score(
     "overshoot",
     "Overshoot",
@@ -55,6 +71,16 @@ OVERSHOOT = Score(
     unit="% of the step",
     wants="own step",
     integrand=passed,
+    fold=Fold.LARGEST,
+).registered()
+UNDERSHOOT = Score(
+    "undershoot",
+    "Undershoot",
+    "How far the output first goes the wrong way after a step of its setpoint, as behind a zero in "
+    "the right half-plane, in the worst step; – where the controller follows no setpoint.",
+    unit="% of the step",
+    wants="own step",
+    integrand=fallen_behind,
     fold=Fold.LARGEST,
 ).registered()
 
