@@ -101,7 +101,7 @@ class Target:
     Examples
     --------
     >>> list(TARGETS), TARGETS["st"].options["dialect"]
-    (['c', 'st', 'fmu', 'tuning'], ('codesys', 'matiec', 'scl'))
+    (['c', 'st', 'fmu', 'tuning', 'signals'], ('codesys', 'matiec', 'scl'))
     """
 
     place: int

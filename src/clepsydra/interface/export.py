@@ -86,7 +86,7 @@ def export(
     plant : Plant
     folder : str or Path
         It is made where it is missing.
-    to : {"st", "c", "fmu", "tuning"}
+    to : {"st", "c", "fmu", "tuning", "signals"}
         IEC 61131-3 Structured Text with a test project and PLCopen XML, C99, a functional mock-up
         unit, or PID settings in the vendors' forms and units.
     dialect : {"codesys", "matiec", "scl"}, optional
