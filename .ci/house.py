@@ -7,8 +7,8 @@ LONGEST = 600
 LONGEST_OF_SOURCE = 400
 #: Those of src that are longer, and may not grow.
 LONGER = {
-    Path("src/clepsydra/report/placement.py"): 561,
-    Path("src/clepsydra/report/drawing.py"): 418,
+    Path("src/clepsydra/report/drawing/placement.py"): 561,
+    Path("src/clepsydra/report/drawing/plant.py"): 418,
 }
 SUFFIXES = {".py", ".cpp", ".toml", ".md", ".jinja", ".css"}
 FOLDERS = ("src", "tests", "benchmarks", "docs", "tools", ".ci")

@@ -19,7 +19,7 @@ from clepsydra.program.called_blocks import called_blocks, without_untold
 from clepsydra.program.entries import signal_of
 from clepsydra.program.owned_state import own_state, with_owned_state
 from clepsydra.program.program import Program
-from clepsydra.report.block_picture import block_svg, program_svg
+from clepsydra.report.drawing.block_picture import block_svg, program_svg
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 PAGES = tuple(DOCS / f"block-library{what}.md" for what in ("", "-loops", "-laws"))

@@ -12,8 +12,8 @@ from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.program.operation import Operation
 from clepsydra.program.owned_state import with_owned_state
 from clepsydra.program.program import Block, Call, Program
-from clepsydra.report.block_diagram import diagram
-from clepsydra.report.block_picture import block_svg, program_svg
+from clepsydra.report.drawing.block_diagram import diagram
+from clepsydra.report.drawing.block_picture import block_svg, program_svg
 
 SMALLEST = 6.5
 CONTROLLERS = ("PI, SIMC", "PI, SIMC, dynamic decoupling", "LQI with Kalman filter", "cascade")

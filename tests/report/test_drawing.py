@@ -12,11 +12,11 @@ from clepsydra import Connection, Element
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
 from clepsydra.process.reader import load_process
-from clepsydra.report.bodies import TANK_HALF, TANK_ROWS
-from clepsydra.report.drawing import process_drawing
-from clepsydra.report.flow_graph import FlowGraph, Instrument, Junction, Link, flow_graph
-from clepsydra.report.routing import route
-from clepsydra.report.vessel_outline import TANK_HEIGHT
+from clepsydra.report.drawing.bodies import TANK_HALF, TANK_ROWS
+from clepsydra.report.drawing.flow_graph import FlowGraph, Instrument, Junction, Link, flow_graph
+from clepsydra.report.drawing.outline import TANK_HEIGHT
+from clepsydra.report.drawing.plant import process_drawing
+from clepsydra.report.drawing.routing import route
 
 SVG = "{http://www.w3.org/2000/svg}"
 

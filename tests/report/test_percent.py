@@ -7,7 +7,7 @@ import clepsydra as cl
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario
 from clepsydra.report.analysis_tables import operating_point_grid
-from clepsydra.report.drawing import process_drawing
+from clepsydra.report.drawing.plant import process_drawing
 from clepsydra.report.nyquist import nyquist_figure
 from clepsydra.report.panel_content import panel_content
 from clepsydra.report.panels import all_panels

@@ -143,7 +143,7 @@ class Plant(Answered):
         NoEquilibrium or None
             Why it is drawn without values, where it never rests.
         """
-        from clepsydra.report.drawing import process_drawing
+        from clepsydra.report.drawing.plant import process_drawing
 
         reason = None
         try:

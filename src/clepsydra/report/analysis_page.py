@@ -13,7 +13,7 @@ from clepsydra.linear.analysis import Analysis
 from clepsydra.report.analysis_tables import analysis_grids, further_grids, operating_point_grid
 from clepsydra.report.bode import bode_figure
 from clepsydra.report.colours import signal_colours
-from clepsydra.report.drawing import process_drawing
+from clepsydra.report.drawing.plant import process_drawing
 from clepsydra.report.nyquist import nyquist_figure
 from clepsydra.report.roots_picture import roots_figure
 from clepsydra.report.singular_value_picture import directionality_figure

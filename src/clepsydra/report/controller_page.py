@@ -13,8 +13,8 @@ from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.controllers.signals import owners
 from clepsydra.program.called_blocks import without_untold
 from clepsydra.program.owned_state import with_owned_state
-from clepsydra.report.block_picture import program_svg
 from clepsydra.report.controller_tables import ParameterTable, parameter_tables, status_words
+from clepsydra.report.drawing.block_picture import program_svg
 from clepsydra.report.facts import Facts, range_text
 from clepsydra.report.inner_setpoint_curves import with_inner_panels
 from clepsydra.report.law_tables import law_facts, law_grids, law_words

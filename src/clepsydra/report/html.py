@@ -15,7 +15,7 @@ from clepsydra.process.process import Process
 from clepsydra.report.analysis_tables import analysis_grids, operating_point_grid
 from clepsydra.report.colours import signal_colours
 from clepsydra.report.controller_page import controller_page
-from clepsydra.report.drawing import process_drawing
+from clepsydra.report.drawing.plant import process_drawing
 from clepsydra.report.map_picture import map_svg
 from clepsydra.report.panels import controlled_panels
 from clepsydra.report.resolution import RESOLUTION_WORDS

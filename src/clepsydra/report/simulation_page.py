@@ -10,7 +10,7 @@ from clepsydra.base.words import time_text
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.open_loop_plan import Plan
 from clepsydra.report.colours import signal_colours
-from clepsydra.report.drawing import process_drawing
+from clepsydra.report.drawing.plant import process_drawing
 from clepsydra.report.html import address_text, versions_text
 from clepsydra.report.panels import all_panels
 from clepsydra.report.simulation_tables import (

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from itertools import pairwise
 
-from clepsydra.report import symbols
-from clepsydra.report.bodies import LETTER, PITCH
-from clepsydra.report.routing import Pipe, Routes
+from clepsydra.report.drawing import symbols
+from clepsydra.report.drawing.bodies import LETTER, PITCH
+from clepsydra.report.drawing.routing import Pipe, Routes
 
 _HOP = 6.0
 
@@ -83,8 +83,8 @@ def draw_basins(routes: Routes, ways: Mapping[Pipe, Points], width: float) -> li
 
     Examples
     --------
-    >>> from clepsydra.report.flow_graph import FlowGraph
-    >>> from clepsydra.report.placement import Placement
+    >>> from clepsydra.report.drawing.flow_graph import FlowGraph
+    >>> from clepsydra.report.drawing.placement import Placement
     >>> placement = Placement(FlowGraph((), ("basin",), (), (), ()), {}, basin_rows=[9])
     >>> len(draw_basins(Routes(placement, [], [(3, 0, "basin"), (6, 0, "basin")]), {}, 500.0))
     1

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from html import escape
 
 from clepsydra.report.colours import INK, MUTED
-from clepsydra.report.vessel_outline import Outline
+from clepsydra.report.drawing.outline import Outline
 
 BALLOON = 19.0
 PUMP = 17.0
@@ -45,7 +45,7 @@ def tank(x: float, y: float, outline: Outline, share: float | None, colour: str,
 
     Examples
     --------
-    >>> from clepsydra.report.vessel_outline import Outline
+    >>> from clepsydra.report.drawing.outline import Outline
     >>> shape = Outline((1.0, 1.0))
     >>> "<title>level of tank_1</title>" in tank(0, 0, shape, 0.6, "#0072B2", "level of tank_1")
     True

@@ -8,11 +8,13 @@ from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
-from clepsydra.report import symbols
-from clepsydra.report.bodies import PITCH, Body
 from clepsydra.report.colours import INK, MUTED, signal_colours
-from clepsydra.report.flow_graph import FlowGraph, Instrument, flow_graph
-from clepsydra.report.pipe_paths import Points, draw_basins, draw_pipes
+from clepsydra.report.drawing import symbols
+from clepsydra.report.drawing.bodies import PITCH, Body
+from clepsydra.report.drawing.flow_graph import FlowGraph, Instrument, flow_graph
+from clepsydra.report.drawing.lines import Points, draw_basins, draw_pipes
+from clepsydra.report.drawing.outline import TANK_HEIGHT, Outline, outline_of
+from clepsydra.report.drawing.routing import Pipe, Routes, route
 from clepsydra.report.quantities import (
     fitted,
     percent_text,
@@ -20,8 +22,6 @@ from clepsydra.report.quantities import (
     short_text,
     unit_text,
 )
-from clepsydra.report.routing import Pipe, Routes, route
-from clepsydra.report.vessel_outline import TANK_HEIGHT, Outline, outline_of
 
 #: Of the drawing alone: in a page, a style holds for every picture.
 _STYLE = (

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from clepsydra.report.bodies import (
+from clepsydra.report.drawing.bodies import (
     DOWN,
     TANK_HALF,
     TANK_ROWS,
@@ -23,8 +23,8 @@ from clepsydra.report.bodies import (
     tank_body,
     upright_body,
 )
-from clepsydra.report.flow_graph import FlowGraph, Instrument, Junction, Link
-from clepsydra.report.stacking import Seat, stack
+from clepsydra.report.drawing.flow_graph import FlowGraph, Instrument, Junction, Link
+from clepsydra.report.drawing.stacking import Seat, stack
 
 Labels = dict[str, tuple[str, ...]]
 
@@ -116,7 +116,7 @@ def place(
     Examples
     --------
     >>> from clepsydra.process.reader import load_process
-    >>> from clepsydra.report.flow_graph import flow_graph
+    >>> from clepsydra.report.drawing.flow_graph import flow_graph
     >>> bodies = place(flow_graph(load_process("quadruple-tank")), {}).bodies
     >>> bodies["tank_1"].x == bodies["tank_3"].x, bodies["tank_3"].y < bodies["tank_1"].y
     (True, True)

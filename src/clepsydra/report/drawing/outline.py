@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from clepsydra.process.element import Element
-from clepsydra.report.bodies import PITCH, TANK_HALF, TANK_ROWS
+from clepsydra.report.drawing.bodies import PITCH, TANK_HALF, TANK_ROWS
 
 #: Size of a drawn tank [px].
 TANK_WIDTH, TANK_HEIGHT = 2 * TANK_HALF * PITCH, TANK_ROWS * PITCH

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from clepsydra.report.bodies import UP, Body, Pin, Point
-from clepsydra.report.flow_graph import FlowGraph
-from clepsydra.report.grid_router import GridRouter, straightened
-from clepsydra.report.placement import Labels, Placement, place
+from clepsydra.report.drawing.bodies import UP, Body, Pin, Point
+from clepsydra.report.drawing.flow_graph import FlowGraph
+from clepsydra.report.drawing.grid_router import GridRouter, straightened
+from clepsydra.report.drawing.placement import Labels, Placement, place
 
 #: With more room and in another order each time; the last one runs through what is in the way.
 _ATTEMPTS = 10
@@ -55,7 +55,7 @@ class Routes:
     Examples
     --------
     >>> from clepsydra.process.reader import load_process
-    >>> from clepsydra.report.flow_graph import flow_graph
+    >>> from clepsydra.report.drawing.flow_graph import flow_graph
     >>> routes = route(flow_graph(load_process("quadruple-tank")), {})
     >>> sorted({use[2] for use in routes.basin_uses})
     ['basin']
@@ -80,7 +80,7 @@ def route(graph: FlowGraph, labels: Labels, controlled: frozenset[str] = frozens
     Examples
     --------
     >>> from clepsydra.process.reader import load_process
-    >>> from clepsydra.report.flow_graph import flow_graph
+    >>> from clepsydra.report.drawing.flow_graph import flow_graph
     >>> len(route(flow_graph(load_process("quadruple-tank")), {}).pipes)
     18
     """

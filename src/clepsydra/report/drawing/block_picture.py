@@ -7,9 +7,9 @@ import statistics
 from collections.abc import Iterable, Iterator
 
 from clepsydra.program.program import Program
-from clepsydra.report.block_diagram import Box, Port, block_box, diagram
 from clepsydra.report.chart import SIZE, Chart
 from clepsydra.report.colours import INK, MUTED
+from clepsydra.report.drawing.block_diagram import Box, Port, block_box, diagram
 from clepsydra.report.quantities import fitted
 
 #: Rows of ports [pt]. Outputs stand half a row below inputs, and wires that pass a column a

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from clepsydra.report.flow_graph import FlowGraph
+from clepsydra.report.drawing.flow_graph import FlowGraph
 
 _MOST_ROWS = 4
 #: Less where pumps or pipes stand between neighbours, and one more where all fit then.
@@ -38,7 +38,7 @@ def stack(graph: FlowGraph) -> dict[str, Seat]:
     Examples
     --------
     >>> from clepsydra.process.reader import load_process
-    >>> from clepsydra.report.flow_graph import flow_graph
+    >>> from clepsydra.report.drawing.flow_graph import flow_graph
     >>> stack(flow_graph(load_process("quadruple-tank")))["tank_4"]
     Seat(shelf=0, column=1, row=0)
     """

@@ -6,7 +6,7 @@ import heapq
 from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
 
-from clepsydra.report.bodies import Point
+from clepsydra.report.drawing.bodies import Point
 
 _BEND, _CROSSING = 3.0, 7.0
 #: What a way costs that has to run through something, where no other way is left.
