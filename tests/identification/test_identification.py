@@ -16,6 +16,7 @@ from clepsydra.identification.structures import FOPDT, IPDT, SOPDT
 
 PUMP, LEVEL = Signal("pump", "V"), Signal("level", "m", display_unit="cm")
 PERIOD = 2.0
+SECONDS = np.arange(0.0, 400.0)
 
 
 def input_of(samples=300, each=15):
@@ -58,6 +59,44 @@ def test_the_right_structure_comes_first(structure, gain, lags):
         assert estimate.low <= value <= estimate.high, estimate.signal.name
     assert {m.name for m in found.models} == {"FOPDT", "SOPDT", "IPDT", "ARX"}
     assert found.verdict.startswith(f"Use {structure.name}: ")
+
+
+def course(response, delay, u):
+    """Return the exact record of what answers a unit step by `response`, its input held."""
+    y = np.full(len(u), 5.0)
+    for at in np.flatnonzero(np.diff(u)) + 1:
+        y += (u[at] - u[at - 1]) * response(np.maximum(SECONDS - SECONDS[at] - delay, 0.0))
+    return Record("step.csv", (PUMP, LEVEL), {"pump": u, "level": y}, 1.0)
+
+
+@pytest.mark.parametrize("step", [2.0, -0.7])
+@pytest.mark.parametrize(
+    ("gain", "lag", "delay"), [(1.5, 16.0, 7.0), (-0.2, 10.0, 0.4), (3.0, 15.0, 11.3)]
+)
+def test_a_single_step_gives_back_what_made_it(gain, lag, delay, step):
+    u = 1.0 + step * (SECONDS >= 20.0)
+    found = cl.identify(course(lambda t: gain * (1.0 - np.exp(-t / lag)), delay, u)).best
+    assert found.name == "FOPDT"
+    assert [each.value for each in found.estimates] == pytest.approx([gain, lag, delay], rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "u",
+    [
+        1.0 + 2.0 * (SECONDS >= 30.0),
+        1.0 - 0.5 * ((SECONDS >= 30.0) & (SECONDS < 90.0)),
+        1.0
+        + 0.3 * ((SECONDS >= 30.0) & (SECONDS < 60.0))
+        - 0.3 * ((SECONDS >= 120.0) & (SECONDS < 150.0)),
+    ],
+    ids=["step", "pulse", "two pulses"],
+)
+@pytest.mark.parametrize(("slope", "delay"), [(0.02, 12.0), (-0.3, 4.7), (0.02, 0.0)])
+def test_steps_and_pulses_of_an_integrator_give_back_what_made_them(slope, delay, u):
+    models = cl.identify(course(lambda t: slope * t, delay, u)).models
+    [integrating] = [model for model in models if model.name == "IPDT"]
+    values = [estimate.value for estimate in integrating.estimates]
+    assert values == pytest.approx([slope, delay, 1.0], rel=1e-4, abs=1e-4)
 
 
 @pytest.mark.thorough

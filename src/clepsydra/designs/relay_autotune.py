@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from clepsydra.base.errors import InputError
-from clepsydra.designs.models.step_record import checked_record
 from clepsydra.designs.models.ultimate_point import UltimatePoint
 
 PLACE = "relay experiment"
 #: Cycles that are read, and how much they may differ.
 CYCLES = 3
 SPREAD = 0.05
+_FEWEST = 8
 
 
 class RelayExperiment(Protocol):
@@ -109,9 +109,7 @@ def ultimate_point_of_relay(
             "the record of relay_experiment, or time, manipulated and measured",
             "give the record as it is, or all three arrays",
         )
-    time, manipulated, measured = checked_record(
-        cast(ArrayLike, time), manipulated, measured, PLACE
-    )
+    time, manipulated, measured = _checked(cast(ArrayLike, time), manipulated, measured)
     hysteresis = 0.0 if hysteresis is None else hysteresis
     if not isinstance(hysteresis, (int, float)) or not 0.0 <= hysteresis < math.inf:
         raise InputError(
@@ -156,6 +154,35 @@ def ultimate_point_of_relay(
     raised = measured[first][manipulated[first] > middle]
     lowered = measured[first][manipulated[first] < middle]
     return UltimatePoint(math.copysign(size, _lag_sign(raised, lowered)), float(np.mean(periods)))
+
+
+def _checked(
+    time: ArrayLike, manipulated: ArrayLike, measured: ArrayLike
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return three arrays of one length, finite, with rising time."""
+    try:
+        arrays = [np.asarray(values, float) for values in (time, manipulated, measured)]
+    except (TypeError, ValueError):
+        raise InputError(
+            PLACE, "values that are no numbers", "three arrays of numbers", "convert them first"
+        ) from None
+    if (
+        any(a.ndim != 1 for a in arrays)
+        or len({a.size for a in arrays}) > 1
+        or (arrays[0].size < _FEWEST)
+    ):
+        sizes = ", ".join(str(a.size) for a in arrays)
+        raise InputError(
+            PLACE,
+            f"{sizes} samples",
+            f"three arrays of one length, at least {_FEWEST}",
+            "record the three signals together",
+        )
+    if not all(np.all(np.isfinite(a)) for a in arrays):
+        raise InputError(PLACE, "values that are not finite", "finite numbers", "mend the gaps")
+    if np.any(np.diff(arrays[0]) <= 0.0):
+        raise InputError(f"{PLACE}, time", "a step back", "rising time", "sort the record")
+    return arrays[0], arrays[1], arrays[2]
 
 
 def _lag_sign(raised: np.ndarray, lowered: np.ndarray) -> float:
