@@ -11,7 +11,7 @@ from clepsydra.linear.linearise import linearise
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
-from clepsydra.studies.file.reader import STUDY, read_study, study_schema
+from clepsydra.studies.file.reader import read_study, study_schema
 
 
 def refused(result, *words):
@@ -96,7 +96,7 @@ def test_what_is_commented_out_may_be_written(command, tmp_path):
     (tmp_path / "all.toml").write_text(opened, encoding="utf-8")
     tables = tomllib.loads(opened)
     assert list(faults(tables, study_schema())) == []
-    assert set(tables) == set(STUDY["properties"])
+    assert set(tables) == set(study_schema()["properties"])
     assert len(opened.splitlines()) == len(text.splitlines())
     study = read_study(tmp_path / "all.toml")
     assert study.scores == ("iae", "total_variation")

@@ -44,8 +44,8 @@ def known_names(
     key: str,
     *,
     expected: str,
-    remedy: str,
-    each: str,
+    remedy: str = "",
+    each: str = "",
 ) -> tuple[str, ...]:
     """Read a list of names.
 
@@ -55,9 +55,10 @@ def known_names(
     table : TableReader
     key : str
     expected, remedy : str
-        What the list is and how it is written.
+        What the list is and how it is written: as a list of the first of those that are known
+        where no remedy is given.
     each : str
-        What each name is.
+        What each name is: one of those that are known where that is not said.
 
     Raises
     ------
@@ -73,10 +74,13 @@ def known_names(
     ...     remedy="write one", each="the name of a sensor")
     ('level',)
     """
-    names = table.names(key, expected, remedy)
+    names = table.names(key, expected, remedy or f'write as in ["{known[0]}"]')
     for name in names:
         if name not in known:
             raise table.refused(
-                key, name[:60], each, suggestion(name, known, f"choose from {', '.join(known)}")
+                key,
+                name[:60],
+                each or f"one of {', '.join(known)}",
+                suggestion(name, known, f"choose from {', '.join(known)}"),
             )
     return names

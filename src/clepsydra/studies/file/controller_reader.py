@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,21 +14,22 @@ from clepsydra.designs.design import DESIGNS
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.process import told
-from clepsydra.process.declared import keys_of, table_schema
+from clepsydra.process.declared import keys_of, read_fields, table_schema
 from clepsydra.process.errors_at import errors_at
 from clepsydra.process.known_names import known_name
 from clepsydra.process.process import Process
 from clepsydra.process.table_reader import TableReader
 from clepsydra.studies.file.design_arguments import read_arguments, with_model
-from clepsydra.studies.file.fuzzy_table import FUZZY, read_fuzzy
-from clepsydra.studies.file.own_law_table import OWN_LAW, read_own_law
-from clepsydra.studies.file.regulator_table import REGULATOR, read_regulator
-from clepsydra.studies.file.request import ControllerRequest, Maker, WrittenMaker
-from clepsydra.studies.file.scheme import read_scheme
-from clepsydra.studies.file.scheme_parts import PARTS
-from clepsydra.studies.file.start_stop_table import StartStop, read_start_stop
+from clepsydra.studies.file.fields import table_below
+from clepsydra.studies.file.fuzzy_table import FuzzyTable
+from clepsydra.studies.file.own_law_table import OwnLawTable
+from clepsydra.studies.file.regulator_table import RegulatorTable
+from clepsydra.studies.file.request import ControllerRequest, Maker
+from clepsydra.studies.file.scheme import Scheme
+from clepsydra.studies.file.start_stop_table import StartStopTable
 from clepsydra.studies.file.tuning_reader import Tuning, read_tuning
 from clepsydra.studies.file.tuning_request import TuningRequest, WeightedStart
+from clepsydra.studies.file.written import Written
 from clepsydra.studies.tuning.lqi_weights import WeightedDesign
 from clepsydra.studies.tuning.weighted_designs import WEIGHTED_DESIGNS
 
@@ -95,10 +97,8 @@ def read_controllers(
 def _controller(rows: TableReader, name: str, process: Process, folder: Path) -> ControllerRequest:
     """Read one controller in the way that its keys say."""
     table = rows.table(name, "a table", _WAYS)
-    written = [
-        way for way in ("design", "law", "fuzzy", "regulator", "start_stop") if table.has(way)
-    ]
-    written += ["loops"] if any(map(table.has, PARTS)) else []
+    ways = {"design": ("design",), **{way: _said_by(way) for way in _WRITTEN}}
+    written = [way for way, keys in ways.items() if any(map(table.has, keys))]
     if len(written) != 1:
         shown = " and ".join(written) if written else "neither a design nor a loop"
         raise InputError(
@@ -110,9 +110,9 @@ def _controller(rows: TableReader, name: str, process: Process, folder: Path) ->
     if written == ["design"]:
         make, tune = _designed(rows, name, process)
     else:
-        keys, read = _WRITTEN[written[0]]
-        table = rows.table(name, "a table", _WAYS, (*keys, "tune"))
-        made = read(table, name, process, folder)
+        way = _WRITTEN[written[0]]
+        table = rows.table(name, "a table", _WAYS, (*keys_of(way), *keys_of(_Tuned)))
+        made = way.read(table, name, process, folder).maker()
         make, tune = lambda analysis, model: made(model), _tuning(table, process)
     return ControllerRequest(name, _checked(make, tune), tune, rows.place(name))
 
@@ -163,10 +163,8 @@ def _tuning(
     process: Process,
     weighted: WeightedStart | None = None,
 ) -> TuningRequest | None:
-    if not table.has("tune"):
-        return None
-    rows = table.table("tune", "a table", "write [controllers.NAME.tune]", keys_of(Tuning))
-    return read_tuning(rows, process, weighted)
+    rows = read_fields(_Tuned, table)["tune"]
+    return None if rows is None else read_tuning(rows, process, weighted)
 
 
 def _checked(make: Maker, tune: TuningRequest | None) -> Maker:
@@ -182,30 +180,29 @@ def _checked(make: Maker, tune: TuningRequest | None) -> Maker:
     return checked
 
 
-_TUNE: dict[str, Any] = {
-    "tune": {"description": "what is tuned by simulation, and for what", **table_schema(Tuning)}
+@dataclass(frozen=True)
+class _Tuned:
+    """What each controller may have beside the keys of its way."""
+
+    tune: TableReader | None = table_below(
+        Tuning, "what is tuned by simulation, and for what", "write [controllers.NAME.tune]"
+    )
+
+
+_TUNE = table_schema(_Tuned)["properties"]
+#: The ways to write a controller out, each by a key that says so.
+_WRITTEN: dict[str, type[Written]] = {
+    "law": OwnLawTable,
+    "fuzzy": FuzzyTable,
+    "regulator": RegulatorTable,
+    "start_stop": StartStopTable,
+    "loops": Scheme,
 }
-#: How what is written out is read, by the key that says so: the keys of its table, and who reads.
-_WRITTEN: dict[
-    str, tuple[Mapping[str, Any], Callable[[TableReader, str, Process, Path], WrittenMaker]]
-] = {
-    "loops": (
-        {key: told.by_name(key.replace("_", " "), table_schema(PARTS[key])) for key in PARTS},
-        read_scheme,
-    ),
-    "start_stop": (
-        {
-            "start_stop": {
-                "description": "pumps that run or stand by a level",
-                **table_schema(StartStop),
-            }
-        },
-        read_start_stop,
-    ),
-    "law": (OWN_LAW["properties"], read_own_law),
-    "fuzzy": (FUZZY["properties"], read_fuzzy),
-    "regulator": (REGULATOR["properties"], read_regulator),
-}
+
+
+def _said_by(way: str) -> tuple[str, ...]:
+    """Return the keys any of which says that a controller is written out in a way."""
+    return keys_of(Scheme) if way == "loops" else (way,)
 
 
 def controller_schema() -> dict[str, Any]:
@@ -226,10 +223,10 @@ def controller_schema() -> dict[str, Any]:
         fitting = told.table({**design, **own, **_TUNE}, ("design", *each.required))
         checks.append({"if": named, "then": fitting})
     ways: list[Mapping[str, Any]] = [{"required": ["design"]}]
-    for way, (keys, _) in _WRITTEN.items():
+    for way, kind in _WRITTEN.items():
+        keys = table_schema(kind)["properties"]
         kinds.append(keys)
-        said = PARTS if way == "loops" else (way,)
-        ways.append({"anyOf": [{"required": [key]} for key in said]})
+        ways.append({"anyOf": [{"required": [key]} for key in _said_by(way)]})
         checks.append({"if": ways[-1], "then": {"propertyNames": {"enum": [*keys, *_TUNE]}}})
     properties: dict[str, Any] = {**design}
     for keys in kinds:  # what a key of two kinds has in common is its words

@@ -1,13 +1,16 @@
-"""Fields of what a study file writes out: sensors, what is moved, and quantities of both."""
+"""Fields of what a study file writes out: files, tables, signals, and quantities of these."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import field
+from pathlib import Path
 from typing import Any
 
+from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.process import told
-from clepsydra.process.declared import OWN, part
+from clepsydra.process.declared import OWN, Part, keys_of, part, table_schema
 from clepsydra.process.gains import read_gain
 from clepsydra.process.known_names import known_name
 from clepsydra.process.signal_values import read_in_range
@@ -29,6 +32,44 @@ def sensor(words: str, expected: str = "the sensor that it reads") -> Any:
         return signals[known_name(table, key, name, signals, f"a sensor of {process.name}")]
 
     return part(read, {"measurement": told.text(words)}, required=("measurement",))
+
+
+def file_beside(
+    words: str,
+    expected: str,
+    remedy: str,
+    load: Callable[[Path], Any],
+    *,
+    ending: str = "",
+    told_at_key: bool = False,
+) -> Any:
+    """Return the field of what is loaded from a file, whose path starts beside the study file.
+
+    What is wrong within the file is told with its place there, after that of the key if wanted.
+    """
+
+    def read(table: TableReader, key: str, known: Mapping[str, Any]) -> Any:
+        written, folder = table.text(key, expected, remedy), known["folder"]
+        if not written.endswith(ending) or not (folder / written).is_file():
+            wanted = f"{expected} that exists, from {folder}/"
+            raise table.refused(key, written[:60], wanted, remedy)
+        try:
+            return load(folder / written)
+        except InputError as error:
+            place = f"{table.place(key)}, {error.place}" if told_at_key else error.place
+            raise InputError(place, error.value, error.expected, error.remedy) from None
+
+    return part(read, required=(OWN,), **told.text(words))
+
+
+def table_below(kind: type, words: str, remedy: str) -> Any:
+    """Return the field of a table with the keys of a class; None where it is not written."""
+
+    def read(table: TableReader, key: str, known: Mapping[str, Any]) -> TableReader | None:
+        return table.table(key, "a table", remedy, keys_of(kind)) if table.has(key) else None
+
+    made = Part(read, schema={"description": words, **table_schema(kind)})
+    return field(metadata={"declared": made})
 
 
 def moved(words: str = "what it moves, as of a loop") -> Any:

@@ -2,36 +2,21 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from dataclasses import dataclass
 
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.fuzzy.file import load_fuzzy
+from clepsydra.controllers.fuzzy.file import FuzzyFile, load_fuzzy
 from clepsydra.controllers.fuzzy.wired import WiredFuzzy
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
-from clepsydra.process import told
 from clepsydra.process.errors_at import errors_at
-from clepsydra.process.process import Process
-from clepsydra.process.table_reader import TableReader
-from clepsydra.studies.file.request import WrittenMaker
-
-FUZZY = told.table({"fuzzy": told.text("a file of sets and rules")}, ("fuzzy",))
+from clepsydra.studies.file.fields import file_beside
+from clepsydra.studies.file.written import Written, WrittenMaker
 
 
-def read_fuzzy(table: TableReader, name: str, process: Process, folder: Path) -> WrittenMaker:
-    """Read the file of sets and rules that a controller names.
-
-    Its outputs start at the operating point.
-
-    Parameters
-    ----------
-    table : TableReader
-        With the keys of `FUZZY`.
-    name : str
-        Of the controller.
-    process : Process
-    folder : Path
-        Of the study file, where the path of the other file starts.
+@dataclass(frozen=True)
+class FuzzyTable(Written):
+    """Sets and rules in a file; the outputs start at the operating point.
 
     Raises
     ------
@@ -42,7 +27,9 @@ def read_fuzzy(table: TableReader, name: str, process: Process, folder: Path) ->
     --------
     >>> import clepsydra as cl
     >>> import tempfile
+    >>> from pathlib import Path
     >>> from clepsydra.process.document import parse
+    >>> from clepsydra.process.table_reader import TableReader
     >>> rules = '''
     ... [inputs.e]
     ... of = "level_1"
@@ -66,20 +53,25 @@ def read_fuzzy(table: TableReader, name: str, process: Process, folder: Path) ->
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     _ = (Path(folder) / "halves.toml").write_text(rules)
     ...     table = TableReader(parse(b'fuzzy = "halves.toml"', "study.toml"), (), ["fuzzy"])
-    ...     make = read_fuzzy(table, "two rules", plant.process, Path(folder))
+    ...     read = FuzzyTable.read(table, "two rules", plant.process, Path(folder))
+    ...     make = read.maker()
     >>> make(plant.linear).initial_state["pump_1.last_output"]
     3.0
     """
-    expected, remedy = "the name of a file of sets and rules", 'write as in fuzzy = "rules.toml"'
-    written = table.text("fuzzy", expected, remedy)
-    if not (folder / written).is_file():
-        raise table.refused(
-            "fuzzy", written[:60], f"{expected} that exists, from {folder}/", remedy
-        )
-    wired = WiredFuzzy(load_fuzzy(folder / written), process)
 
-    def make(model: LinearModel) -> Controller:
-        with errors_at(table):
-            return wired.controller(operating_point_of(model), name)
+    fuzzy: FuzzyFile = file_beside(
+        "a file of sets and rules",
+        "the name of a file of sets and rules",
+        'write as in fuzzy = "rules.toml"',
+        load_fuzzy,
+    )
 
-    return make
+    def maker(self) -> WrittenMaker:
+        """Wire it to the process."""
+        wired = WiredFuzzy(self.fuzzy, self.process)
+
+        def make(model: LinearModel) -> Controller:
+            with errors_at(self.table):
+                return wired.controller(operating_point_of(model), self.name)
+
+        return make

@@ -21,7 +21,7 @@ from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.declared import table_schema
 from clepsydra.process.process import Process
-from clepsydra.studies.file.reader import STUDY
+from clepsydra.studies.file.reader import StudyTable
 from clepsydra.studies.file.scenario_reader import ScenarioTable
 from clepsydra.studies.file.tuning_reader import Tuning
 
@@ -108,7 +108,7 @@ def _more(first: str) -> str:
 def _comments(first: str) -> dict[str, str]:
     """Return what is said of each key where it is declared, as a comment above it."""
     known: dict[str, Any] = {
-        **STUDY["properties"],
+        **table_schema(StudyTable)["properties"],
         **table_schema(ScenarioTable)["properties"],
         **table_schema(Tuning)["properties"],
     }

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 from clepsydra.base.signal import Signal, path
@@ -19,49 +21,79 @@ from clepsydra.process.table_reader import TableReader
 from clepsydra.studies.file.law_parameters import GAINS, LAW_NAMES, key_of
 from clepsydra.studies.file.law_range import check_law_range
 
-#: Actions without the one that a time belongs to.
-_WITHOUT = {
-    "integral_time": {"PI": "P", "PID": "PD"},
-    "derivative_time": {"PD": "P", "PID": "PI"},
-}
 _ENDS = ("setpoint_low", "setpoint_high")
-#: What is taken as usual where it is not written.
-_USUAL = ("setpoint_weight", "derivative_filter", "tracking_time")
 _GAINS = 'of the parallel algorithm, in place of the times, as in `"0.1 %/%/min"` and `"3 %/% min"`'
+_PARALLEL = 'remove it, or write algorithm = "parallel"'
 _SETPOINTS = "of an inner loop: between which values its setpoint may be asked for"
 _GAP = "of gap action: half the width of the gap, and the share of the error that acts within it"
-#: What a loop may be set to, in the words of a study file: the quantities of `PARAMETERS`, but for
-#: the rate of saturation, which belongs to laws of variable structure, and the ends of setpoints.
-_WORDS = {
-    "gain": "K, above zero: the action gives it its sign",
-    "integral_gain": _GAINS,
-    "derivative_gain": _GAINS,
-    "integral_time": "Ti [s], with I",
-    "derivative_time": "Td [s], with D",
-    "filter_time": "of the parallel algorithm with D [s]",
-    "derivative_filter": "Td over the time constant of its filter",
-    "setpoint_weight": "share of the setpoint in the proportional part, 0 to 1",
-    "gap": _GAP,
-    "gap_gain": _GAP,
-    "squared_error_scale": "of squared action: the error at which the gain is K",
-    "setpoint_ramp": 'fastest change of the setpoint, `"5 %/min"`',
-    "tracking_time": "of back-calculation [s]",
-    **dict.fromkeys(_ENDS, _SETPOINTS),
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What a loop may be set to, beside its quantity in `PARAMETERS`.
+
+    Parameters
+    ----------
+    words : str
+        What it is, in the words of a study file.
+    elsewhere : str
+        What to do with it where a loop of this form has none.
+    without : mapping
+        Actions that it belongs to, to those that do without it.
+    usual : bool
+        Whether it is taken as usual where it is not written.
+    """
+
+    words: str
+    elsewhere: str = "remove it, or change actions or error"
+    without: Mapping[str, str] = field(default_factory=dict)
+    usual: bool = False
+
+    def told(self, key: str) -> dict[str, Any]:
+        """Return its schema: text where its quantity must have a unit."""
+        unit = PARAMETERS[LAW_NAMES.get(key, key)].unit if key not in _ENDS else ""
+        if unit in ("s", "{measurement}/s"):
+            return told.text(self.words)
+        return told.quantity(self.words)
+
+
+#: All but the rate of saturation, which belongs to laws of variable structure.
+_SETTINGS = {
+    "gain": Setting("K, above zero: the action gives it its sign"),
+    "integral_gain": Setting(_GAINS, _PARALLEL),
+    "derivative_gain": Setting(_GAINS, _PARALLEL),
+    "integral_time": Setting("Ti [s], with I", without={"PI": "P", "PID": "PD"}),
+    "derivative_time": Setting("Td [s], with D", without={"PD": "P", "PID": "PI"}),
+    "filter_time": Setting("of the parallel algorithm with D [s]", _PARALLEL),
+    "derivative_filter": Setting("Td over the time constant of its filter", usual=True),
+    "setpoint_weight": Setting(
+        "share of the setpoint in the proportional part, 0 to 1", usual=True
+    ),
+    "gap": Setting(_GAP, 'remove it, or write error = "gap"'),
+    "gap_gain": Setting(_GAP, 'remove it, or write error = "gap"'),
+    "squared_error_scale": Setting(
+        "of squared action: the error at which the gain is K",
+        'remove it, or write error = "squared"',
+    ),
+    "setpoint_ramp": Setting('fastest change of the setpoint, `"5 %/min"`'),
+    "tracking_time": Setting(
+        "of back-calculation [s]",
+        'remove it, or write anti_windup = "back_calculation"',
+        usual=True,
+    ),
+    **dict.fromkeys(
+        _ENDS,
+        Setting(
+            _SETPOINTS, "remove it: it limits what an outer loop may ask for, and here is none"
+        ),
+    ),
 }
-
-
-def _told(key: str, words: str) -> dict[str, Any]:
-    """Return the schema of a setting: text where its quantity must have a unit."""
-    unit = PARAMETERS[LAW_NAMES.get(key, key)].unit if key not in _ENDS else ""
-    return told.text(words) if unit in ("s", "{measurement}/s") else told.quantity(words)
-
-
 SETTINGS = {
     "action": told.choice(
         '`"reverse"`: the output rises when the measurement falls; `"direct"`: it falls',
         ("reverse", "direct"),
     ),
-    **{key: _told(key, words) for key, words in _WORDS.items()},
+    **{key: setting.told(key) for key, setting in _SETTINGS.items()},
 }
 
 
@@ -134,7 +166,7 @@ class PidTable:
         self.assumed: list[str] = []
         keys = {key_of(parameter): parameter for parameter in block.parameters()}
         for key in table.present:
-            if key in _WORDS and key not in keys:
+            if key in _SETTINGS and key not in keys:
                 raise table.refused(
                     key,
                     table.written(key),
@@ -172,7 +204,7 @@ class PidTable:
         table, block = self.table, self.block
         if key in _ENDS:
             return self._end(key)
-        if key in _USUAL and not table.has(key):
+        if _SETTINGS[key].usual and not table.has(key):
             usual = self._tracking_time() if key == "tracking_time" else parameter.initial
             return self._taken(key, usual, parameter)
         unit = PARAMETERS[parameter.part].unit
@@ -202,7 +234,7 @@ class PidTable:
         """Return what to do where a time is missing."""
         if key == "tracking_time":
             return "leave it out"
-        without = _WITHOUT.get(key, {}).get(self.block.form.actions)
+        without = _SETTINGS[key].without.get(self.block.form.actions)
         if without:
             return f'without this action write actions = "{without}"'
         return "give the time constant of the derivative's filter"
@@ -246,17 +278,8 @@ def _words(block: PidBlock) -> str:
 
 def _remedy(key: str, block: PidBlock) -> str:
     """Return what makes a setting one of a loop."""
-    form = block.form
-    if key.startswith("setpoint_") and key.endswith(("low", "high")):
-        return "remove it: it limits what an outer loop may ask for, and here is none"
-    if key == "tracking_time":
-        return 'remove it, or write anti_windup = "back_calculation"'
-    if key in ("gap", "gap_gain"):
-        return 'remove it, or write error = "gap"'
-    if key == "squared_error_scale":
-        return 'remove it, or write error = "squared"'
-    if key in ("integral_gain", "derivative_gain", "filter_time"):
-        return 'remove it, or write algorithm = "parallel"'
-    if form.algorithm == "parallel" and key != "setpoint_weight":
+    found = _SETTINGS[key].elsewhere
+    usual = found == Setting.elsewhere and key != "setpoint_weight"
+    if usual and block.form.algorithm == "parallel":
         return "remove it: the parallel algorithm has a gain for each action"
-    return "remove it, or change actions or error"
+    return found

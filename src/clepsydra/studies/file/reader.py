@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,41 +13,102 @@ from clepsydra.base.input_file import read_input
 from clepsydra.base.suggestion import suggestion
 from clepsydra.linear.analysis import analyse
 from clepsydra.process import told
-from clepsydra.process.declared import table_schema
+from clepsydra.process.declared import OWN, keys_of, part, read_fields, table_schema
 from clepsydra.process.document import kind_of, parse
 from clepsydra.process.process import Process
 from clepsydra.process.table_reader import TableReader
 from clepsydra.scores.score import SCORES
 from clepsydra.studies.file.controller_reader import controller_schema, read_controllers
+from clepsydra.studies.file.fields import table_below
 from clepsydra.studies.file.process_reference import read_process
-from clepsydra.studies.file.request import StudyRequest
+from clepsydra.studies.file.request import ControllerRequest, StudyRequest
 from clepsydra.studies.file.scenario_reader import ScenarioTable, read_scenario
 
-RANKING = told.table(
-    {"scores": told.names('list of scores, each of all its signals or of one, `"iae[level]"`')},
-    ("scores",),
-)
-STUDY = told.table(
-    {
-        "process": told.text(
+
+def _seed(table: TableReader, key: str, known: Mapping[str, Any]) -> int:
+    value = table.raw(key) if table.has(key) else 1
+    if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < 2**63:
+        raise table.refused(
+            key, table.written(key), "a whole number from 0", "write as in seed = 1"
+        )
+    return value
+
+
+def _scores(table: TableReader, key: str, known: Mapping[str, Any]) -> tuple[str, ...]:
+    process, remedy = known["process"], 'write as in scores = ["iae", "total_variation"]'
+    names = table.names(key, "a list of scores", remedy)
+    signals = _signals(process)
+    for name in names:
+        score, bracket, rest = name.partition("[")
+        if score not in SCORES or (bracket and not rest.endswith("]")):
+            raise table.refused(
+                key,
+                name[:60],
+                f"scores of {', '.join(SCORES)}, of all their signals or of one, as in "
+                '"iae[level_1]"',
+                suggestion(score, SCORES, "choose from these"),
+            )
+        if bracket and rest[:-1] not in signals:
+            raise table.refused(
+                key,
+                name[:60],
+                f"the score of a signal of {process.name} ({', '.join(signals)})",
+                suggestion(rest[:-1], signals, "choose one of them"),
+            )
+    return names
+
+
+def _signals(process: Process) -> list[str]:
+    """Return everything that a score can be of."""
+    found = [*process.controlled, *(signal.name for signal in process.inputs)]
+    return list(dict.fromkeys([*found, *(element.name for element in process.elements)]))
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """What the controllers of a study are ranked by."""
+
+    scores: tuple[str, ...] = part(
+        _scores,
+        required=(OWN,),
+        **told.names('list of scores, each of all its signals or of one, `"iae[level]"`'),
+    )
+
+
+@dataclass(frozen=True)
+class StudyTable:
+    """The general keys of a study file."""
+
+    process: Process = part(
+        lambda table, key, known: read_process(table, known["folder"]),
+        required=(OWN,),
+        **told.text(
             'a process of the catalogue, `"averaging-tank:inflow-constant"` with a variant, or the '
             "path of a process file, from the folder of the study file"
         ),
-        "title": told.text("one line for people"),
-        "seed": {
-            "description": "whole number: of the measurement noise and of searches",
-            "type": "integer",
-            "minimum": 0,
-        },
-        "scenario": {
-            "description": "table of what happens, see [Scenario](#scenario)",
-            **table_schema(ScenarioTable),
-        },
-        "ranking": {"description": "table of what counts, see [Ranking](#ranking)", **RANKING},
-        "controllers": told.by_name("a table for each controller", {"type": "object"}),
-    },
-    ("process",),
-)
+    )
+    title: str = part(
+        lambda table, key, known: table.text(
+            key, "one line of text", "correct it", default=known["process"].title
+        ),
+        **told.text("one line for people"),
+    )
+    seed: int = part(
+        _seed,
+        description="whole number: of the measurement noise and of searches",
+        type="integer",
+        minimum=0,
+    )
+    scenario: TableReader | None = table_below(
+        ScenarioTable, "table of what happens, see [Scenario](#scenario)", "write [scenario]"
+    )
+    ranking: TableReader | None = table_below(
+        Ranking, "table of what counts, see [Ranking](#ranking)", "write [ranking]"
+    )
+    controllers: tuple[ControllerRequest, ...] = part(
+        lambda table, key, known: read_controllers(table, known["process"], known["folder"]),
+        **told.by_name("a table for each controller", {"type": "object"}),
+    )
 
 
 def study_schema() -> dict[str, Any]:
@@ -57,9 +120,9 @@ def study_schema() -> dict[str, Any]:
     'integer'
     """
     schema = "http://json-schema.org/draft-07/schema#"
-    found = {"$schema": schema, "title": "Clepsydra study file", **STUDY}
-    controllers = STUDY["properties"]["controllers"] | {"additionalProperties": controller_schema()}
-    return found | {"properties": STUDY["properties"] | {"controllers": controllers}}
+    found = {"$schema": schema, "title": "Clepsydra study file", **table_schema(StudyTable)}
+    found["properties"]["controllers"]["additionalProperties"] = controller_schema()
+    return found
 
 
 def read_study(path: str | Path, *, seed: int | None = None) -> StudyRequest:
@@ -109,19 +172,20 @@ def read_study(path: str | Path, *, seed: int | None = None) -> StudyRequest:
             "write one with clepsydra new --study NAME --process FILE, or give the process itself "
             "to clepsydra study, which then tries every design",
         )
-    general = TableReader(document, (), STUDY["properties"])
-    process = read_process(general, path.parent)
-    chosen = _seed(general) if seed is None else seed
-    scores = _scores(general, process)
-    controllers = read_controllers(general, process, path.parent)
-    analysis = analyse(process)
+    general = TableReader(document, (), keys_of(StudyTable))
+    read = StudyTable(**read_fields(StudyTable, general, folder=path.parent))
+    scores: tuple[str, ...] = ()
+    if read.ranking is not None:
+        scores = Ranking(**read_fields(Ranking, read.ranking, process=read.process)).scores
+    analysis = analyse(read.process)
+    chosen = read.seed if seed is None else seed
     return StudyRequest(
         path=path,
-        title=general.text("title", "one line of text", "correct it", default=process.title),
-        process=process,
+        title=read.title,
+        process=read.process,
         analysis=analysis,
-        scenario=read_scenario(general, analysis, chosen),
-        controllers=controllers,
+        scenario=read_scenario(read.scenario, analysis, chosen),
+        controllers=read.controllers,
         scores=scores,
         seed=chosen,
     )
@@ -148,46 +212,3 @@ def is_study_file(text: str) -> bool:
 
 def _content(path: Path) -> bytes:
     return read_input(path, "a study file", inside="the .toml file")
-
-
-def _seed(general: TableReader) -> int:
-    value = general.raw("seed") if general.has("seed") else 1
-    if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < 2**63:
-        raise general.refused(
-            "seed", general.written("seed"), "a whole number from 0", "write as in seed = 1"
-        )
-    return value
-
-
-def _scores(general: TableReader, process: Process) -> tuple[str, ...]:
-    """Return what the controllers are ranked by."""
-    if not general.has("ranking"):
-        return ()
-    table = general.table("ranking", "a table", "write [ranking]", RANKING["properties"])
-    remedy = 'write as in scores = ["iae", "total_variation"]'
-    names = table.names("scores", "a list of scores", remedy)
-    for name in names:
-        score, bracket, rest = name.partition("[")
-        if score not in SCORES or (bracket and not rest.endswith("]")):
-            raise table.refused(
-                "scores",
-                name[:60],
-                f"scores of {', '.join(SCORES)}, of all their signals or of one, as in "
-                '"iae[level_1]"',
-                suggestion(score, SCORES, "choose from these"),
-            )
-        known = _signals(process)
-        if bracket and rest[:-1] not in known:
-            raise table.refused(
-                "scores",
-                name[:60],
-                f"the score of a signal of {process.name} ({', '.join(known)})",
-                suggestion(rest[:-1], known, "choose one of them"),
-            )
-    return names
-
-
-def _signals(process: Process) -> list[str]:
-    """Return everything that a score can be of."""
-    found = [*process.controlled, *(signal.name for signal in process.inputs)]
-    return list(dict.fromkeys([*found, *(element.name for element in process.elements)]))

@@ -15,8 +15,6 @@ from clepsydra.studies.file.tuning_request import TuningRequest
 
 #: Takes the analysis of the process and its linear model with all measurements.
 Maker = Callable[[Analysis, LinearModel], Controller]
-#: Takes the linear model alone: all that a controller needs which is written out.
-WrittenMaker = Callable[[LinearModel], Controller]
 
 
 @dataclass(frozen=True, eq=False)

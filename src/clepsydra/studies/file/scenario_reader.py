@@ -97,7 +97,7 @@ class ScenarioTable:
     )
 
 
-def read_scenario(general: TableReader, analysis: Analysis, seed: int) -> Scenario:
+def read_scenario(table: TableReader | None, analysis: Analysis, seed: int) -> Scenario:
     """Read the scenario of a study file, the default scenario where it has none.
 
     Steps come one at a time: each begins a segment that lasts until the next one, whatever its
@@ -107,8 +107,8 @@ def read_scenario(general: TableReader, analysis: Analysis, seed: int) -> Scenar
 
     Parameters
     ----------
-    general : TableReader
-        The whole study file.
+    table : TableReader or None
+        With the keys of `ScenarioTable`.
     analysis : Analysis
         Of the process at the operating point where the scenario begins.
     seed : int
@@ -124,21 +124,19 @@ def read_scenario(general: TableReader, analysis: Analysis, seed: int) -> Scenar
     --------
     >>> import clepsydra as cl
     >>> from clepsydra.process.document import parse
-    >>> text = b'''[scenario]
-    ... duration = "6 h"
-    ... [[scenario.setpoint]]
+    >>> text = b'''duration = "6 h"
+    ... [[setpoint]]
     ... signal = "level"
     ... at = "10 min"
     ... to = "60 %"
     ... '''
-    >>> general = TableReader(parse(text, "study.toml"), (), None)
-    >>> scenario = read_scenario(general, cl.load("equalisation-tank").analysis, seed=1)
+    >>> table = TableReader(parse(text, "study.toml"), (), None)
+    >>> scenario = read_scenario(table, cl.load("equalisation-tank").analysis, seed=1)
     >>> [(s.start, s.stop, round(s.size, 9)) for s in scenario.segments]
     [(600.0, 21600.0, 0.1)]
     """
-    if not general.has("scenario"):
+    if table is None:
         return default_scenario(analysis.model, seed)
-    table = general.table("scenario", "a table", "write [scenario]", keys_of(ScenarioTable))
     process = analysis.operating_point.process
     period = process.sampling_period
     known = ScenarioTable(**read_fields(ScenarioTable, table, process=process, period=period))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from dataclasses import dataclass
 
 from clepsydra.base.signal import path
 from clepsydra.controllers.at_rest import state_at_rest
@@ -15,31 +15,20 @@ from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.process.errors_at import errors_at
-from clepsydra.process.process import Process
-from clepsydra.process.table_reader import TableReader
 from clepsydra.program.step_law import StepLaw
-from clepsydra.studies.file.request import WrittenMaker
 from clepsydra.studies.file.scheme_blocks import SchemeBlocks
-from clepsydra.studies.file.scheme_parts import read_parts
+from clepsydra.studies.file.scheme_parts import SchemeParts
 from clepsydra.studies.file.scheme_wiring import Wiring
+from clepsydra.studies.file.written import WrittenMaker
 
 FAMILY = "control scheme"
 
 
-def read_scheme(table: TableReader, name: str, process: Process, folder: Path) -> WrittenMaker:
-    """Read a control scheme that is written out loop by loop.
+@dataclass(frozen=True)
+class Scheme(SchemeParts):
+    """A control scheme that is written out loop by loop.
 
     The controller starts at rest at the operating point, as far as its setpoints allow.
-
-    Parameters
-    ----------
-    table : TableReader
-        Of the controller.
-    name : str
-        Of the controller.
-    process : Process
-    folder : Path
-        Of the study file; not used.
 
     Raises
     ------
@@ -49,7 +38,9 @@ def read_scheme(table: TableReader, name: str, process: Process, folder: Path) -
     Examples
     --------
     >>> import clepsydra as cl
+    >>> from pathlib import Path
     >>> from clepsydra.process.document import parse
+    >>> from clepsydra.process.table_reader import TableReader
     >>> text = b'''[loops.level]
     ... measurement = "level"
     ... output = "outflow"
@@ -59,59 +50,62 @@ def read_scheme(table: TableReader, name: str, process: Process, folder: Path) -
     ... '''
     >>> plant = cl.load("equalisation-tank")
     >>> table = TableReader(parse(text, "study.toml"), (), None)
-    >>> controller = read_scheme(table, "by hand", plant.process, Path())(plant.linear)
+    >>> make = Scheme.read(table, "by hand", plant.process, Path()).maker()
+    >>> controller = make(plant.linear)
     >>> controller.values["level.proportional_gain"], controller.manipulated
     (-2.0, ('outflow',))
     """
-    parts = read_parts(table, process)
-    wiring = Wiring(parts)
-    blocks = SchemeBlocks(parts, wiring)
-    with errors_at(table, blocks.places):
-        law = blocks.law(name)
-        values = {parameter.name: parameter.initial for parameter in law.parameters}
-        values |= blocks.values
-        check_parameters(law, values, name)
-    notes = []
-    if blocks.assumed:
-        notes.append(f"Not written, and taken as usual: {'; '.join(blocks.assumed)}.")
-    still = [u.name for u in process.inputs if u.name not in wiring.outputs]
-    if still:
-        notes.append(f"It does not move {', '.join(still)}, which stays where it was.")
-    measurements, setpoints = blocks.measurements, blocks.setpoints
-    manipulated = tuple(wiring.outputs)
 
-    def make(model: LinearModel) -> Controller:
-        point = operating_point_of(model)
-        at = point.as_dict()
-        own = values | {parameter: at[signal] for parameter, signal in blocks.at_point.items()}
-        free = blocks.fixed | {name: at[signal] for name, signal in blocks.follows.items()}
-        inputs = free | {path(name, "sp"): at[name] for name in setpoints}
-        inputs |= {path(name, "pv"): at[name] for name in measurements}
-        inputs |= {path(name, "tracking"): at[name] for name in manipulated}
-        begins = first_samples(
-            law,
-            own,
-            state_at_rest(law, own, inputs),
-            inputs,
-            [process.signal(name) for name in manipulated],
-            process.sampling_period,
-        )
-        return Controller(
-            name=name,
-            family=FAMILY,
-            structure=_structure(law),
-            design=f"Written out, {'; '.join(blocks.words)}.",
-            law=law,
-            values=own,
-            initial_state=begins.state,
-            measurements=measurements,
-            setpoints=setpoints,
-            manipulated=manipulated,
-            notes=(*notes, *begins.notes),
-            free_inputs=free,
-        )
+    def maker(self) -> WrittenMaker:
+        """Wire the parts, and read the numbers of their blocks."""
+        process, wiring = self.process, Wiring(self)
+        blocks = SchemeBlocks(self, wiring)
+        with errors_at(self.table, blocks.places):
+            law = blocks.law(self.name)
+            values = {parameter.name: parameter.initial for parameter in law.parameters}
+            values |= blocks.values
+            check_parameters(law, values, self.name)
+        notes = []
+        if blocks.assumed:
+            notes.append(f"Not written, and taken as usual: {'; '.join(blocks.assumed)}.")
+        still = [u.name for u in process.inputs if u.name not in wiring.outputs]
+        if still:
+            notes.append(f"It does not move {', '.join(still)}, which stays where it was.")
+        measurements, setpoints = blocks.measurements, blocks.setpoints
+        manipulated = tuple(wiring.outputs)
 
-    return make
+        def make(model: LinearModel) -> Controller:
+            point = operating_point_of(model)
+            at = point.as_dict()
+            own = values | {parameter: at[signal] for parameter, signal in blocks.at_point.items()}
+            free = blocks.fixed | {name: at[signal] for name, signal in blocks.follows.items()}
+            inputs = free | {path(name, "sp"): at[name] for name in setpoints}
+            inputs |= {path(name, "pv"): at[name] for name in measurements}
+            inputs |= {path(name, "tracking"): at[name] for name in manipulated}
+            begins = first_samples(
+                law,
+                own,
+                state_at_rest(law, own, inputs),
+                inputs,
+                [process.signal(name) for name in manipulated],
+                process.sampling_period,
+            )
+            return Controller(
+                name=self.name,
+                family=FAMILY,
+                structure=_structure(law),
+                design=f"Written out, {'; '.join(blocks.words)}.",
+                law=law,
+                values=own,
+                initial_state=begins.state,
+                measurements=measurements,
+                setpoints=setpoints,
+                manipulated=manipulated,
+                notes=(*notes, *begins.notes),
+                free_inputs=free,
+            )
+
+        return make
 
 
 def _structure(law: StepLaw) -> Complexity:

@@ -73,7 +73,7 @@ class SchemeBlocks:
         for selector in parts.selectors:
             name = selector.label
             self.blocks.append(SelectorBlock(name, self._ports(name), selector.selection))
-        for split in parts.splits:
+        for split in parts.split_ranges:
             self._add_split(split)
         for ratio in parts.ratios:
             self._add_ratio(ratio)
@@ -107,7 +107,7 @@ class SchemeBlocks:
         parts = self.parts
         found = {loop.measurement.name: loop.measurement for loop in parts.loops}
         found |= {ratio.wild.name: ratio.wild for ratio in parts.ratios}
-        return found | {each.signal.name: each.signal for each in parts.feedforwards}
+        return found | {each.signal.name: each.signal for each in parts.feedforward}
 
     def _all_setpoints(self) -> dict[str, Signal]:
         """Return what the setpoints that no loop gives belong to: the operator's come first.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, get_args
 
@@ -17,6 +17,7 @@ from clepsydra.process.signal_values import read_in_range, read_rate
 from clepsydra.process.table_reader import TableReader, checked_name
 from clepsydra.studies.file.fields import Gain, Value, gain_between, moved, sensor, value_in_range
 from clepsydra.studies.file.pid_table import SETTINGS, read_form
+from clepsydra.studies.file.written import Written
 
 _PART = "its part of the range"
 _THERE = "values of what it moves, there and beyond"
@@ -167,7 +168,7 @@ class Feedforward:
     name: str
     signal: Signal = sensor("the sensor of the disturbance")
     to: str = part(
-        lambda table, key, known: _target(table, known["targets"]),
+        lambda table, key, known: _target(table, known),
         required=(OWN,),
         **told.text("the loop, selector or ratio that it adds to"),
     )
@@ -194,76 +195,41 @@ class Output:
     )
 
 
-#: The tables of a scheme, by the key of each: their names are one's own.
-PARTS: dict[str, type] = {
-    "loops": Loop,
-    "selectors": Selector,
-    "split_ranges": Split,
-    "ratios": Ratio,
-    "feedforward": Feedforward,
-    "outputs": Output,
-}
+def _parts(kind: type, words: str) -> Any:
+    """Return the field of tables with names of one's own, each a part of a kind."""
+
+    def read(table: TableReader, key: str, known: Mapping[str, Any]) -> tuple[Any, ...]:
+        if not table.has(key):
+            return ()
+        remedy = f"write as in [controllers.NAME.{key}.NAME]"
+        rows = table.table(key, "tables with a name each", remedy)
+        found = []
+        for name in rows.present:
+            checked_name(name, rows.place(name))
+            row = rows.table(name, "a table", remedy, keys_of(kind))
+            found.append(kind(row, name, **read_fields(kind, row, **known)))
+        return tuple(found)
+
+    return part(read, **told.by_name(words, table_schema(kind)))
 
 
 @dataclass(frozen=True)
-class SchemeParts:
-    """Everything that a scheme is made of."""
+class SchemeParts(Written):
+    """Everything that a scheme is made of, each part read by itself."""
 
-    table: TableReader
-    process: Process
-    loops: tuple[Loop, ...]
-    selectors: tuple[Selector, ...]
-    splits: tuple[Split, ...]
-    ratios: tuple[Ratio, ...]
-    feedforwards: tuple[Feedforward, ...]
-    outputs: dict[str, Output]
-
-
-def read_parts(table: TableReader, process: Process) -> SchemeParts:
-    """Read the parts of a control scheme, each by itself.
-
-    Raises
-    ------
-    InputError
-        A key or name is unknown, missing or wrong.
-
-    Examples
-    --------
-    See `clepsydra.studies.file.scheme.read_scheme`.
-    """
-    adding = [key for key in ("loops", "selectors", "ratios") if table.has(key)]
-    targets = [name for key in adding for name, _ in _rows(table, key)]
-
-    def parts(key: str) -> tuple[Any, ...]:
-        kind = PARTS[key]
-        return tuple(
-            kind(row, name, **read_fields(kind, row, process=process, targets=targets))
-            for name, row in _rows(table, key)
-        )
-
-    return SchemeParts(
-        table,
-        process,
-        loops=parts("loops"),
-        selectors=parts("selectors"),
-        splits=parts("split_ranges"),
-        ratios=parts("ratios"),
-        feedforwards=parts("feedforward"),
-        outputs=_outputs(table, process),
+    loops: tuple[Loop, ...] = _parts(Loop, "loops")
+    selectors: tuple[Selector, ...] = _parts(Selector, "selectors")
+    split_ranges: tuple[Split, ...] = _parts(Split, "split ranges")
+    ratios: tuple[Ratio, ...] = _parts(Ratio, "ratios")
+    feedforward: tuple[Feedforward, ...] = _parts(Feedforward, "feedforward")
+    outputs: dict[str, Output] = part(
+        lambda table, key, known: _outputs(table, known["process"]),
+        **told.by_name("outputs", table_schema(Output)),
     )
 
 
-def _rows(table: TableReader, key: str) -> Iterator[tuple[str, TableReader]]:
-    """Yield the tables below a key by name."""
-    if table.has(key):
-        remedy = f"write as in [controllers.NAME.{key}.NAME]"
-        rows = table.table(key, "tables with a name each", remedy)
-        for name in rows.present:
-            checked_name(name, rows.place(name))
-            yield name, rows.table(name, "a table", remedy, keys_of(PARTS[key]))
-
-
-def _target(table: TableReader, targets: Sequence[str]) -> str:
+def _target(table: TableReader, known: Mapping[str, Any]) -> str:
+    targets = [each.name for key in ("loops", "selectors", "ratios") for each in known[key]]
     expected = f"the loop, selector or ratio that it adds to ({', '.join(targets) or 'none here'})"
     return table.text(
         "to", expected, f'write as in to = "{targets[0]}"' if targets else "add a loop"

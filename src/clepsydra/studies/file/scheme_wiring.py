@@ -73,7 +73,7 @@ class Wiring:
 
     def __init__(self, parts: SchemeParts) -> None:
         self.parts = parts
-        moving = (*parts.loops, *parts.selectors, *parts.ratios, *parts.splits)
+        moving = (*parts.loops, *parts.selectors, *parts.ratios, *parts.split_ranges)
         self._by_label: dict[str, Part] = {part.label: part for part in moving}
         self._check_names()
         self.ways = [
@@ -131,7 +131,7 @@ class Wiring:
 
     def _joints(self) -> Iterator[Part]:
         """Yield what several parts of other kinds may move by its name: all but loops."""
-        yield from (*self.parts.selectors, *self.parts.splits, *self.parts.ratios)
+        yield from (*self.parts.selectors, *self.parts.split_ranges, *self.parts.ratios)
 
     def _check_names(self) -> None:
         seen = {signal.name: "a manipulated variable" for signal in self.parts.process.inputs}
@@ -249,7 +249,7 @@ class Wiring:
         found: dict[str, list[Feedforward]] = {}
         parts = self.parts
         names = {each.name: each.label for each in (*parts.selectors, *parts.ratios, *parts.loops)}
-        for each in parts.feedforwards:
+        for each in parts.feedforward:
             words = "a loop, selector or ratio of this scheme"
             to = known_name(each.table, "to", each.to, names, words)
             found.setdefault(names[to], []).append(each)

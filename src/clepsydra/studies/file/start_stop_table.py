@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from clepsydra.base.quantity import quantity
@@ -18,15 +17,15 @@ from clepsydra.controllers.start_stop_levels import FAMILY, check_levels, start_
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.process import told
-from clepsydra.process.declared import OWN, flag, keys_of, part, read_fields
+from clepsydra.process.declared import OWN, flag, part, read_fields
 from clepsydra.process.errors_at import errors_at
 from clepsydra.process.known_names import known_names
 from clepsydra.process.process import Process
 from clepsydra.process.signal_values import read_in_range
 from clepsydra.process.table_reader import TableReader, shown_value
-from clepsydra.studies.file.fields import sensor
+from clepsydra.studies.file.fields import sensor, table_below
 from clepsydra.studies.file.law_range import check_law_range
-from clepsydra.studies.file.request import WrittenMaker
+from clepsydra.studies.file.written import Written, WrittenMaker
 
 
 def _pumps(table: TableReader, process: Process) -> tuple[Signal, ...]:
@@ -65,6 +64,7 @@ def _one_for_each(table: TableReader, key: str, signals: Sequence[Signal]) -> li
     ]
 
 
+_NOTE = "It follows no setpoint: the level goes to and fro between start and stop."
 _LEVELS = "lists of levels, one for each stage; pumps that fill start below where they stop"
 _VALUES = "lists of values, one for each pump, while it runs and stands"
 
@@ -93,22 +93,9 @@ class StartStop:
     )
 
 
-def read_start_stop(
-    written: TableReader, name: str, process: Process, folder: Path
-) -> WrittenMaker:
-    """Read start and stop levels, one of each for every pump.
-
-    All pumps stand until the level says otherwise.
-
-    Parameters
-    ----------
-    written : TableReader
-        Of the controller, with a table `start_stop`.
-    name : str
-        Of the controller.
-    process : Process
-    folder : Path
-        Of the study file; not used.
+@dataclass(frozen=True)
+class StartStopTable(Written):
+    """Start and stop levels, one of each for every pump; all stand until the level says otherwise.
 
     Raises
     ------
@@ -119,6 +106,7 @@ def read_start_stop(
     Examples
     --------
     >>> import clepsydra as cl
+    >>> from pathlib import Path
     >>> from clepsydra.process.document import parse
     >>> text = b'''[start_stop]
     ... measurement = "level"
@@ -128,48 +116,58 @@ def read_start_stop(
     ... '''
     >>> table = TableReader(parse(text, "study.toml"), (), None)
     >>> plant = cl.load("wet-well:start-stop")
-    >>> found = read_start_stop(table, "pumps", plant.process, Path())(plant.linear)
+    >>> make = StartStopTable.read(table, "pumps", plant.process, Path()).maker()
+    >>> found = make(plant.linear)
     >>> found.values["stage.2.start_level"], found.values["duty.running_value"]
     (0.013, 1.0)
     """
-    remedy = "write [controllers.NAME.start_stop]"
-    table = written.table("start_stop", "a table", remedy, keys_of(StartStop))
-    read = StartStop(**read_fields(StartStop, table, process=process))
-    measurement, pumps = read.measured.name, tuple(pump.name for pump in read.pumps)
-    law = start_stop_law([read.measured], read.pumps)
-    values = {parameter.name: parameter.initial for parameter in law.parameters}
-    places: dict[str, str] = {}
-    for key, levels in (("start", read.start), ("stop", read.stop)):
-        names = [path(s, f"{key}_level") for s in owners(law.parameters, f"{key}_level")]
-        values |= dict(zip(names, levels, strict=True))
-        places |= dict.fromkeys(names, table.place(key))
-    for key, moved in (("running", read.running), ("stopped", read.stopped)):
-        if moved is not None:
-            names = [path(pump, f"{key}_value") for pump in pumps]
-            values |= dict(zip(names, moved, strict=True))
-    values |= {"alternation": float(read.alternation), "shortest_rest": read.shortest_rest}
-    if table.has("shortest_rest"):
-        (rest,) = (each for each in law.parameters if each.name == "shortest_rest")
-        check_law_range(table, "shortest_rest", rest, values["shortest_rest"])
-    with errors_at(table, places):
-        check_parameters(law, values, name)
-        check_levels(law, values, name)
 
-    def make(model: LinearModel) -> Controller:
-        at = {measurement: operating_point_of(model).as_dict()[measurement]}
-        at |= {pump: values[path(pump, "stopped_value")] for pump in pumps}
-        return Controller(
-            name=name,
-            family=FAMILY,
-            structure=Complexity.LOOPS,
-            design=f"Written out: {', '.join(pumps)} by start and stop levels of {measurement}.",
-            law=law,
-            values=values,
-            initial_state=state_at_rest(law, values, at),
-            measurements=(measurement,),
-            setpoints=(),
-            manipulated=pumps,
-            notes=("It follows no setpoint: the level goes to and fro between start and stop.",),
-        )
+    start_stop: TableReader = table_below(
+        StartStop,
+        "pumps that run or stand by a level",
+        "write [controllers.NAME.start_stop]",
+    )
 
-    return make
+    def maker(self) -> WrittenMaker:
+        """Check the levels against each other and the law."""
+        table = self.start_stop
+        read = StartStop(**read_fields(StartStop, table, process=self.process))
+        measurement, pumps = read.measured.name, tuple(pump.name for pump in read.pumps)
+        law = start_stop_law([read.measured], read.pumps)
+        values = {parameter.name: parameter.initial for parameter in law.parameters}
+        places: dict[str, str] = {}
+        for key, levels in (("start", read.start), ("stop", read.stop)):
+            names = [path(s, f"{key}_level") for s in owners(law.parameters, f"{key}_level")]
+            values |= dict(zip(names, levels, strict=True))
+            places |= dict.fromkeys(names, table.place(key))
+        for key, moved in (("running", read.running), ("stopped", read.stopped)):
+            if moved is not None:
+                names = [path(pump, f"{key}_value") for pump in pumps]
+                values |= dict(zip(names, moved, strict=True))
+        values |= {"alternation": float(read.alternation), "shortest_rest": read.shortest_rest}
+        if table.has("shortest_rest"):
+            (rest,) = (each for each in law.parameters if each.name == "shortest_rest")
+            check_law_range(table, "shortest_rest", rest, values["shortest_rest"])
+        with errors_at(table, places):
+            check_parameters(law, values, self.name)
+            check_levels(law, values, self.name)
+
+        def make(model: LinearModel) -> Controller:
+            at = {measurement: operating_point_of(model).as_dict()[measurement]}
+            at |= {pump: values[path(pump, "stopped_value")] for pump in pumps}
+            return Controller(
+                name=self.name,
+                family=FAMILY,
+                structure=Complexity.LOOPS,
+                design=f"Written out: {', '.join(pumps)} by start and stop levels of "
+                f"{measurement}.",
+                law=law,
+                values=values,
+                initial_state=state_at_rest(law, values, at),
+                measurements=(measurement,),
+                setpoints=(),
+                manipulated=pumps,
+                notes=(_NOTE,),
+            )
+
+        return make
