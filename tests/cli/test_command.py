@@ -95,7 +95,7 @@ def check_table(result, folder, stem, controllers):
     status, output, errors = result
     assert status == 0 and "Traceback" not in errors
     lines = output.splitlines()
-    table = [line for line in lines if not line.startswith("Report:")]
+    table = [line for line in lines if not line.startswith("Written:")]
     assert all(len(line) <= 100 for line in table)
     assert len({output.index(text) for text in controllers}) == len(controllers)
     assert str(folder / f"{stem}.html") in output.replace("\n", "")

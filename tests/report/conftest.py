@@ -67,6 +67,7 @@ def judged(candidate, place, tuning):
         maximum_sensitivity=1.62 + 0.3 * place,
         standing=Standing.ROBUST,
         mean_error=1.0 + 0.2 * place,
+        relative_error=1.0 + 0.2 * place,
         rank=place + 1,
         reason=(
             "Smallest error of all, and it leaves the pumps away from their limits.",

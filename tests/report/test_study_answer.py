@@ -7,9 +7,12 @@ from dataclasses import replace
 import pytest
 from rich.console import Console
 
+import clepsydra as cl
+from clepsydra.process.catalogue_names import catalogue_names
 from clepsydra.report.markdown import markdown
 from clepsydra.report.screen import Screen
-from clepsydra.report.study_answer import study_answer
+from clepsydra.report.study_answer import advised, study_answer
+from clepsydra.studies.recommendation import Recommendation
 from clepsydra.studies.result import Standing
 
 
@@ -19,6 +22,20 @@ def screen(result, width, **more):
         Screen(study_answer(result, **more))
     )
     return [line.rstrip() for line in stream.getvalue().splitlines()]
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", catalogue_names())
+def test_a_study_of_every_process_answers_in_a_screen(name):
+    found = cl.study(name)
+    for width in (80, 100):
+        lines = screen(found, width)
+        assert len(lines) <= 24 and max(map(len, lines)) <= width  # one more says what was written
+        start = next(k for k, line in enumerate(lines) if line.lstrip().startswith("controller "))
+        for place, each in enumerate(found.ranking[:5], start=1):  # each in a line of its own
+            assert lines[start + place].startswith(f"{place}  {each.controller.name} ")
+        assert lines[start + 6].startswith(f"{len(found.ranking) - 5} more: --all")
+        assert any(f'--controller "{found.recommended.controller.name}"' in line for line in lines)
 
 
 @pytest.mark.parametrize("width", [80, 100])
@@ -34,6 +51,33 @@ def test_the_settings_of_the_recommended_stand_in_units_of_the_file_and_in_perce
     values = result.ranking[0].controller.values
     gain, time = values["level_1.proportional_gain"], values["level_1.integral_time"]
     assert row.split()[3:] == [f"{gain:.2f}", "V/V", f"{gain:.2f}", f"{time:.1f}", "s", "1"]
+
+
+def test_an_error_is_told_beside_that_of_the_first(result):
+    first, second = result.ranking
+    assert row_of(result, second)[-2:] == ["1.20", "1.92"]  # its max|S| in the last column
+    assert row_of(result, first)[-2:] == ["1.00", "1.62"]
+
+
+def row_of(result, candidate):
+    """The cells of a controller in a table of 100 columns."""
+    start = f"{candidate.rank}  {candidate.controller.name}"
+    (row,) = (line for line in screen(result, 100) if line.startswith(start))
+    return row.removeprefix(start).split()
+
+
+def test_what_was_slowed_down_says_by_how_much(result):
+    first, second = result.ranking
+    slow = replace(second, controller=replace(second.controller, slowed=1.952))
+    assert row_of(replace(result, ranking=(first, slow)), slow)[0] == "1.95×"
+
+
+def test_a_best_that_is_no_better_is_not_praised(result):
+    first, second = result.ranking
+    *_, words = advised(result, Recommendation(replace(second, mean_error=1.0), first))
+    assert words.text == "PI, phase margin, first of the ranking, is no better by more than 2 %."
+    *_, words = advised(result, Recommendation(second, first))
+    assert words.text.startswith("The best, PI, phase margin, has 17 % less error; it needs ")
 
 
 def test_columns_go_from_the_right_and_names_stay_whole(result):

@@ -43,7 +43,7 @@ def test_both_axes_of_the_plane_have_one_scale(result):
 def ranked(result, peaks, errors, standings=None):
     standings = standings or [Standing.ROBUST] * len(peaks)
     candidates = [
-        replace(result.ranking[0], rank=n, maximum_sensitivity=p, mean_error=e, standing=s)
+        replace(result.ranking[0], rank=n, maximum_sensitivity=p, relative_error=e, standing=s)
         for n, (p, e, s) in enumerate(zip(peaks, errors, standings, strict=True), start=1)
     ]
     return replace(result, ranking=tuple(candidates))

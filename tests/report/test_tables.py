@@ -34,9 +34,9 @@ def column(result, title):
 
 def test_the_ranking_shows_what_decided_first(result):
     titles = [entry.title for entry in ranking_columns(result)]
-    assert titles[:4] == ["setpoint error", "load error", "mean", "moves"]
+    assert titles[:4] == ["setpoint error", "load error", "relative error", "moves"]
     assert column(result, "load error") == ["1.00", "1.30"]
-    assert column(result, "mean") == ["1.00", "1.20"]
+    assert column(result, "relative error") == ["1.00", "1.20"]
     assert column(result, "moves") == ["1.00", "12.50"]
 
 

@@ -1,10 +1,13 @@
-"""A progress bar on a terminal, and nothing elsewhere."""
+"""How far long work is, on a terminal, and nothing elsewhere."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Protocol
+from typing import TYPE_CHECKING, Any, Protocol
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
 
 
 class _Progress(Protocol):
@@ -17,29 +20,38 @@ class _Progress(Protocol):
 
 
 @contextmanager
-def shown_progress(*, quiet: bool) -> Iterator[Callable[[_Progress], None] | None]:
-    """Yield what shows how far long work is; None where nobody would see it.
+def shown_progress(
+    found: Callable[[Any], RenderableType] | None = None, *, quiet: bool
+) -> Iterator[Callable[[_Progress], None] | None]:
+    """Yield what shows how far long work is, until it ends; None where nobody would see it.
 
     Parameters
     ----------
+    found : callable, optional
+        Returns what was found so far, which is shown above the bar.
     quiet : bool
         Whether nothing but a result may be printed.
     """
     if quiet:
         yield None
         return
-    from rich.console import Console
+    from rich.console import Console, Group
+    from rich.live import Live
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
     console = Console(stderr=True)
     if not console.is_terminal:
         yield None
         return
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()
-    with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task("")
+    bar = Progress(TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
+    task, done = bar.add_task(""), -1
+    with Live(bar, console=console, transient=True) as live:
 
         def tell(progress: _Progress) -> None:
+            nonlocal done
             bar.update(task, completed=progress.done, total=progress.of, description=progress.name)
+            if found is not None and progress.done > done:
+                done = progress.done
+                live.update(Group(found(progress), bar))
 
         yield tell

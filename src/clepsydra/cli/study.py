@@ -38,7 +38,9 @@ def study(
     accept: Annotated[
         float,
         typer.Option(
-            min=1.0, metavar="TIMES", help="Good enough is a mean error of so many times the best."
+            min=1.0,
+            metavar="TIMES",
+            help="Good enough is a relative error of so much; that of the best is 1.",
         ),
     ] = 1.5,
     seed: Annotated[
@@ -52,6 +54,7 @@ def study(
     """Design, tune, simulate, score and rank controllers; write report and data."""
     from clepsydra.cli.output import make_folder, output_file, print_json, show
     from clepsydra.cli.progress import shown_progress
+    from clepsydra.interface.study import so_far
     from clepsydra.interface.study import study as study_of
     from clepsydra.interface.subject import read_subject
 
@@ -60,7 +63,7 @@ def study(
     report, data = (
         output_file(folder / f"{request.file_stem}.{kind}") for kind in ("html", "parquet")
     )
-    with shown_progress(quiet=as_json) as tell:
+    with shown_progress(so_far, quiet=as_json) as tell:
         result = study_of(request, seed=seed, accept=accept, progress=tell, folder=folder)
     if not as_json:
         show(result.shown(every=every, why=why, refused=refused))
@@ -72,4 +75,4 @@ def study(
     if as_json:
         print_json({**result.as_dict(), **written})
     else:
-        typer.echo("; ".join(f"{what}: {where}" for what, where in written.items()).capitalize())
+        typer.echo(f"Written: {report}{f' and {data.suffix}' if result.ranking else ''}")

@@ -29,6 +29,7 @@ from clepsydra.studies.study import StudyProgress, controller_names, run_study
 
 if TYPE_CHECKING:
     import pandas
+    from rich.console import RenderableType
 
 
 class Candidate(results.Candidate):
@@ -179,7 +180,7 @@ def study(
     only : str, optional
         The name of the one design that is wanted, "PI, SIMC".
     accept : float
-        The simplest controller whose mean error is at most so many times the best is recommended.
+        The simplest controller whose relative error is at most this is recommended.
     folder : str or Path, optional
         Where a tuning keeps what it has computed until it is done, to go on after control-C.
     progress : callable, optional
@@ -232,6 +233,21 @@ def study(
     )
     found = run_study(request, progress=progress, tuning_folder=kept, only=only)
     return _of_plant(found, plant, accept)
+
+
+def so_far(progress: StudyProgress) -> RenderableType:
+    """Return the first rows of a ranking that is not whole yet, for a terminal.
+
+    Examples
+    --------
+    >>> so_far(StudyProgress(0, 15, "PI, SIMC")).section.parts
+    ()
+    """
+    from clepsydra.report.screen import Screen
+    from clepsydra.report.study_answer import RANKED, ranking_glance
+
+    first = progress.ranking[:RANKED]
+    return Screen(Section("", (ranking_glance(first),) if first else ()))
 
 
 def names_of(subject: Plant | StudyRequest) -> tuple[str, ...]:

@@ -66,14 +66,14 @@ def map_svg(result: StudyResult, title: str, prefix: str) -> str:
     if len(shown) < 2:
         return ""
     peaks = [min(_finite(c.maximum_sensitivity, _WORST_PEAK), _WORST_PEAK) for c in shown]
-    errors = [max(c.mean_error, 1e-9) for c in shown]
+    errors = [max(c.relative_error, 1e-9) for c in shown]
     least = min(errors)
     errors = [min(_finite(e, math.inf), _WORST_ERROR * least) for e in errors]
     chart = Chart(_HEIGHT, title, prefix)
     x = Scale(0.95, max(2.3, 1.12 * max(peaks)), *_BOX_X, logarithmic=True)
     y = Scale(0.8 * least, max(1.35 * max(errors), 2.2 * least), *_BOX_Y, logarithmic=True)
     chart.box((x.place(SENSITIVITY_LIMIT), x.end), _BOX_Y, "#f6f0ec")
-    draw_box(chart, x, y, x_label="max|S| (smaller is more robust)", y_label="mean error, × best")
+    draw_box(chart, x, y, x_label="max|S| (smaller is more robust)", y_label="relative error")
     chart.line((x.place(SENSITIVITY_LIMIT),) * 2, _BOX_Y, _LIMIT, 0.8)
     words = f"limit {short_text(SENSITIVITY_LIMIT)}"
     chart.text(x.place(SENSITIVITY_LIMIT), _BOX_Y[1] - 4.0, words, anchor="middle", colour=_LIMIT)

@@ -124,12 +124,12 @@ def ranking_columns(result: StudyResult) -> tuple[RankingColumn, ...]:
     >>> plant = cl.load("three-tanks")
     >>> result = cl.study(plant, [cl.design.simc(plant), cl.design.amigo(plant)])
     >>> [column.title for column in ranking_columns(result)][:4]
-    ['setpoint error', 'load error', 'mean', 'moves']
+    ['setpoint error', 'load error', 'relative error', 'moves']
     """
     titles = tuple(result.ranking[0].criteria) if result.ranking else ()
     deciding = [_criterion(title) for title in titles]
     if len(titles) > 1:
-        deciding.append(RankingColumn("mean", "× best", lambda _, c: c.mean_error))
+        deciding.append(RankingColumn("relative error", "", lambda _, c: c.relative_error))
     return (
         *deciding,
         RankingColumn("moves", "× least", lambda _, candidate: candidate.wear),
@@ -140,7 +140,8 @@ def ranking_columns(result: StudyResult) -> tuple[RankingColumn, ...]:
 
 
 _COLUMNS_NOTE = (
-    "Errors, and moves (total variation), are multiples of the best, averaged over the signals; a "
+    "Errors, and moves (total variation), are multiples of the best, averaged over the signals; "
+    "relative error is the mean of the errors as a multiple of that of the first. A "
     f"total variation below {100 * IDLE:.0f} % of a manipulated variable's range counts as that "
     "much. Noise is the standard deviation with which measurement noise throws the worst "
     "manipulated variable about, overshoot that of the worst setpoint step, max|S| the peak of the "

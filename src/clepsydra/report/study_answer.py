@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 
 from clepsydra.base.section import Line, Mark, Section, Table, marked
 from clepsydra.report.performance import figures_of, joined, performance_words
 from clepsydra.report.score_tables import ranking_note, ranking_rows, standing_word
 from clepsydra.report.settings_table import settings_table
-from clepsydra.studies.ranking_words import trust_sentence
+from clepsydra.studies.ranking_words import TIE, trust_sentence
 from clepsydra.studies.recommendation import Recommendation, recommend
 from clepsydra.studies.result import Candidate, StudyResult
 
 #: Of the answer: rows of the ranking, of settings, and warnings.
-_RANKED, _LOOPS, _WATCHED = 5, 3, 2
+RANKED, _LOOPS, _WATCHED = 5, 3, 2
 #: An overshoot worth watching [% of the step].
 _OVERSHOOT = 10.0
 _EMPTY = Line("")
@@ -48,7 +49,7 @@ def study_answer(
     if advice is not None:
         parts += advised(result, advice)
     if result.ranking:
-        parts += [_EMPTY, ranking_glance(result, None if every else _RANKED)]
+        parts += [_EMPTY, ranking_glance(result.ranking[: None if every else RANKED])]
     rest = _rest(result, every, why, refused)
     parts += [Line(rest)] if rest else []
     if why:
@@ -62,34 +63,35 @@ def study_answer(
     return Section("", tuple(parts))
 
 
-def ranking_glance(result: StudyResult, rows: int | None = None) -> Table:
-    """Return the first of the ranking in physical numbers, then as multiples of the best.
+def ranking_glance(shown: Sequence[Candidate]) -> Table:
+    """Return candidates of a ranking in physical numbers, then beside the first of it.
 
     Examples
     --------
     >>> import clepsydra as cl
     >>> plant = cl.load("three-tanks")
     >>> result = cl.study(plant, [cl.design.simc(plant), cl.design.amigo(plant)])
-    >>> ranking_glance(result).rows[0][:2]
+    >>> ranking_glance(result.ranking).rows[0][:2]
     ('1', 'PI, AMIGO')
     """
-    shown = result.ranking[:rows]
+    process = shown[0].run.process
     columns = [
         ("", [str(each.rank) for each in shown]),
-        ("controller", [each.controller.title for each in shown]),
+        ("controller", [each.controller.name for each in shown]),
+        ("slowed", [_slowed(each) for each in shown]),
     ]
     standings = [standing_word(each) for each in shown]
     if len(set(standings)) > 1:
         columns.append(("standing", standings))
     columns += [
-        (figure.title, [figure.cell(result.process, each) for each in shown])
-        for figure in figures_of(result.process)
+        (figure.title, [figure.cell(process, each) for each in shown])
+        for figure in figures_of(process)
     ]
     columns += [
-        ("error × best", [f"{each.mean_error:.2f}" for each in shown]),
+        ("relative error", [f"{each.relative_error:.2f}" for each in shown]),
         ("max|S|", [f"{each.maximum_sensitivity:.2f}" for each in shown]),
     ]
-    told = [(head, cells) for head, cells in columns if set(cells) - {"–", "nan"}]
+    told = [(head, cells) for head, cells in columns if set(cells) - {"–", "nan", ""}]
     rows_of = zip(*(cells for _, cells in told), strict=True)
     return Table("", tuple(head for head, _ in told), tuple(rows_of), names=2, kept=3)
 
@@ -112,7 +114,7 @@ def advised(result: StudyResult, advice: Recommendation) -> list[Line | Table | 
     parts.append(Line(" ".join([*said, trust_sentence(simplest)])))
     settings = settings_table(simplest.controller, process)
     if settings is not None:
-        parts += [_EMPTY, _shortened(settings), _EMPTY]
+        parts += [_EMPTY, _shortened(settings)]
     parts += marked(Mark.WATCH, _watched(simplest))
     if best is not simplest:
         parts.append(Line(_better(advice)))
@@ -122,6 +124,8 @@ def advised(result: StudyResult, advice: Recommendation) -> list[Line | Table | 
 def _better(advice: Recommendation) -> str:
     """Return what the best controller gains and needs beside the simplest."""
     controller = advice.best.controller
+    if advice.saved < TIE - 1.0:
+        return f"{controller.name}, first of the ranking, is no better by more than 2 %."
     needs = f"it needs {controller.complexity.words}"
     if controller.further_measurements:
         needs = f"it also measures {joined(controller.further_measurements)}"
@@ -146,6 +150,11 @@ def _watched(candidate: Candidate) -> list[str]:
     return said[:_WATCHED] + ([f"{more} more to watch: --why."] if more > 0 else [])
 
 
+def _slowed(candidate: Candidate) -> str:
+    factor = candidate.controller.slowed
+    return "" if factor == 1.0 else f"{factor:.3g}×"
+
+
 def _first_clause(words: str) -> str:
     """Return what a warning is about, without what it means and what to do."""
     return f"{re.split('[;:] ', words)[0].rstrip('.')}."
@@ -161,7 +170,7 @@ def _shortened(settings: Table) -> Table:
 
 def _rest(result: StudyResult, every: bool, why: bool, refused: bool) -> str:
     """Return what is not shown, and the option that shows it."""
-    more = len(result.ranking) - _RANKED
+    more = len(result.ranking) - RANKED
     said = [f"{more} more: --all"] if more > 0 and not every else []
     said += ["why this order: --why"] if result.ranking and not why else []
     count = len(result.not_applicable)

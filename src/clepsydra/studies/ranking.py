@@ -144,11 +144,14 @@ def rank(trials: Sequence[Trial], scores: Sequence[str] = ()) -> tuple[Candidate
         )
     groups = _groups(candidates)
     ordered = [(candidate, number) for number, group in enumerate(groups) for candidate in group]
+    least = ordered[0][0].mean_error
     ranking = []
     for place, (candidate, group) in enumerate(ordered):
         rival, other = ordered[place - 1] if place else (*ordered, (None, None))[1]
         words = reason(candidate, rival, ahead=not place, tied=other == group)
-        ranking.append(replace(candidate, rank=place + 1, reason=words))
+        mean = candidate.mean_error
+        relative = 1.0 if mean == least else mean / least if math.isfinite(least) else math.nan
+        ranking.append(replace(candidate, rank=place + 1, relative_error=relative, reason=words))
     return tuple(ranking)
 
 

@@ -41,7 +41,7 @@ def recommend(ranking: Sequence[Candidate], accept: float = ACCEPTED) -> Recomme
     ranking : sequence of Candidate
         Best first.
     accept : float
-        The largest mean error that is good enough, as a multiple of that of the best.
+        The largest relative error that is good enough.
 
     Examples
     --------

@@ -18,7 +18,7 @@ from clepsydra.process.process import Process
 from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.warnings.loop_response import LoopResponse
 
-#: The mean error that is good enough beside the best, as a multiple of it.
+#: The relative error that is good enough beside the best.
 ACCEPTED = 1.5
 
 
@@ -76,6 +76,8 @@ class Candidate(TriedController):
         What decides among controllers of one standing: the mean of `criteria`.
     rank : int
         1 is best.
+    relative_error : float
+        `mean_error` as a multiple of that of the first of the ranking.
     reason : str
         Why it stands where it stands, in words.
     criteria : mapping
@@ -90,6 +92,7 @@ class Candidate(TriedController):
     standing: Standing
     mean_error: float
     rank: int = 0
+    relative_error: float = 1.0
     reason: str = ""
     criteria: Mapping[str, float] = field(default_factory=dict)
     wear: float = 1.0
@@ -127,7 +130,7 @@ class StudyResult:
     path : Path or None
         Of the study file; None where there is none.
     accept : float
-        The mean error that is good enough, as a multiple of the best.
+        The relative error that is good enough.
     """
 
     process: Process
@@ -207,6 +210,7 @@ def _candidate(candidate: Candidate) -> dict[str, Any]:
         "scores": dict(candidate.scores),
         "maximum_sensitivity": candidate.maximum_sensitivity,
         "mean_error": candidate.mean_error,
+        "relative_error": candidate.relative_error,
         "criteria": dict(candidate.criteria),
         "wear": candidate.wear,
         "reason": candidate.reason,

@@ -28,7 +28,7 @@ from clepsydra.studies.designs import studied_designs
 from clepsydra.studies.file.request import StudyRequest
 from clepsydra.studies.levels_used import levels_used
 from clepsydra.studies.ranking import OF_AVERAGING, QUIET, Trial, rank, rule_of, verdict
-from clepsydra.studies.result import StudyResult
+from clepsydra.studies.result import Candidate, StudyResult
 from clepsydra.studies.trial import tried
 from clepsydra.studies.tuning.goal import Goal
 from clepsydra.studies.tuning.law_space import LawSpace
@@ -59,6 +59,10 @@ class StudyProgress(NamedTuple):
         Controllers.
     name : str
         The one in work, and what is done with it.
+    trials : tuple of Trial
+        Those that are done.
+    scores : tuple of str
+        What they are judged by; empty for the usual.
 
     Examples
     --------
@@ -69,6 +73,13 @@ class StudyProgress(NamedTuple):
     done: int
     of: int
     name: str
+    trials: tuple[Trial, ...] = ()
+    scores: tuple[str, ...] = ()
+
+    @property
+    def ranking(self) -> tuple[Candidate, ...]:
+        """What is done, ranked."""
+        return rank(self.trials, self.scores)
 
 
 def run_study(
@@ -184,8 +195,7 @@ class _Study:
             return self.of_all_designs(only)
         chosen = [each for each in request.controllers if only in (None, each.name)]
         for place, wanted in enumerate(chosen):
-            now = StudyProgress(place, len(chosen), wanted.name)
-            self.tell(now)
+            now = self._begin(place, len(chosen), wanted.name)
             with self._refusals(wanted.name):
                 controller = wanted.make(self.analysis, self.model)
                 tuning = None
@@ -204,13 +214,12 @@ class _Study:
             chosen = first if only == name else only
             designs = {chosen: designs[chosen]}
         for place, (each, design) in enumerate(designs.items()):
-            self.tell(StudyProgress(place, len(designs) + 1, each))
+            self._begin(place, len(designs) + 1, each)
             with self._refusals(each):
                 self._add(design(self.analysis))
         if only not in (None, name):
             return self
-        now = StudyProgress(len(designs), len(designs) + 1, name)
-        self.tell(now)
+        now = self._begin(len(designs), len(designs) + 1, name)
         with self._refusals(name):
             start, objective, limits = self._start(first, name)
             generations = max(_FEWEST, min(GENERATIONS, round(_SIMULATED / self.scenario.samples)))
@@ -219,6 +228,11 @@ class _Study:
             tuning = self._tuned(now, partial(tune, space, goal), generations)
             self._add(tuning.controller, tuning)
         return self
+
+    def _begin(self, done: int, of: int, name: str) -> StudyProgress:
+        now = StudyProgress(done, of, name, tuple(self.trials), self.scores)
+        self.tell(now)
+        return now
 
     def _add(self, controller: Controller, tuning: TuningResult | None = None) -> None:
         self.trials.append(tried(controller, self.analysis, self.model, self.scenario, tuning))
