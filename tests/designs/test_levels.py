@@ -10,7 +10,7 @@ from scipy.linalg import expm
 from clepsydra import InputError, NotApplicable, PidForm
 from clepsydra.designs.arrest_time import arrest_settings, arrest_time_for, design_arrest_time
 from clepsydra.designs.lambda_tuning import design_lambda, lambda_settings
-from clepsydra.designs.loops.averaging_room import averaging_room, largest_load
+from clepsydra.designs.loops.averaging_room import averaging_room, load_steps
 from clepsydra.designs.models.first_order_delay import FirstOrderDelay
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
@@ -133,12 +133,12 @@ def basin():
 
 
 def test_the_basin_lets_its_load_use_the_room(basin):
-    load = largest_load(basin.model, "level", "test")
+    (load,) = load_steps(basin.model, "level", "test")
     assert (load.signal, load.size) == ("inflow", 0.12)
     assert load.rate == pytest.approx(0.12 / 1000.0 / 5.0, rel=1e-9)
     level = basin.operating_point.process.signal("level")
     room = averaging_room(basin.operating_point, level, "test")
-    assert room == pytest.approx(0.4, rel=1e-12)
+    assert room.below == room.above == pytest.approx(0.4, rel=1e-12)
     controller = design_arrest_time(basin.model, basin.pairing)
     # span = e · 0.4/r, λ² + (2θ − span) λ + θ² = 0 with θ half of a minute
     span, delay = math.e * 0.4 / load.rate, 30.0
@@ -167,7 +167,7 @@ def test_switches_of_pumps_limit_the_room():
     point = analyse(load_process("wet-well")).operating_point
     level = point.process.signal("level")
     # 1.5 m in 4 m: the running duty pump stops at 0.5 m, the standby starts at 2.5 m: 1 m each.
-    share = averaging_room(point, level, "test") / level.span
+    share = averaging_room(point, level, "test").above / level.span
     assert share == pytest.approx(1.0 / 4.0 - 0.1, rel=1e-9)
 
 

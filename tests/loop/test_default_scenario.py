@@ -33,8 +33,8 @@ class Inflow:
     name: str
     step: float
 
-    def load_steps(self) -> dict[str, float]:
-        return {self.name: self.step}
+    def load_steps(self) -> dict[str, tuple[float, ...]]:
+        return {self.name: (self.step,)}
 
 
 def make_process(

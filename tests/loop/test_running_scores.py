@@ -204,3 +204,30 @@ def test_every_lane_has_the_scores_of_its_own_run(loop):
 def test_a_score_that_is_none_is_refused(name, message):
     with pytest.raises(InputError, match=message):
         RunningScores(load_process("quadruple-tank"), (name,))
+
+
+BAND = """
+name = "tank"
+sampling_period = "2 s"
+controlled = ["level"]
+averaging = ["level"]
+manipulated = ["outflow"]
+tanks.tank = { area = "10 m^2", height = "2 m" }
+flows.feed = { destination = "tank", range = ["0 m^3/h", "100 m^3/h"], nominal = "50 m^3/h", \
+step = ["10 m^3/h", "-10 m^3/h"] }
+flows.outflow = { source = "tank", range = ["0 m^3/h", "100 m^3/h"], nominal = "50 m^3/h" }
+sensors.level = { tank = "tank", range = ["0 m", "2 m"], band = ["0.9 m", "1.2 m"] }
+operating_point.level = "1 m"
+"""
+
+
+def test_a_batch_adds_up_what_a_run_is_scored_by_beyond_a_band(tmp_path):
+    (tmp_path / "tank.toml").write_text(BAND, encoding="utf-8")
+    plant = cl.load(tmp_path / "tank.toml")
+    run = cl.simulate(plant, cl.design.arrest_time(plant, arrest_time=3000.0))
+    names = [f"{key}[level]" for key in ("time_outside_band", "above_band", "below_band")]
+    loop = Loop(run.controller, plant.measured)
+    found = scored(loop, run.scenario, RunningScores(loop.process, tuple(names)), run.substeps)
+    for name in names:
+        assert run.scores[name] > 0.09
+        assert found[name][0] == pytest.approx(run.scores[name], rel=1e-10), name

@@ -39,7 +39,7 @@ def test_signals_of_the_catalogue() -> None:
     for signal in process.disturbances:
         assert (signal.unit, signal.display_unit) == ("m^3/s", "cm^3/s")
         assert (signal.low, signal.high, signal.initial) == (0.0, 5e-6, 0.0)
-    assert [e.step for e in process.elements if isinstance(e, ForcedFlow)] == [1.5e-6, 1.5e-6]
+    assert [e.steps for e in process.elements if isinstance(e, ForcedFlow)] == [(1.5e-6,)] * 2
     assert process.sampling_period == 1.0
     assert process.nominal_outputs == {}
     assert process.path is None

@@ -61,6 +61,7 @@ def plant() -> PlantTrajectories:
         heads={"pump_1": np.full_like(TIME, 20.0)},
         spilt={"basin": 1e-3 * since(3000.0)},
         buffers={"level_2": BufferTrajectories(inflow, 0.01 + 2e-3 * lag, 0.5 + 0.1 * lag)},
+        bands={"level_2": (4.0, 6.0)},
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
 from clepsydra.base.errors import InputError
@@ -13,7 +14,13 @@ from clepsydra.designs.applicability import NotApplicable, reasons_about
 from clepsydra.designs.arguments.argument import number
 from clepsydra.designs.arguments.of_process import one_deviation
 from clepsydra.designs.design import Studied, design
-from clepsydra.designs.loops.averaging_room import averaging_room, is_level, largest_load
+from clepsydra.designs.loops.averaging_room import (
+    Room,
+    averaging_room,
+    is_level,
+    load_steps,
+    smallest_area,
+)
 from clepsydra.designs.loops.multiloop import MultiloopPid, PairedLoop, pi_only
 from clepsydra.designs.loops.pairing import Pairing
 from clepsydra.designs.loops.pid_settings import PidSettings, slowed_down
@@ -23,16 +30,24 @@ from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT, note_on_peak
 from clepsydra.linear.linear_model import LinearModel
 
 METHOD = "arrest time"
-_SOURCE = "Arrest time, critically damped (Bialkowski; Olsen and Bialkowski 2002)"
+_SOURCE = "Arrest time (Bialkowski; Olsen and Bialkowski 2002), poles placed"
 
 
-def arrest_time_for(model: FirstOrderDelay, deviation: float, load_rate: float) -> float:
-    """Return the arrest time λ with which a load step takes the level to this deviation [s].
+def arrest_time_for(
+    model: FirstOrderDelay, deviation: float, load_rate: float, damping: float = 1.0
+) -> float:
+    """Return the arrest time with which a load step takes the level to this deviation [s].
 
     A load step that would at first move the level at the rate r moves it, under the settings
-    of `arrest_settings`, by y(t) = (r/c) t/λ² e^(−t/λ) with c = (1 + θ/τ)/(λ + θ)². It is
-    arrested at t = λ, with the deviation r (λ + θ)²/((1 + θ/τ) λ e); without delay that is
-    r λ/e.
+    of `arrest_settings` with λ = 1/ω and c as there, by::
+
+        y(t) = r/(c λ²) · e^(−ζ t/λ) sin(√(1 − ζ²) t/λ) λ/√(1 − ζ²)
+
+    It is arrested at t = λ a, with the deviation r e^(−ζ a)/(c λ), a = arccos ζ/√(1 − ζ²). With
+    damping ζ = 1 that is t = λ, and without delay r λ/e: of a tank with the area A that a flow
+    step ΔF fills, ΔF λ/(e A). The outflow then changes at first by r · 2 ζ/λ, for ζ ≥ 1/2 its
+    fastest change: 2 ζ e^(−ζ a) ΔF²/(A y), 0.74 ΔF²/(A y) with ζ = 1 and 0.55 with ζ = 1/2. No
+    controller does better than 1/2, which takes a ramp.
 
     Parameters
     ----------
@@ -42,6 +57,8 @@ def arrest_time_for(model: FirstOrderDelay, deviation: float, load_rate: float) 
         Allowed [output unit].
     load_rate : float
         r, its size [output unit/s].
+    damping : float
+        ζ of the placed poles, above 0 and at most 1.
 
     Raises
     ------
@@ -52,7 +69,9 @@ def arrest_time_for(model: FirstOrderDelay, deviation: float, load_rate: float) 
     ----------
     The idea is that of T. Olsen and W. L. Bialkowski, Lambda tuning as a promising controller
     tuning method for the refinery, AIChE Spring National Meeting, 2002; the formulas are
-    derived here from the placed poles.
+    derived here from the placed poles. T.-F. Cheung and W. L. Luyben, Industrial & Engineering
+    Chemistry Fundamentals 18(1), 1979, 15-21, chart the same two quantities over the damping; the
+    ramp is that of K. A. McDonald, T. J. McAvoy and A. Tits, AIChE Journal 32(1), 1986, 75-86.
 
     Examples
     --------
@@ -61,34 +80,40 @@ def arrest_time_for(model: FirstOrderDelay, deviation: float, load_rate: float) 
     >>> round(arrest_time_for(FirstOrderDelay(0.01, math.inf, 0.0), 0.2, 0.001) / math.e, 9)
     200.0
     """
-    delay = model.delay
-    span = math.e * deviation * (1.0 + delay / model.time_constant) / load_rate
-    inside = span * (span - 4.0 * delay)
-    if inside < 0.0:
+    delay, turns = model.delay, _turns(damping)
+    fastest = math.exp(damping * turns)
+    span = fastest * deviation * (1.0 + delay / model.time_constant) / load_rate
+    doubled = span - 2.0 * damping * delay
+    inside = doubled**2 - (2.0 * delay) ** 2
+    if doubled < 0.0 or inside < 0.0:
         raise NotApplicable(
             METHOD,
             f"its load uses up the allowed deviation of {deviation:.3g} within "
             f"{time_text(deviation / load_rate)}, too short beside a delay of {time_text(delay)}",
         )
-    return 0.5 * (span - 2.0 * delay + math.sqrt(inside))
+    return 0.5 * (doubled + math.sqrt(inside)) * turns
 
 
-def arrest_settings(model: FirstOrderDelay, arrest_time: float) -> PidSettings:
-    """Return the PI settings with which a load step is arrested after this time, damping 1.
+def arrest_settings(
+    model: FirstOrderDelay, arrest_time: float, damping: float = 1.0
+) -> PidSettings:
+    """Return the PI settings with which a load step is arrested after this time.
 
-    Both poles of the loop are placed at −1/λ, with the delay as 1 − θs::
+    The poles of the loop are placed at s² + 2 ζ s/λ + 1/λ² = 0, with the delay as 1 − θs::
 
-        K/Ti = c/k',  c = (1 + θ/τ)/(λ + θ)²
-        K = (c (2 λ + θ) − 1/τ)/k'
+        K/Ti = c/k',  c = (1 + θ/τ)/(λ² + 2 ζ λ θ + θ²)
+        K = (c (2 ζ λ + θ) − 1/τ)/k'
 
-    For τ → ∞ it is lambda tuning for an integrating level.
+    For τ → ∞ and ζ = 1 it is lambda tuning for an integrating level.
 
     Parameters
     ----------
     model : FirstOrderDelay
         An integrator, or a level so slow that λ is below about 2 τ.
     arrest_time : float
-        λ [s]
+        λ arccos ζ/√(1 − ζ²), with damping 1 it is λ [s].
+    damping : float
+        ζ, above 0 and at most 1.
 
     Raises
     ------
@@ -105,9 +130,10 @@ def arrest_settings(model: FirstOrderDelay, arrest_time: float) -> PidSettings:
     >>> arrest_settings(FirstOrderDelay(0.01, math.inf, 0.0), 100.0)
     PidSettings(gain=2.0, integral_time=200.0, derivative_time=0.0)
     """
-    delay = model.delay
-    integral = (1.0 + delay / model.time_constant) / (arrest_time + delay) ** 2
-    proportional = integral * (2.0 * arrest_time + delay) - 1.0 / model.time_constant
+    delay, period = model.delay, arrest_time / _turns(damping)
+    placed = period**2 + 2.0 * damping * period * delay + delay**2
+    integral = (1.0 + delay / model.time_constant) / placed
+    proportional = integral * (2.0 * damping * period + delay) - 1.0 / model.time_constant
     if proportional <= 0.0:
         raise NotApplicable(
             METHOD,
@@ -116,6 +142,18 @@ def arrest_settings(model: FirstOrderDelay, arrest_time: float) -> PidSettings:
             "slower",
         )
     return PidSettings(proportional / model.slope, proportional / integral)
+
+
+def _turns(damping: float) -> float:
+    """Return arccos ζ/√(1 − ζ²), the arrest time over 1/ω."""
+    root = math.sqrt(1.0 - damping**2)
+    return math.acos(damping) / root if root > 0.0 else 1.0
+
+
+def _swings_back(damping: float) -> float:
+    """Return how far a level then moves the other way, over its deviation."""
+    root = math.sqrt(1.0 - damping**2)
+    return math.exp(-math.pi * damping / root) if root > 0.0 else 0.0
 
 
 class _Averaging(NamedTuple):
@@ -134,6 +172,12 @@ class _Averaging(NamedTuple):
         one_deviation(
             "deviation", "how far levels may move at the load steps that the process names"
         ),
+        number(
+            "damping",
+            "a damping",
+            "ζ of the loop, at most 1, which it is if left out",
+            example="0.7",
+        ),
     ),
 )
 def design_arrest_time(
@@ -143,13 +187,16 @@ def design_arrest_time(
     form: PidForm | None = None,
     arrest_time: float | None = None,
     deviation: float | None = None,
+    damping: float = 1.0,
 ) -> Controller:
     """Design PI controllers that let levels move, so that the flows behind them hardly do.
 
-    Of each pair the largest load step that the process names, taken alone, is arrested when the
-    level has used the allowed deviation. Without a given one that is the way to the nearest end
-    of the measurement's range, floor, rim or level switch, less a margin of a tenth of the
-    range. Loops whose sensitivity peak together is above 2 are slowed down, which an arrest
+    Of each pair every load step that the process names, taken alone, is arrested before the level
+    has used the allowed deviation; the worst decides, by its size and its direction. Without a
+    given deviation a level with a band may go to its ends, another as far either way as to the
+    nearest of the ends of the measurement's range, floor, rim and level switch, less a margin
+    (`averaging_room`). A tank whose walls are not upright is taken with the smallest surface that
+    it has there. Loops whose sensitivity peak together is above 2 are slowed down, which an arrest
     time given by the user is not.
 
     Parameters
@@ -165,6 +212,9 @@ def design_arrest_time(
         λ of all loops [s].
     deviation : float, optional
         Allowed for every load step, of all loops [output unit].
+    damping : float
+        ζ of all loops. Less of it lessens the fastest change of the flow, to three quarters at
+        ζ = 1/2, and lets level and flow swing.
 
     Returns
     -------
@@ -179,7 +229,8 @@ def design_arrest_time(
         is outside of what a controller takes.
     InputError
         The model has no operating point, the pairing is no pairing of the model, the form is
-        not PI, a number is not above zero, or both numbers are given.
+        not PI, a number is not above zero, the damping is above 1, or both arrest time and
+        deviation are given.
 
     References
     ----------
@@ -197,12 +248,12 @@ def design_arrest_time(
     (45305, 'arrested after 12.6 h.')
     """
     form = pi_only(form, METHOD)
-    _check(arrest_time, deviation)
+    _check(arrest_time, deviation, damping)
     together = MultiloopPid(model, pairing, form, METHOD)
     loops = []
     for loop in together.loops:
         with reasons_about(loop.pair):
-            loops.append(_averaging(together, model, loop, arrest_time, deviation))
+            loops.append(_averaging(together, model, loop, arrest_time, deviation, damping))
     settings = [loop.settings for loop in loops]
     words = "; ".join(
         f"{paired.pair}: {loop.words}" for paired, loop in zip(together.loops, loops, strict=True)
@@ -227,6 +278,7 @@ def _averaging(
     loop: PairedLoop,
     arrest_time: float | None,
     deviation: float | None,
+    damping: float,
 ) -> _Averaging:
     process = together.process
     if not is_level(process, loop.output.name):
@@ -234,21 +286,35 @@ def _averaging(
     reduced = half_rule(loop.element, process.sampling_period / 2.0, method=METHOD)
     if arrest_time is not None:
         return _Averaging(
-            arrest_settings(reduced, arrest_time),
+            arrest_settings(reduced, arrest_time, damping),
             f"load steps are arrested after {time_text(arrest_time)}",
         )
-    load = largest_load(model, loop.output.name, METHOD)
-    room = deviation or averaging_room(together.point, loop.output, METHOD)
-    time = arrest_time_for(reduced, room, load.rate)
+    loads = load_steps(model, loop.output.name, METHOD)
+    room = averaging_room(together.point, loop.output, METHOD)
+    if deviation is not None:
+        room = Room(deviation, deviation)
+    back = _swings_back(damping)
+    load = max(loads, key=lambda each: abs(each.rate) / room.against(each.rate, back))
+    allowed = room.against(load.rate, back)
+    area = smallest_area(together.point, loop.output, room)
+    narrow = replace(
+        reduced, slope=reduced.slope / area, time_constant=reduced.time_constant * area
+    )
+    time = arrest_time_for(narrow, allowed, abs(load.rate) / area, damping)
     return _Averaging(
-        arrest_settings(reduced, time),
+        arrest_settings(narrow, time, damping),
         f"a load step of {load.signal} by "
         f"{in_shown_unit(process.signal(load.signal), load.size)} is let use "
-        f"{in_shown_unit(loop.output, room)} and is arrested after {time_text(time)}",
+        f"{in_shown_unit(loop.output, allowed)} and is arrested after {time_text(time)}",
     )
 
 
-def _check(arrest_time: float | None, deviation: float | None) -> None:
+def _check(arrest_time: float | None, deviation: float | None, damping: float) -> None:
+    positive_number(f"{METHOD}, damping", damping, "a damping above 0", "give 1 for no swing")
+    if damping > 1.0:
+        raise InputError(
+            f"{METHOD}, damping", damping, "a damping of at most 1", "give 1 for no swing"
+        )
     if arrest_time is not None:
         positive_number(f"{METHOD}, arrest_time", arrest_time, "a time above 0 s", "give seconds")
     if deviation is not None:

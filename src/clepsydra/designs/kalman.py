@@ -191,7 +191,7 @@ def process_noise(observed: ObservedProcess, horizon: float) -> Noise:
 
 
 def load_steps(model: LinearModel) -> dict[str, float]:
-    """Return the typical steps of the disturbances of a model that have one.
+    """Return the largest typical step of those disturbances of a model that have one.
 
     Examples
     --------
@@ -200,10 +200,10 @@ def load_steps(model: LinearModel) -> dict[str, float]:
     {'inflow_3': 1e-05}
     """
     return {
-        name: size
+        name: max(sizes, key=abs)
         for element in operating_point_of(model).process.elements
-        for name, size in element.load_steps().items()
-        if name in model.disturbances and size != 0.0
+        for name, sizes in element.load_steps().items()
+        if name in model.disturbances
     }
 
 

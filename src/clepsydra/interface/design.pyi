@@ -39,6 +39,7 @@ def arrest_time(
     form: PidForm | None = ...,
     arrest_time: Quantity | None = ...,
     deviation: Quantity | None = ...,
+    damping: Quantity = ...,
 ) -> Controller:
     """Design PI controllers that let levels move, so that the flows behind them hardly do."""
 

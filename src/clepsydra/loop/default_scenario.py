@@ -9,6 +9,7 @@ import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
+from clepsydra.designs.loops.averaging_room import longest_arrest
 from clepsydra.linear.dead_time import at_rest
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
@@ -17,6 +18,7 @@ from clepsydra.linear.poles import origin_radius, time_constants
 from clepsydra.linear.zeros import zeros
 from clepsydra.loop.residence_times import residence_times, width_of_range
 from clepsydra.loop.scenario import Scenario, Segment
+from clepsydra.process.bands import check_at_rest
 from clepsydra.process.process import Process
 from clepsydra.scores.segment import SegmentKind
 
@@ -28,7 +30,8 @@ SMALLEST_STEP_SHARE = 0.01
 KICK = 5.0
 #: Inputs and outputs rest at least this share of their range away from its ends.
 MARGIN = 0.05
-#: No level rests nearer to floor or rim than this share of its distance at the start.
+#: No level rests nearer to floor, rim or an end of its band than this share of its distance at the
+#: start.
 LEVEL_SHARE = 0.5
 #: Standard deviation of the measurement noise, share of the range.
 NOISE_SHARE = 0.005
@@ -40,6 +43,8 @@ REST_SHARE = 0.1
 LOOP_PERIODS = 10.0
 #: And slower than this many dead times.
 DEAD_TIMES = 4.0
+#: And than this many arrest times of a level that uses its band, which may swing back.
+ARREST_TIMES = 2.0
 #: Where the range of an input would move an output this many times its range, the process alone
 #: is as good as integrating: the output meets its ends long before it comes to rest.
 INTEGRATING_GAIN = 5.0
@@ -51,22 +56,24 @@ def default_scenario(model: LinearModel, seed: int = 1) -> Scenario:
     """Return setpoint steps, load steps and a stretch of noise, one thing a segment.
 
     *Order.* A short rest; for each controlled measurement a setpoint step away from the
-    operating point and one back; for each inflow with a step size a load step, which then
-    stays, so that each segment holds one change only; measurement noise without steps.
+    operating point and one back; for each inflow its load steps, each of which then stays,
+    so that each segment holds one change only; measurement noise without steps.
 
     *Setpoint step.* 10 % of the measurement's range, upward where there is room, else
     downward. It is reduced until, at rest after it by the linear model (all other controlled
     measurements unchanged), all inputs and the stepped measurement lie in the middle 90 % of
-    their ranges and no level has gone more than half its way to floor or rim, and until a
+    their ranges, no level has gone more than half its way to floor or rim, and no averaging
+    level more than half its way to an end of its band, and until a
     proportional controller that leaves a sixth of the step keeps all inputs there at the step
     and at the step back; but for the latter never below 1 %. Then it is rounded down to one digit.
 
-    *Load step.* The size that the process gives for the inflow.
+    *Load step.* The sizes that the process gives for the inflow, one after the other.
 
     *Length.* Each segment lasts six times the slowest of: the model's time constants; 2/z for
     each zero z in the right half-plane, since no loop is faster; the mean residence time from the
     strongest input to each output, which counts tanks in series; for a level that integrates,
-    the time in which the full range of the inputs moves its full range; ten sampling periods.
+    the time in which the full range of the inputs moves its full range; twice the arrest time
+    with which a level just stays in its band; ten sampling periods.
     An output whose full range is less than a fifth of what its strongest input moves it by is
     as good as integrating: the times then are those with it held by 1 % of that input for 1 %.
     It is rounded up to a pretty number.
@@ -91,8 +98,8 @@ def default_scenario(model: LinearModel, seed: int = 1) -> Scenario:
     ------
     InputError
         The model has no operating point, a measurement has no finite range, a setpoint step
-        has no room or cannot be held by the inputs, the scenario would take more than a
-        million samples, or the seed is no whole number from 0.
+        has no room or cannot be held by the inputs, a level rests outside of its band, the
+        scenario would take more than a million samples, or the seed is no whole number from 0.
 
     References
     ----------
@@ -112,13 +119,14 @@ def default_scenario(model: LinearModel, seed: int = 1) -> Scenario:
         raise InputError("seed", seed, "a whole number from 0", "choose another seed")
     point = operating_point_of(model)
     process = point.process
+    check_at_rest(process, point.as_dict())
     controlled = at_rest(model.select(outputs=process.controlled))
     period = process.sampling_period
     loads = [
-        (column, signal.name, element.load_steps()[signal.name])
+        (column, signal.name, size)
         for column, signal in enumerate(process.disturbances)
         for element in process.elements
-        if signal.name in element.load_steps()
+        for size in element.load_steps().get(signal.name, ())
     ]
     rest, each = segment_samples(model)
     samples = rest + (2 * len(process.controlled) + len(loads) + 1) * each
@@ -171,7 +179,11 @@ def segment_samples(model: LinearModel) -> tuple[int, int]:
     process = operating_point_of(model).process
     late = float(model.times.sum())
     controlled = at_rest(model.select(outputs=process.controlled))
-    slowest = max(_slowest(process, controlled), DEAD_TIMES * late)
+    slowest = max(
+        _slowest(process, controlled),
+        DEAD_TIMES * late,
+        ARREST_TIMES * longest_arrest(model, "default scenario"),
+    )
     length = _pretty_above(SLOWEST_TIMES * slowest)
     each = math.ceil(length / process.sampling_period * (1.0 - 1e-12))
     return math.ceil(REST_SHARE * each), each
@@ -228,11 +240,11 @@ def _setpoint_step(
     values, smallest = point.as_dict(), SMALLEST_STEP_SHARE * span
     level_moves, input_moves = _moves_at_rest(process, model, column)
     rooms = [_room(values[name], *_inner(output), 1.0)]
+    if name in process.bands:
+        rooms.append(_room(values[name], *_near(values[name], *process.bands[name]), 1.0))
     for state, move in zip(model.states, level_moves, strict=True):
         signal, value = process.signal(state), values[state]
-        low = value - LEVEL_SHARE * (value - signal.low)
-        high = value + LEVEL_SHARE * (signal.high - value)
-        rooms.append(_room(value, low, high, move))
+        rooms.append(_room(value, *_near(value, signal.low, signal.high), move))
     kicks: list[tuple[float, float]] = []
     for actuator, move in zip(model.inputs, input_moves, strict=True):
         value, (low, high) = values[actuator], _inner(process.signal(actuator))
@@ -343,6 +355,11 @@ def _room(value: float, low: float, high: float, move: float) -> tuple[float, fl
 def _inner(signal: Signal) -> tuple[float, float]:
     """Return the ends of the middle 90 % of a range."""
     return signal.low + MARGIN * signal.span, signal.high - MARGIN * signal.span
+
+
+def _near(value: float, low: float, high: float) -> tuple[float, float]:
+    """Return the ends of what is nearer to a value than to the limits."""
+    return value - LEVEL_SHARE * (value - low), value + LEVEL_SHARE * (high - value)
 
 
 def _span(process: Process, signal: Signal) -> float:

@@ -224,6 +224,8 @@ class RunningScores:
             fields["setpoint"] = self._input(_before(f"{name}.setpoint"), unit)
             fields["next_setpoint"] = self._symbol(f"{name}.setpoint")
             fields["per_step"] = self._input(_mark("per_step", name), f"1/{unit}")
+        if of is Of.BAND:
+            fields["band"] = self.process.bands[name]
         if of is Of.AVERAGING:
             flows = buffer_flows(self.process, name, self._all_symbols())
             for end, flow in zip(("inflow", "outflow"), flows, strict=True):

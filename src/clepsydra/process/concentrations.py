@@ -29,19 +29,19 @@ class GivenConcentration:
         Constant or nominal value [the component's unit].
     low, high : float or None
         Range where it is a signal that may be manipulated or disturb; None where it is constant.
-    step : float
-        Size of the load step of the default scenario, for a signal.
+    steps : tuple of float
+        Sizes of the load steps of the default scenario, for a signal.
 
     Examples
     --------
-    >>> GivenConcentration(5e3, 0.0, 25e3, 0.0).varies
+    >>> GivenConcentration(5e3, 0.0, 25e3).varies
     True
     """
 
     value: float
     low: float | None = None
     high: float | None = None
-    step: float = 0.0
+    steps: tuple[float, ...] = ()
 
     @property
     def varies(self) -> bool:
@@ -94,8 +94,8 @@ def read_concentrations(table: TableReader) -> dict[str, GivenConcentration]:
             given[name] = GivenConcentration(value)
             continue
         signal = inner.table(name, what, remedy, keys=("range", "nominal", "step"))
-        low, high, nominal, step = read_disturbance_range(signal, unit, "concentration")
-        given[name] = GivenConcentration(nominal, low, high, step)
+        low, high, nominal, steps = read_disturbance_range(signal, unit, "concentration")
+        given[name] = GivenConcentration(nominal, low, high, steps)
     return given
 
 
@@ -135,15 +135,17 @@ def concentration_signals(
     )
 
 
-def concentration_steps(element: str, given: Mapping[str, GivenConcentration]) -> dict[str, float]:
-    """Return the size of the load step of each given concentration that has one, by signal.
+def concentration_steps(
+    element: str, given: Mapping[str, GivenConcentration]
+) -> dict[str, tuple[float, ...]]:
+    """Return the sizes of the load steps of each given concentration that has one, by signal.
 
     Examples
     --------
-    >>> concentration_steps("feed", {"salt": GivenConcentration(5.0, 0.0, 10.0, 2.0)})
-    {'feed.salt': 2.0}
+    >>> concentration_steps("feed", {"salt": GivenConcentration(5.0, 0.0, 10.0, (2.0,))})
+    {'feed.salt': (2.0,)}
     """
-    return {f"{element}.{name}": value.step for name, value in given.items() if value.step}
+    return {f"{element}.{name}": value.steps for name, value in given.items() if value.steps}
 
 
 def concentration_values(

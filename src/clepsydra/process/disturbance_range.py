@@ -1,8 +1,11 @@
-"""A signal from outside in a process file: its range, its nominal value and a load step."""
+"""A signal from outside in a process file: its range, its nominal value and its load steps."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from itertools import accumulate
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from clepsydra.process import told
 
 if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
@@ -17,19 +20,19 @@ class DisturbanceRange(NamedTuple):
         Range, in SI.
     nominal : float
         Value at the operating point.
-    step : float
-        Size of the load step of the default scenario; 0 for none.
+    steps : tuple of float
+        Sizes of the load steps of the default scenario, each from where the one before led to.
 
     Examples
     --------
-    >>> DisturbanceRange(0.0, 1e-5, 0.0, 2e-6).step
-    2e-06
+    >>> DisturbanceRange(0.0, 1e-5, 0.0, (2e-6, -2e-6)).steps
+    (2e-06, -2e-06)
     """
 
     low: float
     high: float
     nominal: float
-    step: float
+    steps: tuple[float, ...]
 
 
 def read_disturbance_range(table: TableReader, unit: str, quantity: str) -> DisturbanceRange:
@@ -46,7 +49,7 @@ def read_disturbance_range(table: TableReader, unit: str, quantity: str) -> Dist
     Raises
     ------
     InputError
-        The range begins below zero, or the nominal value or the step lead out of it.
+        The range begins below zero, or the nominal value or a step leads out of it.
 
     Examples
     --------
@@ -55,19 +58,42 @@ def read_disturbance_range(table: TableReader, unit: str, quantity: str) -> Dist
     >>> content = b"[flows.rain]\\nrange = ['0 l/s', '5 l/s']\\nnominal = '1 l/s'\\nstep = '2 l/s'"
     >>> table = TableReader(parse(content, "plant.toml"), ("flows", "rain"), None)
     >>> read_disturbance_range(table, "m^3/s", "flow")
-    DisturbanceRange(low=0.0, high=0.005, nominal=0.001, step=0.002)
+    DisturbanceRange(low=0.0, high=0.005, nominal=0.001, steps=(0.002,))
     """
     what = f"a {quantity}"
     low, high = table.range("range", unit, at_least=0.0)
     nominal = table.quantity(
         "nominal", unit, what, f"choose {what} within the range", at_least=low, at_most=high
     )
-    step = table.quantity("step", unit, what, "give the size of a typical load step", default=0.0)
-    if not low <= nominal + step <= high:
-        raise table.refused(
-            "step",
-            table.written("step"),
-            "a step that stays within the range",
-            "make the step smaller or the range wider",
-        )
-    return DisturbanceRange(low, high, nominal, step)
+    return DisturbanceRange(low, high, nominal, _steps(table, unit, what, (low, high, nominal)))
+
+
+def _steps(
+    table: TableReader, unit: str, what: str, ends: tuple[float, float, float]
+) -> tuple[float, ...]:
+    low, high, nominal = ends
+    written = table.raw("step") if table.has("step") else []
+    listed = written if isinstance(written, list) else [written]
+    rows = [table.with_value("step", each) for each in listed]
+    steps = tuple(row.quantity("step", unit, what, "give the size of a load step") for row in rows)
+    for row, value in zip(rows, list(accumulate(steps, initial=nominal))[1:], strict=True):
+        if not low <= value <= high:
+            raise row.refused(
+                "step",
+                row.written("step"),
+                "a step that stays within the range",
+                "make the step smaller or the range wider",
+            )
+    return tuple(step for step in steps if step)
+
+
+def told_of_steps(what: str) -> dict[str, Any]:
+    """Return what an editor is told of the key "step".
+
+    Examples
+    --------
+    >>> told_of_steps("rain")["type"]
+    ['string', 'number', 'array']
+    """
+    words = f"size of the load step of studies, or a list of them one after the other: {what}"
+    return {"description": words, "type": [*told.QUANTITY["type"], "array"], "items": told.QUANTITY}

@@ -167,8 +167,8 @@ class Element(ABC):
         """Return the disturbances that it brings."""
         return ()
 
-    def load_steps(self) -> dict[str, float]:
-        """Return the size of a typical load step for those of its disturbances that have one."""
+    def load_steps(self) -> dict[str, tuple[float, ...]]:
+        """Return the sizes of typical load steps, one after the other, of its disturbances."""
         return {}
 
     def measurements(self) -> tuple[Signal, ...]:

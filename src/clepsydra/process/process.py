@@ -74,6 +74,8 @@ class Process:
         file gives it.
     averaging : tuple of str
         Those controlled measurements whose tank is there to smooth the flow through it.
+    bands : mapping
+        Those of them that loads must leave in a band to its ends [unit of the measurement].
     tags : mapping
         Signal, or element, to the name that it has in the plant's control system: exports show
         that in its place.
@@ -110,6 +112,7 @@ class Process:
     joined_display: ca.Function | None = None
     noise: Mapping[str, float] = field(default_factory=dict)
     averaging: tuple[str, ...] = ()
+    bands: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     tags: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property

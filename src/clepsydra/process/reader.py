@@ -13,6 +13,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
 from clepsydra.process import told
 from clepsydra.process.averaging import read_averaging
+from clepsydra.process.bands import read_bands
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
 from clepsydra.process.component import Component
 from clepsydra.process.components import check_components, read_components
@@ -175,6 +176,8 @@ def _process(document: Document, path: Path | None, asked: tuple[str, ...] | Non
     with joining_own(own_kinds, general):
         joined = join(elements, gravity, components=components, manipulated=manipulated)
     controlled = _controlled(general, joined.measurements, len(joined.inputs))
+    averaging = read_averaging(general, controlled, joined.inputs, elements)
+    nominal_outputs = read_nominal_outputs(document, elements, [u.name for u in joined.inputs])
     return Process(
         name=name,
         title=general.text("title", "one line of text", "correct it", default=name),
@@ -189,9 +192,7 @@ def _process(document: Document, path: Path | None, asked: tuple[str, ...] | Non
         measure=joined.measure,
         measured_state=joined.measured_state,
         elements=elements,
-        nominal_outputs=read_nominal_outputs(
-            document, elements, [signal.name for signal in joined.inputs]
-        ),
+        nominal_outputs=nominal_outputs,
         sampling_period=general.quantity(
             "sampling_period",
             "s",
@@ -207,7 +208,8 @@ def _process(document: Document, path: Path | None, asked: tuple[str, ...] | Non
         joined_display=joined.display,
         noise=joined.noise,
         components=components,
-        averaging=read_averaging(general, controlled, joined.inputs, elements),
+        averaging=averaging,
+        bands=read_bands(document, elements, averaging, nominal_outputs),
         tags=read_tags(document, elements),
     )
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import convertible, split_quantity
+from clepsydra.process.signal_values import read_in_range
 
 if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
@@ -186,6 +189,47 @@ def read_share(
     return table.quantity(
         key, scale.unit, what, remedy, above=above, at_least=at_least, at_most=width
     )
+
+
+def read_band(table: TableReader, key: str, known: Mapping[str, Any]) -> tuple[float, float] | None:
+    """Return the lowest and the highest measurement of a band [unit of the scale], if it has one.
+
+    Parameters
+    ----------
+    table : TableReader
+    key : str
+    known : mapping
+        Quantity, unit and range of the sensor.
+
+    Raises
+    ------
+    InputError
+        It is no pair of measurements within the range, the lower one first.
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> from clepsydra.process.table_reader import TableReader
+    >>> table = TableReader(parse(b"band = ['30 %', '2.1 m']", "plant.toml"), (), None)
+    >>> read_band(table, "band", {"measured": "level", "unit": "m", "low": 0.0, "high": 3.0})
+    (0.9, 2.1)
+    """
+    if not table.has(key):
+        return None
+    remedy = 'write as in band = ["30 %", "70 %"]'
+    ends = table.raw(key)
+    if not isinstance(ends, list) or len(ends) != 2:
+        raise table.refused(key, table.written(key), "the two ends of a band", remedy)
+    unit = table.display_units("range").get("range", "")
+    shown = Signal(known["measured"], known["unit"], unit, known["low"], known["high"])
+    low, high = (
+        read_in_range(table.with_value(key, end), key, shown, "an end of the band", remedy)
+        for end in ends
+    )
+    if low >= high:
+        expected, remedy = "a lower end below the upper end", "exchange or correct them"
+        raise table.refused(key, table.written(key), expected, remedy)
+    return low, high
 
 
 def _signal(shown: str, units: tuple[str, ...]) -> str:

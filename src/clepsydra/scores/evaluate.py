@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
@@ -32,6 +33,7 @@ def score_run(run: ScoredRun) -> dict[str, float]:
     signals: dict[Of, Iterable[str]] = {
         Of.CONTROLLED: run.setpoints,
         Of.AVERAGING: run.plant.buffers,
+        Of.BAND: run.plant.bands,
         Of.MANIPULATED: run.inputs,
         Of.PUMP: run.plant.pumped,
         Of.TANK: run.plant.spilt,
@@ -72,7 +74,8 @@ def _sample(run: ScoredRun, told: dict[str, FloatArray], of: Of, name: str) -> S
         return None
     if of is Of.CONTROLLED:
         told = told | {"per_step": per_step(run.time, run.segments, name)}
-    return along(run.time, told, **signals)
+    sample = along(run.time, told, **signals)
+    return replace(sample, band=run.plant.bands[name]) if of is Of.BAND else sample
 
 
 def _signals(run: ScoredRun, of: Of, name: str) -> dict[str, FloatArray]:
@@ -80,6 +83,8 @@ def _signals(run: ScoredRun, of: Of, name: str) -> dict[str, FloatArray]:
     plant = run.plant
     if of is Of.CONTROLLED:
         return {"now": run.outputs[name], "next_setpoint": run.setpoints[name]}
+    if of is Of.BAND:
+        return {"now": run.outputs[name]}
     if of is Of.MANIPULATED:
         return {"now": run.inputs[name]}
     if of is Of.AVERAGING:

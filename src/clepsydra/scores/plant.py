@@ -55,6 +55,8 @@ class PlantTrajectories:
         Tank with a weir to the volume lost over it until then [n] [m³].
     buffers : mapping
         Averaging measurement of the process to what flows through its tank.
+    bands : mapping
+        Those of them with a band to its ends [signal unit].
     gravity : float
         [m/s²]
 
@@ -69,6 +71,7 @@ class PlantTrajectories:
     heads: Mapping[str, FloatArray] = field(default_factory=dict)
     spilt: Mapping[str, FloatArray] = field(default_factory=dict)
     buffers: Mapping[str, BufferTrajectories] = field(default_factory=dict)
+    bands: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     gravity: float = 9.81
 
 
@@ -124,6 +127,7 @@ def plant_trajectories(
             name: _buffer(tanks[sensors[name].tank], flows, values, time, parameters)
             for name in process.averaging
         },
+        bands=process.bands,
         gravity=parameters.get("gravity", 9.81),
     )
 

@@ -70,6 +70,8 @@ class Sample:
         Of a controlled measurement: held during the sample, and from now on [signal unit].
     per_step : Expression
         1 over the size of the signal's own setpoint step, 0 where none is judged [1/signal unit].
+    band : tuple of float
+        Of an averaging measurement with a band: its lower and upper end [signal unit].
     inflow, outflow : Held
         Of the tank of an averaging measurement [m³/s].
     running : Held
@@ -97,6 +99,7 @@ class Sample:
     setpoint: Expression = 0.0
     next_setpoint: Expression = 0.0
     per_step: Expression = 0.0
+    band: tuple[float, float] = (-BEYOND, BEYOND)
     inflow: Held = Held()
     outflow: Held = Held()
     running: Held = Held()

@@ -27,6 +27,7 @@ class Of(Enum):
 
     CONTROLLED = "controlled measurement"
     AVERAGING = "averaging measurement"
+    BAND = "averaging measurement with a band"
     MANIPULATED = "manipulated variable"
     PUMP = "pump"
     TANK = "tank"
@@ -39,6 +40,8 @@ class Of(Enum):
             return tuple(process.controlled)
         if self is Of.AVERAGING:
             return tuple(process.averaging)
+        if self is Of.BAND:
+            return tuple(process.bands)
         if self is Of.MANIPULATED:
             return tuple(signal.name for signal in process.inputs)
         if self is Of.LEVEL:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from typing import NamedTuple
 
+import casadi as ca
 import numpy as np
 
 from clepsydra.base.signal import Signal
@@ -18,11 +21,36 @@ from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.elements.pump import Pump
 from clepsydra.process.elements.sensor import Sensor
+from clepsydra.process.elements.tank import Tank
 from clepsydra.process.level_switch import LevelLimit
 from clepsydra.process.process import Process
 
 #: What is kept free before a limit, a share of the measurement's range.
 MARGIN = 0.1
+#: What is kept free of a band, a share of the way to its end: a design knows the tank near the
+#: operating point, and a controller acts at samples.
+BAND_MARGIN = 0.05
+_LEVELS = 201
+
+
+class Room(NamedTuple):
+    """How far a level may move either way [output unit].
+
+    Examples
+    --------
+    A level that swings back by half as far as it was moved:
+
+    >>> Room(below=0.1, above=0.3).against(+1.0, swings_back=0.5)
+    0.2
+    """
+
+    below: float
+    above: float
+
+    def against(self, rate: float, swings_back: float = 0.0) -> float:
+        """Return how far a load of this direction may move it, so that it has room both ways."""
+        first, second = (self.above, self.below) if rate > 0.0 else (self.below, self.above)
+        return min(first, second / swings_back) if swings_back else first
 
 
 class Load(NamedTuple):
@@ -34,7 +62,7 @@ class Load(NamedTuple):
     size : float
         [its unit]
     rate : float
-        Magnitude [unit of the measurement per second].
+        [unit of the measurement per second]
 
     Examples
     --------
@@ -48,8 +76,8 @@ class Load(NamedTuple):
     rate: float
 
 
-def largest_load(model: LinearModel, output: str, method: str) -> Load:
-    """Return the load step of the process that moves a measurement fastest.
+def load_steps(model: LinearModel, output: str, method: str) -> list[Load]:
+    """Return the load steps of the process that move a measurement.
 
     Parameters
     ----------
@@ -69,25 +97,25 @@ def largest_load(model: LinearModel, output: str, method: str) -> Load:
     A basin of 1000 m² whose sensor shows 5 m as 100 %:
 
     >>> import clepsydra as cl
-    >>> load = largest_load(cl.load("equalisation-tank").linear, "level", "by hand")
+    >>> (load,) = load_steps(cl.load("equalisation-tank").linear, "level", "by hand")
     >>> load.signal, round(load.rate, 9)
     ('inflow', 2.4e-05)
     """
     process = operating_point_of(model).process
     loads = []
     for element in process.elements:
-        for name, size in element.load_steps().items():
+        for name, sizes in element.load_steps().items():
             if name not in model.disturbances:
                 continue
             found = transfer_element(as_input(model, name), output, name, method=method)
             if found is not None:
-                rate = abs(half_rule(found, method=method).slope * size)
-                loads.append(Load(name, process.signal(name).unit, size, rate))
+                slope, unit = half_rule(found, method=method).slope, process.signal(name).unit
+                loads += [Load(name, unit, size, slope * size) for size in sizes]
     if not loads:
         raise NotApplicable(
             method, f"the process names no load step that moves {output}; give an arrest time"
         )
-    return max(loads, key=lambda load: load.rate)
+    return loads
 
 
 def as_input(model: LinearModel, disturbance: str) -> LinearModel:
@@ -116,11 +144,12 @@ def as_input(model: LinearModel, disturbance: str) -> LinearModel:
     )
 
 
-def averaging_room(point: OperatingPoint, output: Signal, method: str) -> float:
-    """Return how far a level may move to the nearest limit, less a margin [output unit].
+def averaging_room(point: OperatingPoint, output: Signal, method: str) -> Room:
+    """Return how far a level may move [output unit].
 
-    Limits are the ends of the measurement's range, the floor and the rim of the tank, and the
-    level switches of pumps; the margin is a tenth of the measurement's range.
+    With a band, to its ends but for a twentieth of the way. Else as far either way as the nearest
+    of the ends of the measurement's range, the floor and the rim of the tank, and the level
+    switches of pumps is away, less a tenth of the measurement's range.
 
     Raises
     ------
@@ -132,20 +161,73 @@ def averaging_room(point: OperatingPoint, output: Signal, method: str) -> float:
     >>> from clepsydra.linear.equilibrium import find_equilibrium
     >>> from clepsydra.process.reader import load_process
     >>> point = find_equilibrium(load_process("equalisation-tank"))
-    >>> round(averaging_room(point, point.process.signal("level"), "by hand"), 9)
+    >>> round(averaging_room(point, point.process.signal("level"), "by hand").above, 9)
     0.4
     """
     here = point.as_dict()[output.name]
+    band = point.process.bands.get(output.name)
+    if band is not None:
+        free = 1.0 - BAND_MARGIN
+        room = Room(free * (here - band[0]), free * (band[1] - here))
+        if min(room) <= 0.0:
+            raise NotApplicable(method, f"{output.name} rests at the end of its band")
+        return room
     limits = [output.low, output.high, *_vessel_limits(point, output.name)]
     way = min(abs(limit - here) for limit in limits)
-    room = way - MARGIN * output.span
-    if room <= 0.0:
+    left = way - MARGIN * output.span
+    if left <= 0.0:
         raise NotApplicable(
             method,
             f"{output.name} stands {100.0 * way / output.span:.2g} % of its range from a limit, "
             f"and {100.0 * MARGIN:g} % are kept free",
         )
-    return room
+    return Room(left, left)
+
+
+def longest_arrest(model: LinearModel, method: str) -> float:
+    """Return the longest arrest time of the levels with a band, under their worst load step [s].
+
+    That of damping 1 on the linear model, e · room / rate; 0 where no load moves a level with a
+    band.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> longest_arrest(cl.load("equalisation-tank").linear, "by hand")
+    0.0
+    """
+    point = operating_point_of(model)
+    times = [0.0]
+    for name in point.process.bands:
+        with suppress(NotApplicable):
+            room = averaging_room(point, point.process.signal(name), method)
+            loads = load_steps(model, name, method)
+            times.append(math.e * min(room.against(each.rate) / abs(each.rate) for each in loads))
+    return max(times)
+
+
+def smallest_area(point: OperatingPoint, output: Signal, room: Room) -> float:
+    """Return the smallest surface that a tank has within the room, over that at rest.
+
+    There a flow moves the level fastest. It is 1 of a volume, and of a tank with upright walls.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.equilibrium import find_equilibrium
+    >>> from clepsydra.process.reader import load_process
+    >>> point = find_equilibrium(load_process("equalisation-tank"))
+    >>> smallest_area(point, point.process.signal("level"), Room(0.1, 0.1))
+    1.0
+    """
+    process, here = point.process, point.as_dict()[output.name]
+    sensor = next((e for e in process.elements if e.name == output.name), None)
+    if not isinstance(sensor, Sensor) or sensor.measured != "level":
+        return 1.0
+    tank = next(e for e in process.elements if e.name == sensor.tank and isinstance(e, Tank))
+    readings = np.append(np.linspace(here - room.below, here + room.above, _LEVELS), here)
+    values = tank.vessel.values()
+    areas = [float(tank.vessel.area(ca.SX(sensor.to_quantity(y)), values)) for y in readings]
+    return min(areas) / areas[-1]
 
 
 def is_level(process: Process, output: str) -> bool:

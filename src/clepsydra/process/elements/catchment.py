@@ -12,7 +12,7 @@ from clepsydra.base.quantity import quantity
 from clepsydra.base.signal import Signal
 from clepsydra.process import told
 from clepsydra.process.declared import filled, link, part
-from clepsydra.process.disturbance_range import read_disturbance_range
+from clepsydra.process.disturbance_range import read_disturbance_range, told_of_steps
 from clepsydra.process.element import Element
 from clepsydra.process.flow import Flow
 from clepsydra.program.step_law import Symbols
@@ -44,8 +44,8 @@ class Catchment(Element):
         Range of i [m/s].
     nominal : float
         i at the operating point [m/s].
-    step : float
-        Size of the load step of the default scenario [m/s].
+    steps : tuple of float
+        Sizes of the load steps of the default scenario [m/s].
 
     Examples
     --------
@@ -83,14 +83,14 @@ class Catchment(Element):
         {
             "range": told.quantities("range of the rain [m/s]", 2),
             "nominal": told.text("the rain at the operating point [m/s]"),
-            "step": told.text("size of the load step of studies [m/s]; none if left out"),
+            "step": told_of_steps("[m/s]; none if left out"),
         },
         fills=True,
         required=("range", "nominal"),
     )
     high: float = filled()
     nominal: float = filled()
-    step: float = 0.0
+    steps: tuple[float, ...] = ()
 
     @property
     def _runoff(self) -> str:
@@ -108,9 +108,9 @@ class Catchment(Element):
         ends = self.low, self.high, self.nominal
         return (Signal(self.name, "m/s", shown, *ends, description=f"rain on {self.name}"),)
 
-    def load_steps(self) -> dict[str, float]:
+    def load_steps(self) -> dict[str, tuple[float, ...]]:
         """Return the step of the rain."""
-        return {self.name: self.step} if self.step else {}
+        return {self.name: self.steps} if self.steps else {}
 
     def flows(self, symbols: Symbols, received: Sequence[Flow]) -> tuple[Flow, ...]:
         """Return the runoff."""

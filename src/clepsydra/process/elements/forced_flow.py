@@ -18,7 +18,7 @@ from clepsydra.process.concentrations import (
     concentration_values,
 )
 from clepsydra.process.declared import filled, link, part
-from clepsydra.process.disturbance_range import read_disturbance_range
+from clepsydra.process.disturbance_range import read_disturbance_range, told_of_steps
 from clepsydra.process.element import Element
 from clepsydra.process.flow import Flow
 from clepsydra.process.hybrid import Event
@@ -45,8 +45,8 @@ class ForcedFlow(Element):
         Range [m³/s].
     nominal : float
         Value at the operating point [m³/s].
-    step : float
-        Size of the load step of the default scenario [m³/s].
+    steps : tuple of float
+        Sizes of the load steps of the default scenario [m³/s].
     given : mapping
         Component to its concentration, in liquid from outside.
     suction : Suction or None
@@ -54,7 +54,7 @@ class ForcedFlow(Element):
 
     Examples
     --------
-    >>> rain = ForcedFlow("rain", "", "tank_1", low=0.0, high=1e-5, nominal=0.0, step=2e-6)
+    >>> rain = ForcedFlow("rain", "", "tank_1", low=0.0, high=1e-5, nominal=0.0, steps=(2e-6,))
     >>> rain.disturbances()[0].high
     1e-05
     """
@@ -72,14 +72,14 @@ class ForcedFlow(Element):
         {
             "range": told.quantities("range of the flow [m^3/s]", 2),
             "nominal": told.text("the flow at the operating point [m^3/s]"),
-            "step": told.text("size of the load step of studies [m^3/s]; none if left out"),
+            "step": told_of_steps("[m^3/s]; none if left out"),
         },
         fills=True,
         required=("range", "nominal"),
     )
     high: float = filled()
     nominal: float = filled()
-    step: float = 0.0
+    steps: tuple[float, ...] = ()
     suction: Suction | None = drawing()
     given: Mapping[str, GivenConcentration] = brought()
 
@@ -118,9 +118,9 @@ class ForcedFlow(Element):
             *concentration_signals(self.name, self.given, self.components),
         )
 
-    def load_steps(self) -> dict[str, float]:
+    def load_steps(self) -> dict[str, tuple[float, ...]]:
         """Return the sizes of its load steps by signal."""
-        own = {self.name: self.step} if self.step else {}
+        own = {self.name: self.steps} if self.steps else {}
         return own | concentration_steps(self.name, self.given)
 
     def memories(self) -> tuple[Signal, ...]:

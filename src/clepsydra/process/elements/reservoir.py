@@ -54,7 +54,7 @@ class Reservoir(Element):
         """Return the concentrations that vary."""
         return concentration_signals(self.name, self.given, self.components)
 
-    def load_steps(self) -> dict[str, float]:
+    def load_steps(self) -> dict[str, tuple[float, ...]]:
         """Return the sizes of the load steps of its concentrations by signal."""
         return concentration_steps(self.name, self.given)
 

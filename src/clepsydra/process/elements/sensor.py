@@ -19,6 +19,7 @@ from clepsydra.process.sensor_reading import (
     QUANTITIES,
     SensorScale,
     gain_unit,
+    read_band,
     read_measured,
     read_scale,
     read_share,
@@ -86,6 +87,8 @@ class Sensor(Element):
         Standard deviation of the measurement [`unit`]; None where it is not known.
     resolution : float or None
         Step between two measurements [`unit`].
+    band : tuple of float or None
+        Lowest and highest measurement [`unit`] between which loads may move an averaging level.
 
     Examples
     --------
@@ -146,6 +149,11 @@ class Sensor(Element):
     )
     resolution: float | None = part(
         _share, default=None, **told.quantity("smallest step that it shows")
+    )
+    band: tuple[float, float] | None = part(
+        read_band,
+        default=None,
+        **told.quantities("lowest and highest level that an averaging tank keeps under loads", 2),
     )
 
     def __post_init__(self) -> None:

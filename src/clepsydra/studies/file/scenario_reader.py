@@ -18,6 +18,7 @@ from clepsydra.loop.default_scenario import MOST_SAMPLES, add_noise, default_sce
 from clepsydra.loop.duration import samples_before
 from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.process import told
+from clepsydra.process.bands import check_at_rest, within_band
 from clepsydra.process.declared import OWN, keys_of, part, read_fields, table_schema
 from clepsydra.process.known_names import known_name
 from clepsydra.process.process import Process
@@ -45,7 +46,9 @@ class Step:
         required=("at",),
     )
     value: Callable[[float], float] = part(
-        lambda table, key, known: partial(_value, table, known["signal"], known["kind"]),
+        lambda table, key, known: partial(
+            _value, table, known["signal"], known["kind"], known["process"].bands
+        ),
         {
             "to": told.quantity("the value after the step"),
             "by": told.quantity("the size of the step"),
@@ -142,6 +145,7 @@ def read_scenario(table: TableReader | None, analysis: Analysis, seed: int) -> S
     known = ScenarioTable(**read_fields(ScenarioTable, table, process=process, period=period))
     samples, quiet, steps = known.samples, known.quiet, known.steps
     at = analysis.operating_point.as_dict()
+    check_at_rest(process, at)
     setpoints = np.tile([at[name] for name in process.controlled], (samples, 1))
     disturbances = np.tile([at[signal.name] for signal in process.disturbances], (samples, 1))
     noise = np.zeros((samples, len(process.measurements)))
@@ -247,7 +251,13 @@ def _sample(row: TableReader, period: float, samples: int) -> int:
     return sample
 
 
-def _value(table: TableReader, signal: Signal, kind: str, before: float) -> float:
+def _value(
+    table: TableReader,
+    signal: Signal,
+    kind: str,
+    bands: Mapping[str, tuple[float, float]],
+    before: float,
+) -> float:
     """Return the value after a step [SI]."""
     if table.has("to") == table.has("by"):
         raise table.refused(
@@ -265,6 +275,9 @@ def _value(table: TableReader, signal: Signal, kind: str, before: float) -> floa
         )
         value, key = before + change, "by"
     check_in_range(table, key, signal, value, "a setpoint" if kind == "setpoint" else "a load")
+    band = bands.get(signal.name, (value, value))
+    if not band[0] <= value <= band[1]:
+        raise table.refused(key, table.written(key), *within_band(signal, band))
     if value == before:
         raise table.refused(
             key, table.written(key), f"a change of {signal.name}", "let it step, or leave it out"
