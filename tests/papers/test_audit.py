@@ -1,6 +1,9 @@
 """The audit as a whole: its documents are folders, and processes may share its work."""
 
+import math
 import sys
+from importlib import import_module
+from pathlib import Path
 from textwrap import dedent
 
 import pytest
@@ -19,19 +22,23 @@ TINY = {
         PRINTED = printed_table(__name__)
         """,
     "printed.csv": """
-        place,name,text,unit,digits,damage,note
-        section 1,area,0.785,m²,,,π d² / 4
+        place,name,text,unit,digits,damage,note,given
+        section 1,diameter,1,m,,,,given
+        section 1,area,0.785,m²,,,π d² / 4,
         """,
     "first_part.py": """
         from math import pi
 
         from clepsydra.papers.comparison import compared_all
         from clepsydra.papers.document import Findings
+        from clepsydra.papers.printed import values
         from clepsydra.papers.tiny_tank import PRINTED
 
 
         def run():
-            return Findings(tuple(compared_all(PRINTED, "section 1", {"area": pi / 4.0})))
+            (diameter,) = values(PRINTED, "section 1", "diameter")
+            area = pi * diameter**2 / 4.0
+            return Findings(tuple(compared_all(PRINTED, "section 1", {"area": area})))
         """,
 }
 
@@ -68,16 +75,29 @@ def test_two_rows_of_one_name_are_a_mistake(tiny):
 
 def test_two_lines_of_one_name_are_a_mistake(tiny):
     table = tiny / "printed.csv"
-    table.write_text(table.read_text("utf-8") + "section 1,area,0.79,m²,,,\n", "utf-8")
+    table.write_text(table.read_text("utf-8") + "section 1,area,0.79,m²,,,,\n", "utf-8")
     with pytest.raises(AssertionError, match="twice"):
         documents()
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("key", documents())
-def test_every_line_of_a_table_is_judged_and_no_other(key, audited):
+def test_every_line_of_a_table_is_judged_and_no_other_but_what_is_given(key, audited):
     table = printed_table(documents()[key].package)
-    assert {(row.place, row.name) for row in audited(key).rows} == set(table)
+    judged = {key for key, line in table.items() if not line.is_given}
+    assert {(row.place, row.name) for row in audited(key).rows} == judged
+
+
+@pytest.mark.parametrize("key", documents())
+def test_what_a_table_gives_is_a_number_with_which_the_code_computes(key):
+    package = documents()[key].package
+    folder = Path(import_module(package).__file__).parent
+    code = "".join(path.read_text("utf-8") for path in folder.glob("*.py"))
+    for line in printed_table(package).values():
+        if line.is_given:
+            # A name with what it is of, "γ, minimum phase", is put together.
+            assert f'"{line.name.partition(",")[0]}' in code, line
+            assert math.isfinite(line.value)
 
 
 @pytest.mark.thorough

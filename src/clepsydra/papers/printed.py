@@ -89,6 +89,8 @@ class Printed:
         What in our text of the document looks like damage of its conversion.
     note : str
         What it is compared with and why, where that needs no computation.
+    is_given : bool
+        Whether the computation starts from it, and nothing judges it.
 
     Examples
     --------
@@ -103,6 +105,12 @@ class Printed:
     digits: int | None = None
     damage: str = ""
     note: str = ""
+    is_given: bool = False
+
+    @property
+    def value(self) -> float:
+        """The number without what its digits leave open."""
+        return self.number.value
 
     @property
     def number(self) -> PrintedNumber:
@@ -111,6 +119,17 @@ class Printed:
 
 
 PrintedTable = dict[tuple[str, str], Printed]
+
+
+def values(table: PrintedTable, place: str, *names: str) -> list[float]:
+    """Return the numbers of a place by their names.
+
+    Examples
+    --------
+    >>> values(printed_table("clepsydra.papers.three_tanks"), "Ziegler-Nichols", "Kc", "Kd")
+    [0.0012, 0.028]
+    """
+    return [table[place, name].value for name in names]
 
 
 def printed_table(package: str) -> PrintedTable:
@@ -124,8 +143,8 @@ def printed_table(package: str) -> PrintedTable:
     """
     with resources.files(package).joinpath("printed.csv").open(encoding="utf-8") as file:
         lines = [
-            Printed(place, name, text, unit, int(digits) if digits else None, damage, note)
-            for place, name, text, unit, digits, damage, note in list(csv.reader(file))[1:]
+            Printed(place, name, text, unit, int(digits or 0) or None, damage, note, bool(given))
+            for place, name, text, unit, digits, damage, note, given in [*csv.reader(file)][1:]
         ]
     table = {(line.place, line.name): line for line in lines}
     assert len(table) == len(lines), f"printed.csv of {package} has a line of one name twice"

@@ -6,11 +6,10 @@ from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.continuous_pi import continuous_run
 from clepsydra.papers.averaging_tank.pi import tuned
 from clepsydra.papers.averaging_tank.printed_tables import printed_indices
-from clepsydra.papers.averaging_tank.symbols import Variant
+from clepsydra.papers.averaging_tank.symbols import VARIANTS, constant_flow
 from clepsydra.papers.comparison import claimed
 from clepsydra.papers.row import Row
 
-_VARIANTS: tuple[Variant, Variant] = ("outflow", "inflow")
 #: Smaller by less is not smaller: tuning ends within that.
 _SAME = 0.01
 
@@ -19,10 +18,10 @@ def best_values() -> Row:
     """Judge Table 6 as a whole: the larger index of C and V, tuned again for each column."""
     pairs = []
     for index in ("IAE", "ISE", "ITAE"):
-        for variant in _VARIANTS:
+        for variant in VARIANTS:
             found = continuous_run(tuned(variant, index), free=True).indices
             ours = max(found[index, "C"], found[index, "V"])
-            column = f"f_{variant[:-4]} constant"
+            column = constant_flow(variant)
             printed = printed_indices("Table 6", column)
             theirs = max(printed[index, output] for output in ("C", "V"))
             pairs.append((f"{index}, {column}", ours, theirs))

@@ -22,6 +22,7 @@ from sympy import (
 
 from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.symbols import (
+    AT_REST,
     K1,
     K2,
     Td1,
@@ -34,9 +35,6 @@ from clepsydra.papers.averaging_tank.symbols import (
     decoupler,
     plant,
     s,
-    u1,
-    u3,
-    x1,
 )
 from clepsydra.papers.comparison import (
     circular,
@@ -102,7 +100,7 @@ def _decoupler() -> list[Row]:
     (solved,) = solve(wanted * second + first, wanted)
     T = decoupler("outflow")
     rows = compared_formulas(PRINTED, "(49)", {"T11": solved})
-    for ending, found in (("", T), (" at rest", T.subs({u3: 5, x1: 5, u1: 0.2}))):
+    for ending, found in (("", T), (" at rest", T.subs(AT_REST))):
         for (row, column), element in _ELEMENTS.items():
             line = PRINTED["(50)", f"{element}{ending} (row {row + 1}, column {column + 1})"]
             judged = compared_formula(line, found[row, column])

@@ -13,14 +13,18 @@ from typing import NamedTuple
 
 import numpy as np
 
+from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.step_run import STEPS
-from clepsydra.papers.averaging_tank.symbols import Variant
+from clepsydra.papers.averaging_tank.symbols import C0, FLOW, INLET, V0, Variant, constant_flow
+from clepsydra.papers.printed import values
 from clepsydra.scores.step_response import rise_time, settling_time
 
 #: Between points that are kept [s].
 _KEPT = 1e-4
-_FLOW, _INLET = 1.0, 25.0
-_REST = {"C": 5.0, "V": 2.0}
+HIGHEST_FLOW, HIGHEST_INLET = values(
+    PRINTED, "section 3.3", "highest f_in and f_out", "highest C_in"
+)
+_REST = {"C": C0, "V": V0}
 _OUTPUTS = ("C", "V")
 
 
@@ -37,7 +41,7 @@ class Constants(NamedTuple):
     @property
     def title(self) -> str:
         """What the reader sees."""
-        return f"f_{'out' if self.constant == 'outflow' else 'in'} constant, {self.tuned}"
+        return f"{constant_flow(self.constant)}, {self.tuned}"
 
 
 @dataclass(frozen=True)
@@ -80,7 +84,7 @@ class ContinuousRun:
 
     def at_limit(self, name: str) -> float:
         """Return how long "flow" or "inlet" stands at a limit [s]."""
-        values, high = (self.flow, _FLOW) if name == "flow" else (self.inlet, _INLET)
+        values, high = (self.flow, HIGHEST_FLOW) if name == "flow" else (self.inlet, HIGHEST_INLET)
         return _KEPT * float(np.count_nonzero((values <= 1e-9) | (values >= high - 1e-9)))
 
 
@@ -143,16 +147,16 @@ class _Loop:
     def inputs(self, x: Sequence[float] | np.ndarray) -> tuple[float, float]:
         """Return the flow that is moved and C_in, within their limits."""
         given = self._constants
-        inlet = 5.0 + given.gain_c * (self._targets[0] - x[0] + x[2] / given.time_c)
-        flow = 0.2 + self._sign * given.gain_v * (self._targets[1] - x[1] + x[6] / given.time_v)
+        inlet = INLET + given.gain_c * (self._targets[0] - x[0] + x[2] / given.time_c)
+        flow = FLOW + self._sign * given.gain_v * (self._targets[1] - x[1] + x[6] / given.time_v)
         if not self._free:
-            inlet = min(max(inlet, 0.0), _INLET)
-        return min(max(flow, 0.0), _FLOW), inlet
+            inlet = min(max(inlet, 0.0), HIGHEST_INLET)
+        return min(max(flow, 0.0), HIGHEST_FLOW), inlet
 
     def rates(self, t: float, x: np.ndarray) -> list[float]:
         """Return the slopes of the states."""
         flow, inlet = self.inputs(x)
-        inflow, outflow = (flow, 0.2) if self._sign > 0.0 else (0.2, flow)
+        inflow, outflow = (flow, FLOW) if self._sign > 0.0 else (FLOW, flow)
         rates = [inflow / x[1] * (inlet - x[0]), inflow - outflow]
         for target, value in zip(self._targets, x[:2], strict=True):
             error = target - value

@@ -18,7 +18,11 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise, operating_point_of
 from clepsydra.loop.run import Run
 from clepsydra.papers.averaging_tank import PRINTED, fuzzy_pictures, fuzzy_tables
-from clepsydra.papers.averaging_tank.continuous_pi import continuous_run
+from clepsydra.papers.averaging_tank.continuous_pi import (
+    HIGHEST_FLOW,
+    HIGHEST_INLET,
+    continuous_run,
+)
 from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, lqi_run
 from clepsydra.papers.averaging_tank.model import KMOL, high_tank
 from clepsydra.papers.averaging_tank.pi import BY_HAND, OPTIMAL
@@ -215,9 +219,9 @@ def _behaviour(reading: Reading) -> list[Row]:
         ),
         claimed(
             PRINTED["section 4", "control values, fuzzy"],
-            highest["inflow"] < 1.0
-            and highest["outflow"] < 1.0
-            and highest["inflow.impurity"] < 25e3
+            highest["inflow"] < HIGHEST_FLOW
+            and highest["outflow"] < HIGHEST_FLOW
+            and highest["inflow.impurity"] < HIGHEST_INLET * KMOL
             and min(lowest.values()) > 0.0,
             f"f_in {lowest['inflow']:.2f} to {highest['inflow']:.2f}, f_out "
             f"{lowest['outflow']:.2f} to {highest['outflow']:.2f} m³/s, C_in "

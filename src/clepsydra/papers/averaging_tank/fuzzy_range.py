@@ -15,7 +15,7 @@ from clepsydra.papers.averaging_tank.operating_range import (
 )
 from clepsydra.papers.averaging_tank.sampling import CYCLE
 from clepsydra.papers.averaging_tank.step_run import MEASURED, STEPS, indices
-from clepsydra.papers.averaging_tank.symbols import Variant
+from clepsydra.papers.averaging_tank.symbols import VARIANTS, constant_flow
 from clepsydra.papers.averaging_tank.trends import trend_figure
 from clepsydra.papers.comparison import remark
 from clepsydra.papers.document import Findings
@@ -27,11 +27,10 @@ _FAST = 1e-3
 _SCANS = (_FAST, 2e-3, 5e-3, CYCLE, 2.0 * CYCLE)
 #: Of a run at a scan, and its end that is looked at [s].
 _RUN, _END = 10.0, 2.0
-_VARIANTS: tuple[Variant, Variant] = ("outflow", "inflow")
 _BY_HAND = {
-    f"{law}, f_{constant[:-4]} constant": (constant, law)
+    f"{law}, {constant_flow(constant)}": (constant, law)
     for law in ("PI", "LQI")
-    for constant in _VARIANTS
+    for constant in VARIANTS
 }
 
 

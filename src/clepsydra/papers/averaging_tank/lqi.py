@@ -52,9 +52,11 @@ def run() -> Findings:
 
 def _gains() -> list[Row]:
     hand, best, other, last = (_named(gains(column)) for column in COLUMNS)
+    f12 = PRINTED["(97b)", "F12"].value
     square = (
         "Fi12² is Q4/R1 = 10, and F12 beside it asks for it, as F12² = Q2/R1 + 2 Fi12",
-        abs(hand["Fi12"] ** 2 - 10.0) < 1e-6 and abs((3.0536**2 - 3.0) / 2.0 - hand["Fi12"]) < 2e-4,
+        abs(hand["Fi12"] ** 2 - COLUMNS[0].states[3]) < 1e-6
+        and abs((f12**2 - COLUMNS[0].states[1]) / 2.0 - hand["Fi12"]) < 2e-4,
     )
     rows = [
         *(
@@ -130,7 +132,7 @@ def _third_weight() -> Row:
     }
     fits = {}
     for weight in (0.1 * printed, printed, 10.0 * printed, right, 10.0 * right):
-        found = indices_of(_with_third(weight))
+        found = indices_of(COLUMNS[3].with_third(weight))
         fits[weight] = sum(
             compared(cell, found[key], unprinted="-").verdict == "reproduced"
             for key, cell in cells.items()
@@ -145,11 +147,6 @@ def _third_weight() -> Row:
     return compared(PRINTED["(101a)", "Q3"], right, right_if=[evidence])
 
 
-def _with_third(weight: float) -> Weights:
-    q1, q2, _, q4 = COLUMNS[3].states
-    return COLUMNS[3]._replace(states=(q1, q2, weight, q4))
-
-
 def _table_7() -> list[Row]:
     rows = []
     for index, output in KEYS:
@@ -162,7 +159,7 @@ def _table_7() -> list[Row]:
             digit = f"Its last digit hangs on the solver, which is not printed. {line.note}"
             row = compared(line, found, unprinted=digit)
             if index == "IE" and column is COLUMNS[0]:
-                row = circular(row, _step_from(output, line.number.value))
+                row = circular(row, _step_from(output, line.value))
             elif column is COLUMNS[3] and output == "C":
                 row = circular(row, "Q3 of (101a) was chosen by the four cells of C here.")
             rows.append(row)
@@ -193,7 +190,7 @@ def _smooth(column: Weights, output: str) -> float:
 
 def _squared_slopes() -> list[Row]:
     """ISEG: one time, solved from the first cell, is nearly all of every cell."""
-    first = _iseg("C", COLUMNS[0]).number.value - _smooth(COLUMNS[0], "C")
+    first = _iseg("C", COLUMNS[0]).value - _smooth(COLUMNS[0], "C")
     time = 0.5 * STEPS["C"] ** 2 / first
     rows = []
     for output in ("C", "V"):
@@ -203,7 +200,7 @@ def _squared_slopes() -> list[Row]:
             is_solved_from = output == "C" and column is COLUMNS[0]
             weight = " Q3 of (101a) is taken as 10.92." if column is COLUMNS[3] else ""
             where = "this cell" if is_solved_from else "the first cell alone"
-            own = 100.0 * smooth / line.number.value
+            own = 100.0 * smooth / line.value
             why = (
                 f"{share:.3f} of it is the derivative of the step itself, taken over "
                 f"{1e4 * time:.4f}e-4 s, solved from {where}; 0.01 % is left open for the solver, "

@@ -7,8 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from clepsydra.controllers.controller import Controller
 from clepsydra.designs.states.state_controllers import lqi_controller
+from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.run import Run
+from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.model import KMOL, numbers
 from clepsydra.papers.averaging_tank.step_run import (
     HORIZON,
@@ -18,7 +21,8 @@ from clepsydra.papers.averaging_tank.step_run import (
     model_of,
     step_run,
 )
-from clepsydra.papers.averaging_tank.symbols import Variant
+from clepsydra.papers.averaging_tank.symbols import Variant, constant_flow
+from clepsydra.papers.printed import values
 
 
 class Weights(NamedTuple):
@@ -33,17 +37,27 @@ class Weights(NamedTuple):
     @property
     def title(self) -> str:
         """As Table 7 has it."""
-        return f"f_{'out' if self.constant == 'outflow' else 'in'} constant, {self.tuned}"
+        return f"{constant_flow(self.constant)}, {self.tuned}"
+
+    def with_third(self, q3: float) -> Weights:
+        """Return them with another Q3."""
+        q1, q2, _, q4 = self.states
+        return self._replace(states=(q1, q2, q3, q4))
 
 
+def _printed(place: str, constant: Variant, tuned: str) -> Weights:
+    q1, q2, q3, q4, r1, r2 = values(PRINTED, place, "Q1", "Q2", "Q3", "Q4", "R1", "R2")
+    return Weights(place, constant, tuned, (q1, q2, q3, q4), (r1, r2))
+
+
+PRINTED_Q3 = _printed("(101a)", "inflow", "optimal")
 #: The last with the Q3 that its column of Table 7 needs.
 COLUMNS = (
-    Weights("(97a)", "outflow", "by hand", (2.0, 3.0, 10.0, 10.0), (1.0, 0.1)),
-    Weights("(100a)", "outflow", "optimal", (1e-6, 0.1309, 12.04, 10.88), (1e-6, 1e-6)),
-    Weights("(98a)", "inflow", "by hand", (3.0, 1.0, 10.0, 3.0), (2.0, 0.1)),
-    Weights("(101a)", "inflow", "optimal", (1e-6, 0.3995, 10.92, 4.528), (0.0113, 1e-6)),
+    _printed("(97a)", "outflow", "by hand"),
+    _printed("(100a)", "outflow", "optimal"),
+    _printed("(98a)", "inflow", "by hand"),
+    PRINTED_Q3.with_third(10.92),
 )
-PRINTED_Q3 = COLUMNS[3]._replace(states=(1e-6, 0.3995, 0.1092, 4.528))
 
 
 @cache
@@ -55,9 +69,13 @@ def gains(weights: Weights) -> np.ndarray:
     >>> (gains(COLUMNS[0])[1].round(4) + 0.0).tolist()
     [13.8661, 0.0, 10.0, 0.0]
     """
+    return weighed(weights, *numbers(weights.constant))
+
+
+def weighed(weights: Weights, A: np.ndarray, B: np.ndarray) -> np.ndarray:
+    """Return [F Fi] [2, 4] of a model, by the Riccati equation of (87)."""
     from scipy.linalg import solve_continuous_are
 
-    A, B = numbers(weights.constant)
     whole = np.block([[A, np.zeros((2, 2))], [np.eye(2), np.zeros((2, 2))]])
     moved = np.vstack([B, np.zeros((2, 2))])
     R = np.diag(weights.inputs)
@@ -65,17 +83,29 @@ def gains(weights: Weights) -> np.ndarray:
     return np.asarray(np.linalg.solve(R, moved.T @ cost))
 
 
+def in_moles(found: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return F and Fi of [F Fi] in mol, as the process has it."""
+    scale = np.array([[1.0], [KMOL]]) / np.array([KMOL, 1.0])
+    return scale * found[:, :2], scale * found[:, 2:]
+
+
+def lqi_of(weights: Weights, model: LinearModel) -> Controller:
+    """Return the document's controller by some weights, without anti-windup."""
+    return lqi_controller(
+        f"LQI, {weights.tuned}",
+        model,
+        ("concentration", "volume"),
+        *in_moles(gains(weights)),
+        [1.0, 1.0],
+        "none",
+    )
+
+
 @cache
 def lqi_run(weights: Weights, period: float = PERIOD, horizon: float = HORIZON) -> Run:
-    """Return the document's step under the gains of some weights, without anti-windup."""
+    """Return the document's step under the gains of some weights."""
     model = model_of(weights.constant, period)
-    to_input, from_output = np.array([1.0, KMOL]), np.array([KMOL, 1.0])
-    scaled = gains(weights).reshape(2, 2, 2) * to_input[:, None, None] / from_output
-    controller = lqi_controller(
-        f"LQI, {weights.tuned}", model, ("concentration", "volume"), scaled[:, 0], scaled[:, 1],
-        [1.0, 1.0], "none",
-    )  # fmt: skip
-    return step_run(controller, model, (STEPS["C"], STEPS["V"]), horizon)
+    return step_run(lqi_of(weights, model), model, (STEPS["C"], STEPS["V"]), horizon)
 
 
 @cache

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from sympy import Derivative, Function, Matrix, Rational, symbols
+from sympy import Derivative, Function, Matrix, symbols
 
 from clepsydra.linear.analysis import analyse
 from clepsydra.papers.averaging_tank import PRINTED
-from clepsydra.papers.averaging_tank.symbols import Variant, plant, u1, u3, x1, x2
+from clepsydra.papers.averaging_tank.symbols import AT_REST, VARIANTS, Variant, plant
 from clepsydra.papers.comparison import (
     claimed,
     compared,
@@ -110,7 +110,6 @@ def _linear_model() -> list[Row]:
     inflow, outflow = symbols("f_in0 f_out0")
     outflow_constant, inflow_constant = plant("outflow"), plant("inflow")
     by = outflow_constant.transfer
-    at_rest = {x1: 5, x2: 2, u1: Rational(1, 5), u3: 5}
     transfer = {
         "C by f_in": by[0, 0], "C by C_in": by[0, 1], "V by f_in": by[1, 0],
         "V by f_out": inflow_constant.transfer[1, 0],
@@ -130,8 +129,8 @@ def _linear_model() -> list[Row]:
         ("(34)", entries("A", inflow_constant.A) | entries("B", inflow_constant.B)),
         ("(45)", entries("Gp", by)),
         ("(63)", entries("Gp", inflow_constant.transfer)),
-        ("(46)", entries("Gp at rest ", by.subs(at_rest))),
-        ("(64)", entries("Gp at rest ", inflow_constant.transfer.subs(at_rest))),
+        ("(46)", entries("Gp at rest ", by.subs(AT_REST))),
+        ("(64)", entries("Gp at rest ", inflow_constant.transfer.subs(AT_REST))),
     ):
         rows += compared_formulas(PRINTED, place, found)
     return rows
@@ -154,7 +153,7 @@ def _matrices() -> list[Row]:
 
 def _controllability() -> list[Row]:
     rows: list[Row] = []
-    variants: tuple[tuple[str, Variant], ...] = (("(94)", "outflow"), ("(96)", "inflow"))
+    variants = tuple(zip(("(94)", "(96)"), VARIANTS, strict=True))
     for place, variant in variants:
         found = plant(variant)
         matrix = Matrix.hstack(found.B, found.A * found.B)

@@ -18,7 +18,7 @@ from clepsydra.papers.averaging_tank.range_controllers import (
 from clepsydra.papers.averaging_tank.range_linear import linear_errors
 from clepsydra.papers.averaging_tank.sampling import sampling_row
 from clepsydra.papers.averaging_tank.step_run import MEASURED, high_model_of, step_scenario
-from clepsydra.papers.averaging_tank.symbols import Variant
+from clepsydra.papers.averaging_tank.symbols import C0, V0, VARIANTS, Variant, constant_flow
 from clepsydra.papers.comparison import remark
 from clepsydra.papers.document import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
@@ -30,11 +30,10 @@ PERIOD, HORIZON = 0.01, 30.0  # [s]
 _SMALL = 0.05
 _LARGE = (-0.5, 0.5)
 _SHARES = (-0.5, -0.25, -0.05, 0.05, 0.25, 0.5)
-_AT_REST = {"C": 5.0, "V": 2.0}
+_AT_REST = {"C": C0, "V": V0}
 _PERIODS = (1e-3, 1e-2, 1e-1)  # [s]
 #: Drawn at every sampling period.
 _SAMPLED = ("PI", "PI, anti-windup", "LQI", "LQI, anti-windup", "LQI, recomputed, anti-windup")
-_VARIANTS: tuple[Variant, Variant] = ("outflow", "inflow")
 _LAWS = ("PI", "LQI")
 
 
@@ -141,14 +140,14 @@ def _worst(constant: Variant, kind: str) -> tuple[float, Step]:
 
 def _declines() -> list[Row]:
     found, causes = [], []
-    for constant in _VARIANTS:
+    for constant in VARIANTS:
         for kind in ("PI", "LQI"):
             worst, step = _worst(constant, kind)
             linear = _linear_decline(constant, kind, step)
             without = decline(constant, f"{kind}, anti-windup", step)
-            found.append(f"{_times(worst)} ({kind}, {_flow(constant)}, {step.words})")
+            found.append(f"{_times(worst)} ({kind}, {constant_flow(constant)}, {step.words})")
             causes.append(
-                f"{kind}, {_flow(constant)}: {_times(linear)} on the linear model, "
+                f"{kind}, {constant_flow(constant)}: {_times(linear)} on the linear model, "
                 f"{_times(without)} in the tank with anti-windup"
             )
     return [
@@ -165,8 +164,8 @@ def _declines() -> list[Row]:
 
 
 def _remedies() -> list[Row]:
-    scheduled = [_remedy(c, kind, f"{kind}, scheduled") for c in _VARIANTS for kind in _LAWS]
-    cyclic = [_remedy(constant, "LQI", "LQI, recomputed") for constant in _VARIANTS]
+    scheduled = [_remedy(c, kind, f"{kind}, scheduled") for c in VARIANTS for kind in _LAWS]
+    cyclic = [_remedy(constant, "LQI", "LQI, recomputed") for constant in VARIANTS]
     return [
         remark(PRINTED["section 5", "gain scheduling"], "; ".join(scheduled)),
         remark(PRINTED["section 5", "cyclic calculation"], "; ".join(cyclic)),
@@ -179,13 +178,9 @@ def _remedy(constant: Variant, kind: str, remedy: str) -> str:
     before, alone = (_worst(constant, f"{kind}{end}")[0] for end in ends)
     after, both = (_worst(constant, f"{remedy}{end}")[0] for end in ends)
     return (
-        f"{kind}, {_flow(constant)}: {_times(after)} with it and {_times(before)} without, under "
-        f"anti-windup {_times(both)} and {_times(alone)}"
+        f"{kind}, {constant_flow(constant)}: {_times(after)} with it and {_times(before)} "
+        f"without, under anti-windup {_times(both)} and {_times(alone)}"
     )  # fmt: skip
-
-
-def _flow(constant: Variant) -> str:
-    return f"f_{constant[:-4]} constant"
 
 
 def _times(decline: float) -> str:

@@ -15,7 +15,12 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.run import Run
 from clepsydra.papers.averaging_tank import PRINTED
-from clepsydra.papers.averaging_tank.continuous_pi import Constants, continuous_run
+from clepsydra.papers.averaging_tank.continuous_pi import (
+    HIGHEST_FLOW,
+    HIGHEST_INLET,
+    Constants,
+    continuous_run,
+)
 from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, lqi_run
 from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.printed_tables import (
@@ -30,10 +35,11 @@ from clepsydra.papers.averaging_tank.step_run import (
     step_run,
     step_scenario,
 )
-from clepsydra.papers.averaging_tank.symbols import Variant
+from clepsydra.papers.averaging_tank.symbols import VARIANTS, Variant, constant_flow
 from clepsydra.papers.averaging_tank.trends import trend_figure
 from clepsydra.papers.comparison import claimed, compared, compared_all, remark
 from clepsydra.papers.document import Findings
+from clepsydra.papers.printed import values
 from clepsydra.papers.row import Row
 from clepsydra.studies.tuning.goal import Goal
 from clepsydra.studies.tuning.law_space import LawSpace
@@ -42,15 +48,13 @@ from clepsydra.studies.tuning.parameters import TunedParameter
 from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.tuning.tune import Search, tune
 
-BY_HAND = {
-    "outflow": Constants("outflow", "by hand", 50.0, 1.0, 8.0, 2.0),  # (80)
-    "inflow": Constants("inflow", "by hand", 50.0, 10.0, 5.0, 30.0),  # (82)
-}
-OPTIMAL = {
-    "outflow": Constants("outflow", "optimal", 74.37, 8.325e-4, 8.0, 0.5),  # (81)
-    "inflow": Constants("inflow", "optimal", 61.5, 7.641e-4, 5.034, 3.208e-2),  # (83)
-}
-_VARIANTS: tuple[Variant, Variant] = ("outflow", "inflow")
+BY_HAND, OPTIMAL = (
+    {
+        variant: Constants(variant, tuned, *values(PRINTED, place, "K_pC", "T_iC", "K_pV", "T_iV"))
+        for variant, place in zip(VARIANTS, places, strict=True)
+    }
+    for tuned, places in (("by hand", ("(80)", "(82)")), ("optimal", ("(81)", "(83)")))
+)
 _CONTROLLED = ("concentration", "volume")
 #: C_in of Table 6 has no limit, see `_claims` [mol/m³].
 _FREE = 1e9
@@ -78,7 +82,7 @@ def run() -> Findings:
     """Return the rows on PI control, and Fig. 7."""
     figure = trend_figure(
         "Fig. 7", "Steps of both references under PI control",
-        {each.title: _drawn(each) for v in _VARIANTS for each in (BY_HAND[v], OPTIMAL[v])},
+        {each.title: _drawn(each) for v in VARIANTS for each in (BY_HAND[v], OPTIMAL[v])},
         _DRAWN,
         "With the printed optimum C_in swings between its limits: an integral time of a "
         "millisecond makes IE small and the loop ring.",
@@ -131,9 +135,9 @@ def pi_controller(
         "concentration.setpoint_weight": 1.0,
         "volume.setpoint_weight": 1.0,
         "inflow.impurity.low_limit": -_FREE if free else 0.0,
-        "inflow.impurity.high_limit": _FREE if free else 25.0 * KMOL,
+        "inflow.impurity.high_limit": _FREE if free else HIGHEST_INLET * KMOL,
         path(flow, "low_limit"): 0.0,
-        path(flow, "high_limit"): 1.0,
+        path(flow, "high_limit"): HIGHEST_FLOW,
         **(settings or {}),
     }
     values = {each.name: given.get(each.name, each.initial) for each in law.parameters}
@@ -155,9 +159,9 @@ def inputs_at_rest(
 
 def _signed_error() -> list[Row]:
     """IE, integrated with the loop, and the relation that it has to keep."""
-    found = {v: continuous_run(OPTIMAL[v], free=True).indices for v in _VARIANTS}
+    found = {v: continuous_run(OPTIMAL[v], free=True).indices for v in VARIANTS}
     of_c, of_v = (
-        {variant: PRINTED["Table 6", f"IE of {output}, {_column(variant)}"] for variant in found}
+        {each: PRINTED["Table 6", f"IE of {output}, {constant_flow(each)}"] for each in found}
         for output in ("C", "V")
     )
     against = "The cell and (83) contradict each other, and nothing tells which is wrong."
@@ -171,11 +175,6 @@ def _signed_error() -> list[Row]:
             for variant, line in of_v.items()
         ),
     ]
-
-
-def _column(variant: Variant) -> str:
-    """Return the column of Table 6 that a variant has."""
-    return f"f_{variant[:-4]} constant"
 
 
 def _error_of(constants: Constants) -> float:
@@ -264,9 +263,11 @@ def without_limit(model: LinearModel) -> LinearModel:
 def _table_6() -> list[Row]:
     rows = []
     for index in ("IAE", "ISE", "ITAE"):
-        for variant in _VARIANTS:
+        for variant in VARIANTS:
             found = continuous_run(OPTIMAL[variant], free=True).indices
-            cells = {f"{index} of {o}, {_column(variant)}": found[index, o] for o in ("C", "V")}
+            cells = {
+                f"{index} of {o}, {constant_flow(variant)}": found[index, o] for o in ("C", "V")
+            }
             rows += compared_all(PRINTED, "Table 6", cells)
     return rows
 

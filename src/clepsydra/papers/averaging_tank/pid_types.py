@@ -6,23 +6,22 @@ from clepsydra.controllers.pid_form import Actions
 from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.best_values import best_values
 from clepsydra.papers.averaging_tank.pi import minimax_tuned
-from clepsydra.papers.averaging_tank.symbols import Variant
+from clepsydra.papers.averaging_tank.symbols import VARIANTS, Variant, constant_flow
 from clepsydra.papers.comparison import remark
 from clepsydra.papers.document import Findings
 
 _TYPES: tuple[Actions, ...] = ("P", "PI", "PID")
-_VARIANTS: tuple[Variant, ...] = ("outflow", "inflow")
 _INDICES = ("IAE", "ISE", "ITAE")
 
 
 def run() -> Findings:
     """Return what tuning each type anew says of Table 6, and of which type is best."""
     shown = []
-    for variant in _VARIANTS:
+    for variant in VARIANTS:
         for index in _INDICES:
             found = {actions: best_index(variant, index, actions) for actions in _TYPES}
             values = ", ".join(f"{actions} {value:.3e}" for actions, value in found.items())
-            shown.append(f"{index}, f_{variant[:-4]} constant: {values}")
+            shown.append(f"{index}, {constant_flow(variant)}: {values}")
     return Findings(
         (
             best_values(),

@@ -22,7 +22,7 @@ def printed_indices(table: str, column: str = "") -> Indices:
     """
     ending = f", {column}" if column else ""
     lines = {key: PRINTED[table, f"{key[0]} of {key[1]}{ending}"] for key in KEYS}
-    return {key: abs(line.number.value) for key, line in lines.items()}
+    return {key: abs(line.value) for key, line in lines.items()}
 
 
 def pi_indices() -> Indices:

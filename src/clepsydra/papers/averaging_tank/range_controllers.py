@@ -28,11 +28,11 @@ from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario
-from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, Weights
+from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, Weights, in_moles, weighed
 from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.pi import BY_HAND, inputs_at_rest, pi_controller
 from clepsydra.papers.averaging_tank.step_run import high_model_of
-from clepsydra.papers.averaging_tank.symbols import Variant
+from clepsydra.papers.averaging_tank.symbols import FLOW, V0, Variant
 from clepsydra.program.step_law import StepLaw
 
 #: The loops of the document, and what its conclusion asks for.
@@ -66,7 +66,7 @@ def controller_of(constant: Variant, kind: str, period: float) -> Controller:
         return plain if law == "PI" else _scheduled_pi(plain, model, period)
     weights = COLUMNS[0 if constant == "outflow" else 2]
     if law == "LQI":
-        return lqi_controller(kind, model, _MEASURED, *gains_at(weights, 2.0), [1.0, 1.0], winding)
+        return lqi_controller(kind, model, _MEASURED, *gains_at(weights, V0), [1.0, 1.0], winding)
     if law == "LQI, scheduled":
         return _scheduled_lqi(weights, model, period, winding)
     return _recomputed_lqi(weights, model, period, winding)
@@ -125,19 +125,12 @@ def gains_at(weights: Weights, volume: float) -> tuple[np.ndarray, np.ndarray]:
     >>> feedback.round(4).tolist()
     [[0.0, 3.0536], [13.8661, 0.0]]
     """
-    from scipy.linalg import solve_continuous_are
 
-    flow = 0.2
     sign = 1.0 if weights.constant == "outflow" else -1.0
-    A, B = np.diag([-flow / volume, 0.0]), np.array([[0.0, flow / volume], [sign, 0.0]])
-    whole = np.block([[A, np.zeros((2, 2))], [np.eye(2), np.zeros((2, 2))]])
-    moved = np.vstack([B, np.zeros((2, 2))])
-    R = np.diag(weights.inputs)
-    cost = solve_continuous_are(whole, moved, np.diag(weights.states), R)
-    found = np.linalg.solve(R, moved.T @ cost) + 0.0
+    A, B = np.diag([-FLOW / volume, 0.0]), np.array([[0.0, FLOW / volume], [sign, 0.0]])
+    found = weighed(weights, A, B) + 0.0
     found[np.abs(found) < 1e-9] = 0.0
-    scale = np.array([[1.0], [KMOL]]) / np.array([KMOL, 1.0])
-    return scale * found[:, :2], scale * found[:, 2:]
+    return in_moles(found)
 
 
 def _tracking(plain: Controller, first: float, second: float) -> Controller:
@@ -154,7 +147,7 @@ def _scheduled_pi(plain: Controller, model: LinearModel, period: float) -> Contr
     values = {name: value for name, value in plain.values.items() if name != scheduled}
     gain = plain.values[scheduled]
     values |= _points(schedule, period)
-    values |= _table(schedule, scheduled, [gain * volume / 2.0 for volume in VOLUMES])
+    values |= _table(schedule, scheduled, [gain * volume / V0 for volume in VOLUMES])
     return _rescheduled(dataclasses.replace(plain, name="PI, scheduled"), model, law, values)
 
 
@@ -162,7 +155,7 @@ def _scheduled_lqi(
     weights: Weights, model: LinearModel, period: float, winding: AntiWindup
 ) -> Controller:
     plain = lqi_controller(
-        "LQI, scheduled", model, _MEASURED, *gains_at(weights, 2.0), [1.0, 1.0], winding
+        "LQI, scheduled", model, _MEASURED, *gains_at(weights, V0), [1.0, 1.0], winding
     )
     process = operating_point_of(model).process
     schedule = Schedule("volume.pv", process.signal("volume"), len(VOLUMES))

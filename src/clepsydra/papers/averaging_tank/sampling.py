@@ -6,26 +6,21 @@ import dataclasses
 import math
 from functools import cache
 
-import numpy as np
-
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.sampled.sampled_loop import SampledLoops
-from clepsydra.designs.states.state_controllers import lqi_controller
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.papers.averaging_tank import PRINTED
-from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, gains
-from clepsydra.papers.averaging_tank.model import KMOL
+from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, lqi_of
 from clepsydra.papers.averaging_tank.pi import BY_HAND, OPTIMAL, pi_controller
 from clepsydra.papers.averaging_tank.step_run import model_of
-from clepsydra.papers.averaging_tank.symbols import Variant
+from clepsydra.papers.averaging_tank.symbols import VARIANTS, Variant, constant_flow
 from clepsydra.papers.comparison import remark
 from clepsydra.papers.row import Row
 
 #: A usual cycle of a programmable logic controller [s].
 CYCLE = 0.01
 _LONGEST, _SHORTEST, _HALVINGS = 10.0, 1e-5, 16
-_VARIANTS: tuple[Variant, Variant] = ("outflow", "inflow")
 _TUNINGS = ("by hand", "optimal")
 _LAWS = ("PI", "LQI")
 
@@ -33,9 +28,9 @@ _LAWS = ("PI", "LQI")
 def sampling_row() -> Row:
     """Return the remark on the sampling period."""
     periods = [
-        f"{law} {tuned}, f_{constant[:-4]} constant: "
+        f"{law} {tuned}, {constant_flow(constant)}: "
         f"{_milliseconds(longest_period(constant, law, tuned))} ms"
-        for constant in _VARIANTS
+        for constant in VARIANTS
         for law in _LAWS
         for tuned in _TUNINGS
     ]
@@ -82,11 +77,7 @@ def _controller(constant: Variant, law: str, tuned: str, period: float) -> Contr
     if law == "PI":
         constants = (BY_HAND if tuned == "by hand" else OPTIMAL)[constant]
         return pi_controller(constants, model)
-    weights = COLUMNS[2 * _VARIANTS.index(constant) + _TUNINGS.index(tuned)]
-    to_input, from_output = np.array([1.0, KMOL]), np.array([KMOL, 1.0])
-    scaled = gains(weights).reshape(2, 2, 2) * to_input[:, None, None] / from_output
-    measured = ("concentration", "volume")
-    return lqi_controller("LQI", model, measured, scaled[:, 0], scaled[:, 1], [1.0, 1.0], "none")
+    return lqi_of(COLUMNS[2 * VARIANTS.index(constant) + _TUNINGS.index(tuned)], model)
 
 
 def _sampled(model: LinearModel, period: float) -> LinearModel:

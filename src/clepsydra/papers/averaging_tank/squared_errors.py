@@ -35,9 +35,8 @@ def run() -> Findings:
 def _weights() -> Row:
     """Judge the weights (101a): both ISE beside those of others."""
     q1, _, _, q4 = COLUMNS[3].states
-    printed, better = (
-        indices_of(each) for each in (COLUMNS[3], COLUMNS[3]._replace(states=(q1, 0.1, 50.0, q4)))
-    )
+    other = COLUMNS[3]._replace(states=(q1, 0.1, 50.0, q4))
+    printed, better = (indices_of(each) for each in (COLUMNS[3], other))
     return claimed(
         PRINTED["(101a)", "optimal weights"],
         any(better["ISE", output] >= printed["ISE", output] for output in _OUTPUTS),

@@ -6,14 +6,34 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, Literal
 
-from sympy import Expr, Matrix, eye, simplify, symbols
+from sympy import Expr, Matrix, Rational, eye, simplify, symbols
+
+from clepsydra.papers.averaging_tank import PRINTED
 
 Variant = Literal["outflow", "inflow"]  # which flow is constant
+VARIANTS: tuple[Variant, Variant] = ("outflow", "inflow")
 
 s = symbols("s")
 #: C, V, f_in, C_in at the equilibrium, as (28) names them.
 x1, x2, u1, u3 = symbols("x_10 x_20 u_10 u_30", positive=True)
+#: The equilibrium as printed.
+AT_REST = {
+    symbol: Rational(PRINTED["section 2.2", name].text)
+    for symbol, name in ((x1, "C0"), (x2, "V0"), (u1, "f_in0"), (u3, "C_in0"))
+}
+C0, V0, FLOW, INLET = map(float, AT_REST.values())
 K1, K2, Ti1, Ti2, Td1, Td2 = symbols("K_p1 K_p2 T_i1 T_i2 T_d1 T_d2", positive=True)
+
+
+def constant_flow(variant: Variant) -> str:
+    """Return which flow is constant, as the tables have it.
+
+    Examples
+    --------
+    >>> constant_flow("outflow")
+    'f_out constant'
+    """
+    return f"f_{variant.removesuffix('flow')} constant"
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,12 @@ from clepsydra.papers.comparison import circular, compared, compared_all, compar
 from clepsydra.papers.document import Findings
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.six_designs import GAIN, MINUTE, TANKS, chain
+from clepsydra.papers.printed import values
 from clepsydra.papers.row import Row
 
-_DIAMETER, _TIME = 1.0, 2.0  # [m], [min]
-_AREA, _K1 = (PRINTED["section 2", name].number.value for name in ("tank area F", "K1"))
+_DIAMETER, _TIME, _AREA, _K1 = values(
+    PRINTED, "section 2", "tank diameter d_T", "time constant T", "tank area F", "K1"
+)  # [m], [min], [m²], [m²/min]
 
 
 def run() -> Findings:

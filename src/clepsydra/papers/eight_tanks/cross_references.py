@@ -5,6 +5,7 @@ from __future__ import annotations
 from clepsydra.papers.comparison import stated
 from clepsydra.papers.document import Findings
 from clepsydra.papers.eight_tanks import PRINTED
+from clepsydra.papers.eight_tanks.six_designs import PENALTIES
 from clepsydra.papers.row import Row
 
 #: Its caption calls it (20), the text of section 3.2 "discrete model (21)".
@@ -72,9 +73,7 @@ def _second_order() -> Row:
 
 
 def _caption() -> Row:
-    varied = {"Fig. 10": ("q_u = 1", "γ = 0.5"), "Fig. 12": ("q_u = 100", "γ = 0.5")}
-    penalties = {settings[0] for settings in varied.values()}
-    poles = {settings[1] for settings in varied.values()}
+    penalties, poles = ({getattr(each, what) for each in PENALTIES} for what in ("penalty", "pole"))
     return stated(
         PRINTED["section 6.2", "what differs in Figs. 10 to 12"],
         "individual penalization factors q_u",

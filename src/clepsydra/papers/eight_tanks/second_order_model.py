@@ -28,8 +28,6 @@ from clepsydra.papers.row import Row
 
 _STEP = 0.04  # [m³/min]
 _MINUTES = 80
-#: Half of the last digit of the coefficients of (21).
-_ROUNDING_A, _ROUNDING_B = (0.0005, 0.00005), (0.00005, 0.00005)
 #: The length of the record is not printed; with so many samples every digit of (21) does.
 _PRINTED_SAMPLES = 49
 
@@ -70,11 +68,8 @@ def _coefficients() -> list[Row]:
     )
     rows = [
         circular(compared(PRINTED["(21)", name], value, why=why), chosen)
-        for name, printed, value in zip(
-            ("a1", "a2", "b1", "b2"),
-            ("-1.777", "0.7964", "0.0309", "0.0286"),
-            (*model.denominator, *model.numerator),
-            strict=True,
+        for name, value in zip(
+            ("a1", "a2", "b1", "b2"), (*model.denominator, *model.numerator), strict=True
         )
     ]
     free = _free(_PRINTED_SAMPLES)
@@ -108,7 +103,10 @@ def _gain() -> list[Row]:
 def _gain_range() -> tuple[float, float]:
     """Return the gains that the printed digits of (21) leave open."""
     sums = sum(PRINTED_B), 1.0 + sum(PRINTED_A)
-    rooms = sum(_ROUNDING_B), sum(_ROUNDING_A)
+    rooms = [
+        sum(PRINTED["(21)", f"{letter}{place}"].number.half_unit for place in (1, 2))
+        for letter in "ba"
+    ]
     return (sums[0] - rooms[0]) / (sums[1] + rooms[1]), (sums[0] + rooms[0]) / (sums[1] - rooms[1])
 
 

@@ -17,7 +17,9 @@ from clepsydra.designs.smith_predictor import design_smith_predictor
 from clepsydra.linear.analysis import Analysis, analyse
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario, Segment
+from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.figure import Curve, Panel
+from clepsydra.papers.printed import values
 from clepsydra.process.reader import load_process
 from clepsydra.scores.effort import TOTAL_VARIATION
 from clepsydra.scores.step_response import overshoot, settling_time
@@ -25,9 +27,11 @@ from clepsydra.scores.step_response import overshoot, settling_time
 #: T0 [s]
 MINUTE = 60.0
 #: Model (21) in minutes and m³/min: B, A and d.
-PRINTED_B, PRINTED_A, PRINTED_D = (0.0309, 0.0286), (-1.777, 0.7964), 5
+PRINTED_B, PRINTED_A = values(PRINTED, "(21)", "b1", "b2"), values(PRINTED, "(21)", "a1", "a2")
+PRINTED_D = int(PRINTED["section 3.1", "delay steps of the smallest J(d)"].value)
 #: Equation (8): gain [min/m²], time constant of a tank [min], tanks.
-GAIN, TIME_CONSTANT, TANKS = 3.08, 2.0, 8
+GAIN, TIME_CONSTANT = values(PRINTED, "(8)", "static gain", "time constant of a tank")
+TANKS = int(PRINTED["(8)", "order"].value)
 #: Of the inflow after a step, as `StepRun` has it; some designs still swing when a run ends.
 FINAL_INFLOW = 1.0 / GAIN
 #: The loop is linear and the document names no size: small enough that no tank runs over [m].
@@ -52,13 +56,11 @@ class Choice:
 
 
 #: Section 6.1 and 6.2.
-POLES = (
-    Choice("Fig. 7", 10.0, 0.01), Choice("Fig. 8", 10.0, 0.5), Choice("Fig. 9", 10.0, 0.9),
-)  # fmt: skip
-PENALTIES = (
-    Choice("Fig. 10", 1.0, 0.5), Choice("Fig. 11", 5.0, 0.5), Choice("Fig. 12", 100.0, 0.5),
-)  # fmt: skip
-SIX = POLES + PENALTIES
+SIX = tuple(
+    Choice(figure, *values(PRINTED, figure, "q_u", "γ"))
+    for figure in (f"Fig. {number}" for number in range(7, 13))
+)
+POLES, PENALTIES = SIX[:3], SIX[3:]
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +142,7 @@ def chain_sampled_each(period: float, gain: float = GAIN) -> SampledModel:
 @cache
 def printed_model() -> SampledModel:
     """Return model (21) in minutes and m³/min."""
-    return SampledModel(PRINTED_B, PRINTED_A, PRINTED_D, 1.0)
+    return SampledModel(tuple(PRINTED_B), tuple(PRINTED_A), PRINTED_D, 1.0)
 
 
 def in_seconds(model: SampledModel) -> SampledModel:

@@ -36,7 +36,7 @@ def run() -> Findings:
 
 
 def _gains() -> list[Row]:
-    volts, duration = 7.5, 10.0
+    volts, duration = MINIMUM.voltages[0], 10.0
     runs = by_hand(MINIMUM, (volts, volts), duration=duration, plugged=True, every=1)
     rows = []
     for pump in (1, 2):
@@ -62,7 +62,7 @@ def _gains() -> list[Row]:
 
 
 def _printed_record(set_up: SetUp) -> dict[str, float]:
-    levels = {f"tank_{i}.level": 0.01 * h.number.value for i, h in enumerate(set_up.levels, 1)}
+    levels = {f"tank_{i}.level": 0.01 * h.value for i, h in enumerate(set_up.levels, 1)}
     return levels | {f"pump_{i}": volts for i, volts in enumerate(set_up.voltages, 1)}
 
 
@@ -92,7 +92,7 @@ def _levels(set_up: SetUp) -> list[Row]:
     levels = [100.0 * point[f"tank_{tank}.level"] for tank in (1, 2, 3, 4)]
     # h is proportional to 1/(g a²) and, in a lower tank, to the flow a₃ √(g h₃) from above, which
     # the pump gives whatever a₃ and g are; so half a unit of the last digit of a leaves this open.
-    rooms = [1e-4 / hole.number.value + gravity for hole in set_up.holes]
+    rooms = [1e-4 / hole.value + gravity for hole in set_up.holes]
     return [
         circular(
             compared(
@@ -111,11 +111,12 @@ def _levels(set_up: SetUp) -> list[Row]:
 def _tank_of_23() -> Row:
     """Find which tank rests at 23.5 cm."""
     flows = {
-        3: (1.0 - MINIMUM.split) * PUMP_GAINS[1] * 7.5,
-        4: (1.0 - MINIMUM.split) * PUMP_GAINS[0] * 7.5,
+        3: (1.0 - MINIMUM.split) * PUMP_GAINS[1] * MINIMUM.voltages[1],
+        4: (1.0 - MINIMUM.split) * PUMP_GAINS[0] * MINIMUM.voltages[0],
     }
-    areas = {tank: flow / np.sqrt(2.0 * GRAVITY * 23.5) for tank, flow in flows.items()}
-    printed = MINIMUM.holes[3].number.value
+    speed = np.sqrt(2.0 * GRAVITY * MINIMUM.levels[3].value)
+    areas = {tank: flow / speed for tank, flow in flows.items()}
+    printed = MINIMUM.holes[3].value
     nearest = min(areas, key=lambda tank: abs(areas[tank] - printed))
     return compared(
         PRINTED["text before (23)", "tank that rests at 23.5 cm"],

@@ -29,12 +29,15 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     SetUp,
     course_model,
 )
-from clepsydra.papers.printed import Printed
+from clepsydra.papers.printed import Printed, values
 from clepsydra.papers.row import Row
 
 _TABLES = {MINIMUM: "Table 3", NON_MINIMUM: "Table 4"}
 #: Voltages with which the report keeps both lower levels at 15 cm, and where it shows that.
-_HELD = {MINIMUM: ((44.0, 24.0), "Fig. 5"), NON_MINIMUM: ((32.0, 49.0), "Fig. 6")}
+_HELD = {
+    set_up: (values(PRINTED, f"Exercise 2.2.3, {figure}", "input1", "input2"), figure)
+    for set_up, figure in ((MINIMUM, "Fig. 5"), (NON_MINIMUM, "Fig. 6"))
+}
 #: Which levels one pump moves, as the report reads Figs. 1 to 4.
 _COUPLED = (
     (MINIMUM, 1, (1, 4), "Fig. 1"),
@@ -85,8 +88,7 @@ def _table(set_up: SetUp) -> list[Row]:
         "number twice, and no forecast."
     )
     found = {
-        f"h{tank}, calculated": level.number.value
-        for tank, level in enumerate(set_up.levels, start=1)
+        f"h{tank}, calculated": level.value for tank, level in enumerate(set_up.levels, start=1)
     }
     calculated = compared_all(PRINTED, _TABLES[set_up], found)
     return [*rows, *(circular(row, again) for row in calculated)]
@@ -121,7 +123,8 @@ def _left_open(line: Printed, levels: dict[Reading, tuple[float, float]], what: 
 
 
 def _coupling(set_up: SetUp, pump: int, tanks: tuple[int, int], place: str) -> tuple[Row, Figure]:
-    volts = (7.5, 0.0) if pump == 1 else (0.0, 7.5)
+    one, two = set_up.voltages
+    volts = (one, 0.0) if pump == 1 else (0.0, two)
     others = [tank for tank in (1, 2, 3, 4) if tank not in tanks]
     found = {
         reading: by_hand(set_up, volts, reading.holes, duration=600.0, noise=reading.noise)
@@ -237,7 +240,7 @@ def _transient(set_up: SetUp, place: str) -> Row:
     }
     early, late = within["report"]
     line = PRINTED[f"Exercise 2.2.3, {place}", f"transient, {set_up.phase}"]
-    agrees = {holes: one <= line.number.value <= two for holes, (one, two) in within.items()}
+    agrees = {holes: one <= line.value <= two for holes, (one, two) in within.items()}
     words = (
         "Time of the slower lower tank from empty to within 5 % and 2 % of its end, with the holes "
         f"of the report and with {OF_THE_COURSE}; whether 5 % or 2 % is meant, and whether the "
@@ -255,9 +258,9 @@ def _transient(set_up: SetUp, place: str) -> Row:
 
 
 def _differences() -> list[Row]:
-    upper = [[hole.number.value for hole in set_up.holes[2:]] for set_up in SET_UPS]
+    upper = [[hole.value for hole in set_up.holes[2:]] for set_up in SET_UPS]
     ratios = [two / one for one, two in zip(*upper, strict=True)]
-    lower = [[hole.number.value for hole in set_up.holes[:2]] for set_up in SET_UPS]
+    lower = [[hole.value for hole in set_up.holes[:2]] for set_up in SET_UPS]
     spreads = [abs(two / one - 1.0) for one, two in zip(*lower, strict=True)]
     zero = max(zero.real for zero in zeros(course_model(NON_MINIMUM)))
     times = [_settled(set_up, USUAL, 0.02) for set_up in SET_UPS]

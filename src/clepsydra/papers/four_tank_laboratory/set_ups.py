@@ -12,7 +12,7 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.papers.four_tank_laboratory import PRINTED
-from clepsydra.papers.printed import Printed
+from clepsydra.papers.printed import Printed, values
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 
@@ -27,7 +27,7 @@ AREA, GRAVITY = 15.5179, 981.0  # cm², cm/s²
 #: What a reason says of it.
 OF_THE_COURSE = f"the course's {AREA:.2f} cm² per tank, which the report does not print"
 #: k_c [V/cm], k [cm³/(s V)].
-SENSOR_GAIN, PUMP_GAINS = 0.2, (4.32, 3.74)
+SENSOR_GAIN, PUMP_GAINS = 0.2, values(PRINTED, "Exercise 2.1.7", "k1", "k2")
 #: What the simulator makes of a controller that was designed in volts.
 UNCONVERTED = (
     "with the same numbers in the simulator's percent, at "
@@ -50,30 +50,35 @@ class SetUp:
         "minimum phase" or "non-minimum phase".
     process : str
         Of the catalogue.
-    split : float
-        γ of both valves.
     course_levels : tuple of float
         Around which the course's model is linear [cm].
     pairing : tuple of (output, input)
     crossover : float
         [rad/s]
-    voltages : tuple of float
-        Of the two pumps at the printed levels [V].
     level_table : str
-        Where the levels are printed.
+        Where the levels are printed, and the voltages of the pumps.
     hole_places : tuple of str
         Where the equation of the hole of each tank stands.
     """
 
     phase: str
     process: str
-    split: float
     course_levels: tuple[float, ...]
     pairing: tuple[tuple[str, str], ...]
     crossover: float
-    voltages: tuple[float, float]
     level_table: str
     hole_places: tuple[str, str, str, str]
+
+    @property
+    def split(self) -> float:
+        """γ of both valves."""
+        return PRINTED["Exercise 2.1.6", f"γ1 and γ2, {self.phase}"].value
+
+    @property
+    def voltages(self) -> tuple[float, float]:
+        """Of Table 1 or 2 [V]."""
+        both = PRINTED[self.level_table, "u1 and u2"].value
+        return both, both
 
     @property
     def levels(self) -> tuple[Printed, ...]:
@@ -90,22 +95,18 @@ class SetUp:
 MINIMUM = SetUp(
     phase="minimum phase",
     process="laboratory-four-tanks",
-    split=0.625,
     course_levels=(18.0, 18.0, 14.0, 19.0),
     pairing=(("level_1", "pump_1"), ("level_2", "pump_2")),
     crossover=0.1,
-    voltages=(7.5, 7.5),
     level_table="Table 1",
     hole_places=("(24)", "(24)", "(22)", "(23)"),
 )
 NON_MINIMUM = SetUp(
     phase="non-minimum phase",
     process="laboratory-four-tanks-nonminimum-phase",
-    split=0.375,
     course_levels=(17.0, 20.0, 7.5, 7.0),
     pairing=(("level_1", "pump_2"), ("level_2", "pump_1")),
     crossover=0.02,
-    voltages=(7.5, 7.5),
     level_table="Table 2",
     hole_places=("(25)", "(25)", "(25)", "(25)"),
 )

@@ -138,7 +138,7 @@ def _lines(kind: Kind, set_up: SetUp, score: str) -> dict[tuple[int, ...], Print
 def on_paper(kind: Kind, set_up: SetUp, score: str) -> list[float]:
     """Return a score of tank 1 and tank 2 as printed."""
     lines = _lines(kind, set_up, score).items()
-    return [line.number.value for tank in _TANKS for tanks, line in lines if tank in tanks]
+    return [line.value for tank in _TANKS for tanks, line in lines if tank in tanks]
 
 
 def everywhere(kind: Kind, score: str) -> dict[Reading | str, dict[SetUp, list[float]]]:
@@ -211,7 +211,7 @@ def table_rows(kind: Kind) -> list[Row]:
 
 def _row(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...], line: Printed) -> Row:
     spreads = _spreads(set_up, kind, score, tanks)
-    target = line.number.value
+    target = line.value
     # The tank of the usual reading that is farther from the print stands for both.
     usual = max(spreads[USUAL], key=lambda spread: abs(spread.value - target))
     reach = usual.high - usual.value if target > usual.value else usual.value - usual.low

@@ -22,6 +22,7 @@ from clepsydra.linear.analysis import Analysis, analyse
 from clepsydra.linear.relative_degree import relative_degree
 from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.loop import Loop
+from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 from clepsydra.scores.step_response import overshoot, rise_time, settling_time
@@ -34,7 +35,7 @@ SETTINGS = (PidSettings(3.0, 30.0), PidSettings(2.7, 40.0))
 #: The same in words.
 IN_WORDS = "K = 3.0 and 2.7, Ti = 30 and 40 s"
 #: The document's α; in volts it acts on a level in centimetres, so that here it counts k_c.
-ALPHA = 0.1
+ALPHA = PRINTED["section 5", "α"].value
 DURATION = 600.0
 #: Sampling period of the controllers [s].
 SAMPLED = 0.05

@@ -9,6 +9,7 @@ import numpy as np
 
 from clepsydra.papers.comparison import claimed, remark
 from clepsydra.papers.document import Findings
+from clepsydra.papers.printed import values
 from clepsydra.papers.row import Row
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
@@ -23,7 +24,7 @@ from clepsydra.papers.three_tanks.printed_model import AREA, printed_model
 from clepsydra.papers.three_tanks.state_feedback import STEP, placed_loop, settling
 
 #: What the design of the FSFB controller desires: overshoot [%] and settling time [s].
-OVERSHOOT, SETTLING = 3.0, 0.2
+OVERSHOOT, SETTLING = values(PRINTED, "design of the FSFB controller", "overshoot", "settling time")
 #: Flow into tank 3 [m³/s], ours; only ratios of what it does are compared.
 LOAD = 1e-5
 #: Of a response.

@@ -122,7 +122,7 @@ def _controllability() -> list[Row]:
     model = printed_model()
     matrix = np.hstack([model.B, model.A @ model.B, model.A @ model.A @ model.B])
     as_printed = np.array(
-        [[PRINTED["(2)", f"A{i}{j}"].number.value for j in (1, 2, 3)] for i in (1, 2, 3)]
+        [[PRINTED["(2)", f"A{i}{j}"].value for j in (1, 2, 3)] for i in (1, 2, 3)]
     )
     by_print = 64.94 * as_printed[:, 0]
     evidence = (

@@ -15,7 +15,7 @@ from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
 from clepsydra.papers.three_tanks.printed_model import printed_model, rounded_model
 from clepsydra.papers.three_tanks.state_feedback import DISTANCES, STEP, placed_loop
 
-WEIGHT = 10000.0
+WEIGHT = PRINTED["design of the LQC", "Q33"].value
 #: R of Table 3, as printed.
 SIZES = ("0.1", "0.01", "0.001")
 

@@ -14,12 +14,13 @@ from clepsydra.linear.loop_margins import LoopMargins, loop_margins
 from clepsydra.papers.comparison import claimed, compared
 from clepsydra.papers.document import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.printed import values
 from clepsydra.papers.row import Row
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.printed_model import DENOMINATOR, NUMERATOR
 
 #: The settings that the document goes on with: K_c [m²/s], K_i [m²/s²], K_d [m²].
-GAIN, INTEGRAL_GAIN, DERIVATIVE_GAIN = 0.0012, 0.000013, 0.028
+GAIN, INTEGRAL_GAIN, DERIVATIVE_GAIN = values(PRINTED, "Ziegler-Nichols", "Kc", "Ki", "Kd")
 
 
 class Ultimate(NamedTuple):
@@ -91,19 +92,20 @@ def _two_points() -> list[Row]:
 
 
 def _settings() -> list[Row]:
-    point = ultimate_of(FirstOrderDelay(5744.0 / 328.6, 328.6, 48.56))
+    gain, lag, delay = values(PRINTED, "two-point method", "Kp", "τp", "td")
+    point = ultimate_of(FirstOrderDelay(gain / lag, lag, delay))
     period = 2.0 * math.pi / point.frequency
     integral, derivative = period / 2.0, period / 8.0
     is_frequency = (
         f"0.034 rad/s is the ultimate frequency, {point.frequency:.4f} rad/s",
-        abs(point.frequency - 0.034) < 5e-4,
+        abs(point.frequency - PRINTED["Ziegler-Nichols", "Pu"].value) < 5e-4,
     )
     gains_need = (
         f"τi = Pu/2 and τd = Pu/8 with the {period:.1f} s that Pu of (5) is, and Ki and Kd "
         "follow from these",
         abs(GAIN / integral - INTEGRAL_GAIN) < 5e-7
         and abs(GAIN * derivative - DERIVATIVE_GAIN) < 5e-4
-        and abs(GAIN / 0.017 - INTEGRAL_GAIN) > 1e-2,
+        and abs(GAIN / PRINTED["Ziegler-Nichols", "τi"].value - INTEGRAL_GAIN) > 1e-2,
     )
     return [
         compared(PRINTED["Ziegler-Nichols", "Kcu"], point.gain),
@@ -152,7 +154,7 @@ def _loop() -> list[Row]:
     margins = pid_margins()
     phase = math.degrees(margins.phase_margin or 0.0)
     peak = 20.0 * math.log10(margins.sensitivity.peak)
-    poles = np.roots([1.0, *(PRINTED[place, name].number.value for name in below)])
+    poles = np.roots([1.0, *(PRINTED[place, name].value for name in below)])
     assert math.isinf(margins.gain_margin_up or 0.0)
     rows += [
         claimed(

@@ -10,14 +10,19 @@ import numpy as np
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.papers.printed import values
+from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 
-LEVELS = np.array([0.5, 0.45, 0.4])  # table 1 [m]
-FLOW = 5e-5  # table 1 [m³/s]
-AREA = 0.0154  # table 1 [m²]
-#: Denominator and numerator of the transfer function (3).
-NUMERATOR, DENOMINATOR = 0.054, np.array([1.0, 0.1272, 0.0035, 9.4e-6])
+LEVELS = np.array(values(PRINTED, "Table 1", "h1s", "h2s", "h3s"))  # [m]
+FLOW = PRINTED["Table 1", "q2s at 0.40 m in tank 3"].value / 1e6  # [m³/s]
+AREA = PRINTED["Table 1", "A"].value  # [m²]
+#: Of the transfer function (3), and the coefficient of s³ is 1.
+NUMERATOR, *_BELOW = values(
+    PRINTED, "(3)", "numerator", "coefficient of s²", "coefficient of s", "constant coefficient"
+)
+DENOMINATOR = np.array([1.0, *_BELOW])
 
 
 @cache

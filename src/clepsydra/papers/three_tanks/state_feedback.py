@@ -15,9 +15,9 @@ from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
 from clepsydra.papers.three_tanks.printed_model import printed_model, rounded_model
 
-#: Table 2: distance of the dominant poles, K1, K2, K3, N and VGM as printed.
 #: Table 2: distances of the dominant poles [1/s].
 DISTANCES = (25, 10, 5)
+_THIRD = PRINTED["design of the FSFB controller", "third pole"].value  # [1/s]
 STEP = 0.01  # ours [m]; the document's is not printed
 
 
@@ -45,7 +45,7 @@ def placed_loop(distance: int, *, rounded: bool = False) -> FeedbackLoop:
     """
     model = rounded_model() if rounded else printed_model()
     reached = np.hstack([model.B, model.A @ model.B, model.A @ model.A @ model.B])
-    wanted = np.poly([-40.0, -distance + 1j * distance, -distance - 1j * distance]).real
+    wanted = np.poly([_THIRD, -distance + 1j * distance, -distance - 1j * distance]).real
     value = sum(factor * np.linalg.matrix_power(model.A, 3 - i) for i, factor in enumerate(wanted))
     gain = np.linalg.solve(reached.T, np.array([0.0, 0.0, 1.0])) @ value
     return FeedbackLoop(f"poles -{distance} ± j{distance}", gain[None, :], model)
