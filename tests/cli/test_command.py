@@ -206,7 +206,7 @@ def numbers(value) -> list[float]:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_analyse_shows_the_same_to_a_reader(command, name):
-    status, output, _ = command("analyse", name)
+    status, output, _ = command("analyse", name, "--all")
     assert status == 0
     assert all(len(line) <= 100 for line in output.splitlines())
     for words in ("pump_1", "level_1", "tank_1"):

@@ -6,7 +6,7 @@ import clepsydra as cl
 def test_the_whole_way(tmp_path):
     plant = cl.load("quadruple-tank")
     analysis = cl.analyse(plant)
-    assert "Relative gains" in repr(analysis)
+    assert "relative gain" in repr(analysis)
     pi = cl.design.simc(plant)
     assert "level_1" in repr(pi)
     run = cl.simulate(plant, pi)

@@ -14,6 +14,9 @@ from clepsydra.cli.verb import verb
 @verb(30)
 def analyse(
     process: ProcessArgument,
+    every: Annotated[
+        bool, typer.Option("--all", help="Show every signal, pole, zero, gain and sentence.")
+    ] = False,
     as_json: JsonOption = False,
     file: Annotated[
         Path | None,
@@ -39,6 +42,6 @@ def analyse(
         written = {} if file is None else {"page": str(file)}
         print_json({**analysis.as_dict(), **written})
         return
-    show(analysis)
+    show(analysis.shown(every=every))
     if file is not None:
         typer.echo(f"Page: {file}")

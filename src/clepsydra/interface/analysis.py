@@ -15,15 +15,15 @@ if TYPE_CHECKING:
 class Analysis(Answered, inner.Analysis):
     """What the linear model says about a plant: `poles`, `zeros`, `pairing`, `model`, `words`, …
 
-    Printed, it shows operating point, tables and sentences; all fields are those of
+    Printed, it shows what matters for control; all fields are those of
     `clepsydra.linear.analysis.Analysis`.
     """
 
-    def answer(self) -> Section:
-        """Return its tables and sentences."""
+    def answer(self, *, every: bool = False) -> Section:
+        """Return what matters for control, or every signal, pole, zero, gain and sentence."""
         from clepsydra.report.analysis_answer import analysis_answer
 
-        return analysis_answer(self)
+        return analysis_answer(self, every=every)
 
     def report(self, path: str | Path) -> None:
         """Write a page with poles, Bode, Nyquist, step responses and relative gains."""

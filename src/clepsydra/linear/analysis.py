@@ -216,11 +216,11 @@ def analyse(
         niederlinski_index=index,
         words=(
             *words_on_poles(roots.zeros_of, roots.poles, roots.time_constants),
+            *words_on_interaction(model, relative, pairing, index),
             *words_on_dead_time(model, late, roots.note),
             *words_on_zeros(roots.zeros_of, roots.zeros, _rationally_minimum(roots)),
             *words_on_zero_directions(model, _blocking_zeros(model, roots)),
             *words_on_gain(model, gain),
-            *words_on_interaction(model, relative, pairing, index),
             *words_about_reach(model),
         ),
         dead_times=late,

@@ -64,11 +64,13 @@ def words_on_poles(model: LinearModel, poles: np.ndarray, constants: np.ndarray)
     if not unstable and not at_origin and not undamped and len(poles):
         words.append("The process is stable: left alone, every level settles.")
     if decaying.size:
+        slowest, fastest = time_text(decaying.max()), time_text(decaying.min())
         words.append(
-            f"Its slowest time constant is {time_text(decaying.max())} and its fastest "
-            f"{time_text(decaying.min())}."
-            if decaying.size > 1
-            else f"Its time constant is {time_text(decaying[0])}."
+            f"Its slowest time constant is {slowest} and its fastest {fastest}."
+            if slowest != fastest
+            else f"Its time constant is {slowest}."
+            if decaying.size == 1
+            else f"Its {decaying.size} time constants are {slowest}."
         )
     return words
 
