@@ -49,8 +49,8 @@ def verify(
     sensor_delay: SensorDelayOption = None,
     setpoint_rate: SetpointRateOption = None,
     rate_limit: RateLimitOption = None,
-    show_all: Annotated[
-        bool, typer.Option("--all", help="Also print the table of every target and its notes.")
+    every: Annotated[
+        bool, typer.Option("--all", help="Show every target, with notes and versions.")
     ] = False,
     as_json: JsonOption = False,
     folder: Annotated[
@@ -110,7 +110,7 @@ def verify(
     if as_json:
         print_json(proof.as_dict())
     else:
-        show(proof.details() if show_all else proof)
+        show(proof.shown(every=every))
     if proof.interrupted:
         raise typer.Exit(130)
     if not proof.holds:

@@ -12,8 +12,7 @@ from clepsydra.base.registry import Registry
 from clepsydra.base.suggestion import suggestion
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
-
+    from clepsydra.base.section import Section
     from clepsydra.controllers.controller import Controller
     from clepsydra.controllers.plant_shell.settings import PlantShell
     from clepsydra.deploy.compiler import Compiler
@@ -37,15 +36,15 @@ class ExportedFiles:
     facts : mapping
         For JSON: name and digest of the program, and what else belongs to the target.
     next_step : str
-        What the engineer does with them; empty where the screen ends with it.
-    screen : tuple of renderable
-        Tables for a terminal.
+        What the engineer does with them.
+    answer : Section, optional
+        What is shown of them on a terminal.
     """
 
     files: Mapping[str, bytes]
     facts: Mapping[str, Any]
     next_step: str
-    screen: tuple[RenderableType, ...] = ()
+    answer: Section | None = None
 
 
 @dataclass(frozen=True)

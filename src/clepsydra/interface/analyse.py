@@ -32,7 +32,7 @@ def analyse(plant: Plant) -> Analysis:
     Returns
     -------
     Analysis
-        Poles, zeros, static gain, relative gains, pairing and `words`; printed, what matters for control.
+        Poles, zeros, static gain, relative gains, pairing and `words`; printed, what matters most.
 
     Raises
     ------

@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.files import write_together
+from clepsydra.base.section import Section
 from clepsydra.controllers import controller as inner
 from clepsydra.deploy.printing.identifiers import identifier_of as identifier_of
 from clepsydra.deploy.target import Delivery, target_of
@@ -17,15 +18,12 @@ from clepsydra.interface.controller import of_plant
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.shell import Settings, plant_shell
-from clepsydra.interface.shown import Shown
+from clepsydra.interface.shown import Answered
 from clepsydra.loop.scenario import Scenario
-
-if TYPE_CHECKING:
-    from rich.console import RenderableType
 
 
 @dataclass(frozen=True, repr=False)
-class Exported(Shown):
+class Exported(Answered):
     """The files of an export.
 
     Parameters
@@ -35,24 +33,22 @@ class Exported(Shown):
         Name and digest of the program, and what else belongs to the target.
     next_step : str
         What the engineer does with them.
-    screen : tuple of renderable
-        Tables for a terminal.
+    said : Section or None
+        What is shown of them.
     """
 
     files: tuple[Path, ...]
     facts: Mapping[str, Any]
     next_step: str
-    screen: tuple[RenderableType, ...] = ()
+    said: Section | None = None
 
-    def __rich__(self) -> RenderableType:
-        """Return its tables."""
-        from rich.console import Group
-
-        return Group(*self.screen)
+    def answer(self) -> Section:
+        """Return what is shown of them."""
+        return self.said or Section()
 
     def __repr__(self) -> str:
-        """Return its tables, what was written, in lines that are not broken, and what to do."""
-        tables = [super().__repr__()] if self.screen else []
+        """Return it, what was written, in lines that are not broken, and what to do."""
+        tables = [super().__repr__()] if self.said else []
         return "\n".join([*tables, *self.lines])
 
     @property
@@ -148,7 +144,7 @@ def export(
     place = Path(folder)
     place.mkdir(parents=True, exist_ok=True)
     return Exported(
-        tuple(write_together(place, found.files)), found.facts, found.next_step, found.screen
+        tuple(write_together(place, found.files)), found.facts, found.next_step, found.answer
     )
 
 

@@ -54,7 +54,7 @@ class Answered(Shown):
 
     def _repr_markdown_(self) -> str:
         """Return what a notebook shows."""
-        from clepsydra.report.markdown import markdown
+        from clepsydra.base.markdown import markdown
 
         return markdown(self.answer())
 

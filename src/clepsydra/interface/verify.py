@@ -15,27 +15,21 @@ from clepsydra.interface.controller import of_plant
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.shell import Settings, plant_shell
-from clepsydra.interface.shown import Shown, lifted
+from clepsydra.interface.shown import Answered, lifted
 from clepsydra.loop.scenario import Scenario
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
+    from clepsydra.base.section import Section
 
 
-class Proof(Shown, inner_proof.Proof):
+class Proof(Answered, inner_proof.Proof):
     """Each target compared with the simulation: `holds`, `rows`, `failures`, `refusals`."""
 
-    def __rich__(self) -> RenderableType:
-        """Return a line for each controller and process."""
-        from clepsydra.deploy.proof.screen import proof_screen
+    def answer(self, *, every: bool = False) -> Section:
+        """Return a line for each controller and process, and on request every target."""
+        from clepsydra.deploy.proof.answer import proof_answer
 
-        return proof_screen(self)
-
-    def details(self) -> RenderableType:
-        """Return the same with the table of every target, for `rich.print`."""
-        from clepsydra.deploy.proof.screen import proof_screen
-
-        return proof_screen(self, whole=True)
+        return proof_answer(self, every=every)
 
 
 def verify(

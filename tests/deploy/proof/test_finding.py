@@ -6,11 +6,10 @@ import math
 import pytest
 from rich.console import Console
 
+import clepsydra as cl
 from clepsydra.deploy.proof.coverage import Coverage
 from clepsydra.deploy.proof.finding import findings
-from clepsydra.deploy.proof.proof import Proof
 from clepsydra.deploy.proof.row import ProofRow
-from clepsydra.deploy.proof.screen import proof_screen
 
 LONG = "PI, Ziegler-Nichols, slowed 7.51 times"
 
@@ -61,17 +60,36 @@ def test_the_worst_is_said_first_and_with_how_much(rows, said):
     assert [words for _, words in findings(rows)] == said
 
 
-@pytest.mark.parametrize("columns", [80, 100])
-@pytest.mark.parametrize("whole", [False, True])
-def test_no_name_is_broken(columns, whole):
-    still = {LONG: Coverage((), (), ("pump_2.out",), ("pump_1.out",))}
-    proof = Proof((row("C"), row("C", subject=LONG)), still)
+def screen(proof, columns, **more):
     console = Console(width=columns, file=io.StringIO(), record=True)
-    console.print(proof_screen(proof, whole=whole))
-    lines = [line.rstrip() for line in console.export_text().splitlines()]
-    place = lines.index("LQG  equal in every bit: C")
-    assert lines[place + 1 : place + 3] == [
-        LONG,
-        "     equal in every bit: C; never moved: pump_2.out",
-    ]
-    assert lines.count(LONG) == 1 + whole and ("LQG  0" in lines) is whole
+    console.print(proof.shown(**more))
+    return [line.rstrip() for line in console.export_text().splitlines()]
+
+
+@pytest.mark.parametrize("columns", [80, 100])
+def test_a_controller_has_a_line_and_no_name_is_broken(columns):
+    still = {LONG: Coverage((), (), ("pump_2.out",), ("pump_1.out",))}
+    single = row("C", verdict="reported", largest=1.01e-5, **SINGLE)
+    proof = cl.Proof((row("C"), single, row("C", subject=LONG)), still)
+    lines = screen(proof, columns)
+    (head,) = (k for k, line in enumerate(lines) if line.startswith("controller or process"))
+    assert " ".join(lines[head + 1].split()) == "LQG equal in every bit 1.1e-5 of range"
+    assert " ".join(lines[head + 2].split()) == f"{LONG} equal in every bit"
+    assert f" !  {LONG}: never moved: pump_2.out." in lines
+    whole = screen(proof, columns, every=True)
+    assert whole.count(LONG) == 1 and whole.count("LQG") == 1  # above the targets of each
+    assert max(map(len, (*lines, *whole))) <= columns
+
+
+@pytest.mark.parametrize("columns", [80, 100])
+def test_a_proof_of_many_fits_a_terminal_and_tells_what_is_amiss(columns):
+    many = [row("C", subject=f"controller {place}") for place in range(25)]
+    fails = [row("FMU 2.0", subject=f"controller {place}", verdict="fails", reason="it ends")
+             for place in (3, 20)]  # fmt: skip
+    lines = screen(cl.Proof((*many, *fails)), columns)
+    assert len(lines) <= 25
+    for place in (3, 20):
+        assert f" !  controller {place}: does not run: FMU 2.0 (it ends)." in lines
+    (row_of_3,) = (line for line in lines if line.startswith("controller 3 "))
+    assert row_of_3.split()[2:] == ["1", "equal", "in", "every", "bit,", "1", "fails"]
+    assert "13 more, and every target: --all" in lines

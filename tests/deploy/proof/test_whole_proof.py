@@ -4,6 +4,7 @@ import dataclasses
 import importlib.metadata
 import io
 import json
+import re
 from functools import lru_cache
 
 import pytest
@@ -13,12 +14,12 @@ from rich.console import Console
 from spoilt_programs import FMUS, item, level_control, quick_proof, quickly
 from tools import need_compiler, need_grammar, need_importer
 
+import clepsydra as cl
 from clepsydra import PythonLaw, Signal
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.deploy.proof.item import ProofItem, process_item
 from clepsydra.deploy.proof.proof import prove
 from clepsydra.deploy.proof.run import Run
-from clepsydra.deploy.proof.screen import proof_screen
 from clepsydra.program.operation import Operation
 from clepsydra.program.program import Block, Program
 from clepsydra.studies.designs import DESIGNS
@@ -51,9 +52,9 @@ def shelled(name: str) -> ProofItem:
     return ProofItem(name, period, controller.program(), controller=controller, point=point)
 
 
-def screen(proof, *, whole: bool = False) -> str:
-    console = Console(width=100, record=True, file=io.StringIO())
-    console.print(proof_screen(proof, whole=whole))
+def screen(proof, *, whole: bool = False, columns: int = 100) -> str:
+    console = Console(width=columns, record=True, file=io.StringIO())
+    console.print(cl.Proof(**vars(proof)).shown(every=whole))
     return console.export_text()
 
 
@@ -151,9 +152,9 @@ def test_an_item_that_is_refused_for_a_setting_fails_the_proof(monkeypatch):
 def test_nothing_is_written_wider_than_a_terminal(monkeypatch, whole, columns):
     quickly(monkeypatch, without=FMUS)
     proof = prove([item(), process_item(plant(ONE_TANK).point)], scans=1000)
-    text = screen(proof, whole=whole)
+    text = screen(proof, whole=whole, columns=columns)
     assert max(len(line.rstrip()) for line in text.splitlines()) <= columns
-    assert "…" not in text and ("\nclepsydra 0." in text) is whole
+    assert "…" not in text and ("; clepsydra 0." in text) is whole
     assert text.strip().splitlines()[-1].startswith("Next: ")
 
 
@@ -218,7 +219,8 @@ def test_the_files_say_what_was_proved(monkeypatch, tmp_path):
     assert said["rows"][0]["target"] == "C" and said["rows"][0]["bound"] == 0.0
     assert f"FMPy {importlib.metadata.version('FMPy')}" in said["versions"]
     page = (tmp_path / "tank.proof.md").read_text()
-    assert page.count("| level control |") == 8 and "The proof holds" in page
+    assert "\n## level control\n" in page and "**The proof holds" in page
+    assert len(re.findall(r"^\| .* \| (double|single) \| ", page, re.M)) == 8
     assert proof.as_dict()["rows"] == said["rows"]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["tank.proof.json", "tank.proof.md"]
 

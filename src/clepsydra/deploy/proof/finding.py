@@ -63,10 +63,10 @@ def _said(row: ProofRow) -> tuple[str, str]:
     if row.verdict == "equal":
         return f"equal{of_c} in every bit", ""
     if row.verdict == "within the bound":
-        return f"equal{of_c} within {_short(row.bound or 0.0)} of the range", ""
+        return f"equal{of_c} within {rounded_up(row.bound or 0.0)} of the range", ""
     changes = row.scores.get("is_change", False)
     return (
-        f"single precision within {_short(row.largest)} of the range",
+        f"single precision within {rounded_up(row.largest)} of the range",
         "which changes the ranking" if changes else "",
     )
 
@@ -81,11 +81,17 @@ def _how_much(row: ProofRow) -> str:
         return f"{row.signal or 'a decision'} is infinite or not a number in scan {row.scan}"
     if row.largest == 0.0:
         return f"{row.differing:,} of the numbers compared, {row.decisions:,} of them decisions"
-    return f"by up to {_short(row.largest)} of the range of {row.signal}, in scan {row.scan}"
+    return f"by up to {rounded_up(row.largest)} of the range of {row.signal}, in scan {row.scan}"
 
 
-def _short(share: float) -> str:
-    """Return a share with two digits, rounded up."""
+def rounded_up(share: float) -> str:
+    """Return a share with two digits, rounded up.
+
+    Examples
+    --------
+    >>> rounded_up(1.01e-5)
+    '1.1e-5'
+    """
     rounded = Context(prec=2, rounding=ROUND_CEILING).create_decimal(Decimal(repr(share)))
     return f"{float(rounded):g}".replace("e-0", "e-")
 

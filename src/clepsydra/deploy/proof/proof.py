@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 from clepsydra import __version__
 from clepsydra.base.errors import ClepsydraError, InputError
 from clepsydra.base.files import whole_file
+from clepsydra.base.markdown import markdown
 from clepsydra.deploy.compiler import find_compiler
 from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.proof.contents import contents_digest
@@ -259,10 +260,11 @@ class _Work:
             self.interrupted,
         )
         if self._folder is not None:
-            from clepsydra.deploy.proof.markdown import proof_markdown
+            from clepsydra.deploy.proof.answer import proof_answer
 
+            page = markdown(replace(proof_answer(proof, every=True), title="Proof"), 1) + "\n"
             said = json.dumps(proof.as_dict(), indent=2, allow_nan=False) + "\n"
-            for ending, text in (("json", said), ("md", proof_markdown(proof))):
+            for ending, text in (("json", said), ("md", page)):
                 with whole_file(self._folder / f"{self._stem}.{ending}") as part:
                     part.write_text(text, encoding="utf-8")
         return proof

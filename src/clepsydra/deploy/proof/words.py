@@ -18,7 +18,7 @@ _FAILURES: dict[Verdict, str] = {
     "fails": "not running",
     "refused": "more refused without need",
 }
-HEADS = ("target", "precision", "compared with", "largest difference", "decisions", "verdict", "s")
+HEADS = ("target", "precision", "verdict", "largest difference", "compared with", "decisions", "s")
 
 
 def result_sentence(proof: Proof) -> str:
@@ -65,13 +65,14 @@ def cells(row: ProofRow) -> tuple[str, ...]:
     Examples
     --------
     >>> cells(ProofRow("PI", "C", "double", "engine", "", 10_000, 1, seconds=0.52))
-    ('C', 'double', 'engine', '0', '0', 'equal', '0.5')
+    ('C', 'double', 'equal', '0', 'engine', '0', '0.5')
     """
-    if row.verdict in ("refused", "fails"):
-        return (row.target, row.precision, row.against, "–", "–", row.verdict, f"{row.seconds:.1f}")
-    largest = "0" if row.largest == 0.0 else f"{row.largest:.2g} of {row.signal}"
+    largest, decisions = "–", "–"
+    if row.verdict not in ("refused", "fails"):
+        largest = "0" if row.largest == 0.0 else f"{row.largest:.2g} of {row.signal}"
+        decisions = str(row.decisions)
     return (
-        row.target, row.precision, row.against, largest, str(row.decisions), row.verdict,
+        row.target, row.precision, row.verdict, largest, row.against, decisions,
         f"{row.seconds:.1f}",
     )  # fmt: skip
 

@@ -13,7 +13,10 @@ def _controller(delivery: Delivery, options: Options) -> ExportedFiles:
     found = translate(controller, process, delivery.scenario())
     name = f"{exportable_name(process, controller)}_tuning.md"
     return ExportedFiles(
-        {name: found.as_markdown().encode()}, found.as_dict(), "", (found.table(),)
+        {name: found.as_markdown().encode()},
+        found.as_dict(),
+        "enter the numbers; the file has switches, differences, scaling and source of each block.",
+        found.answer(),
     )
 
 

@@ -21,7 +21,7 @@ from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
+    from clepsydra.base.section import Section
 
 
 @dataclass(frozen=True)
@@ -93,17 +93,17 @@ class Translation:
                 return row
         raise KeyError((loop, key))
 
-    def table(self) -> RenderableType:
-        """Return tables for Rich, within 100 columns."""
-        from clepsydra.deploy.vendor_tuning.screen import tuning_screen
+    def answer(self, *, every: bool = False) -> Section:
+        """Return the numbers of every block, and on request what stands behind them."""
+        from clepsydra.deploy.vendor_tuning.answer import tuning_answer
 
-        return tuning_screen(self)
+        return tuning_answer(self, every=every)
 
     def as_markdown(self) -> str:
-        """Return the same as Markdown."""
-        from clepsydra.deploy.vendor_tuning.markdown import tuning_markdown
+        """Return all of it as Markdown."""
+        from clepsydra.base.markdown import markdown
 
-        return tuning_markdown(self)
+        return markdown(self.answer(every=True), 1) + "\n"
 
     def as_dict(self) -> dict[str, Any]:
         """Return the same as plain values, for JSON."""
