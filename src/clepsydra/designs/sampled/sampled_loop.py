@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -53,7 +54,7 @@ class SampledLoop:
         """Whether every eigenvalue stands inside the unit circle, and none on it."""
         return bool(np.max(np.abs(np.linalg.eigvals(self.A)), initial=0.0) < 1.0 - _ROUNDING)
 
-    @property
+    @cached_property
     def maximum_sensitivity(self) -> float:
         """Largest singular value of S(e^jωT) over frequency [1]; infinite if unstable."""
         if not self.is_stable:
@@ -122,6 +123,12 @@ class SampledLoops:
     model : LinearModel
         As for `sampled_loop`.
 
+    Attributes
+    ----------
+    held, moved, measured : ndarray [n, n], [n, m], [p, n]
+        x⁺ = A x + B u, y = C x of the process, held over each sample, from what the controller
+        moves to what it reads.
+
     Examples
     --------
     >>> import clepsydra as cl
@@ -148,9 +155,9 @@ class SampledLoops:
         self._derivatives = StepLawDerivatives(controller.law)
         self._state = controller.initial_state
         self._inputs = inputs_at_rest(controller, model)
-        self._held, self._moved = sampled_process(seen, period)
+        self.held, self.moved = sampled_process(seen, period)
         rows = [seen.outputs.index(name) for name in controller.measurements]
-        self._measured = self._widened(seen.C[rows])
+        self.measured = self._widened(seen.C[rows])
         self._enters = np.array(
             [[float(y == name) for name in controlled] for y in controller.measurements]
         )
@@ -160,8 +167,15 @@ class SampledLoops:
 
     def at(self, values: Mapping[str, float]) -> SampledLoop:
         """Return the loop with these parameter values."""
-        law = self._derivatives.at(values, self._state, self._inputs)
-        B = np.vstack([self._moved @ law.D_measurement, law.B_measurement]) @ self._enters
+        return self.around(self.law(values))
+
+    def law(self, values: Mapping[str, float]) -> LinearStepLaw:
+        """Return the derivatives of the law at rest with these parameter values."""
+        return self._derivatives.at(values, self._state, self._inputs)
+
+    def around(self, law: LinearStepLaw) -> SampledLoop:
+        """Return the loop with these derivatives of the law."""
+        B = np.vstack([self.moved @ law.D_measurement, law.B_measurement]) @ self._enters
         shown, sizes = self._shown(law), self._sizes
         return SampledLoop(self._closed(law), B * sizes, shown / sizes[:, None], np.eye(len(sizes)))
 
@@ -169,15 +183,15 @@ class SampledLoops:
         self, values: Mapping[str, float]
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return A, B and C of x⁺ = A x + B r, y = C x from setpoints to what they belong to."""
-        law = self._derivatives.at(values, self._state, self._inputs)
-        B = np.vstack([self._moved @ law.D_setpoint, law.B_setpoint])
+        law = self.law(values)
+        B = np.vstack([self.moved @ law.D_setpoint, law.B_setpoint])
         return self._closed(law), B, self._shown(law)
 
     def _closed(self, law: LinearStepLaw) -> np.ndarray:
-        C, moved = self._measured, self._moved
+        C, moved = self.measured, self.moved
         return np.block(
             [
-                [self._held + moved @ law.D_measurement @ C, moved @ law.C],
+                [self.held + moved @ law.D_measurement @ C, moved @ law.C],
                 [law.B_measurement @ C, law.A],
             ]
         )
@@ -187,4 +201,4 @@ class SampledLoops:
 
     def _widened(self, C: np.ndarray) -> np.ndarray:
         """Return C for the sampled states: what is on its way does not show."""
-        return np.hstack([C, np.zeros((len(C), len(self._held) - C.shape[1]))])
+        return np.hstack([C, np.zeros((len(C), len(self.held) - C.shape[1]))])

@@ -9,9 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.linear_step_law import LinearStepLaw, StepLawDerivatives
-from clepsydra.designs.sampled.sampled_loop import SampledLoop, sampled_loop
-from clepsydra.designs.sampled.sampled_process import sampled_process
+from clepsydra.controllers.linear_step_law import LinearStepLaw
+from clepsydra.designs.sampled.sampled_loop import SampledLoop, SampledLoops
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.response import evaluate_transfer
@@ -127,23 +126,14 @@ def loop_response(controller: Controller, model: LinearModel) -> LoopResponse:
     >>> round(float(np.degrees(response.channels["level_1"].phase_margin[0])), 1)
     79.2
     """
-    loop = sampled_loop(controller, model)
-    point = operating_point_of(model)
-    process, at = point.process, point.as_dict()
+    loops = SampledLoops(controller, model)
+    law = loops.law(controller.values)
+    loop = loops.around(law)
+    process, manipulated = operating_point_of(model).process, controller.manipulated
     period = process.sampling_period
-    seen = model.select(tuple(dict.fromkeys(controller.measurements)), controller.manipulated)
-    held, moved = sampled_process(seen, period)
-    rows = [seen.outputs.index(name) for name in controller.measurements]
-    shown = np.hstack([seen.C[rows], np.zeros((len(rows), len(held) - seen.C.shape[1]))])
-    wires = {name: wire.removesuffix(".setpoint") for name, wire in controller.input_wires.items()}
-    given = {name: at[wire] for name, wire in wires.items() if wire in at}
-    given |= controller.free_inputs
-    law = StepLawDerivatives(controller.law).at(
-        controller.values, controller.initial_state, given | {"time_step": period}
-    )
     frequencies = _frequencies(loop, period)
     z = np.exp(1j * frequencies * period)
-    plant = _transfer(held, moved, shown, z)
+    plant = _transfer(loops.held, loops.moved, loops.measured, z)
     feedback = evaluate_transfer(law.A, law.B_measurement, law.C, law.D_measurement, z)
     # A setpoint whose measurement the law does not read closes no loop.
     read = [name for name in controller.setpoints if name in controller.measurements]
@@ -154,15 +144,15 @@ def loop_response(controller: Controller, model: LinearModel) -> LoopResponse:
     broken = (*outputs, *inner)
     # A measurement that the law reads twice is disturbed in both places at once.
     enters = np.array([[float(y == name) for name in broken] for y in controller.measurements])
-    at_sensors = np.linalg.solve(np.eye(len(rows)) - plant @ feedback, enters)
+    at_sensors = np.linalg.solve(np.eye(len(enters)) - plant @ feedback, enters)
     at_output = at_sensors[:, places, : len(outputs)]
-    at_input = np.linalg.inv(np.eye(len(seen.inputs)) - feedback @ plant)
-    spans = [np.array([_size(process.signal(n).span) for n in g]) for g in (outputs, seen.inputs)]
+    at_input = np.linalg.inv(np.eye(len(manipulated)) - feedback @ plant)
+    spans = [np.array([_size(process.signal(n).span) for n in g]) for g in (outputs, manipulated)]
     return LoopResponse(
         period=period,
         frequencies=frequencies,
         outputs=outputs,
-        inputs=seen.inputs,
+        inputs=manipulated,
         at_output=at_output * spans[0] / spans[0][:, None],
         at_input=at_input * spans[1] / spans[1][:, None],
         loop=loop,
