@@ -83,7 +83,7 @@ def read_bands(
     return found
 
 
-def band_text(signal: Signal, ends: Sequence[float]) -> str:
+def band_text(signal: Signal, ends: Sequence[float], digits: int = 6) -> str:
     """Return the ends of a band, or one of them, in the unit that the reader sees.
 
     Examples
@@ -91,8 +91,9 @@ def band_text(signal: Signal, ends: Sequence[float]) -> str:
     >>> band_text(Signal("level", "1", "%", low=0.0, high=1.0), (0.3, 0.7))
     '30 to 70 %'
     """
-    words = " to ".join(f"{from_si(end, signal.unit, signal.shown_unit):.6g}" for end in ends)
-    return words + ("" if signal.shown_unit == "1" else f" {signal.shown_unit}")
+    unit = signal.shown_unit
+    words = " to ".join(f"{from_si(end, signal.unit, unit):.{digits}g}" for end in ends)
+    return words + ("" if unit == "1" else f" {unit}")
 
 
 def check_at_rest(process: Process, values: Mapping[str, float]) -> None:

@@ -26,12 +26,14 @@ _LOOKS = {
     Standing.ROBUST: ("#0072B2", "#0072B2"),
     Standing.NERVOUS: ("#ffffff", "#0072B2"),
     Standing.STABLE: ("#ffffff", "#D55E00"),
+    Standing.OUTSIDE: ("#ffffff", "#59636e"),
     Standing.UNSAFE: ("#d8dde3", "#59636e"),
 }
 _WORDS = {
     Standing.ROBUST: "robust and quiet",
     Standing.NERVOUS: "robust, nervous",
     Standing.STABLE: "thin margins",
+    Standing.OUTSIDE: "leaves its band",
     Standing.UNSAFE: "unsafe",
 }
 

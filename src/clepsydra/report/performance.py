@@ -6,6 +6,9 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
+from clepsydra.process.bands import band_text
 from clepsydra.process.process import Process
 from clepsydra.report.quantities import (
     display_factor,
@@ -115,6 +118,7 @@ _FIGURES = (
         _plain("m³/h per h"),
     ),
     Figure("volume_used", "tank used", "uses {} of the tank", _percent),
+    Figure("time_outside_band", "outside band", "", _time),
     Figure("starts_per_hour", "starts", "starts {signal} {}", _plain("times/h")),
     Figure("noise_movement", "noise", "lets noise move {signal} by {} of its range", _of_range),
     Figure("overshoot", "overshoot", "", _percent),
@@ -130,8 +134,27 @@ def figures_of(process: Process) -> list[Figure]:
     >>> [figure.title for figure in figures_of(load_process("equalisation-tank"))]
     ['outflow changes', 'tank used', 'starts', 'noise', 'overshoot']
     """
-    unasked = ("settling_time", "peak_deviation") if process.averaging else ()
+    unasked = {"settling_time", "peak_deviation"} if process.averaging else set()
+    unasked |= set() if process.bands else {"time_outside_band"}
     return [figure for figure in _FIGURES if figure.score not in unasked]
+
+
+def _within_bands(candidate: Candidate) -> list[str]:
+    """Return between which values loads move each level that has a band."""
+    run, said = candidate.run, []
+    for name in run.process.bands:
+        level, period = run.true_measurement(name), run.scenario.sampling_period
+        parts = [
+            level[round(part.start / period) : round(part.stop / period) + 1]
+            for part in run.scenario.segments
+            if part.kind == "load"
+        ]
+        if parts:
+            ends = [float(find(np.concatenate(parts))) for find in (np.min, np.max)]
+            signal = run.process.signal(name)
+            used, allowed = band_text(signal, ends, 2), band_text(signal, run.process.bands[name])
+            said.append(f"holds {name} within {used} (band {allowed})")
+    return said
 
 
 def performance_words(process: Process, candidate: Candidate) -> str:
@@ -145,9 +168,10 @@ def performance_words(process: Process, candidate: Candidate) -> str:
     >>> performance_words(plant.process, study.best)[:55]
     'settles in 5.10 min, deviates by at most 1.2 cm under l'
     """
-    return joined(
-        [words for each in figures_of(process) if (words := each.words(process, candidate))]
-    )
+    said = {each.score: each.words(process, candidate) for each in figures_of(process)}
+    if process.bands:
+        said["volume_used"] = joined(_within_bands(candidate))
+    return joined([words for words in said.values() if words])
 
 
 def joined(words: Sequence[str]) -> str:

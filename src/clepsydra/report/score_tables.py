@@ -64,6 +64,7 @@ STANDING_WORDS = {
     Standing.ROBUST: "robust",
     Standing.NERVOUS: "nervous",
     Standing.STABLE: "thin margins",
+    Standing.OUTSIDE: "leaves its band",
     Standing.UNSAFE: "unsafe",
 }
 #: From here on decimals say nothing.

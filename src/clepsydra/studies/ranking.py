@@ -10,7 +10,9 @@ import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.process.process import Process
+from clepsydra.scores.band import TIME_OUTSIDE
 from clepsydra.scores.score import SCORES, in_sentence
+from clepsydra.studies.departure import departures
 from clepsydra.studies.ranking_words import (
     IDLE,
     STANDINGS,
@@ -26,17 +28,20 @@ from clepsydra.studies.warnings.margins import LARGEST_PEAK
 
 _GROUPS = (
     "safe, robust and quiet controllers first (levels stay in their tanks, nothing runs dry, "
-    "no pump trips, max|S| at most 2.0, also of inner loops, measurement noise throws no "
-    "manipulated variable about by more than 5 % of its range), then nervous ones, which are not "
-    "quiet, then stable ones, then the rest. Among these "
+    "no pump trips, no load drives a level out of its band, max|S| at most 2.0, also of inner "
+    "loops, measurement noise throws no manipulated variable about by more than 5 % of its range), "
+    "then nervous ones, which are not "
+    "quiet, then stable ones, then those that leave a band, then the rest. Among these "
 )
 _USUAL = (
     "the smaller mean of setpoint error and load error: the integral absolute error over all "
     "setpoint steps and over all load steps, without the stretch of noise, each averaged over the "
     "controlled variables as multiples of the best among the first of these groups. Where a level "
     "is there to average a flow, outflow change and outflow variance, its largest rate of change "
-    "and its variance ratio over the load steps, stand in place of its errors. A run without such "
-    "steps is judged by the error over the whole of it."
+    "and its variance ratio over the load steps, stand in place of its errors; where the level has "
+    "a band, which says how much room there is, the outflow change alone, or the time outside "
+    "where no controller keeps the band. A run without such steps is judged by the error over the "
+    "whole of it."
 )
 _TIES = (
     " Within 2 % of each other the smaller total variation of the manipulated variables, averaged "
@@ -46,7 +51,7 @@ _TIES = (
 RULE = _GROUPS + _USUAL + _TIES
 
 #: What levels that are held, and levels that average, are judged by.
-OF_HELD, OF_AVERAGING = ("iae_setpoint", "iae_load"), ("outflow_rate", "variance_ratio")
+_OF_HELD = ("iae_setpoint", "iae_load")
 #: Largest noise movement of a quiet controller, share of the input's range.
 QUIET = 0.05
 #: What is smaller is rounding, and no reason to call a controller many times worse than another:
@@ -65,6 +70,8 @@ class Trial(TriedController):
         """How far it can be trusted."""
         if harms(self.run):
             return Standing.UNSAFE
+        if departures(self.run.process, self.scores):
+            return Standing.UNSAFE if math.isinf(self.maximum_sensitivity) else Standing.OUTSIDE
         if not self.controller.setpoints:  # it switches at levels, and has no linear loop
             return Standing.ROBUST
         if not math.isfinite(self.maximum_sensitivity):
@@ -193,6 +200,8 @@ def _lead(best: Candidate, others: Sequence[Candidate]) -> str:
         return " that was tried"
     rival = others[0]
     name = rival.controller.title
+    if rival.standing is Standing.OUTSIDE:
+        return f", which keeps the band where {name} does not"
     if best.standing is not rival.standing:
         return f", {STANDINGS[best.standing]} where {name} is not"
     if rival.mean_error > TIE * best.mean_error:
@@ -236,6 +245,8 @@ class _Judge:
             for title, score, signals in _judged_by(process)
             if (keys := [k for name in signals if (k := f"{score}[{name}]") in example.scores])
         } or {"error": [f"iae[{name}]" for name in process.controlled]}
+        if best_of[0].standing is Standing.OUTSIDE:  # all others leave a band too
+            usual = {TIME_OUTSIDE.title: [f"{TIME_OUTSIDE.key}[{name}]" for name in process.bands]}
         self.judged = {_title(score): keys for score, keys in named.items()} or usual
 
     def criteria(self, trial: Trial) -> dict[str, float]:
@@ -285,11 +296,25 @@ class _Judge:
         return _SMALLEST_SHARE * span * (self.duration if declared.powers[1] else 1.0)
 
 
+def of_averaging(process: Process) -> tuple[tuple[str, tuple[str, ...]], ...]:
+    """Return the scores that levels which average are judged by, each with its levels.
+
+    Where a band says how much room there is, that and the fastest change of the outflow are all.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> of_averaging(load_process("equalisation-tank"))
+    (('outflow_rate', ('level',)), ('variance_ratio', ('level',)))
+    """
+    free = tuple(name for name in process.averaging if name not in process.bands)
+    return ("outflow_rate", process.averaging), ("variance_ratio", free)
+
+
 def _judged_by(process: Process) -> tuple[tuple[str, str, tuple[str, ...]], ...]:
     """Return title, score and signals of what controllers of a process are judged by."""
-    averaging = process.averaging
-    held = tuple(name for name in process.controlled if name not in averaging)
-    judged = [*((key, held) for key in OF_HELD), *((key, averaging) for key in OF_AVERAGING)]
+    held = tuple(name for name in process.controlled if name not in process.averaging)
+    judged = [*((key, held) for key in _OF_HELD), *of_averaging(process)]
     return tuple((SCORES[key].words, key, signals) for key, signals in judged)
 
 

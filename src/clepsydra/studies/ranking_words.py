@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from clepsydra.scores.score import in_sentence
+from clepsydra.studies.departure import departures
 from clepsydra.studies.result import Candidate, Standing
 from clepsydra.studies.warnings.harm import harms
 
@@ -28,6 +29,7 @@ STANDINGS = {
     Standing.ROBUST: "robust and quiet",
     Standing.NERVOUS: "robust",
     Standing.STABLE: "stable",
+    Standing.OUTSIDE: "not unsafe",
 }
 
 
@@ -69,6 +71,10 @@ def _standing(candidate: Candidate) -> str:
         return f"Robust ({peaks}), but noise moves its outputs too much"
     if candidate.standing is Standing.STABLE:
         return f"Stable with thin margins ({peaks})"
+    if candidate.standing is Standing.OUTSIDE:
+        left = departures(candidate.run.process, candidate.scores)
+        words = "; ".join(each.words for each in left)
+        return f"Leaves its band: {words} ({peaks})"
     harm = [each.brief for each in harms(candidate.run)]
     more = [f"{len(harm) - _NAMED_HARMS} more"] if len(harm) > _NAMED_HARMS else []
     unsafe = [*harm[:_NAMED_HARMS], *more] or ["unstable by its linear model"]
@@ -116,6 +122,8 @@ def _wear(multiple: float) -> str:
 def _beside(candidate: Candidate, rival: Candidate, ahead: bool, tied: bool) -> str:
     name, place = rival.controller.title, "Ahead of" if ahead else "Behind"
     worse, better = (rival, candidate) if ahead else (candidate, rival)
+    if worse.standing is Standing.OUTSIDE is not better.standing:
+        return f"{place} {name}, which {'leaves' if ahead else 'keeps'} the band."
     if worse.standing is not better.standing:
         return f"{place} {name}, which is {'not ' if ahead else ''}{STANDINGS[better.standing]}."
     if tied and worse.wear <= _AS_CALM * better.wear:

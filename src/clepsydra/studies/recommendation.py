@@ -31,7 +31,7 @@ class Recommendation:
 
 
 def recommend(ranking: Sequence[Candidate], accept: float = ACCEPTED) -> Recommendation | None:
-    """Return what to use; None where nothing applies or all is unsafe.
+    """Return what to use; None where nothing applies, or all is unsafe or leaves a band.
 
     Only what stands as well as the best (robust and quiet, say) is good enough beside it. A
     plant of one loop gets the best PI or PID that stands so, however much better another is.
@@ -53,7 +53,7 @@ def recommend(ranking: Sequence[Candidate], accept: float = ACCEPTED) -> Recomme
     >>> recommend(found.ranking, accept=6.0).simplest.controller.name
     'PI, SIMC'
     """
-    if not ranking or ranking[0].standing is Standing.UNSAFE:
+    if not ranking or ranking[0].standing >= Standing.OUTSIDE:
         return None
     best = ranking[0]
     loops = _loops(ranking)

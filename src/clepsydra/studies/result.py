@@ -23,12 +23,13 @@ ACCEPTED = 1.5
 
 
 class Standing(IntEnum):
-    """How far a controller can be trusted; a smaller number ranks first."""
+    """How far a controller can be trusted; a smaller number ranks first; OUTSIDE leaves a band."""
 
     ROBUST = 0
     NERVOUS = 1
     STABLE = 2
-    UNSAFE = 3
+    OUTSIDE = 3
+    UNSAFE = 4
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,7 +27,7 @@ from clepsydra.process.reader import load_process
 from clepsydra.studies.designs import studied_designs
 from clepsydra.studies.file.request import StudyRequest
 from clepsydra.studies.levels_used import levels_used
-from clepsydra.studies.ranking import OF_AVERAGING, QUIET, Trial, rank, rule_of, verdict
+from clepsydra.studies.ranking import QUIET, Trial, of_averaging, rank, rule_of, verdict
 from clepsydra.studies.result import Candidate, StudyResult
 from clepsydra.studies.trial import tried
 from clepsydra.studies.tuning.goal import Goal
@@ -271,13 +271,16 @@ class _Study:
         if not self.process.averaging:
             errors = [f"iae[{name}]" for name in dict.fromkeys(start.controller.setpoints)]
             return start.controller, minimax(*errors), limits
-        limits = replace(limits, levels=levels_used(start.run, self.process.averaging))
+        free = [name for name in self.process.averaging if name not in self.process.bands]
+        limits = replace(limits, levels=levels_used(start.run, free))
         return start.controller, self._averaging_objective(start, tuned), limits
 
     def _averaging_objective(self, start: Trial, tuned: str) -> Objective:
         """Return the mean of what ranks a process whose levels average, relative to the start."""
         averaging = self.process.averaging
-        names = [f"{score}[{name}]" for name in averaging for score in OF_AVERAGING]
+        names = [
+            f"{score}[{name}]" for score, levels in of_averaging(self.process) for name in levels
+        ]
         names += [f"iae[{name}]" for name in self.process.controlled if name not in averaging]
         names = [name for name in names if start.scores.get(name, 0.0) > 0.0]
         try:

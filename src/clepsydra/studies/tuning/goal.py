@@ -26,7 +26,7 @@ class Goal:
         `objective.minimax` or `objective.weighted_sum`.
     limits : Limits
         A tank that runs empty or over, a pump that runs dry and a trip are never let pass, unless
-        they happen at the start as well.
+        they happen at the start as well, nor under load steps a level that leaves its band.
 
     Raises
     ------

@@ -90,12 +90,16 @@ def limit_words(name: str, limit: float, process: Process) -> str:
     'overshoot of level at most 10 %'
     >>> limit_words("lowest[well.level]", 1.5, load_process("wet-well"))
     'well.level at least 1.5 m'
+    >>> limit_words("lowest_under_load[level]", 0.3, load_process("equalisation-tank"))
+    'level at least 30 % under load'
     """
     score, signal = split_score(name)
     percent = score == "overshoot"
     shown = f"{limit:.4g} %" if percent else _quantity(process.signal(signal), limit)
-    if score in ("lowest", "highest"):
-        return f"{signal} at {'least' if score == 'lowest' else 'most'} {shown}"
+    end, _, when = score.partition("_")
+    if end in ("lowest", "highest"):
+        words = f"{signal} at {'least' if end == 'lowest' else 'most'} {shown}"
+        return " ".join([words, *when.split("_")]).rstrip()
     return f"{score.replace('_', ' ')} of {signal} at most {shown}"
 
 

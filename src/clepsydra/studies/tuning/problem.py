@@ -14,6 +14,7 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.designs.sampled.sampled_loop import SampledLoops
 from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.lane_status import LaneStatus
 from clepsydra.loop.running_scores import running_scores
 from clepsydra.loop.scenario import Scenario
@@ -138,6 +139,10 @@ class TuningProblem:
         self.limited |= {f"total_variation[{u}]": v for u, v in limits.total_variation.items()}
         for name, (low, high) in limits.levels.items():
             self.limited |= {f"lowest[{name}]": low, f"highest[{name}]": high}
+        if all("load" in {part.kind for part in scenario.segments} for scenario in scenarios):
+            for name, (low, high) in operating_point_of(model).process.bands.items():
+                self.limited |= {f"lowest_under_load[{name}]": low}
+                self.limited |= {f"highest_under_load[{name}]": high}
         self.names = tuple(dict.fromkeys([*goal.objective.names, *self.limited]))
         self.batch = BatchEvaluation(space.controller, model, scenarios, self.names)
         self._loops = SampledLoops(space.controller, model)
