@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -58,6 +59,27 @@ class Panel:
     x_label: str = "time [s]"
     logarithmic_x: bool = False
     logarithmic_y: bool = False
+
+
+def bode_panels(
+    frequencies: np.ndarray, responses: Mapping[str, np.ndarray]
+) -> tuple[Panel, Panel]:
+    """Return magnitude and phase of frequency responses by name, over frequencies [rad/s]."""
+    kinds: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+        "magnitude [dB]": lambda values: 20.0 * np.log10(np.abs(values)),
+        "phase [°]": lambda values: np.degrees(np.unwrap(np.angle(values))),
+    }
+    magnitude, phase = (
+        Panel(
+            label.partition(" ")[0],
+            label,
+            tuple(Curve(name, frequencies, of(values)) for name, values in responses.items()),
+            "frequency [rad/s]",
+            logarithmic_x=True,
+        )
+        for label, of in kinds.items()
+    )
+    return magnitude, phase
 
 
 @dataclass(frozen=True)

@@ -8,20 +8,10 @@ from typing import Literal
 
 import numpy as np
 
-from clepsydra.engine.kernel import Kernel
-from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.linear.linearise import linearise
-from clepsydra.loop.closed_loop import closed_loop
-from clepsydra.loop.loop import Loop
 from clepsydra.papers.four_tank_laboratory import PRINTED
-from clepsydra.papers.four_tank_laboratory.controllers import (
-    at_the_simulator,
-    decentralised,
-    robust,
-)
+from clepsydra.papers.four_tank_laboratory.controllers import decentralised, robust
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     AREA,
-    DEVIATIONS,
     FULL_LEVEL,
     MINIMUM,
     Holes,
@@ -30,6 +20,7 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     Units,
     plant,
 )
+from clepsydra.papers.four_tank_laboratory.simulator import simulated
 from clepsydra.scores.load_response import return_time
 from clepsydra.scores.step_response import overshoot, rise_time
 
@@ -56,15 +47,12 @@ class Runs:
         In shares of 25 cm and of 15 V.
     pours : tuple of int
         The samples at which water is poured into tank 1 and into tank 2.
-    tripped : float
-        Share of the runs in which the pumps were cut off.
     """
 
     time: np.ndarray
     levels: np.ndarray
     pumps: np.ndarray
     pours: tuple[int, int]
-    tripped: float
 
     def rise(self, tank: int) -> np.ndarray:
         """Return the rise time of each seed [s]."""
@@ -104,41 +92,35 @@ def runs(
     """
     process = plant(set_up, units, holes)
     designed = decentralised(set_up) if kind == "decentralised" else robust(set_up)
-    controller = at_the_simulator(designed, process)
     period, every = process.sampling_period, 4 if set_up is MINIMUM else 10
     stretch = 150.0 if set_up is MINIMUM else 800.0
-    each = round(stretch / period)
+    each, second = round(stretch / period), round(1.0 / period)
     samples = 3 * each
-    loop = Loop(controller, linearise(find_equilibrium(process)))
-    noises = ["pump_1.noise", "pump_2.noise"]
-    given: dict[str, np.ndarray] = {
-        "level_1.setpoint": np.full(samples, TARGET * process.signal("level_1").high / 1.2),
-        "level_2.setpoint": np.full(samples, TARGET * process.signal("level_2").high / 1.2),
+    given = {
+        f"level_{tank}.setpoint": np.full(
+            samples, TARGET * process.signal(f"level_{tank}").high / 1.2
+        )
+        for tank in (1, 2)
     }
-    second = round(1.0 / period)
     for tank in (1, 2):
         given[f"pour_{tank}"] = np.zeros(samples)
         given[f"pour_{tank}"][tank * each : tank * each + second] = POURED
-    seeds = 1 if noise == "none" else SEEDS
-    drawn = np.random.default_rng(4).standard_normal((2, seeds, samples))
-    for name, column in zip(noises, drawn, strict=True):
-        column *= process.noise[name] * DEVIATIONS[noise]  # in place: they are large
-        given[name] = column
-    constant = {name: value for name, value in loop.at_rest().items() if name not in given}
-    program = closed_loop(process, controller, substeps=1, constant=constant)
-    state = loop.initial_state()
-    empty = {entry.name: 0.0 for entry in process.motion.contents}
-    result = Kernel(program, individual=noises).run(
-        samples, inputs=given, state=state | empty, parameters=loop.law_parameters(), every=every
+    result = simulated(
+        designed,
+        process,
+        samples,
+        drawn=np.random.default_rng(4),
+        seeds=SEEDS,
+        noise=noise,
+        every=every,
+        given=given,
     )
     levels = np.array([result.output(f"tank_{tank}.level") for tank in (1, 2)])
     highs = [process.signal(f"pump_{number}").high for number in (1, 2)]
     pumps = np.array([result.output(f"pump_{number}") for number in (1, 2)])
-    off = result.output("pump_1.tripped").max(axis=1)
     return Runs(
         time=np.arange(levels.shape[2]) * period * every,
         levels=100.0 * levels / FULL_LEVEL,
         pumps=pumps / np.array(highs)[:, None, None],
         pours=(each // every, 2 * each // every),
-        tripped=float(np.mean(off > 0.0)),
     )

@@ -7,19 +7,9 @@ from functools import cache
 
 import numpy as np
 
-from clepsydra.engine.kernel import Kernel
-from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.linear.linearise import linearise
-from clepsydra.loop.closed_loop import closed_loop
-from clepsydra.loop.loop import Loop
-from clepsydra.papers.four_tank_laboratory.controllers import at_the_simulator, decentralised
-from clepsydra.papers.four_tank_laboratory.set_ups import (
-    DEVIATIONS,
-    Holes,
-    Noise,
-    SetUp,
-    plant,
-)
+from clepsydra.papers.four_tank_laboratory.controllers import decentralised
+from clepsydra.papers.four_tank_laboratory.set_ups import Holes, Noise, SetUp, plant
+from clepsydra.papers.four_tank_laboratory.simulator import simulated
 
 #: Seeds of the pumps' noise.
 SEEDS = 16
@@ -36,15 +26,12 @@ class ManualRuns:
         [s]
     levels : ndarray [4, seeds, t]
         [cm]
-    volts : tuple of float
-        Of both pumps.
     off : float
         Share of the second half of the time in which the cut-off had stopped the pumps.
     """
 
     time: np.ndarray
     levels: np.ndarray
-    volts: tuple[float, float]
     off: float
 
     @property
@@ -84,36 +71,28 @@ def by_hand(
     """
     process = plant(set_up, "volts", holes)
     period = process.sampling_period
-    samples = round(duration / period)
-    # The law stands in manual.
-    controller = at_the_simulator(decentralised(set_up), process)
-    loop = Loop(controller, linearise(find_equilibrium(process)))
-    drawn = np.random.default_rng(7).standard_normal((2, 1 if noise == "none" else seeds, samples))
-    given = {
-        f"pump_{number}.noise": process.noise[f"pump_{number}.noise"] * DEVIATIONS[noise] * column
-        for number, column in zip((1, 2), drawn, strict=True)
-    }
-    constant = {name: value for name, value in loop.at_rest().items() if name not in given}
-    for number, value in enumerate(volts, start=1):
+    constant: dict[str, float] = {}
+    for number, value in enumerate(volts, start=1):  # the law stands in manual
         constant |= {f"pump_{number}.mode": 0.0, f"pump_{number}.manual": value}
-    program = closed_loop(process, controller, substeps=1, constant=constant)
-    parameters = loop.law_parameters()
+    parameters: dict[str, float] = {}
     if plugged:
         parameters |= {f"outlet_{tank}.area": 0.0 for tank in (1, 2, 3, 4)}
         parameters |= {"splitter_1.tank_1": 1.0, "splitter_2.tank_2": 1.0}
-    empty = {entry.name: 0.0 for entry in process.motion.contents}
-    result = Kernel(program, individual=list(given)).run(
-        samples,
-        inputs=given,
-        state=loop.initial_state() | empty,
-        parameters=parameters,
+    result = simulated(
+        decentralised(set_up),
+        process,
+        round(duration / period),
+        drawn=np.random.default_rng(7),
+        seeds=seeds,
+        noise=noise,
         every=every,
+        constant=constant,
+        parameters=parameters,
     )
     levels = np.array([result.output(f"tank_{tank}.level") for tank in (1, 2, 3, 4)])
     off = result.output("pump_1.tripped")
     return ManualRuns(
         time=np.arange(levels.shape[2]) * period * every,
         levels=100.0 * levels,
-        volts=volts,
         off=float(off[:, off.shape[1] // 2 :].mean()),
     )

@@ -8,16 +8,15 @@ from typing import NamedTuple
 import numpy as np
 
 from clepsydra.controllers.virtual_input import AlphaOn, VirtualAntiWindup
+from clepsydra.papers.four_tank_variable_structure.readings import SATURATED
 from clepsydra.papers.four_tank_variable_structure.rig import (
     ALPHA,
     IN_WORDS,
     SAMPLED,
     VOLTS_PER_METRE,
     Filling,
-    fill,
-    in_nu,
-    virtual_settings,
 )
+from clepsydra.papers.four_tank_variable_structure.virtual_lanes import Setting, filled_with
 
 #: Of both pumps [V].
 LIMITS = np.linspace(4.0, 20.0, 33)
@@ -76,15 +75,23 @@ def decoupled(way: VirtualAntiWindup, reading: DecoupledReading = DECOUPLED_READ
     >>> round(run.overshoot(1, at_limit(10.0)))
     20
     """
-    parameters, start = {}, {}
-    for loop, settings in enumerate(virtual_settings(), start=1):
-        times = np.full(len(LIMITS), reading.sensor / _JOHANSSONS)
-        parameters[f"controller.level_{loop}.virtual_gain"] = times * settings.gain
-        parameters[f"controller.level_{loop}.virtual_integral_gain"] = (
-            times * settings.integral_gain
-        )
-        start[f"controller.level_{loop}.last_virtual_gain"] = times * settings.gain
-    return fill(in_nu(way, alpha_on=reading.alpha_on), LIMITS, parameters=parameters, start=start)
+    return at_limits(way, Setting(reading.sensor / _JOHANSSONS), reading.alpha_on)
+
+
+@cache
+def at_limits(way: VirtualAntiWindup, setting: Setting, alpha_on: AlphaOn = "virtual") -> Filling:
+    """Fill the tanks under (9) with a setting, a lane for each limit."""
+    return filled_with(way, [setting] * len(LIMITS), LIMITS, alpha_on=alpha_on)
+
+
+def shares_at_limit(new: Filling, old: Filling, least: float = SATURATED) -> list[float]:
+    """Return the time at a limit as a share of the other's, where that is there so long [s]."""
+    times = [
+        (new.saturated(pump, limit, lane), old.saturated(pump, limit, lane))
+        for lane, limit in enumerate(map(float, LIMITS))
+        for pump in (1, 2)
+    ]
+    return [one / other for one, other in times if other >= least]
 
 
 def at_limit(limit: float) -> int:

@@ -11,10 +11,10 @@ from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.decoupled import (
     DECOUPLED_READINGS,
     IN_VOLTS,
-    LIMITS,
     READING,
     at_limit,
     decoupled,
+    shares_at_limit,
 )
 from clepsydra.papers.four_tank_variable_structure.readings import (
     CONVENTIONAL,
@@ -94,12 +94,7 @@ def _saturation() -> Row:
     shares = []
     for reading in DECOUPLED_READINGS:
         old, new = (decoupled(way, reading) for way in _WAYS)
-        shares += [
-            new.saturated(pump, limit, lane) / old.saturated(pump, limit, lane)
-            for lane, limit in enumerate(map(float, LIMITS))
-            for pump in (1, 2)
-            if old.saturated(pump, limit, lane) >= SATURATED
-        ]
+        shares += shares_at_limit(new, old)
     plain, limited = filled("variable_structure"), filled(CONVENTIONAL)
     undecoupled = [
         plain.saturated(pump, READINGS[lane].limit, lane)

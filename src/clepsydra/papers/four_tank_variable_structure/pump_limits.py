@@ -17,6 +17,7 @@ from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.decoupled import (
     LIMITS,
     decoupled,
+    shares_at_limit,
 )
 from clepsydra.papers.four_tank_variable_structure.readings import CONVENTIONAL, SATURATED
 from clepsydra.papers.four_tank_variable_structure.rig import (
@@ -57,14 +58,7 @@ def run() -> Findings:
 
 
 def _shares(runs: dict[str, Filling], least: float = SATURATED) -> list[float]:
-    """Return the time at a limit as a share of conventional PID's, where that saturates."""
-    new, old = runs["variable_structure"], runs[CONVENTIONAL]
-    times = [
-        (new.saturated(pump, limit, lane), old.saturated(pump, limit, lane))
-        for lane, limit in enumerate(LIMITS)
-        for pump in (1, 2)
-    ]
-    return [one / other for one, other in times if other >= least]
+    return shares_at_limit(runs["variable_structure"], runs[CONVENTIONAL], least)
 
 
 def _returns(runs: dict[str, dict[str, Filling]]) -> Row:

@@ -7,7 +7,6 @@ weight nor a filter of the setpoint, so that those have no row.
 from __future__ import annotations
 
 import itertools
-from functools import cache
 
 import numpy as np
 
@@ -15,14 +14,19 @@ from clepsydra.controllers.virtual_input import VirtualAntiWindup
 from clepsydra.papers.comparison import remark
 from clepsydra.papers.document import Findings
 from clepsydra.papers.four_tank_variable_structure import PRINTED
-from clepsydra.papers.four_tank_variable_structure.decoupled import LIMITS, READING, at_limit
+from clepsydra.papers.four_tank_variable_structure.decoupled import (
+    LIMITS,
+    READING,
+    at_limit,
+    at_limits,
+    shares_at_limit,
+)
 from clepsydra.papers.four_tank_variable_structure.filling import HIGH
 from clepsydra.papers.four_tank_variable_structure.readings import (
-    SATURATED,
     USUAL,
     both,
 )
-from clepsydra.papers.four_tank_variable_structure.rig import Filling, fill, in_volts
+from clepsydra.papers.four_tank_variable_structure.rig import fill, in_volts
 from clepsydra.papers.four_tank_variable_structure.virtual_lanes import Setting, filled_with
 from clepsydra.papers.row import Row
 
@@ -41,30 +45,14 @@ def run() -> Findings:
     return Findings((_derivative(), _settings(), _adjustable()))
 
 
-@cache
-def _decoupled(way: VirtualAntiWindup, setting: Setting) -> Filling:
-    """Fill the tanks under (9), a lane for each limit."""
-    return filled_with(way, [setting] * len(LIMITS), LIMITS)
-
-
-def _shares(new: Filling, old: Filling) -> list[float]:
-    """Return the time at a limit over that of conventional PID, wherever that saturates."""
-    times = [
-        (new.saturated(pump, limit, lane), old.saturated(pump, limit, lane))
-        for lane, limit in enumerate(map(float, LIMITS))
-        for pump in (1, 2)
-    ]
-    return [one / other for one, other in times if other >= SATURATED]
-
-
 def _derivative() -> Row:
     words, longest = [], 0.0
     for share in DERIVATIVES:
         runs = {
-            "after decoupling": [_decoupled(way, Setting(derivative=share)) for way in _WAYS],
+            "after decoupling": [at_limits(way, Setting(derivative=share)) for way in _WAYS],
             "without": [fill(in_volts(way, derivative=share), LIMITS) for way in _WAYS],
         }
-        longest = max(longest, *(max(_shares(*pair)) for pair in runs.values()))
+        longest = max(longest, *(max(shares_at_limit(pair[0], pair[1])) for pair in runs.values()))
         told = "; ".join(
             f"{reading} " + " against ".join(both(each, "overshoot", lane=_LANE) for each in pair)
             for reading, pair in runs.items()
@@ -74,7 +62,7 @@ def _derivative() -> Row:
         share
         for share in DERIVATIVES
         if not any(
-            _decoupled("none", Setting(derivative=share)).saturated(pump, 10.0, _LANE)
+            at_limits("none", Setting(derivative=share)).saturated(pump, 10.0, _LANE)
             for pump in (1, 2)
         )
     ]
@@ -92,12 +80,12 @@ def _derivative() -> Row:
 
 
 def _settings() -> Row:
-    pairs = [[_decoupled(way, each) for way in _WAYS] for each in _OTHERS]
+    pairs = [[at_limits(way, each) for way in _WAYS] for each in _OTHERS]
     ranges = []
     for place in range(len(_WAYS)):
         found = [pair[place].overshoot(tank, _LANE) for pair in pairs for tank in (1, 2)]
         ranges.append(f"{min(found):.1f} to {max(found):.1f}")
-    longest = max(share for pair in pairs for share in _shares(*pair))
+    longest = max(share for pair in pairs for share in shares_at_limit(pair[0], pair[1]))
     spilt = filled_with("none", _OTHERS, target=HIGH)
     least = min(spilt.spilt(lane) for lane in range(len(_OTHERS)))
     nearest = min(

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from clepsydra.controllers.virtual_input import VirtualAntiWindup
+from clepsydra.controllers.virtual_input import AlphaOn, VirtualAntiWindup
 from clepsydra.papers.four_tank_variable_structure.rig import (
     SETTINGS,
     Filling,
@@ -59,6 +59,7 @@ def filled_with(
     settings: Sequence[Setting],
     limits: float | np.ndarray = 10.0,
     rates: np.ndarray | None = None,
+    alpha_on: AlphaOn = "virtual",
     **target: tuple[float, float],
 ) -> Filling:
     """Fill the tanks under (9), a lane for each setting.
@@ -72,6 +73,8 @@ def filled_with(
         Upper limits of both pumps [V].
     rates : ndarray [lanes], optional
         α [1/s]; that of the document if left out.
+    alpha_on : {"virtual", "input"}
+        Whether α acts on ν or in volts.
     target : tuple of float, optional
         As of `fill`.
 
@@ -97,4 +100,4 @@ def filled_with(
         start[f"{name}.last_setpoint_weight"] = weights
         if rates is not None:
             parameters[f"{name}.saturation_rate"] = rates
-    return fill(in_nu(way), limits, parameters=parameters, start=start, **target)
+    return fill(in_nu(way, alpha_on=alpha_on), limits, parameters=parameters, start=start, **target)

@@ -8,7 +8,7 @@ import numpy as np
 
 from clepsydra.papers.comparison import claimed, compared_all, remark
 from clepsydra.papers.document import Findings
-from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.figure import Curve, Figure, Panel, bode_panels
 from clepsydra.papers.row import Row
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
@@ -172,17 +172,7 @@ def _servo() -> Figure:
 
 def _bode() -> Figure:
     frequencies = np.logspace(-2.0, 2.0, 300)
-    size, phase = [], []
-    for weight in SIZES:
-        loop = quadratic_loop(weight)
-        level = loop.closed_response(frequencies)
-        size.append(Curve(loop.label, frequencies, 20.0 * np.log10(np.abs(level))))
-        phase.append(Curve(loop.label, frequencies, np.degrees(np.unwrap(np.angle(level)))))
-    label = "frequency [rad/s]"
-    return Figure(
-        "Fig. 12", "Closed loop with LQC and precompensator",
-        (
-            Panel("magnitude", "magnitude [dB]", tuple(size), label, logarithmic_x=True),
-            Panel("phase", "phase [°]", tuple(phase), label, logarithmic_x=True),
-        ),
-    )  # fmt: skip
+    loops = [quadratic_loop(weight) for weight in SIZES]
+    shown = {loop.label: loop.closed_response(frequencies) for loop in loops}
+    title = "Closed loop with LQC and precompensator"
+    return Figure("Fig. 12", title, bode_panels(frequencies, shown))

@@ -13,7 +13,7 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.loop_margins import LoopMargins, loop_margins
 from clepsydra.papers.comparison import claimed, compared
 from clepsydra.papers.document import Findings
-from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.figure import Figure, bode_panels
 from clepsydra.papers.printed import values
 from clepsydra.papers.row import Row
 from clepsydra.papers.three_tanks import PRINTED
@@ -176,15 +176,4 @@ def _bode() -> Figure:
     controller = (DERIVATIVE_GAIN * s**2 + GAIN * s + INTEGRAL_GAIN) / s
     loop = controller * NUMERATOR / np.polyval(DENOMINATOR, s)
     shown = {"open loop": loop, "closed loop": loop / (1.0 + loop), "S": 1.0 / (1.0 + loop)}
-    size = tuple(Curve(name, frequencies, 20.0 * np.log10(np.abs(v))) for name, v in shown.items())
-    phase = tuple(
-        Curve(name, frequencies, np.degrees(np.unwrap(np.angle(v)))) for name, v in shown.items()
-    )
-    label = "frequency [rad/s]"
-    return Figure(
-        "Fig. 13", "Bode plot with the PID controller",
-        (
-            Panel("magnitude", "magnitude [dB]", size, label, logarithmic_x=True),
-            Panel("phase", "phase [°]", phase, label, logarithmic_x=True),
-        ),
-    )  # fmt: skip
+    return Figure("Fig. 13", "Bode plot with the PID controller", bode_panels(frequencies, shown))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from functools import cache
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from clepsydra.papers.comparison import claimed, compared, compared_all, entries
 from clepsydra.papers.document import Findings
-from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.figure import Curve, Figure, Panel, bode_panels
 from clepsydra.papers.row import Row
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
@@ -124,15 +125,10 @@ def _servo() -> Figure:
 
 def _magnitudes() -> Figure:
     frequencies = np.logspace(-1.0, 3.0, 300)
-    curves = []
-    for distance in DISTANCES:
-        loop = placed_loop(distance)
-        level = loop.closed_response(frequencies)
-        curves.append(Curve(loop.label, frequencies, 20.0 * np.log10(np.abs(level))))
-    panel = Panel(
-        "setpoint to level 3", "magnitude [dB]", tuple(curves), "frequency [rad/s]",
-        logarithmic_x=True,
-    )  # fmt: skip
+    loops = [placed_loop(distance) for distance in DISTANCES]
+    shown = {loop.label: loop.closed_response(frequencies) for loop in loops}
+    magnitude, _ = bode_panels(frequencies, shown)
+    panel = dataclasses.replace(magnitude, title="setpoint to level 3")
     return Figure("Fig. 11", "Closed loop with state feedback and precompensator", (panel,))
 
 

@@ -1,0 +1,72 @@
+"""The course's simulator: a controller on the noisy plant, for many seeds at once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from clepsydra.controllers.controller import Controller
+from clepsydra.engine.kernel import Kernel
+from clepsydra.engine.trajectories import Trajectories
+from clepsydra.linear.equilibrium import find_equilibrium
+from clepsydra.linear.linearise import linearise
+from clepsydra.loop.closed_loop import closed_loop
+from clepsydra.loop.loop import Loop
+from clepsydra.papers.four_tank_laboratory.controllers import at_the_simulator
+from clepsydra.papers.four_tank_laboratory.set_ups import DEVIATIONS, Noise
+from clepsydra.process.process import Process
+
+
+def simulated(
+    designed: Controller,
+    process: Process,
+    samples: int,
+    *,
+    drawn: np.random.Generator,
+    seeds: int,
+    noise: Noise,
+    every: int,
+    given: Mapping[str, np.ndarray] | None = None,
+    constant: Mapping[str, float] | None = None,
+    parameters: Mapping[str, float] | None = None,
+) -> Trajectories:
+    """Run a controller from empty tanks.
+
+    Parameters
+    ----------
+    designed : Controller
+        In volts.
+    process : Process
+    samples : int
+    drawn : Generator
+        Of the noise of both pumps.
+    seeds : int
+        Lanes, one without noise.
+    noise : str
+        How the 30 % of the report are read.
+    every : int
+        One sample in so many is kept.
+    given, constant : mapping, optional
+        Inputs at each sample, and those that stay.
+    parameters : mapping, optional
+        In the place of those of the plant.
+    """
+    loop = Loop(at_the_simulator(designed, process), linearise(find_equilibrium(process)))
+    noises = ["pump_1.noise", "pump_2.noise"]
+    columns = drawn.standard_normal((2, 1 if noise == "none" else seeds, samples))
+    for name, column in zip(noises, columns, strict=True):
+        column *= process.noise[name] * DEVIATIONS[noise]  # in place: they are large
+    inputs = {**(given or {}), **dict(zip(noises, columns, strict=True))}
+    still = {name: value for name, value in loop.at_rest().items() if name not in inputs}
+    program = closed_loop(
+        process, loop.controller, substeps=1, constant=still | dict(constant or {})
+    )
+    empty = {entry.name: 0.0 for entry in process.motion.contents}
+    return Kernel(program, individual=noises).run(
+        samples,
+        inputs=inputs,
+        state=loop.initial_state() | empty,
+        parameters=loop.law_parameters() | dict(parameters or {}),
+        every=every,
+    )
