@@ -11,12 +11,12 @@ _OF_FILES = ("own", "fuzzy")
 
 
 def test_every_design_is_listed_with_what_it_takes_and_its_source(command):
-    status, said, _ = command("designs")
+    status, said, _ = command("designs", "--all")
     assert status == 0
     entries = {each.splitlines()[0]: each for each in said.split("\n\n")[:-1]}
     assert list(entries) == [name.rstrip("_") for name in dir(cl.design) if name not in _OF_FILES]
     for each in entries.values():
-        assert max(map(len, each.splitlines())) <= 96
+        assert max(map(len, each.splitlines())) <= 100
     assert "closed_loop_time_constant" in entries["simc"]
     # Its docstring refers to that of the settings, which names Hägglund's book.
     assert "As for" not in said and "Advanced PID Control" in entries["amigo"]
@@ -41,9 +41,25 @@ def test_a_design_applies_where_a_study_tries_it(command, process):
 
 
 def test_what_depends_on_an_argument_says_so(command):
-    _, said, _ = command("designs", "equalisation-tank")
+    _, said, _ = command("designs", "equalisation-tank", "--all")
     assert "equalisation-tank: depends on its weights" in said
     assert "equalisation-tank: applies" in said
+
+
+@pytest.mark.parametrize("columns", ["80", "100"])
+def test_what_applies_is_answered_in_a_screen(command, monkeypatch, columns):
+    monkeypatch.setenv("COLUMNS", columns)
+    _, said, _ = command("designs", "--json", "quadruple-tank")
+    applying = [each["name"] for each in json.loads(said)["designs"] if each["applies"]]
+    _, said, _ = command("designs", "quadruple-tank")
+    lines = said.splitlines()
+    assert len(lines) <= 25 and max(map(len, lines)) <= int(columns)
+    assert lines[0].startswith(f"{len(applying)} of ")
+    assert ", ".join(applying) in " ".join(said.split())
+    assert "regulator (regulator)" in " ".join(said.split())
+    _, said, _ = command("designs")
+    names = [line.split()[0] for line in said.splitlines()[1:-1] if not line.startswith(" ")]
+    assert names == [name.rstrip("_") for name in dir(cl.design) if name not in _OF_FILES]
 
 
 def test_no_process_is_refused(command):

@@ -10,8 +10,9 @@ from clepsydra.cli.options import JsonOption
 from clepsydra.cli.verb import verb
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
+    from clepsydra.base.section import Section
     from clepsydra.interface.plant import Plant
 
 
@@ -25,14 +26,16 @@ def designs(
             "path of a process file.",
         ),
     ] = None,
+    every: Annotated[
+        bool, typer.Option("--all", help="Show arguments and source of each, and whole reasons.")
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """List the design methods with their arguments and sources, and which apply to a process."""
-    from textwrap import fill as wrapped
-
-    from clepsydra.cli.output import print_json
+    from clepsydra.cli.output import print_json, show
     from clepsydra.interface import design
     from clepsydra.interface.plant import load
+    from clepsydra.interface.shown import screen
 
     plant = None if process is None else load(process)
     methods = {name: getattr(design, name) for name in dir(design) if name not in _OF_FILES}
@@ -40,28 +43,59 @@ def designs(
     if as_json:
         print_json({"designs": found})
         return
-    for entry in found:
-        typer.echo(entry["name"])
-        for line in _lines(entry, process):
-            typer.echo(wrapped(line, 96, initial_indent="    ", subsequent_indent="        "))
-        typer.echo()
-    typer.echo(
-        "Name one in a study file, whose keys docs/study-files.md lists, or call it in Python: "
-        "cl.design.simc(plant)"
+    show(screen(_whole(found, process) if every else _glance(found, process)))
+
+
+def _glance(found: list[dict[str, Any]], process: str | None) -> Section:
+    """Return the names of designs with what they are, or with which apply to a process."""
+    from clepsydra.base.section import Line, Mark, Section, Table, marked
+
+    if process is None:
+        rows = tuple((each["name"], _what(each["words"])) for each in found)
+        next_step = Line("Next: clepsydra designs PROCESS says which apply; --all has the sources.")
+        return Section("", (Table("", ("design", "what it makes"), rows, names=2), next_step))
+    names = [each["name"] for each in found if each["applies"]]
+    own = [f"{each['name']} ({', '.join(each['needs'])})" for each in found if each["needs"]]
+    return Section(
+        "",
+        (
+            Line(f"{len(names)} of {len(found)} designs apply to {process}:", Mark.ANSWER),
+            Line(", ".join(names)),
+            Line(""),
+            Line(f"Those that need numbers of yours: {', '.join(own)}"),
+            *marked(
+                Mark.REFUSED,
+                (each["reason"].partition(";")[0] for each in found if each["applies"] is False),
+            ),
+            Line(""),
+            Line("Next: name one in a study file: clepsydra new --study; --all has the sources."),
+        ),
     )
 
 
-def _lines(entry: dict[str, Any], process: str | None) -> Iterator[str]:
-    yield entry["words"]
-    for what in ("arguments", "needs"):
-        if entry[what]:
-            yield f"{what}: {', '.join(entry[what])}"
-    if entry["source"]:
-        yield f"source: {entry['source']}"
-    if process is not None:
-        unknown = f"depends on its {' and '.join(entry['needs'])}"
-        said = {True: "applies", False: f"does not apply: {entry['reason']}", None: unknown}
-        yield f"{process}: {said[entry['applies']]}"
+def _what(words: str) -> str:
+    """Return what a design makes, in a line: the first clause without its verb."""
+    return words.partition(" ")[2].partition(",")[0].rstrip(".")
+
+
+def _whole(found: list[dict[str, Any]], process: str | None) -> Section:
+    """Return each design with its arguments and source, and whether it applies to a process."""
+    from clepsydra.base.section import Line, Section
+
+    parts = []
+    for each in found:
+        lines = [each["words"]]
+        lines += [
+            f"{what}: {', '.join(each[what])}" for what in ("arguments", "needs") if each[what]
+        ]
+        lines += [f"source: {each['source']}"] if each["source"] else []
+        if process is not None:
+            unknown = f"depends on its {' and '.join(each['needs'])}"
+            said = {True: "applies", False: f"does not apply: {each['reason']}", None: unknown}
+            lines.append(f"{process}: {said[each['applies']]}")
+        parts.append(Section(each["name"], (*map(Line, lines), Line(""))))
+    following = "Name one in a study file, whose keys docs/study-files.md lists, or call it in "
+    return Section("", (*parts, Line(f"{following}Python: cl.design.simc(plant)")))
 
 
 #: What is made of a file and is no method.

@@ -45,6 +45,7 @@ def identify(
             metavar="FILE.toml", help="Write the process file with the fitted parameters."
         ),
     ] = None,
+    every: Annotated[bool, typer.Option("--all", help="Show every parameter and remark.")] = False,
     as_json: JsonOption = False,
     folder: Annotated[
         Path, typer.Option("--output", "-o", metavar="FOLDER", help="Where the page is written.")
@@ -87,6 +88,6 @@ def identify(
     if as_json:
         print_json({**found.as_dict(), **written})
         return
-    show(found)
+    show(found.shown(every=every))
     for what, where in written.items():
         typer.echo(f"{what.capitalize()}: {where}")

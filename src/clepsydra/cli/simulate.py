@@ -80,6 +80,9 @@ def simulate(
     data_format: Annotated[
         Format, typer.Option("--format", help="Of the trajectories.")
     ] = Format.parquet,
+    every: Annotated[
+        bool, typer.Option("--all", help="Show every signal and balance, with times.")
+    ] = False,
     as_json: JsonOption = False,
     folder: Annotated[
         Path,
@@ -112,7 +115,7 @@ def simulate(
     if as_json:
         print_json({**run.as_dict(), **written})
         return
-    show(run)
+    show(run.shown(every=every))
     for what, where in written.items():
         typer.echo(f"{what.capitalize()}: {where}")
 

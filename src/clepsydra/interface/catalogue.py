@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from clepsydra.base.errors import InputError
 from clepsydra.base.section import Line, Mark, Section, Table
 from clepsydra.base.suggestion import suggestion
+from clepsydra.interface.shown import screen
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
 
 if TYPE_CHECKING:
@@ -88,8 +89,6 @@ def catalogue_screen(entries: tuple[CatalogueEntry, ...], *, whole: bool) -> Ren
     >>> type(catalogue_screen(catalogue(), whole=False)).__name__
     'Screen'
     """
-    from clepsydra.report.screen import Screen
-
     parts: list[Line | Table | Section] = []
     if whole:
         parts += [_whole(entry) for entry in entries]
@@ -102,7 +101,7 @@ def catalogue_screen(entries: tuple[CatalogueEntry, ...], *, whole: bool) -> Ren
         Line(f"Next: clepsydra study {subject}", Mark.COMMAND),
         Line(f"      clepsydra new MINE --from {subject}", Mark.COMMAND),
     ]
-    return Screen(Section("", tuple(parts)))
+    return screen(Section("", tuple(parts)))
 
 
 def _whole(entry: CatalogueEntry) -> Section:

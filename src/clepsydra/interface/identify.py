@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 
 
 class _Page(Answered):
-    def answer(self) -> Section:
-        """Return what was found, and what to do with it."""
+    def answer(self, *, every: bool = False) -> Section:
+        """Return what was found and what to do with it, or every parameter and remark."""
         from clepsydra.report.identification_answer import identification_answer
 
-        return identification_answer(self)  # type: ignore[arg-type]
+        return identification_answer(self, every=every)  # type: ignore[arg-type]
 
     def report(self, path: str | Path) -> None:
         """Write a page with measured against simulated."""

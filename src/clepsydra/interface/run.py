@@ -107,11 +107,11 @@ class OpenLoopRun(_Drawn, Simulation):
         """Return a dataset over time [s]; each variable carries its unit and description."""
         return inner.dataset(self.signals, self.values, self.time, {"process": self.process.name})
 
-    def answer(self) -> Section:
-        """Return what it did and how sure that is."""
+    def answer(self, *, every: bool = False) -> Section:
+        """Return what it did and how sure that is, or every signal and balance."""
         from clepsydra.report.simulation_answer import simulation_answer
 
-        return simulation_answer(self.plan, self)
+        return simulation_answer(self.plan, self, every=every)
 
     def report(self, path: str | Path) -> None:
         """Write the simulation as one HTML file."""

@@ -35,6 +35,13 @@ class Shown:
         return repr(self)
 
 
+def screen(section: Section) -> RenderableType:
+    """Return sections for a terminal."""
+    from clepsydra.report.screen import Screen
+
+    return Screen(section)
+
+
 class Answered(Shown):
     """What answers in sections: in text, in colour, and as Markdown in a notebook."""
 
@@ -44,9 +51,7 @@ class Answered(Shown):
 
     def shown(self, **more: bool) -> RenderableType:
         """Return the answer for a terminal, with what `answer` is asked for beside it."""
-        from clepsydra.report.screen import Screen
-
-        return Screen(self.answer(**more))
+        return screen(self.answer(**more))
 
     def __rich__(self) -> RenderableType:
         """Return what a terminal shows."""

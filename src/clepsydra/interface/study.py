@@ -18,7 +18,7 @@ from clepsydra.interface.quantities import Quantity
 from clepsydra.interface.run import Run
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.scores import Scores
-from clepsydra.interface.shown import Answered, lifted
+from clepsydra.interface.shown import Answered, lifted, screen
 from clepsydra.interface.subject import read_subject
 from clepsydra.loop.step_size import substeps_for
 from clepsydra.studies import result as results
@@ -243,11 +243,10 @@ def so_far(progress: StudyProgress) -> RenderableType:
     >>> so_far(StudyProgress(0, 15, "PI, SIMC")).section.parts
     ()
     """
-    from clepsydra.report.screen import Screen
     from clepsydra.report.study_answer import RANKED, ranking_glance
 
     first = progress.ranking[:RANKED]
-    return Screen(Section("", (ranking_glance(first),) if first else ()))
+    return screen(Section("", (ranking_glance(first),) if first else ()))
 
 
 def names_of(subject: Plant | StudyRequest) -> tuple[str, ...]:

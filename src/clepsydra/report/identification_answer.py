@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from clepsydra.base.section import Line, Mark, Section, Table, marked
 from clepsydra.identification.identification import Identification
 from clepsydra.identification.process_fit import ProcessFit
@@ -14,13 +16,19 @@ from clepsydra.report.identification_tables import (
     widening_words,
 )
 
+#: Of the answer: parameters of a process, and warnings.
+_FITTED, _WATCHED = 6, 2
+_EMPTY = Line("")
 
-def identification_answer(found: Identification | ProcessFit) -> Section:
-    """Return what was found and what to do with it.
+
+def identification_answer(found: Identification | ProcessFit, *, every: bool = False) -> Section:
+    """Return what was found and what to do with it, in about 25 lines of 80 columns.
 
     Parameters
     ----------
     found : Identification or ProcessFit
+    every : bool
+        Whether with every parameter, its interval, and all that is to be said of the residuals.
 
     Examples
     --------
@@ -33,31 +41,48 @@ def identification_answer(found: Identification | ProcessFit) -> Section:
     >>> identification_answer(found).parts[0].text == found.verdict
     True
     """
+    of_model = isinstance(found, Identification)
+    parts = [Line(found.verdict, Mark.ANSWER)]
+    parts += [Line(found.control_words)] if isinstance(found, Identification) else []
+    warnings = found.warnings if isinstance(found, Identification) else found.notes
+    following = "enter the settings with care." if of_model else "keep the parameters by --write."
+    watched = marked(Mark.WATCH, (f"{warning}." for warning in warnings))
+    whole = _whole_model(found) if isinstance(found, Identification) else _whole_process(found)
+    shown: tuple[Line | Table | Section, ...] = (*whole, *watched)
+    if not every:
+        more = len(watched) - _WATCHED
+        said = f"{more} more to watch, and every" if more > 0 else "Every"
+        rest = Line(f"{said} parameter and remark: --all")
+        shown = (_EMPTY, *_tables(found), *watched[:_WATCHED], rest)
+    next_step = Line(f"Next: see measured against simulated on the page; {following}")
+    return Section("", (*parts, *shown, _EMPTY, next_step))
+
+
+def _tables(found: Identification | ProcessFit) -> tuple[Table | Line, ...]:
+    """Return the tables that an answer begins with."""
     if isinstance(found, Identification):
-        parts: list[Line | Table | Section] = [
-            Line(found.verdict, Mark.ANSWER),
-            Line(found.control_words),
-            models_grid(found),
-            estimates_grid(found),
-        ]
-        for model in found.models:
-            parts.append(Line(f"{model.name}: residuals {model.tests.words}.", Mark.POINT))
-            parts += marked(Mark.WATCH, (f"{model.name}: {each}." for each in model.cautions))
-        refused = (f"{name} could not be fitted: {reason}." for name, reason in found.refused)
-        parts += marked(Mark.REFUSED, refused)
-        warnings, widening = found.warnings, widening_words(found.best.widening)
-        following = "see measured against simulated on the page; enter the settings with care."
-    else:
-        parts = [
-            Line(found.verdict, Mark.ANSWER),
-            parameters_grid(found),
-            outputs_grid(found),
-            start_grid(found),
-        ]
-        residuals = (f"{y.signal.name}: residuals {y.tests.words}." for y in found.outputs)
-        parts += marked(Mark.POINT, (*residuals, *(f"{words}." for words in found.alike)))
-        warnings, widening = found.notes, widening_words(found.sure.widening)
-        following = "see measured against simulated on the page; keep the parameters by --write."
-    parts += [Line(widening, Mark.POINT)] if widening else []
-    parts += marked(Mark.WATCH, (f"{warning}." for warning in warnings))
-    return Section("", (*parts, Line(""), Line(f"Next: {following}")))
+        return (replace(models_grid(found), title="", kept=3),)
+    parameters, outputs = parameters_grid(found), outputs_grid(found)
+    few = replace(parameters, title="", rows=parameters.rows[:_FITTED])
+    return few, _EMPTY, replace(outputs, title="", rows=outputs.rows[:_FITTED], kept=2)
+
+
+def _whole_model(found: Identification) -> tuple[Line | Table | Section, ...]:
+    parts: list[Line | Table | Section] = [models_grid(found), estimates_grid(found)]
+    for model in found.models:
+        parts.append(Line(f"{model.name}: residuals {model.tests.words}.", Mark.POINT))
+        parts += marked(Mark.WATCH, (f"{model.name}: {each}." for each in model.cautions))
+    refused = (f"{name} could not be fitted: {reason}." for name, reason in found.refused)
+    return (*parts, *marked(Mark.REFUSED, refused), *_widened(found.best.widening))
+
+
+def _whole_process(found: ProcessFit) -> tuple[Line | Table | Section, ...]:
+    residuals = (f"{y.signal.name}: residuals {y.tests.words}." for y in found.outputs)
+    remarks = marked(Mark.POINT, (*residuals, *(f"{words}." for words in found.alike)))
+    tables = parameters_grid(found), outputs_grid(found), start_grid(found)
+    return (*tables, *remarks, *_widened(found.sure.widening))
+
+
+def _widened(widening: float) -> tuple[Line, ...]:
+    words = widening_words(widening)
+    return (Line(words, Mark.POINT),) if words else ()

@@ -2,51 +2,83 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from clepsydra.base.section import Line, Mark, Section, Table, marked
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.open_loop_plan import Plan
+from clepsydra.report.quantities import quantity_text
 from clepsydra.report.simulation_tables import (
     balances_grid,
     events_grid,
+    is_still,
+    shown_signals,
     simulation_sentence,
     trajectories_grid,
     trust_sentence,
 )
 
-#: Events that are listed one by one.
-_LISTED = 12
+#: Of the answer: signals, events and warnings; and events of the whole.
+_SIGNALS, _EVENTS, _WATCHED, _LISTED = 7, 3, 2, 12
+_EMPTY = Line("")
 
 
-def simulation_answer(plan: Plan, run: Simulation) -> Section:
-    """Return what a simulation did and how sure it is.
+def simulation_answer(plan: Plan, run: Simulation, *, every: bool = False) -> Section:
+    """Return what a simulation did and how sure it is, in about 25 lines of 80 columns.
 
     Parameters
     ----------
     plan : Plan
     run : Simulation
         Of that plan.
+    every : bool
+        Whether with every signal and balance, and when it was smallest and largest.
 
     Examples
     --------
     >>> from clepsydra.loop.open_loop_plan import plan_simulation
     >>> from clepsydra.process.reader import load_process
-    >>> plan = plan_simulation(load_process("quadruple-tank"), duration="60 s")
-    >>> simulation_answer(plan, plan.run()).parts[2].rows[0][0]
-    'tank_1.level'
+    >>> plan = plan_simulation(load_process("quadruple-tank"), duration="60 s", start="empty")
+    >>> simulation_answer(plan, plan.run()).parts[3].head
+    ('what moved', 'start', 'end', 'smallest', 'largest')
     """
     process = plan.process
     parts: list[Line | Table | Section] = [
         Line(simulation_sentence(plan, run), Mark.ANSWER),
         Line(trust_sentence(run)),
-        trajectories_grid(run),
     ]
-    parts += [events_grid(run, _LISTED)] if run.events else []
-    parts += [balances_grid(run)] if run.balances else []
-    parts += marked(Mark.WATCH, plan.point.warnings)
+    warnings = plan.point.warnings
+    if every:
+        parts += [trajectories_grid(run)]
+        parts += [events_grid(run, _LISTED)] if run.events else []
+        parts += [balances_grid(run)] if run.balances else []
+        parts += marked(Mark.WATCH, warnings)
+    else:
+        moved, still = _moved(run)
+        parts += [_EMPTY, moved] if moved.rows else []
+        if run.events:
+            parts += [_EMPTY, replace(events_grid(run, _EVENTS), title="", names=3)]
+        parts += marked(Mark.WATCH, warnings[:_WATCHED])
+        more = f"{still} more signals, times" if still else "Times"
+        parts.append(Line(f"{more} and balances: --all"))
     if not plan.changes and plan.begins == "at rest":
         parts.append(Line("Nothing moves: give an input, for example " + _example(plan)))
-    parts += [Line(""), Line("Next: open the report and look at the trends.")]
+    parts += [_EMPTY, Line("Next: open the report and look at the trends.")]
     return Section(f"{process.title} ({process.name})", tuple(parts))
+
+
+def _moved(run: Simulation) -> tuple[Table, int]:
+    """Return the range of what moved, and how many signals are left out."""
+    shown = shown_signals(run)
+    rows = []
+    for signal in shown:
+        values = run.values[signal.name]
+        if not is_still(values):
+            numbers = (values[0], values[-1], values.min(), values.max())
+            rows.append((signal.name, *(quantity_text(signal, float(n), 3) for n in numbers)))
+    told = tuple(rows[:_SIGNALS])
+    head = ("what moved", "start", "end", "smallest", "largest")
+    return Table("", head, told), len(shown) - len(told)
 
 
 def _example(plan: Plan) -> str:

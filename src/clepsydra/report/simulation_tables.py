@@ -104,7 +104,7 @@ def trajectories_grid(run: Simulation) -> Table:
         values = run.values[signal.name]
         low, high = int(np.argmin(values)), int(np.argmax(values))
         extremes = ["–", "–"]
-        if np.ptp(values) > _STILL * np.max(np.abs(values)):
+        if not is_still(values):
             extremes = [
                 f"{quantity_text(signal, float(values[k]), 4)} at "
                 f"{time_text(float(run.time[k]), 4)}"
@@ -113,6 +113,17 @@ def trajectories_grid(run: Simulation) -> Table:
         ends = [quantity_text(signal, float(values[k]), 4) for k in (0, -1)]
         rows.append((signal.name, *ends, *extremes))
     return Table("Trajectories", ("", "start", "end", "smallest", "largest"), tuple(rows))
+
+
+def is_still(values: np.ndarray) -> bool:
+    """Return whether a signal does not move, but for rounding.
+
+    Examples
+    --------
+    >>> is_still(np.array([0.12, 0.12])), is_still(np.array([0.12, 0.121]))
+    (True, False)
+    """
+    return bool(np.ptp(values) <= _STILL * np.max(np.abs(values)))
 
 
 def shown_signals(run: Simulation) -> list[Signal]:
