@@ -10,6 +10,8 @@ import pytest
 from scipy.optimize import brentq
 from tools import need, need_compiler
 
+import clepsydra as cl
+
 FOLDER = Path(__file__).parent.parent / "docs" / "examples"
 NUMBER = r"(-?\d+\.?\d*)"
 #: The tank of `cl.new_process` at 3 V: pump [cm³/(s V)], hole [cm²], 2 g [cm/s²].
@@ -43,6 +45,46 @@ def test_every_script_says_what_it_answers_and_is_short():
         first, *rest = script.read_text().splitlines()
         assert first.startswith("# ") and "?" in first, script
         assert 5 <= len([line for line in rest if line]) <= 15, script
+
+
+@pytest.fixture(scope="module")
+def drum():
+    return cl.load(FOLDER / "surge-drum.toml")
+
+
+def test_surge_drum_is_the_file_of_the_page():
+    page = (FOLDER.parent / "averaging-levels.md").read_text(encoding="utf-8")
+    assert (FOLDER / "surge-drum.toml").read_text(encoding="utf-8") in page
+
+
+def test_surge_drum_by_its_rule(drum):
+    """15 m³/h less at a surface of 2 √(0.7 · 1.3) m × 6 m, and 0.95 · 0.4 m of room, ζ = 1.
+
+    With the smallest surface throughout the level goes to 0.38 m; with that at rest, a twelfth
+    larger, the fastest change is smaller by as much.
+    """
+    run = cl.simulate(drum, cl.design.arrest_time(drum))
+    smallest, at_rest = 12.0 * math.sqrt(0.7 * 1.3), 12.0
+    fastest = 2.0 / math.e * 15.0**2 / 0.38  # [m³/h per h] by m²
+    change = run.scores["outflow_rate[level]"]
+    assert fastest / at_rest < change < fastest / smallest
+    assert 0.9 * 0.4 < run.scores["peak_deviation[level]"] * 2.0 < 0.38
+    assert run.scores["time_outside_band[level]"] == 0.0
+
+
+@pytest.mark.thorough
+def test_surge_drum(drum):
+    """No controller changes the outflow less than a ramp, 1/2 ΔF²/(A y), and PI comes near it."""
+    study = cl.study(drum)
+    best = study.best
+    assert best.controller.name == "PI, arrest time, tuned"
+    ramp = 0.5 * 15.0**2 / 0.4  # [m³/h per h] by m²
+    assert ramp / 12.0 < best.scores["outflow_rate[level]"] < 1.1 * ramp / (12.0 * math.sqrt(0.91))
+    level = best.run.true_measurement("level")
+    assert 0.3 - 1e-4 <= level.min() < 0.31 and level.max() < 0.7
+    kept = [each for each in study.ranking if each.standing.name == "ROBUST"]
+    assert all(each.scores["time_outside_band[level]"] == 0.0 for each in kept)
+    assert study.verdict.startswith("Use PI, arrest time, tuned on Surge drum: the best, with an ")
 
 
 def test_open_loop_step(printed):

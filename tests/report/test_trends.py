@@ -1,4 +1,5 @@
 from dataclasses import replace
+from pathlib import Path
 
 import matplotlib
 import numpy as np
@@ -7,9 +8,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import clepsydra as cl
 from clepsydra.process.catalogue_names import catalogue_file
-from clepsydra.report.colours import INK, signal_colours
+from clepsydra.report.colours import INK, MUTED, signal_colours
 from clepsydra.report.panels import all_panels, controlled_panels
 from clepsydra.report.plot import plot
+from clepsydra.report.trend_data import trend_data
 from clepsydra.report.trends import segment_words, trend_figure
 
 
@@ -63,6 +65,26 @@ def test_a_level_beyond_the_rim_is_not_cut_off():
     assert axes.get_ylim()[1] > 5.5
     (rim,) = [line for line in axes.lines if list(line.get_ydata()) == [4.0, 4.0]]
     assert rim.get_linewidth() < 1.0
+
+
+def test_of_an_averaging_level_the_outflow_comes_first_and_the_band_is_lines():
+    plant = cl.load(Path(__file__).parents[2] / "docs" / "examples" / "surge-drum.toml")
+    run = cl.simulate(plant, cl.design.arrest_time(plant))
+    first, level, *others = all_panels(run)
+    assert (first.signal.name, level.signal.name) == ("outflow", "drum.level")
+    assert [each.name for each in first.beside] == ["feed"] and others == []
+    _, flow, drum = trend_figure(run, [first, level]).axes
+    colours = signal_colours(plant.process)
+    drawn = line_of(flow, colours["outflow"]), line_of(flow, MUTED)
+    for line, name in zip(drawn, ("outflow", "feed"), strict=True):
+        assert np.allclose(line.get_ydata(), 3600.0 * run.values[name], rtol=1e-9), name
+    solid = [x for x in drum.lines if x.get_color() == INK and not x.is_dashed()]
+    ends = [set(np.round(x.get_ydata(), 9)) for x in solid]  # 30 and 70 % of 2 m
+    assert ends == [{0.6}, {1.4}]
+    names = [text.get_text() for text in drum.get_legend().get_texts()]
+    assert names.count("band") == 1
+    data = trend_data(run, [level])["panels"][0]["curves"]
+    assert [set(c["values"]) for c in data if c["name"] == "band"] == [{0.6}, {1.4}]
 
 
 def test_manipulated_variables_are_held_between_samples_and_show_their_whole_range(figure, run):

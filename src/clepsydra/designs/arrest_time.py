@@ -304,7 +304,7 @@ def _averaging(
     return _Averaging(
         arrest_settings(narrow, time, damping),
         f"a load step of {load.signal} by "
-        f"{in_shown_unit(process.signal(load.signal), load.size)} is let use "
+        f"{in_shown_unit(process.signal(load.signal), load.size)} may move it by "
         f"{in_shown_unit(loop.output, allowed)} and is arrested after {time_text(time)}",
     )
 

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from clepsydra.base.signal import Signal
 from clepsydra.process.element import Element
 from clepsydra.process.elements.sensor import Sensor
 from clepsydra.process.known_names import known_names
 from clepsydra.process.table_reader import TableReader
+
+if TYPE_CHECKING:
+    from clepsydra.process.process import Process
 
 
 def read_averaging(
@@ -83,6 +87,33 @@ def read_averaging(
                 f"remove it, or manipulate a pump, valve or flow with the source {tank}",
             )
     return names
+
+
+def averaged_flows(process: Process, name: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the signals that move what leaves the tank of a level, and what arrives there.
+
+    Parameters
+    ----------
+    process : Process
+    name : str
+        Of an averaging measurement.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> averaged_flows(load_process("equalisation-tank"), "level")
+    (('outflow',), ('inflow',))
+    """
+    tank = next(e.tank for e in process.elements if isinstance(e, Sensor) and e.name == name)
+    moved = {signal.name for signal in process.inputs}
+    leaving = [e.name for e in process.elements if e.name in moved and _draws(e, tank)]
+    arriving = [
+        element.name
+        for element in process.elements
+        if any(signal.name == element.name for signal in process.disturbances)
+        and any((c.key, c.name) == (("destination",), tank) for c in element.connections())
+    ]
+    return tuple(leaving), tuple(arriving)
 
 
 def _draws(element: Element, tank: str) -> bool:

@@ -8,7 +8,7 @@ import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.base.words import time_text
-from clepsydra.report.colours import INK
+from clepsydra.report.colours import INK, MUTED
 from clepsydra.report.panels import Panel
 from clepsydra.report.quantities import (
     display_factor,
@@ -99,7 +99,8 @@ class PanelContent:
     def legend(self) -> tuple[tuple[str, Curve | None], ...]:
         """Return name and curve of each entry, the signal first; None stands for saturation."""
         entries: list[tuple[str, Curve | None]] = [(self.main.name, self.main)]
-        entries += [(curve.name, curve) for curve in self.curves if curve is not self.main]
+        named = {curve.name: curve for curve in self.curves if curve is not self.main}
+        entries += named.items()
         if self.saturated:
             entries.append((self.saturated_words, None))
         letters = _LEGEND_LETTERS // len(entries) - _HANDLE_LETTERS
@@ -137,7 +138,12 @@ def panel_content(
     values = recording.values[signal.name] * factor
     main = Curve(signal.name, time, values, colour, 1.4, held=held)
     measured, setpoint = _measurement(panel, recording, time, colour, factor)
-    curves = (*measured, *setpoint, main)
+    arriving = [
+        Curve(each.name, time, recording.values[each.name] * factor, MUTED, 0.9, held=True)
+        for each in panel.beside
+    ]
+    band = _band(panel, recording, time, factor)
+    curves = (*measured, *setpoint, *arriving, *band, main)
     percent = None
     if panel.kind not in ("disturbance", "total"):
         percent = percent_scale(recording.process, signal.name)
@@ -180,6 +186,17 @@ def _measurement(
         name = f"setpoint of {panel.measurement}"
         setpoint.append(Curve(name, time, wanted, INK, 0.9, dashed=True, held=True))
     return measured, setpoint
+
+
+def _band(panel: Panel, recording: Recording, time: np.ndarray, factor: float) -> list[Curve]:
+    """Return the ends of the band of an averaging level, as levels; none without one."""
+    ends = recording.process.bands.get(panel.measurement, ())
+    scale = sensor_scale(recording.process, panel.measurement) if ends else None
+    return [
+        Curve("band", time, scale.to_state(np.full(len(time), end)) * factor, INK, 0.8)
+        for end in ends
+        if scale is not None
+    ]
 
 
 def _view(panel: Panel, shown: np.ndarray, low: float, high: float) -> tuple[float, float]:

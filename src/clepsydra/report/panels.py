@@ -9,6 +9,8 @@ import numpy as np
 from clepsydra.base.signal import Signal
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.run import Run
+from clepsydra.process.averaging import averaged_flows
+from clepsydra.process.process import Process
 
 
 @dataclass(frozen=True)
@@ -25,6 +27,8 @@ class Panel:
     measurement : str
         The sensor that shows a level, empty for none.
     controlled : bool
+    beside : tuple of Signal
+        In the same unit, to compare with: what arrives in a tank beside what leaves it.
 
     Examples
     --------
@@ -37,10 +41,13 @@ class Panel:
     height: float
     measurement: str = ""
     controlled: bool = False
+    beside: tuple[Signal, ...] = ()
 
 
 def controlled_panels(run: Run) -> list[Panel]:
     """Return one panel for each state that follows a setpoint.
+
+    Before a level that averages comes what leaves its tank, which is to be smooth.
 
     Examples
     --------
@@ -51,8 +58,23 @@ def controlled_panels(run: Run) -> list[Panel]:
     ['tank_1.level', 'tank_2.level']
     """
     process = run.process
-    shown = [(name, process.signal(process.measured_state[name])) for name in process.controlled]
-    return [Panel(_kind(signal), signal, 1.3, name, True) for name, signal in shown]
+    shown = []
+    for name in process.controlled:
+        shown += _outflows(process, name) if name in process.averaging else []
+        signal = process.signal(process.measured_state[name])
+        shown.append(Panel(_kind(signal), signal, 1.3, name, True))
+    return shown
+
+
+def _outflows(process: Process, name: str) -> list[Panel]:
+    """Return the panels of what moves the outflow of an averaging level, beside what arrives."""
+    leaving, arriving = (
+        [process.signal(each) for each in names] for names in averaged_flows(process, name)
+    )
+    return [
+        Panel("input", signal, 1.3, beside=tuple(d for d in arriving if d.unit == signal.unit))
+        for signal in leaving
+    ]
 
 
 def all_panels(run: Run | Simulation) -> list[Panel]:
@@ -78,11 +100,12 @@ def all_panels(run: Run | Simulation) -> list[Panel]:
         for signal in process.state
         if signal.name not in shown
     ]
-    inputs = [Panel("input", signal, 0.85) for signal in process.inputs]
+    inputs = [Panel("input", u, 0.85) for u in process.inputs if u.name not in shown]
     disturbances = [
         Panel("disturbance", signal, 0.45)
         for signal in process.disturbances
         if np.ptp(run.values[signal.name]) > 0.0
+        and not any(signal in panel.beside for panel in controlled)
     ]
     totals = [
         Panel("total", signal, 0.45)
