@@ -1,5 +1,6 @@
 """As much of JSON Schema, draft 7, as the schemas for editors use: what of a value one refuses."""
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -82,7 +83,12 @@ _RULES: dict[str, Any] = {
     "type": _type,
     "enum": lambda v, known, s, p: [] if v in known else [f"{p}: {v!r} is none of {known}"],
     "const": lambda v, known, s, p: [] if v == known else [f"{p}: {v!r} is not {known!r}"],
+    "pattern": lambda v, text, s, p: [f"{p}: {v!r} fits no {text}"] if _misfits(v, text) else [],
     "minimum": lambda v, low, s, p: [f"{p}: {v} < {low}"] if _is_below(v, low) else [],
+    "maximum": lambda v, high, s, p: [f"{p}: {v} > {high}"] if _is_below(high, v) else [],
+    "exclusiveMinimum": lambda v, low, s, p: (
+        [f"{p}: {v} <= {low}"] if v == low or _is_below(v, low) else []
+    ),
     "properties": _properties,
     "additionalProperties": _additional,
     "required": _required,
@@ -101,5 +107,13 @@ _RULES: dict[str, Any] = {
 }
 
 
+def _is_number(value):
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
 def _is_below(value, low):
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and value < low
+    return _is_number(value) and _is_number(low) and value < low
+
+
+def _misfits(value, text):
+    return isinstance(value, str) and not re.search(text, value, re.ASCII)

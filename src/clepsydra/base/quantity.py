@@ -9,6 +9,7 @@ from typing import Any
 
 from clepsydra.base.key import ROLE, Key, with_units
 from clepsydra.base.signal import Signal, path
+from clepsydra.base.units import text_pattern
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,8 @@ class Quantity(Key):
     def schema(self, default: object = MISSING, words: str = "") -> dict[str, Any]:
         """Return what an editor is told of it: text with a unit, or a number where it has none.
 
+        Of text it knows whether number and sign are right and the unit is one of another kind.
+
         Parameters
         ----------
         default : object
@@ -62,18 +65,29 @@ class Quantity(Key):
         Examples
         --------
         >>> share = Quantity("share", low=0.0, high=1.0, expected="a share")
-        >>> share.schema(0.5)["description"], share.schema()["type"]
-        ('a share [1], at least 0, at most 1; 0.5 if left out', ['string', 'number'])
+        >>> told = share.schema(0.5)
+        >>> told.pop("description"), told.pop("type"), told.pop("minimum"), told.pop("maximum")
+        ('a share [1], at least 0, at most 1; 0.5 if left out', ['string', 'number'], 0.0, 1.0)
         """
         words = f"{words or self.expected} [{self.unit}]"
+        bounds: dict[str, Any] = {}
         if self.low > -math.inf:
             words += f", {'above' if self.strict else 'at least'} {self.low:g}"
+            bounds["exclusiveMinimum" if self.strict else "minimum"] = self.low
         if self.high < math.inf:
             words += f", at most {self.high:g}"
+            bounds["maximum"] = self.high
         if default not in (MISSING, None, self.absent) and not self.required:
             words += f"; {default:g} if left out"
         may_be_bare = self.unit == "1" or "{" in self.unit
-        return {"description": words, "type": ["string", "number"] if may_be_bare else "string"}
+        pattern = text_pattern(
+            self.unit,
+            signed=self.low < 0.0,
+            zero=self.low < 0.0 or (self.low == 0.0 and not self.strict),
+        )
+        kind: Any = ["string", "number"] if may_be_bare else "string"
+        told = {"description": words, "type": kind, "pattern": pattern}
+        return told | bounds if may_be_bare else told
 
     def parameter(self, owner: Any, display_unit: str = "") -> Signal | None:
         """Return the parameter that it is of its owner, "pump_1.lag"; None where it is none."""

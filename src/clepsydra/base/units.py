@@ -44,6 +44,11 @@ liter = 1e-3 * meter ** 3 = l = L = litre
 gallon = 231 * inch ** 3 = gal
 """
 
+#: Units that are often written, of a kind each, the SI unit first.
+_OFTEN_WRITTEN = (
+    *("1 %", "m cm mm", "m^2 cm^2", "m^3 l", "m^3/s m^3/h l/s l/min l/h cm^3/s", "m/s", "V"),
+    *("A mA", "s min h", "1/s 1/h", "kg", "kg/m^3 g/l", "mol", "mol/m^3"),
+)
 _NUMBER = re.compile(
     r" *([+-]?(?:(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?|nan\b|inf(?:inity)?\b)) *(.*?) *",
     re.IGNORECASE | re.ASCII,
@@ -189,6 +194,34 @@ def convertible(unit: str, to: str) -> bool:
     except (pint.UndefinedUnitError, pint.DimensionalityError, ValueError):
         return False
     return True
+
+
+def text_pattern(unit: str, *, signed: bool, zero: bool) -> str:
+    """Return the regular expression of text with a number and its unit, for a JSON Schema.
+
+    It refuses a number without a unit and the usual units of another kind; any other unit, which
+    it cannot know, is let pass.
+
+    Parameters
+    ----------
+    unit : str
+        SI unit; any is let pass of one with a role, "m/{output}".
+    signed, zero : bool
+        The number may be negative; it may be zero.
+
+    Examples
+    --------
+    >>> area = text_pattern("m^2", signed=False, zero=False)
+    >>> [bool(re.search(area, text)) for text in ("28 cm^2", "1 acre", "28 cm", "28", "-1 m^2")]
+    [True, True, False, False, False]
+    """
+    number = ("[+-]?" if signed else r"\+?") + ("" if zero else r"(?=[\d.]*[1-9])")
+    number += r"(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?(?![\d.,eE])"
+    if "{" in unit:
+        return f"^ *{number}.*$"
+    others = " ".join(kind for kind in _OFTEN_WRITTEN if kind.split()[0] != unit)
+    others = re.escape(others).replace(r"\ ", "|")
+    return f"^ *{number} *((?!({others}) *$)\\S.*){'?' if unit == '1' else ''}$"
 
 
 def _factor_of_user(

@@ -6,6 +6,7 @@ from itertools import accumulate
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from clepsydra.process import told
+from clepsydra.process.declared import part
 
 if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
@@ -87,13 +88,31 @@ def _steps(
     return tuple(step for step in steps if step)
 
 
-def told_of_steps(what: str) -> dict[str, Any]:
-    """Return what an editor is told of the key "step".
+def ranged(unit: str, what: str, quantity: str = "") -> Any:
+    """Return the field of the low end that those of a `DisturbanceRange` follow.
 
-    Examples
-    --------
-    >>> told_of_steps("rain")["type"]
-    ['string', 'number', 'array']
+    Parameters
+    ----------
+    unit : str
+        SI unit.
+    what : str
+        For editors, "the rain".
+    quantity : str
+        In a word, for messages: "rain intensity"; as `what` where empty.
     """
-    words = f"size of the load step of studies, or a list of them one after the other: {what}"
-    return {"description": words, "type": [*told.QUANTITY["type"], "array"], "items": told.QUANTITY}
+    quantity = quantity or what.removeprefix("the ")
+    steps = "size of the load step of studies, or a list of them one after the other: "
+    return part(
+        lambda table, key, known: read_disturbance_range(table, unit, quantity),
+        {
+            "range": told.quantities(f"range of {what} [{unit}]", 2),
+            "nominal": told.quantity(f"{what} at the operating point", unit),
+            "step": {
+                "description": f"{steps}[{unit}]; none if left out",
+                "type": [*told.QUANTITY["type"], "array"],
+                "items": told.QUANTITY,
+            },
+        },
+        fills=True,
+        required=("range", "nominal"),
+    )

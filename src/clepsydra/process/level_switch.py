@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 TRIP_KEYS = {
     "trip_above": told.by_name("levels of tanks above which it stops [m]"),
     "trip_below": told.by_name("levels of tanks below which it stops [m]"),
-    "hysteresis": told.text("how far levels must come back before it may run again [m]"),
+    "hysteresis": told.quantity("how far levels must come back before it may run again", "m"),
 }
 STARTER_KEYS = {
     "start_above": told.by_name("level of one tank above which it starts by itself [m]"),

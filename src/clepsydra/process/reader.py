@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import MISSING
 from pathlib import Path
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.input_file import read_input
+from clepsydra.base.quantity import Quantity
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
 from clepsydra.process import told
@@ -38,13 +40,30 @@ from clepsydra.process.variants import (
 from clepsydra.process.vessels.vessel import Vessel
 from clepsydra.process.wiring import check_wiring
 
+_STANDARD_GRAVITY = 9.81
+_GRAVITY = Quantity(
+    "gravity",
+    "m/s^2",
+    low=0.0,
+    strict=True,
+    expected="an acceleration",
+    remedy='leave it out for "9.81 m/s^2"',
+)
+_SAMPLING_PERIOD = Quantity(
+    "sampling_period",
+    "s",
+    low=0.0,
+    strict=True,
+    expected="a time",
+    remedy="give about a thirtieth of the dominant time constant",
+)
 #: The keys of a process file beside the tables of its elements.
 GENERAL_KEYS = {
     "name": told.text("letters, digits and hyphens; reports and data are named after it"),
     "title": told.text("one line for people"),
     "source": told.text("where the numbers come from, one line"),
-    "gravity": told.text("acceleration of gravity [m/s^2], above 0; 9.81 if left out"),
-    "sampling_period": told.text("of the controllers [s], above 0"),
+    "gravity": _GRAVITY.schema(_STANDARD_GRAVITY, "acceleration of gravity"),
+    "sampling_period": _SAMPLING_PERIOD.schema(words="of the controllers"),
     "controlled": told.names("the sensors that follow setpoints"),
     "averaging": told.names("controlled levels whose tank is there to smooth the flow"),
     "manipulated": told.names("what controllers move; all pumps and valves if left out"),
@@ -161,14 +180,7 @@ def _process(document: Document, path: Path | None, asked: tuple[str, ...] | Non
         "m/s^2",
         display_unit=general.display_units("gravity").get("gravity", ""),
         low=0.0,
-        initial=general.quantity(
-            "gravity",
-            "m/s^2",
-            "an acceleration",
-            'leave it out for "9.81 m/s^2"',
-            above=0.0,
-            default=9.81,
-        ),
+        initial=general.declared(_GRAVITY, {}, _STANDARD_GRAVITY),
         description="acceleration of gravity",
     )
     check_components(components, elements, document.place)
@@ -193,13 +205,7 @@ def _process(document: Document, path: Path | None, asked: tuple[str, ...] | Non
         measured_state=joined.measured_state,
         elements=elements,
         nominal_outputs=nominal_outputs,
-        sampling_period=general.quantity(
-            "sampling_period",
-            "s",
-            "a time",
-            "give about a thirtieth of the dominant time constant",
-            above=0.0,
-        ),
+        sampling_period=general.declared(_SAMPLING_PERIOD, {}, MISSING),
         path=path,
         variant=chosen.names,
         variants=chosen.descriptions,

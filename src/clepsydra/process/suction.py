@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 #: The key of a process file that `read_suction` knows.
 SUCTION_KEY = "suction_level"
+SUCTION_TOLD = {SUCTION_KEY: told.quantity("level of its tank at which its intake draws air", "m")}
 #: Suction is lost where a tank holds this share of its capacity, if the file does not say.
 _LOST = 0.01
 #: It comes back when this share of the capacity has come in above that.
@@ -184,7 +185,7 @@ def drawing() -> Any:
     """Return the field of an element that draws from its source by force."""
     return part(
         lambda table, key, known: read_suction(table, known["source"]),
-        {SUCTION_KEY: told.text("level of its tank at which its intake draws air [m]")},
+        SUCTION_TOLD,
         default=None,
     )
 

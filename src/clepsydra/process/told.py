@@ -5,17 +5,24 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from clepsydra.base.units import text_pattern
+
 Schema = Mapping[str, Any]
 #: A quantity as a file has it: text with a unit, or a number where it needs none.
 QUANTITY: Schema = {"type": ["string", "number"]}
 
 
-def quantity(words: str) -> dict[str, Any]:
-    """Return the schema of a quantity.
+def quantity(words: str, unit: str = "") -> dict[str, Any]:
+    """Return the schema of a quantity, not below zero where its SI unit is known.
 
     >>> quantity("a level")
     {'description': 'a level', 'type': ['string', 'number']}
+    >>> quantity("a level", "m")["description"]
+    'a level [m]'
     """
+    if unit:
+        pattern = text_pattern(unit, signed=False, zero=True)
+        return {"description": f"{words} [{unit}]", "type": "string", "pattern": pattern}
     return {"description": words, **QUANTITY}
 
 

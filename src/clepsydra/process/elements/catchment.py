@@ -10,9 +10,8 @@ import casadi as ca
 
 from clepsydra.base.quantity import quantity
 from clepsydra.base.signal import Signal
-from clepsydra.process import told
-from clepsydra.process.declared import filled, link, part
-from clepsydra.process.disturbance_range import read_disturbance_range, told_of_steps
+from clepsydra.process.declared import filled, link
+from clepsydra.process.disturbance_range import ranged
 from clepsydra.process.element import Element
 from clepsydra.process.flow import Flow
 from clepsydra.program.step_law import Symbols
@@ -78,16 +77,7 @@ class Catchment(Element):
     time: float = quantity(
         "s", "a time", "time constant of", above=0.0, remedy="give the time after which 63 % run"
     )
-    low: float = part(
-        lambda table, key, known: read_disturbance_range(table, "m/s", "rain intensity"),
-        {
-            "range": told.quantities("range of the rain [m/s]", 2),
-            "nominal": told.text("the rain at the operating point [m/s]"),
-            "step": told_of_steps("[m/s]; none if left out"),
-        },
-        fills=True,
-        required=("range", "nominal"),
-    )
+    low: float = ranged("m/s", "the rain", "rain intensity")
     high: float = filled()
     nominal: float = filled()
     steps: tuple[float, ...] = ()

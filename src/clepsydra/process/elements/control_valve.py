@@ -22,7 +22,7 @@ from clepsydra.process.hybrid import Event
 from clepsydra.process.manipulated_signal import actuator_signal
 from clepsydra.process.root_law import falling_root, signed_root
 from clepsydra.process.stiction import Stiction
-from clepsydra.process.suction import BREAKS_OFF, SUCTION_KEY, Suction, drawn, read_suction
+from clepsydra.process.suction import BREAKS_OFF, SUCTION_TOLD, Suction, drawn, read_suction
 from clepsydra.process.valve_characteristic import CHARACTERISTICS, opened
 from clepsydra.process.vessels.vessel import Vessel
 from clepsydra.program.step_law import Symbols
@@ -178,7 +178,7 @@ class ControlValve(Element):
     )
     source_vessel: Vessel | None = part(
         lambda table, key, known: table.vessel_of(known["source"]),
-        {SUCTION_KEY: told.text("level of its tank at which its intake draws air [m]")},
+        SUCTION_TOLD,
         default=None,
     )
     suction: Suction | None = None

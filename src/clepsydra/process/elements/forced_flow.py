@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, ClassVar, Self
 import casadi as ca
 
 from clepsydra.base.signal import Signal
-from clepsydra.process import told
 from clepsydra.process.concentrations import (
     GivenConcentration,
     brought,
@@ -17,8 +16,8 @@ from clepsydra.process.concentrations import (
     concentration_steps,
     concentration_values,
 )
-from clepsydra.process.declared import filled, link, part
-from clepsydra.process.disturbance_range import read_disturbance_range, told_of_steps
+from clepsydra.process.declared import filled, link
+from clepsydra.process.disturbance_range import ranged
 from clepsydra.process.element import Element
 from clepsydra.process.flow import Flow
 from clepsydra.process.hybrid import Event
@@ -67,16 +66,7 @@ class ForcedFlow(Element):
 
     source: str = link("the name of a tank", "source", optional=True)
     destination: str = link("the name of a tank", "receiver", optional=True)
-    low: float = part(
-        lambda table, key, known: read_disturbance_range(table, "m^3/s", "flow"),
-        {
-            "range": told.quantities("range of the flow [m^3/s]", 2),
-            "nominal": told.text("the flow at the operating point [m^3/s]"),
-            "step": told_of_steps("[m^3/s]; none if left out"),
-        },
-        fills=True,
-        required=("range", "nominal"),
-    )
+    low: float = ranged("m^3/s", "the flow")
     high: float = filled()
     nominal: float = filled()
     steps: tuple[float, ...] = ()

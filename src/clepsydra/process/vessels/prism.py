@@ -4,18 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Self
+from dataclasses import MISSING, dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import casadi as ca
 
-from clepsydra.base.quantity import quantity
-from clepsydra.process import told
+from clepsydra.base.quantity import Quantity, quantity
 from clepsydra.process.declared import part, read_fields
 from clepsydra.process.vessels.vessel import Vessel, VesselParameter, reciprocal
 
 if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
+
+_OF_SIZE: Any = {"low": 0.0, "strict": True}
+_AREA = Quantity(
+    "area", "m^2", expected="an area", remedy="give the cross-section of the tank", **_OF_SIZE
+)
+_DIAMETER = Quantity(
+    "diameter", "m", expected="a diameter", remedy="give the inner diameter of the tank", **_OF_SIZE
+)
 
 
 @dataclass(frozen=True, init=False)
@@ -46,8 +53,8 @@ class Prism(Vessel):
     base_area: float = part(
         lambda table, key, known: _read_area(table),
         {
-            "area": told.text("its cross-section [m^2], above 0"),
-            "diameter": told.text("its inner diameter [m], above 0, in place of the area"),
+            "area": _AREA.schema(words="its cross-section"),
+            "diameter": _DIAMETER.schema(words="its inner diameter, in place of the area"),
         },
         checks=({"anyOf": [{"required": ["area"]}, {"required": ["diameter"]}]},),
     )
@@ -87,8 +94,5 @@ def _read_area(table: TableReader) -> float:
     if table.has("area") and table.has("diameter"):
         table.refuse(("diameter",), "either an area or a diameter", "remove one of the two")
     if not table.has("diameter"):
-        return table.quantity(
-            "area", "m^2", "an area", "give the cross-section of the tank", above=0.0
-        )
-    remedy = "give the inner diameter of the tank"
-    return math.pi / 4 * table.quantity("diameter", "m", "a diameter", remedy, above=0.0) ** 2
+        return float(table.declared(_AREA, {}, MISSING))
+    return math.pi / 4 * float(table.declared(_DIAMETER, {}, MISSING)) ** 2

@@ -42,7 +42,7 @@ class Step:
     )
     sample: int = part(
         lambda table, key, known: _sample(table, known["period"], known["samples"]),
-        {"at": told.text("when [s]; between two samples, at the later one")},
+        {"at": told.quantity("when, at the later one of two samples", "s")},
         required=("at",),
     )
     value: Callable[[float], float] = part(
@@ -72,7 +72,7 @@ class ScenarioTable:
 
     samples: int = part(
         lambda table, key, known: _samples(table, known["period"]),
-        {"duration": told.text("its length [s]")},
+        {"duration": told.quantity("its length", "s")},
         required=("duration",),
     )
     quiet: int | None = part(
