@@ -7,6 +7,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pytest
+from rich.console import Console
 from scipy.optimize import brentq
 from tools import need, need_compiler
 
@@ -196,3 +197,37 @@ def test_export_and_verify(printed):
     need_compiler()
     need("fmpy", "tree_sitter_iec61131_3_st")
     assert "The proof holds" in printed("export_and_verify")
+
+
+def test_quansers_tanks_rest_and_respond_as_torricelli_says():
+    """At 15 cm in both, the pump brings what the holes let out, and each tank lags by 2 V / q."""
+    plant = cl.load(FOLDER / "quanser-coupled-tanks.toml")
+    flow = 0.25 * math.pi * (2.54 * 3 / 16) ** 2 * math.sqrt(TWICE_GRAVITY * 15.0)
+    assert plant.point.as_dict()["pump"] == pytest.approx(flow / 3.3, rel=1e-3)
+    lag = 2 * 15.0 * 0.25 * math.pi * 4.445**2 / flow
+    assert cl.analyse(plant).time_constants == pytest.approx([lag, lag], rel=2e-3)
+
+
+def test_the_blending_station_rests_where_salt_and_liquid_balance():
+    plant = cl.load(FOLDER / "blending-station.toml")
+    brine = 5.0 * 50.0 / 250.0  # [m³/h]
+    water = 1.0 + math.log((5.0 - brine) / 8.0, 50.0)  # the valve's opening, at 1 bar
+    at_rest = plant.point.as_dict()
+    assert at_rest["dosing"] == pytest.approx(brine / 3.0, rel=1e-6)
+    assert at_rest["water"] == pytest.approx(water, rel=1e-3)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", [path.name for path in sorted(FOLDER.glob("*.toml"))])
+def test_a_plant_is_studied_in_a_screen_and_exported(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(FOLDER)
+    study = cl.study(name)
+    for columns in (80, 100):
+        console = Console(width=columns)
+        with console.capture() as shown:
+            console.print(study)
+        lines = [line.rstrip() for line in shown.get().splitlines()]
+        assert len(lines) <= 24 and max(map(len, lines)) <= columns
+        assert any(line.startswith("settings, ISA form") for line in lines)
+    written = cl.export(study.recommended.controller, study.plant, tmp_path, to="st")
+    assert all(path.stat().st_size for path in written.files)

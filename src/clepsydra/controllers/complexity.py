@@ -32,6 +32,6 @@ class Complexity(IntEnum):
 _WORDS = {
     Complexity.LOOPS: "PI or PID loops",
     Complexity.ADVANCED_LOOPS: "loops with decoupling, feedforward, cascade, rules or schedules",
-    Complexity.MODEL: "a model, from the controlled measurements",
+    Complexity.MODEL: "a model in the controller, and no further sensors",
     Complexity.MODEL_WITH_MORE_MEASUREMENTS: "a model, and more measurements than are controlled",
 }

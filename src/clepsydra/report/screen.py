@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,9 @@ if TYPE_CHECKING:
 
 #: A long name takes more lines rather than more of the width than this.
 _NAME = 30
-_BACKSLASH, _INDENT = " \\", " " * 7
+_BACKSLASH, _INDENT = " \\", " " * 8
+#: What of a command stays in one line: an option with its value, a quoted name, a word.
+_PIECES = re.compile(r'--\S+ (?:"[^"]*"|[^-\s]\S*)|(?:"[^"]*"|\S)+')
 _STYLES = {Mark.ANSWER: "bold", Mark.WATCH: "yellow"}
 
 
@@ -76,13 +79,16 @@ def _line(line: Line, width: int) -> RenderableType:
 
 def _continued(command: str, width: int) -> str:
     """Return a command, on several lines that can be copied where it is too long for one."""
-    lines = [""]
-    for place, part in enumerate(command.split(" --")):
-        words = f" --{part}" if place else part
-        if place and len(lines[-1] + words) > width - len(_BACKSLASH):
-            lines.append(f"{_INDENT}{words}")
+    if len(command) <= width:
+        return command
+    begun = len(command) - len(command.lstrip())
+    first, *pieces = _PIECES.findall(command)
+    lines = [" " * begun + first]
+    for piece in pieces:
+        if len(lines[-1]) + len(piece) + 1 > width - len(_BACKSLASH):
+            lines.append(_INDENT + piece)
         else:
-            lines[-1] += words
+            lines[-1] += f" {piece}"
     return f"{_BACKSLASH}\n".join(lines)
 
 

@@ -144,7 +144,7 @@ def _watched(candidate: Candidate) -> list[str]:
         said.append(f"It overshoots a step of the setpoint by {overshoot:.0f} %.")
     if candidate.controller.slowed > 1.0:
         factor = f"{candidate.controller.slowed:.3g}"
-        said.append(f"Its rule was slowed {factor} times, so that its loops bear each other.")
+        said.append(f"Its rule was slowed {factor} times, until it was robust.")
     said += [_first_clause(words) for words in candidate.warnings]
     more = len(said) - _WATCHED
     return said[:_WATCHED] + ([f"{more} more to watch: --why."] if more > 0 else [])
@@ -193,7 +193,8 @@ def _refused(result: StudyResult) -> tuple[Line, ...]:
 
 
 def _commands(result: StudyResult, advice: Recommendation) -> tuple[Line, ...]:
-    subject = result.path or result.process.address
+    subject = str(result.path or result.process.address)
+    subject = f'"{subject}"' if " " in subject else subject
     controller = f'--controller "{advice.simplest.controller.name}"'
     return marked(
         Mark.COMMAND,
