@@ -1,28 +1,75 @@
 /** What the page carries as JSON beside its words. */
 
-/** One line of a panel, a value for each time. */
-export interface Curve {
+export interface Controller {
+  title: string;
+  /** How far it can be trusted, in a word. */
+  standing: string;
+  /** max|S|; null without a linear loop. */
+  peak: number | null;
+  /** Mean error, as a multiple of that of the first. */
+  error: number | null;
+}
+
+export interface Signal {
   name: string;
-  colour: string;
-  dashed: boolean;
-  values: number[];
-}
-
-/** Curves that share an axis. */
-export interface Panel {
   unit: string;
-  curves: Curve[];
+  /** Whether it keeps its value for a sample. */
+  held: boolean;
+  low: number | null;
+  high: number | null;
+  /** Between which values a level has to stay. */
+  band: [number, number] | null;
 }
 
-/** A run: panels above each other on one time axis. */
-export interface Trends {
-  unit: string;
-  time: number[];
-  panels: Panel[];
+/** Curves of one signal, each whole steps and then differences, with null for no number. */
+interface Trace {
+  step: number;
+  curves: Coded[];
+  /** One that all controllers follow, or of inner loops each controller's own. */
+  setpoints: (Coded | null)[];
 }
 
-/** Return the run that the page carries, if it has one. */
-export function trends(): Trends | undefined {
-  const text = document.getElementById("trends")?.textContent;
-  return text ? (JSON.parse(text) as Trends) : undefined;
+export interface ScenarioEvent {
+  title: string;
+  /** Seconds from one sample to the next. */
+  period: number;
+  samples: Coded;
+  /** From when to when it is seen at first [s]. */
+  view: [number, number];
+  /** Whether the same signal has stepped before. */
+  again: boolean;
+  traces: Trace[];
+}
+
+export interface PageData {
+  controllers: Controller[];
+  /** The controllers that are shown at first, the recommended one before its rival. */
+  first: number[];
+  signals: Signal[];
+  events: ScenarioEvent[];
+  sensitivity: Sensitivity | null;
+}
+
+/** The largest singular value of S over frequency [rad/s], by controller. */
+export interface Sensitivity {
+  frequencies: number[];
+  curves: ((number | null)[] | null)[];
+}
+
+type Coded = (number | null)[];
+
+/** Return the data of the page, if it has any. */
+export function pageData(): PageData | undefined {
+  const text = document.getElementById("data")?.textContent;
+  return text ? (JSON.parse(text) as PageData) : undefined;
+}
+
+/** Return the numbers that differences of whole steps stand for. */
+export function decoded(coded: Coded, step: number): (number | null)[] {
+  let whole = 0;
+  return coded.map((difference) => {
+    if (difference === null) return null;
+    whole += difference;
+    return whole * step;
+  });
 }

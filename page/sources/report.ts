@@ -1,11 +1,21 @@
-import { trends } from "./data";
-import { drawTrends } from "./trend_chart";
+import { addCopyButton } from "./copy";
+import { pageData } from "./data";
+import { drawEvents } from "./events";
+import { fillWhenOpened } from "./folds";
+import { drawMap } from "./map";
+import { makeRanking } from "./ranking";
+import { drawSensitivity } from "./sensitivity";
+import { Shown } from "./shown";
 
-const run = trends();
-const still = document.querySelector<HTMLElement>("[data-interactive] svg");
-if (run && still) {
-  const place = document.createElement("div");
-  place.className = "interactive";
-  still.replaceWith(place);
-  drawTrends(place, run);
+fillWhenOpened();
+const data = pageData();
+const ranking = document.querySelector<HTMLTableElement>("table.ranking");
+const [overlay, map, sensitivity] = ["overlay", "map", "sensitivity"].map((id) => document.getElementById(id));
+if (data && overlay && map && sensitivity && ranking) {
+  const shown = new Shown(data.first);
+  drawEvents(overlay, data, shown);
+  makeRanking(ranking, shown);
+  drawMap(map, data.controllers, shown);
+  drawSensitivity(sensitivity, data, shown);
+  addCopyButton(document.querySelector<HTMLElement>(".card")!);
 }

@@ -30,7 +30,7 @@ def check_page(text):
     identifiers = re.findall(r'\bid="([^"]+)"', text)
     assert len(identifiers) == len(set(identifiers))
     assert "<script" not in text
-    assert "http" not in re.sub(r'xmlns(:xlink)?="[^"]*"', "", text)
+    assert "http" not in re.sub(r'(xmlns(:xlink)?|http-equiv)="[^"]*"', "", text)
 
 
 @pytest.fixture(scope="module")

@@ -43,7 +43,7 @@ def by_hand(point, form, **values):
 
 def facts_of(controller, point):
     (loop,) = loop_settings(controller, point)
-    return dict(loop.facts)
+    return dict(loop.rows)
 
 
 def test_gains_are_in_the_units_of_the_displays(wet_well):
@@ -145,7 +145,7 @@ def test_every_block_of_a_scheme_is_said(wet_well):
         "ahead.lag": 9.0, "duty.rate_limit": 0.02, "c.ratio": 40.0,
     }  # fmt: skip
     found = {
-        part.title: dict(part.facts) for part in scheme_blocks(scheme_of(blocks, given), process)
+        part.title: dict(part.rows) for part in scheme_blocks(scheme_of(blocks, given), process)
     }
     selector = found["Override, lowest selector (lowest)"]
     assert selector["takes"] == "the lowest of level loop, power loop"
@@ -167,7 +167,7 @@ def test_an_inner_loop_says_where_its_setpoint_comes_from(wet_well):
     inner = PidBlock("inner", "inner", PidForm(), level, duty, "outer", inner=True)
     values = {"inner.setpoint_low_limit": 0.006, "inner.setpoint_high_limit": 0.018}
     (loop,) = loop_settings(scheme_of([inner, OutputBlock(duty, "inner")], values), point)
-    assert dict(loop.facts)["setpoint"] == "from outer (cascade), kept from 6.000 mA to 18.00 mA"
+    assert dict(loop.rows)["setpoint"] == "from outer (cascade), kept from 6.000 mA to 18.00 mA"
 
 
 def test_an_outer_loop_moves_a_setpoint(wet_well):
@@ -176,7 +176,7 @@ def test_an_outer_loop_moves_a_setpoint(wet_well):
     outer = PidBlock("outer", "level", PidForm(), level, level, "level.sp", direct=False)
     inner = PidBlock("inner", "inner", PidForm(), level, duty, "outer", inner=True)
     loops = loop_settings(scheme_of([outer, inner, OutputBlock(duty, "inner")]), point)
-    assert dict(loops[0].facts)["moves"] == "the setpoint of level (4 to 20 mA)"
+    assert dict(loops[0].rows)["moves"] == "the setpoint of level (4 to 20 mA)"
 
 
 def test_a_fixed_setpoint_is_not_said_to_be_the_operators(wet_well):
@@ -186,13 +186,13 @@ def test_a_fixed_setpoint_is_not_said_to_be_the_operators(wet_well):
     scheme = scheme_of([flood, OutputBlock(duty, "flood")])
     scheme.free_inputs = {"flood.sp": 0.012}
     (loop,) = loop_settings(scheme, point)
-    assert dict(loop.facts)["setpoint"].startswith("fixed at 12")
+    assert dict(loop.rows)["setpoint"].startswith("fixed at 12")
 
 
 def test_decoupling_is_said_of_every_output(four_tanks):
     controller = cl.design.simc(four_tanks, decoupling="dynamic")
     blocks = scheme_blocks(controller, four_tanks.process)
-    found = {part.title: dict(part.facts) for part in blocks}
+    found = {part.title: dict(part.rows) for part in blocks}
     words = found["Decoupling of pump_2 (pump_2 decoupled)"]["from pump_1"]
     assert words.startswith(
         f"{controller.values['pump_2.feedforward.pump_1.gain']:.4f}".replace("-", "−")
@@ -224,7 +224,7 @@ def test_matrices_name_their_rows_and_columns_in_display_units(wet_well):
 
 def test_a_state_feedback_says_its_operating_point(four_tanks):
     process = four_tanks.process
-    parts = {p.title: dict(p.facts) for p in law_facts(cl.design.lqi(four_tanks), process)}
+    parts = {p.title: dict(p.rows) for p in law_facts(cl.design.lqi(four_tanks), process)}
     assert parts["Operating point"]["level_1°"] == "6.131 V"
     assert parts["Output pump_1"]["pump_1°, at rest"] == "3.000 V"
     assert "output at rest" not in parts["Output pump_1"]
@@ -241,7 +241,7 @@ def test_start_and_stop_levels_are_a_table_of_stages():
     })  # fmt: skip
     (grid,) = law_grids(controller, process)
     assert grid.rows[1] == ("stage 2: 2 running", "16.00 mA = 3.000 m", "10.00 mA = 1.500 m")
-    parts = {part.title: dict(part.facts) for part in law_facts(controller, process)}
+    parts = {part.title: dict(part.rows) for part in law_facts(controller, process)}
     assert parts["Pumps"]["shortest rest of a pump"] == "60.00 s"
     assert parts["Pumps"]["the duty changes"] == "after each run"
     assert parts[f"Output {names[0]}"]["in service"] == "yes"
@@ -264,6 +264,6 @@ def test_a_parallel_form_without_isa_form_says_so(wet_well):
         {"level.proportional_gain": -190.0, "level.integral_gain": 0.5},
     )
     (found,) = loop_settings(scheme, point)
-    facts = dict(found.facts)
+    facts = dict(found.rows)
     assert facts["the ISA form"] == "none: its gains have different signs"
     assert facts["gain K"].startswith("−19")

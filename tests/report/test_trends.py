@@ -11,7 +11,6 @@ from clepsydra.process.catalogue_names import catalogue_file
 from clepsydra.report.colours import INK, MUTED, signal_colours
 from clepsydra.report.panels import all_panels, controlled_panels
 from clepsydra.report.plot import plot
-from clepsydra.report.trend_data import trend_data
 from clepsydra.report.trends import segment_words, trend_figure
 
 
@@ -83,8 +82,6 @@ def test_of_an_averaging_level_the_outflow_comes_first_and_the_band_is_lines():
     assert ends == [{0.6}, {1.4}]
     names = [text.get_text() for text in drum.get_legend().get_texts()]
     assert names.count("band") == 1
-    data = trend_data(run, [level])["panels"][0]["curves"]
-    assert [set(c["values"]) for c in data if c["name"] == "band"] == [{0.6}, {1.4}]
 
 
 def test_manipulated_variables_are_held_between_samples_and_show_their_whole_range(figure, run):

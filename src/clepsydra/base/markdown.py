@@ -35,7 +35,7 @@ def markdown(section: Section, depth: int = 2) -> str:
             parts.append(markdown(part, depth + 1))
         elif isinstance(part, Table):
             parts.append(_table(part, depth + 1))
-        elif part.text:
+        elif isinstance(part, Line) and part.text:
             parts.append(_line(part))
     return "\n\n".join(parts)
 

@@ -61,6 +61,22 @@ class Table:
 
 
 @dataclass(frozen=True)
+class Picture:
+    """A picture of a page; a terminal leaves it out.
+
+    Parameters
+    ----------
+    svg : str
+        One ``<svg>`` element that escapes its own words.
+    words : str
+        What stands below it.
+    """
+
+    svg: str
+    words: str = ""
+
+
+@dataclass(frozen=True)
 class Section:
     """What belongs together: its title, then its lines and tables in their order.
 
@@ -69,7 +85,9 @@ class Section:
     title : str
         May be empty.
     parts : tuple
-        Of `Line`, `Table` and `Section`.
+        Of `Line`, `Table`, `Picture` and `Section`.
+    folded : bool
+        Whether a page shows only its title until it is asked for more.
 
     Examples
     --------
@@ -78,7 +96,8 @@ class Section:
     """
 
     title: str = ""
-    parts: tuple[Line | Table | Section, ...] = ()
+    parts: tuple[Line | Table | Picture | Section, ...] = ()
+    folded: bool = False
 
 
 def marked(mark: Mark, texts: Iterable[str]) -> tuple[Line, ...]:

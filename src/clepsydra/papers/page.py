@@ -2,40 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from clepsydra.base.files import whole_file
+from clepsydra.base.section import Line, Mark, Picture, Section, Table
 from clepsydra.papers.audit import Audit, DocumentAudit
 from clepsydra.papers.figure_svg import figure_svg
 from clepsydra.papers.row import VERDICTS, Row
 from clepsydra.papers.row_words import difference_words, printed_words, value_words
-from clepsydra.report.template import rendered
+from clepsydra.report.page import page_text as section_page
+from clepsydra.report.page import write_page as write_text
 
-if TYPE_CHECKING:
-    from markupsafe import Markup
-
-
-@dataclass(frozen=True)
-class _Picture:
-    title: str
-    note: str
-    svg: Markup
-
-
-@dataclass(frozen=True)
-class _Part:
-    title: str
-    rows: tuple[Row, ...]
-    pictures: tuple[_Picture, ...]
-
-
-@dataclass(frozen=True)
-class _Chapter:
-    audited: DocumentAudit
-    notable: tuple[Row, ...]
-    parts: tuple[_Part, ...]
+_WORDS = (
+    "Reproduced: the computed number rounds to the printed one, or is within the tolerance that "
+    "its reason states. Misprint: it does not, and other printed numbers or the document's own "
+    "equations show the computed one to be right. Consistent: the computed number was solved from "
+    "the printed one or fitted to it, so that its agreement proves nothing. Damaged text: our "
+    "sources were converted to text, and what stands here looks like damage of that conversion. "
+    "Remark: a finding of ours on something that the document does not claim. Difference: of the "
+    "computed from the printed number."
+)
 
 
 def write_page(result: Audit, path: str | Path) -> None:
@@ -60,8 +46,7 @@ def write_page(result: Audit, path: str | Path) -> None:
     ...     Path(folder, "papers.html").read_text("utf-8")[:15]
     '<!DOCTYPE html>'
     """
-    with whole_file(Path(path)) as part:
-        part.write_text(page_text(result), encoding="utf-8", newline="\n")
+    write_text(page_text(result), path)
 
 
 def page_text(result: Audit) -> str:
@@ -73,30 +58,64 @@ def page_text(result: Audit) -> str:
     True
     """
     chapters = [_chapter(document) for document in result.documents]
-    return rendered(
-        "papers.html.jinja",
-        audit=result,
-        chapters=chapters,
-        verdicts=VERDICTS,
-        printed_words=printed_words,
-        value_words=value_words,
-        difference_words=difference_words,
-    )
+    parts: list[Line | Table | Section] = [Line(result.summary, Mark.ANSWER), _counts(result)]
+    return section_page(Section("Documents audited", (*parts, Line(_WORDS), *chapters)))
 
 
-def _chapter(audited: DocumentAudit) -> _Chapter:
-    from markupsafe import Markup
+def _counts(result: Audit) -> Table:
+    """Return how many rows of each document have which verdict."""
+    rows = [
+        (each.document.title, *(str(each.counts[verdict]) for verdict in VERDICTS),
+         str(len(each.rows)))
+        for each in result.documents
+    ]  # fmt: skip
+    every = ("All", *(str(result.counts[verdict]) for verdict in VERDICTS), str(len(result.rows)))
+    return Table("", ("Document", *VERDICTS, "rows"), (*rows, every))
 
-    parts = []
+
+def _chapter(audited: DocumentAudit) -> Section:
+    parts: list[Line | Table | Picture | Section] = [Line(audited.document.reference)]
+    notable = [row for row in audited.rows if not row.is_as_printed]
+    if notable:
+        parts.append(Section("What is not as printed", (_table(notable),)))
     for number, (name, found) in enumerate(audited.experiments.items()):
-        pictures = tuple(
-            _Picture(
-                f"{figure.number}: {figure.title}" if figure.number else figure.title,
-                figure.note,
-                Markup(figure_svg(figure, f"{audited.document.key}-{number}-{place}")),
+        pictures = [
+            Picture(
+                figure_svg(figure, f"{audited.document.key}-{number}-{place}"),
+                ". ".join(filter(None, (f"{figure.number} {figure.title}".strip(), figure.note))),
             )
             for place, figure in enumerate(found.figures)
+        ]
+        rows = (Section(_counted(found.rows), (_table(found.rows),), folded=True),)
+        parts.append(
+            Section(audited.document.experiments[name], (*pictures, *(rows if found.rows else ())))
         )
-        parts.append(_Part(audited.document.experiments[name], found.rows, pictures))
-    notable = tuple(row for row in audited.rows if not row.is_as_printed)
-    return _Chapter(audited, notable, tuple(parts))
+    return Section(audited.document.title, tuple(parts))
+
+
+def _counted(rows: Sequence[Row]) -> str:
+    counted = [row for row in rows if row.is_counted]
+    as_printed = sum(row.is_as_printed for row in counted)
+    words = f"{len(counted)} printed numbers and claims, {as_printed} as printed"
+    more = len(rows) - len(counted)
+    return f"{words}, and {more} rows outside the count" if more else words
+
+
+def _table(rows: Sequence[Row]) -> Table:
+    """Return rows as text, a reason behind what it is about."""
+    return Table(
+        "",
+        ("Place", "What", "Printed", "Computed", "Difference", "Verdict"),
+        tuple(
+            (
+                row.place,
+                f"{row.name}. {row.reason}" if row.reason else row.name,
+                printed_words(row),
+                f"{value_words(row.computed)} {row.unit}".strip(),
+                difference_words(row.difference),
+                row.verdict,
+            )
+            for row in rows
+        ),
+        names=2,
+    )

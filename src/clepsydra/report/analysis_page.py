@@ -3,55 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from clepsydra.base.arguments import require_type
-from clepsydra.base.files import whole_file
+from clepsydra.base.section import Line, Mark, Picture, Section, Table, marked
 from clepsydra.linear.analysis import Analysis
 from clepsydra.report.analysis_tables import analysis_grids, further_grids, operating_point_grid
 from clepsydra.report.bode import bode_figure
-from clepsydra.report.colours import signal_colours
 from clepsydra.report.drawing.plant import process_drawing
 from clepsydra.report.nyquist import nyquist_figure
+from clepsydra.report.page import page_text, write_page
 from clepsydra.report.roots_picture import roots_figure
 from clepsydra.report.singular_value_picture import directionality_figure
 from clepsydra.report.step_picture import step_figure
 from clepsydra.report.svg import svg_text
-from clepsydra.report.template import rendered
 
 if TYPE_CHECKING:
-    from markupsafe import Markup
     from matplotlib.figure import Figure
 
 
-@dataclass(frozen=True)
-class _Picture:
-    """A picture on the page, with what it is called and what has to be said about it."""
-
-    title: str
-    words: str
-    svg: Markup
-    new_page: bool
-
-
-#: Identifier, title, words, drawn by, and whether it starts a printed page.
-_PICTURES: tuple[tuple[str, str, str, Callable[[Analysis], Figure], bool], ...] = (
+#: Identifier, title, words, and drawn by.
+_PICTURES: tuple[tuple[str, str, str, Callable[[Analysis], Figure]], ...] = (
     (
         "steps",
         "Step responses of the linear model",
         "Deviations from the operating point after a step of one input, the others held. A "
         "dotted line marks the end of the dead time.",
         step_figure,
-        True,
     ),
     (
         "roots",
         "Poles and zeros",
         "Crosses are poles, circles transmission zeros; the right half-plane is shaded.",
         roots_figure,
-        False,
     ),
     (
         "bode",
@@ -59,7 +44,6 @@ _PICTURES: tuple[tuple[str, str, str, Callable[[Analysis], Figure], bool], ...] 
         "Magnitude and phase from each input to each output; dotted lines stand at the rates of "
         "the poles. Dead time is exact.",
         bode_figure,
-        True,
     ),
     (
         "nyquist",
@@ -67,7 +51,6 @@ _PICTURES: tuple[tuple[str, str, str, Callable[[Analysis], Figure], bool], ...] 
         "The same in the complex plane, in shares of the ranges; small numbers are frequencies "
         "[rad/s]. Dashed: the unit circle; the cross stands at −1.",
         nyquist_figure,
-        True,
     ),
     (
         "directions",
@@ -77,8 +60,13 @@ _PICTURES: tuple[tuple[str, str, str, Callable[[Analysis], Figure], bool], ...] 
         "inputs does not cover the range of the outputs. Relative gains of the suggested pairs "
         "are solid; near one the loops do not feel each other.",
         directionality_figure,
-        True,
     ),
+)
+
+_FURTHER = (
+    "Reached and shown: the smallest singular value of the test of Popov, Belevitch and Hautus in "
+    "shares of the ranges; near one is well, zero not at all. σ: singular values from shares of "
+    "the inputs' ranges to shares of the outputs' ranges."
 )
 
 
@@ -108,9 +96,7 @@ def write_analysis_page(analysis: Analysis, path: str | Path) -> None:
         analysis, Analysis, "report, analysis", "an Analysis", "give what analyse returned"
     )
     require_type(path, (str, Path), "report, path", "a file name", 'write as in "analysis.html"')
-    text = analysis_page_text(analysis)
-    with whole_file(Path(path)) as part:
-        part.write_text(text, encoding="utf-8", newline="\n")
+    write_page(analysis_page_text(analysis), path)
 
 
 def analysis_page_text(analysis: Analysis) -> str:
@@ -120,21 +106,28 @@ def analysis_page_text(analysis: Analysis) -> str:
     --------
     See `write_analysis_page`.
     """
-    from markupsafe import Markup
-
     point = analysis.operating_point
     pictures = [
-        _Picture(title, words, Markup(svg_text(draw(analysis), title, name)), new_page)
-        for name, title, words, draw, new_page in _PICTURES
+        Section(title, (Picture(svg_text(draw(analysis), title, name), words),))
+        for name, title, words, draw in _PICTURES
     ]
-    return rendered(
-        "analysis.html.jinja",
-        process=point.process,
-        analysis=analysis,
-        drawing=Markup(process_drawing(point.process, point)),
-        operating_point=operating_point_grid(point),
-        grids=analysis_grids(analysis),
-        further=further_grids(analysis),
-        pictures=pictures,
-        colours=signal_colours(point.process),
+    at_rest: tuple[Picture | Table, ...] = (
+        Picture(process_drawing(point.process, point)),
+        operating_point_grid(point),
+        *analysis_grids(analysis),
+    )
+    return page_text(
+        Section(
+            f"{point.process.title or point.process.name} – linear analysis",
+            (
+                *marked(Mark.POINT, analysis.words),
+                *marked(Mark.WATCH, point.warnings),
+                Section("The process at its operating point", at_rest),
+                *pictures,
+                Section(
+                    "Directions, modes and frequencies",
+                    (*further_grids(analysis), Line(_FURTHER)),
+                ),
+            ),
+        )
     )

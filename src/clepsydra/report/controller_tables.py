@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from clepsydra.base.section import Table
 from clepsydra.base.words import time_text
 from clepsydra.controllers.blocks.status import STATUS_BITS, read_status
 from clepsydra.controllers.controller import Controller
@@ -13,29 +12,7 @@ from clepsydra.loop.run import Run
 from clepsydra.report.quantities import number_text, unit_text
 
 
-@dataclass(frozen=True)
-class ParameterTable:
-    """Parameters that share their columns.
-
-    Parameters
-    ----------
-    columns : tuple of str
-        What the parameters belong to, or elements of them; one empty text for those of the law.
-    rows : tuple of (name, unit, values)
-        One value for each column.
-
-    Examples
-    --------
-    >>> table = ParameterTable(("tank_1", "tank_2"), (("integral_time", "s", ("30.00", "40.00")),))
-    >>> dict(zip(table.columns, table.rows[0][2]))
-    {'tank_1': '30.00', 'tank_2': '40.00'}
-    """
-
-    columns: tuple[str, ...]
-    rows: tuple[tuple[str, str, tuple[str, ...]], ...]
-
-
-def parameter_tables(controller: Controller) -> list[ParameterTable]:
+def parameter_tables(controller: Controller) -> list[Table]:
     """Return the parameters of a controller, those that many things have in columns.
 
     "level_1.integral_time" and "level_2.integral_time" become the row "integral_time" with columns
@@ -46,7 +23,7 @@ def parameter_tables(controller: Controller) -> list[ParameterTable]:
     --------
     >>> import clepsydra as cl
     >>> controller = cl.design.simc(cl.load("quadruple-tank"))
-    >>> [table.columns for table in parameter_tables(controller)]
+    >>> [table.head[1:-1] for table in parameter_tables(controller)]
     [('level_1', 'level_2'), ('pump_1', 'pump_2')]
     """
     units = {signal.name: signal.unit for signal in controller.law.parameters}
@@ -55,11 +32,11 @@ def parameter_tables(controller: Controller) -> list[ParameterTable]:
         owner, part, element = [*name.split(".", 2), "", ""][:3]
         row, column = (f"{owner}.{part}", element) if element else (part or owner, part and owner)
         grouped.setdefault((row, units.get(name, "1")), {})[column] = value
-    tables: dict[tuple[str, ...], list[tuple[str, str, tuple[str, ...]]]] = {}
+    tables: dict[tuple[str, ...], list[tuple[str, ...]]] = {}
     for (row, unit), values in grouped.items():
         numbers = tuple(number_text(value, 4) for value in values.values())
-        tables.setdefault(tuple(values), []).append((row, unit_text(unit), numbers))
-    return [ParameterTable(columns, tuple(rows)) for columns, rows in tables.items()]
+        tables.setdefault(tuple(values), []).append((row, *numbers, unit_text(unit)))
+    return [Table("", ("", *columns, "unit"), tuple(rows)) for columns, rows in tables.items()]
 
 
 def status_words(run: Run) -> list[str]:

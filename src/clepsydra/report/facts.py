@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
 
+from clepsydra.base.section import Table
 from clepsydra.base.signal import Signal
 from clepsydra.process.process import Process
 from clepsydra.report.quantities import (
@@ -17,24 +18,15 @@ from clepsydra.report.quantities import (
 DIGITS = 4
 
 
-@dataclass(frozen=True)
-class Facts:
-    """A part of a controller as facts: (what, value).
-
-    Parameters
-    ----------
-    title : str
-        "level_1 by pump_1"
-    facts : tuple of (str, str)
+def facts_table(title: str, facts: Iterable[tuple[str, str]]) -> Table:
+    """Return facts about a part of a controller as a table without a head.
 
     Examples
     --------
-    >>> Facts("level by pump", (("action", "reverse"),)).facts[0][1]
-    'reverse'
+    >>> facts_table("level by pump", [("action", "reverse")]).rows
+    (('action', 'reverse'),)
     """
-
-    title: str
-    facts: tuple[tuple[str, str], ...]
+    return Table(title, ("", ""), tuple(facts), names=2)
 
 
 def known_signal(process: Process, signal: Signal) -> Signal:

@@ -2,37 +2,42 @@
 
 from __future__ import annotations
 
+import json
 import platform
 from importlib import metadata
 from pathlib import Path
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.files import whole_file
-from clepsydra.base.section import Table
+from clepsydra.base.section import Line, Mark, Section, Table, marked
 from clepsydra.base.words import time_text
 from clepsydra.controllers.blocks.status import STATUS_BITS
 from clepsydra.process.process import Process
 from clepsydra.report.analysis_tables import analysis_grids, operating_point_grid
-from clepsydra.report.colours import signal_colours
-from clepsydra.report.controller_page import controller_page
+from clepsydra.report.controller_section import controller_section
 from clepsydra.report.drawing.plant import process_drawing
-from clepsydra.report.map_picture import map_svg
+from clepsydra.report.facts import facts_table
+from clepsydra.report.first_screen import cards, counted_words, headline, lead, ranking_columns
+from clepsydra.report.html_section import html
+from clepsydra.report.overlay import event_windows, overlay_data, shown_signals
+from clepsydra.report.overlay_picture import overlay_figure
 from clepsydra.report.page_assets import STILL_WORDS, page_assets
-from clepsydra.report.panels import controlled_panels
 from clepsydra.report.resolution import RESOLUTION_WORDS
-from clepsydra.report.score_tables import (
-    glossary,
-    ranking_columns,
-    ranking_note,
-    ranking_rows,
-)
-from clepsydra.report.study_answer import advised
+from clepsydra.report.score_tables import glossary, ranking_note, standing_word
+from clepsydra.report.sensitivities import sensitivity_data
+from clepsydra.report.svg import svg_text
 from clepsydra.report.template import rendered
-from clepsydra.report.trend_data import trend_data
-from clepsydra.report.trend_svg import trend_svg
 from clepsydra.report.trends import segment_words
-from clepsydra.studies.recommendation import recommend
-from clepsydra.studies.result import StudyResult
+from clepsydra.studies.recommendation import Recommendation, recommend
+from clepsydra.studies.result import Candidate, StudyResult
+
+_PID_WORDS = (
+    "Settings of a PID loop: r is the setpoint, y the measurement, u the output, b the setpoint "
+    "weight, D the filtered derivative. Reverse action: u rises when y falls; direct: it falls. "
+    "The gain in %/% counts both in percent of their ranges; the proportional band is 100 % "
+    "divided by it. A repeat is the time in which the integral does once more what the gain did "
+    "at once."
+)
 
 
 def write_report(result: StudyResult, path: str | Path) -> None:
@@ -79,48 +84,98 @@ def report_text(result: StudyResult) -> str:
     >>> import clepsydra as cl
     >>> plant = cl.load("three-tanks")
     >>> result = cl.study(plant, [cl.design.simc(plant)], duration="1 min")
-    >>> result.verdict in report_text(result)
+    >>> "<h1>Use PI, SIMC" in report_text(result)
     True
     """
     from markupsafe import Markup
 
     advice = recommend(result.ranking, result.accept)
-    first = next(iter(result.ranking), None) if advice is None else advice.simplest
     assets = page_assets()
-    overview, trends = "", {}
-    if first is not None:
-        title = f"Controlled levels under {first.controller.title}"
-        panels = controlled_panels(first.run)
-        overview, trends = (
-            trend_svg(first.run, panels, title, "overview"),
-            trend_data(first.run, panels),
-        )
+    signals = shown_signals(result)
+    first = _shown_first(result, advice)
+    windows = event_windows(result, signals, first) if first else []
+    data, still = "", ""
+    if windows:
+        figure = overlay_figure(windows, signals, first)
+        still = svg_text(figure, "What the first two controllers make of each event", "still")
+        overlay = overlay_data(result, signals, windows, first)
+        data = json_text({**overlay, "sensitivity": sensitivity_data(result.ranking)})
+
+    def shown(section: Section, depth: int = 2) -> Markup:
+        return html(section, depth, scripted=assets is not None)
+
     return rendered(
         "report.html.jinja",
-        result=result,
-        best=first,
-        recommended=None if advice is None else first,
-        advised=[] if advice is None else advised(result, advice),
-        overview=Markup(overview),
-        assets=assets,
-        trends=trends,
-        still_words=STILL_WORDS,
-        map=Markup(map_svg(result, "Mean error and max|S| of every controller", "map")),
-        drawing=Markup(process_drawing(result.process, result.point)),
+        title=f"{result.title or result.process.title} – control study",
+        name=result.title or result.process.title,
+        counted=counted_words(result),
+        headline=headline(result, advice),
+        lead=lead(result, advice),
+        cards=[shown(each) for each in cards(result, first[0], next(iter(first[1:]), None))]
+        if first
+        else [],
+        still=Markup(still),
         columns=ranking_columns(result),
-        note=ranking_note(result),
-        rows=ranking_rows(result),
-        operating_point=operating_point_grid(result.point),
-        grids=analysis_grids(result.analysis),
-        pages=[controller_page(result, place) for place in range(len(result.ranking))],
-        glossary=glossary(result),
-        status_bits=[(bit.value, bit.meaning) for bit in STATUS_BITS.values()],
-        colours=signal_colours(result.process),
-        computation=_computation(result),
-        segments=_segments(result),
-        resolution=RESOLUTION_WORDS,
-        picture=Markup,
+        ranking=result.ranking,
+        standing_word=standing_word,
+        first=first,
+        recommended=None if advice is None else advice.simplest,
+        drawing=Markup(process_drawing(result.process, result.point)),
+        controllers=[
+            shown(controller_section(result, each, with_blocks=each in first[:1]))
+            for each in result.ranking
+        ],
+        more=[shown(each) for each in _more(result)],
+        assets=assets,
+        still_words=STILL_WORDS,
+        data=Markup(data),
+        markup=Markup,
     )
+
+
+def json_text(data: object) -> str:
+    """Return data as JSON that may stand in a script element: no sign of it ends the element.
+
+    Examples
+    --------
+    >>> json_text({"title": "</script>"})
+    '{"title":"\\\\u003c/script>"}'
+    """
+    text = json.dumps(data, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+    return text.replace("<", "\\u003c")
+
+
+def _shown_first(result: StudyResult, advice: Recommendation | None) -> list[Candidate]:
+    """Return the recommended controller, then the best beside it, or the next of the ranking."""
+    if advice is None:
+        return list(result.ranking[:2])
+    rivals = [each for each in result.ranking if each is not advice.simplest]
+    return [advice.simplest, *rivals[:1]]
+
+
+def _more(result: StudyResult) -> list[Section]:
+    """Return what the process and the computation have to say, folded."""
+    words = (*marked(Mark.POINT, result.analysis.words), *marked(Mark.WATCH, result.warnings))
+    tables = (operating_point_grid(result.point), *analysis_grids(result.analysis))
+    found = [Section("What the linear model says", (*words, *tables), folded=True)]
+    if result.not_applicable:
+        refused = facts_table("", result.not_applicable)
+        folded = bool(result.ranking)
+        found.append(Section("Not applicable, and why", (refused,), folded=folded))
+    bits = tuple((str(bit.value), bit.meaning) for bit in STATUS_BITS.values())
+    meanings = (
+        Line(ranking_note(result)),
+        facts_table("Scores", glossary(result)),
+        Line(RESOLUTION_WORDS),
+        Line(_PID_WORDS),
+        facts_table("Bits of the status word of an output", bits),
+    )
+    how = (facts_table("", _computation(result)), _segments(result))
+    return [
+        *found,
+        Section("What the numbers mean, and what decides the order", meanings, folded=True),
+        Section("How this was computed", how, folded=True),
+    ]
 
 
 def _computation(result: StudyResult) -> list[tuple[str, str]]:

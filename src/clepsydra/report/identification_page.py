@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clepsydra.base.files import whole_file
+from clepsydra.base.section import Line, Mark, Picture, Section, Table, marked
 from clepsydra.base.words import time_text
 from clepsydra.identification.identification import Identification
 from clepsydra.identification.process_fit import ProcessFit
 from clepsydra.identification.ranking import RANKING_RULE
 from clepsydra.identification.record import Record
+from clepsydra.report.facts import facts_table
 from clepsydra.report.html import address_text, versions_text
 from clepsydra.report.identification_picture import (
     ComparedSignal,
-    comparison_svg,
-    correlations_svg,
+    comparison_figure,
+    correlations_figure,
 )
 from clepsydra.report.identification_tables import (
     estimates_grid,
@@ -26,8 +30,25 @@ from clepsydra.report.identification_tables import (
     start_grid,
     widening_words,
 )
-from clepsydra.report.template import rendered
+from clepsydra.report.page import page_text, write_page
+from clepsydra.report.svg import svg_text
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_COMPARED = (
+    "Grey: measured. Coloured: simulated from the inputs alone, the best model solid. Shaded: the "
+    "last third, which no fit has seen."
+)
+_CORRELATED = (
+    "Correlations of the residuals of the first two thirds. Shaded: the band that holds 95 of 100 "
+    "of them where residuals are white and free of the input."
+)
+_TESTS = (
+    "White: whether the residuals say nothing about the next ones. Free of input: whether earlier "
+    "inputs say nothing about them. Both are Lagrange-multiplier tests; p is the probability of so "
+    "strong a sign by chance, and “no” stands below 0.01."
+)
 _FIT_WORDS = (
     "The parameters and the states at the first row are those with which the simulated "
     "measurements are nearest to the first two thirds of the record, each measurement weighed by "
@@ -65,8 +86,7 @@ def write_identification_page(found: Identification | ProcessFit, path: str | Pa
     ...     found.verdict[:9] in Path(folder, "page.html").read_text("utf-8")
     True
     """
-    with whole_file(Path(path)) as part:
-        part.write_text(identification_text(found), encoding="utf-8", newline="\n")
+    write_page(identification_text(found), path)
 
 
 def identification_text(found: Identification | ProcessFit) -> str:
@@ -103,21 +123,19 @@ def _of_models(found: Identification) -> str:
     formulas = [(f"{m.name}, {m.title}", m.formula) for m in found.models]
     return _page(
         record,
-        title=f"{found.output.name} by {found.manipulated.name}",
-        verdict=found.verdict,
-        control=found.control_words,
-        warnings=found.warnings,
-        picture=comparison_svg(
-            record.time, record.held_back, signals, "Measured and simulated", "comparison"
+        _Found(
+            title=f"{found.output.name} by {found.manipulated.name}",
+            verdict=found.verdict,
+            control=found.control_words,
+            warnings=found.warnings,
+            comparison=comparison_figure(record.time, record.held_back, signals),
+            residuals=f"The residuals of {best.name} are {best.tests.words}.",
+            correlations=correlations_figure(best.residuals, [(found.manipulated.name, earlier)]),
+            grids=[models_grid(found), estimates_grid(found)],
+            notes=[*notes, *filter(None, [widening_words(best.widening)])],
+            rule=RANKING_RULE,
+            computation=[*formulas, ("versions", versions_text())],
         ),
-        residuals=f"The residuals of {best.name} are {best.tests.words}.",
-        correlations=correlations_svg(
-            best.residuals, [(found.manipulated.name, earlier)], "correlations"
-        ),
-        grids=[models_grid(found), estimates_grid(found)],
-        notes=[*notes, *filter(None, [widening_words(best.widening)])],
-        rule=RANKING_RULE,
-        computation=[*formulas, ("versions", versions_text())],
     )
 
 
@@ -133,18 +151,14 @@ def _of_process(fit: ProcessFit) -> str:
     worst = fit.worst or fit.outputs[0]
     count = record.held_back
     left = worst.measured[:count] - worst.simulated[:count]
-    return _page(
-        record,
+    return _page(record, _Found(
         title=f"{process.title}, parameters from a record",
         verdict=fit.verdict,
-        control="",
         warnings=fit.notes,
-        picture=comparison_svg(
-            record.time, count, signals, "Measured and simulated", "comparison"
-        ),
+        comparison=comparison_figure(record.time, count, signals),
         residuals=f"The residuals of {worst.signal.name} are {worst.tests.words}.",
-        correlations=correlations_svg(
-            left, [(signal.name, values[:count]) for signal, values in moving], "correlations"
+        correlations=correlations_figure(
+            left, [(signal.name, values[:count]) for signal, values in moving]
         ),
         grids=[parameters_grid(fit), outputs_grid(fit), start_grid(fit)],
         notes=[*(f"{words}." for words in fit.alike),
@@ -154,22 +168,52 @@ def _of_process(fit: ProcessFit) -> str:
             ("process file", address_text(process)),
             ("versions", versions_text()),
         ],
-    )  # fmt: skip
+    ))  # fmt: skip
 
 
-def _page(record: Record, *, picture: str, correlations: str, **content: object) -> str:
-    from markupsafe import Markup
+@dataclass(frozen=True, kw_only=True)
+class _Found:
+    """What a page tells of models of either kind."""
 
+    title: str
+    verdict: str
+    control: str = ""
+    warnings: Sequence[str]
+    comparison: Figure
+    residuals: str
+    correlations: Figure
+    grids: Sequence[Table]
+    notes: Sequence[str]
+    rule: str
+    computation: Sequence[tuple[str, str]]
+
+
+def _page(record: Record, found: _Found) -> str:
     facts = [
         ("record", record.place),
         ("rows", f"{record.samples}, one each {time_text(record.period, 4)}"),
         ("held back", f"from {time_text(float(record.time[record.held_back]), 4)} on"),
+        *found.computation,
     ]
-    return rendered(
-        "identification.html.jinja",
-        facts=facts,
-        picture=Markup(picture),
-        correlations=Markup(correlations),
-        colours={},
-        **content,
+    comparison = svg_text(found.comparison, "Measured and simulated", "comparison")
+    correlations = svg_text(found.correlations, "Correlations of the residuals", "correlations")
+    return page_text(
+        Section(
+            f"{found.title} – identification",
+            (
+                Line(found.verdict, Mark.ANSWER),
+                Line(found.control),
+                *marked(Mark.WATCH, (f"{words}." for words in found.warnings)),
+                Picture(comparison, _COMPARED),
+                Section(
+                    "What was found",
+                    (*found.grids, *(Line(words) for words in (*found.notes, found.rule))),
+                ),
+                Section(
+                    "What is left",
+                    (Line(found.residuals), Picture(correlations, _CORRELATED), Line(_TESTS)),
+                ),
+                Section("How this was computed", (facts_table("", facts),)),
+            ),
+        )
     )

@@ -67,7 +67,7 @@ def with_inner_setpoints(
 
     Examples
     --------
-    See `clepsydra.report.trend_svg.trend_svg`.
+    See `clepsydra.report.trends.trend_figure`.
     """
     if not isinstance(run, Run):
         return content

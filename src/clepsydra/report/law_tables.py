@@ -12,7 +12,7 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.signals import owners
 from clepsydra.process.process import Process
 from clepsydra.program.entries import signal_of
-from clepsydra.report.facts import DIGITS, Facts, known_signal, level_words
+from clepsydra.report.facts import DIGITS, facts_table, known_signal, level_words
 from clepsydra.report.output_facts import output_facts
 from clepsydra.report.quantities import (
     display_factor,
@@ -122,7 +122,7 @@ def law_grids(controller: Controller, process: Process) -> list[Table]:
     return grids
 
 
-def law_facts(controller: Controller, process: Process) -> list[Facts]:
+def law_facts(controller: Controller, process: Process) -> list[Table]:
     """Return operating point, limits and anti-windup of a controller that is no scheme of blocks.
 
     Examples
@@ -142,7 +142,7 @@ def law_facts(controller: Controller, process: Process) -> list[Facts]:
         if (key := path(name, "reference")) in values
     )
     if references:
-        found.append(Facts("Operating point", references))
+        found.append(facts_table("Operating point", references))
     common = tuple(
         (what, text(values[name]))
         for name, what, text in (
@@ -152,9 +152,9 @@ def law_facts(controller: Controller, process: Process) -> list[Facts]:
         if name in values
     )
     if common:
-        found.append(Facts("Pumps", common))
+        found.append(facts_table("Pumps", common))
     return found + [
-        Facts(f"Output {name}", tuple(_output(process.signal(name), controller)))
+        facts_table(f"Output {name}", _output(process.signal(name), controller))
         for name in controller.manipulated
     ]
 

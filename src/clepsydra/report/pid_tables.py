@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.section import Table
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.anti_windup import IN_WORDS
 from clepsydra.controllers.controller import Controller
@@ -21,7 +22,7 @@ from clepsydra.designs.loops.pid_settings import (
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.report.facts import (
     DIGITS,
-    Facts,
+    facts_table,
     gain_factor,
     gain_text,
     gain_unit,
@@ -46,7 +47,7 @@ _ALGORITHMS = {
 }
 
 
-def loop_settings(controller: Controller, point: OperatingPoint) -> list[Facts]:
+def loop_settings(controller: Controller, point: OperatingPoint) -> list[Table]:
     """Return the settings of every PID loop of a controller, in every unit and form in use.
 
     Parameters
@@ -57,7 +58,7 @@ def loop_settings(controller: Controller, point: OperatingPoint) -> list[Facts]:
 
     Returns
     -------
-    list of Facts
+    list of Table
         Empty for a controller without PID loops.
 
     Examples
@@ -65,7 +66,7 @@ def loop_settings(controller: Controller, point: OperatingPoint) -> list[Facts]:
     >>> import clepsydra as cl
     >>> plant = cl.load("quadruple-tank")
     >>> controller = cl.design.simc(plant)
-    >>> loop_settings(controller, plant.point)[0].facts[:2]
+    >>> loop_settings(controller, plant.point)[0].rows[:2]
     (('measures', 'level_1 (0 to 10 V)'), ('moves', 'pump_1 (0 to 10 V)'))
     """
     return [
@@ -103,7 +104,7 @@ def equation(form: PidForm) -> str:
     return words + (", computed as increments of u" if form.algorithm == "velocity" else "")
 
 
-def _loop(block: PidBlock, controller: Controller, point: OperatingPoint) -> Facts:
+def _loop(block: PidBlock, controller: Controller, point: OperatingPoint) -> Table:
     form, values = block.form, _values(block, controller)
     process = point.process
     measurement = known_signal(process, block.measurement)
@@ -122,7 +123,7 @@ def _loop(block: PidBlock, controller: Controller, point: OperatingPoint) -> Fac
         facts.append(("tracking time", setting_time(values["tracking_time"])))
     if block.direct:
         facts += output_facts(moved, controller)
-    return Facts(f"{measurement.name} by {moved.name}", tuple(facts))
+    return facts_table(f"{measurement.name} by {moved.name}", facts)
 
 
 def _values(block: PidBlock, controller: Controller) -> dict[str, float]:

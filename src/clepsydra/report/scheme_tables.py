@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from clepsydra.base.section import Table
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock, FeedforwardTerm
@@ -11,12 +12,12 @@ from clepsydra.controllers.structure.ratio_block import RatioBlock
 from clepsydra.controllers.structure.selector_block import SelectorBlock
 from clepsydra.controllers.structure.split_range_block import SplitRangeBlock
 from clepsydra.process.process import Process
-from clepsydra.report.facts import DIGITS, Facts, gain_text, known_signal
+from clepsydra.report.facts import DIGITS, facts_table, gain_text, known_signal
 from clepsydra.report.output_facts import output_facts
 from clepsydra.report.quantities import number_text, quantity_text
 
 
-def scheme_blocks(controller: Controller, process: Process) -> list[Facts]:
+def scheme_blocks(controller: Controller, process: Process) -> list[Table]:
     """Return what stands between the loops of a controller and its outputs, block by block.
 
     Parameters
@@ -27,7 +28,7 @@ def scheme_blocks(controller: Controller, process: Process) -> list[Facts]:
 
     Returns
     -------
-    list of Facts
+    list of Table
         Empty where each loop moves its output itself.
 
     Examples
@@ -36,7 +37,7 @@ def scheme_blocks(controller: Controller, process: Process) -> list[Facts]:
     >>> plant = cl.load("quadruple-tank")
     >>> controller = cl.design.simc(plant, decoupling="static")
     >>> blocks = scheme_blocks(controller, plant.process)
-    >>> blocks[0].title, blocks[0].facts[1][0]
+    >>> blocks[0].title, blocks[0].rows[1][0]
     ('Decoupling of pump_1 (pump_1 decoupled)', 'from pump_2')
     """
     direct = {
@@ -57,17 +58,17 @@ def scheme_blocks(controller: Controller, process: Process) -> list[Facts]:
         elif isinstance(block, OutputBlock) and block.name not in direct:
             signal = known_signal(process, block.signal)
             facts = [("moved by", block.source), *output_facts(signal, controller)]
-            found.append(Facts(f"Output {signal.name}", tuple(facts)))
+            found.append(facts_table(f"Output {signal.name}", facts))
     return found
 
 
-def _feedforward(block: FeedforwardBlock, controller: Controller, process: Process) -> Facts:
+def _feedforward(block: FeedforwardBlock, controller: Controller, process: Process) -> Table:
     moved = known_signal(process, block.moved)
     decouples = not any(term.measured for term in block.terms)
     facts = [("adds to", block.source)]
     facts += [_term(term, moved, controller, process) for term in block.terms]
     what = "Decoupling" if decouples else "Feedforward"
-    return Facts(f"{what} of {moved.name} ({block.name})", tuple(facts))
+    return facts_table(f"{what} of {moved.name} ({block.name})", facts)
 
 
 def _term(
@@ -88,7 +89,7 @@ def _term(
     return f"from {signal.name}", words
 
 
-def _ratio(block: RatioBlock, controller: Controller, process: Process) -> Facts:
+def _ratio(block: RatioBlock, controller: Controller, process: Process) -> Table:
     moved, wild = known_signal(process, block.moved), known_signal(process, block.wild)
     values = {each.part: controller.values[each.name] for each in block.parameters()}
     facts = [("asks for", f"ratio × {wild.name}")]
@@ -99,19 +100,19 @@ def _ratio(block: RatioBlock, controller: Controller, process: Process) -> Facts
             gain_text(values[f"{end}_ratio"], wild, moved) for end in ("lowest", "highest")
         )
         facts += [("ratio trimmed by", block.source), ("ratio between", f"{low} and {high}")]
-    return Facts(f"Ratio of {moved.name} to {wild.name} ({block.name})", tuple(facts))
+    return facts_table(f"Ratio of {moved.name} to {wild.name} ({block.name})", facts)
 
 
-def _selector(block: SelectorBlock) -> Facts:
+def _selector(block: SelectorBlock) -> Table:
     word = "lowest" if block.selection == "low" else "highest"
     facts = (
         ("takes", f"the {word} of {', '.join(block.sources)}"),
         ("loops not selected", "follow what was applied (external reset)"),
     )
-    return Facts(f"Override, {word} selector ({block.name})", facts)
+    return facts_table(f"Override, {word} selector ({block.name})", facts)
 
 
-def _split_range(block: SplitRangeBlock, controller: Controller, process: Process) -> Facts:
+def _split_range(block: SplitRangeBlock, controller: Controller, process: Process) -> Table:
     facts = [("splits", f"{block.source}, 0 to 100 %")]
     for leg in block.legs:
         signal = known_signal(process, leg.moved)
@@ -122,4 +123,4 @@ def _split_range(block: SplitRangeBlock, controller: Controller, process: Proces
         )
         words = f"from {first} at {start} % to {last} at {end} %, level beyond"
         facts.append((signal.name, words))
-    return Facts(f"Split range ({block.name})", tuple(facts))
+    return facts_table(f"Split range ({block.name})", facts)

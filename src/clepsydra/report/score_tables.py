@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
+from clepsydra.base.section import Table
 from clepsydra.process.process import Process
 from clepsydra.report.quantities import display_factor, number_text, time_cell, unit_text
 from clepsydra.report.resolution import DEVIATION, INTEGRAND, settled
@@ -13,51 +13,6 @@ from clepsydra.scores.score import SCORES, Of, Score
 from clepsydra.studies.ranking import RULE
 from clepsydra.studies.ranking_words import IDLE
 from clepsydra.studies.result import Candidate, Standing, StudyResult
-
-
-@dataclass(frozen=True)
-class RankingColumn:
-    """A column of numbers in the ranking: its title, its unit, and where the number is from.
-
-    Examples
-    --------
-    >>> column = RankingColumn("max|S|", "", lambda _, candidate: candidate.maximum_sensitivity)
-    >>> column.title
-    'max|S|'
-    """
-
-    title: str
-    unit: str
-    value: Callable[[Process, Candidate], float]
-
-
-@dataclass(frozen=True)
-class RankingRow:
-    """One controller in the ranking: `cells` follow `ranking_columns`.
-
-    Parameters
-    ----------
-    rank : int
-    controller : str
-    standing : str
-        How far it can be trusted, in a word.
-    cells : tuple of str
-    reason : str
-        Of the first three in full, of the others what puts them there: the numbers stand in the
-        cells.
-
-    Examples
-    --------
-    >>> RankingRow(1, "PI, SIMC", "robust", ("12.4", "8.1"), "Robust.").cells[0]
-    '12.4'
-    """
-
-    rank: int
-    controller: str
-    standing: str
-    cells: tuple[str, ...]
-    reason: str
-
 
 #: The standing of a controller in a word.
 STANDING_WORDS = {
@@ -67,8 +22,6 @@ STANDING_WORDS = {
     Standing.OUTSIDE: "leaves its band",
     Standing.UNSAFE: "unsafe",
 }
-#: From here on decimals say nothing.
-_MANY = 1e4
 #: Units that the definition of the score says at length.
 _SHARES = {"% of the step": "%", "% of the tank": "%", "% of range per h": "%/h"}
 #: Percentages of a whole, of which a millionth says nothing.
@@ -97,49 +50,6 @@ def standing_word(candidate: Candidate) -> str:
     return STANDING_WORDS[candidate.standing]
 
 
-def _worst(score: str, in_percent: bool = False) -> Callable[[Process, Candidate], float]:
-    """Return the largest value of a score over its signals, in percent of range if asked."""
-
-    def value(process: Process, candidate: Candidate) -> float:
-        found = []
-        for key, number in candidate.scores.items():
-            name, _, signal = key.removesuffix("]").partition("[")
-            if name == score:
-                span = process.signal(signal).span
-                found.append(100.0 * number / span if in_percent else number)
-        return max(found, default=math.nan)
-
-    return value
-
-
-def _criterion(title: str) -> RankingColumn:
-    return RankingColumn(title, "× best", lambda _, candidate: candidate.criteria[title])
-
-
-def ranking_columns(result: StudyResult) -> tuple[RankingColumn, ...]:
-    """Return what a ranking shows of each controller: what decided first.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> plant = cl.load("three-tanks")
-    >>> result = cl.study(plant, [cl.design.simc(plant), cl.design.amigo(plant)])
-    >>> [column.title for column in ranking_columns(result)][:4]
-    ['setpoint error', 'load error', 'relative error', 'moves']
-    """
-    titles = tuple(result.ranking[0].criteria) if result.ranking else ()
-    deciding = [_criterion(title) for title in titles]
-    if len(titles) > 1:
-        deciding.append(RankingColumn("relative error", "", lambda _, c: c.relative_error))
-    return (
-        *deciding,
-        RankingColumn("moves", "× least", lambda _, candidate: candidate.wear),
-        RankingColumn("noise", "% range", _worst("noise_movement", in_percent=True)),
-        RankingColumn("overshoot", "%", _worst("overshoot")),
-        RankingColumn("max|S|", "", lambda _, candidate: candidate.maximum_sensitivity),
-    )
-
-
 _COLUMNS_NOTE = (
     "Errors, and moves (total variation), are multiples of the best, averaged over the signals; "
     "relative error is the mean of the errors as a multiple of that of the first. A "
@@ -147,7 +57,7 @@ _COLUMNS_NOTE = (
     "much. Noise is the standard deviation with which measurement noise throws the worst "
     "manipulated variable about, overshoot that of the worst setpoint step, max|S| the peak of the "
     "sensitivity at the controlled measurements; inner loops and manipulated variables have theirs "
-    "on the page of the controller."
+    "with the controller."
 )
 
 
@@ -163,38 +73,22 @@ def ranking_note(result: StudyResult) -> str:
     return f"{_COLUMNS_NOTE} Order: {result.rule or RULE}"
 
 
-def ranking_rows(result: StudyResult) -> list[RankingRow]:
-    """Return the ranking as text, best first, for a terminal and for a page.
+def reasons(ranking: Sequence[Candidate]) -> list[str]:
+    """Return why each controller stands where it stands.
 
-    Parameters
-    ----------
-    result : StudyResult
-
-    Returns
-    -------
-    list of RankingRow
+    Of the first three in full, of the others what puts them behind another.
 
     Examples
     --------
     >>> import clepsydra as cl
     >>> plant = cl.load("three-tanks")
     >>> result = cl.study(plant, [cl.design.simc(plant), cl.design.amigo(plant)])
-    >>> [(row.rank, row.controller) for row in ranking_rows(result)]
-    [(1, 'PI, AMIGO'), (2, 'PI, SIMC')]
+    >>> [words.split(" ")[0] for words in reasons(result.ranking)]
+    ['Robust', 'Robust']
     """
-    columns = [
-        _aligned([column.value(result.process, candidate) for candidate in result.ranking])
-        for column in ranking_columns(result)
-    ]
     return [
-        RankingRow(
-            candidate.rank,
-            candidate.controller.title,
-            standing_word(candidate),
-            tuple(column[place] for column in columns),
-            candidate.reason if place < _FULL_REASONS else _short(candidate.reason),
-        )
-        for place, candidate in enumerate(result.ranking)
+        each.reason if place < _FULL_REASONS else _short(each.reason)
+        for place, each in enumerate(ranking)
     ]
 
 
@@ -204,74 +98,48 @@ def _short(reason: str) -> str:
     return f"{words}." if more else words
 
 
-def _aligned(values: Sequence[float]) -> list[str]:
-    """Return numbers with two decimals, so that a right-aligned column lines up."""
-    return [
-        f"{value:.2f}".replace("-", "−") if abs(value) < _MANY else number_text(value)
-        for value in values
-    ]
-
-
-@dataclass(frozen=True)
-class ScoreTable:
-    """Scores of some signals: `rows` are (title, description, [(value, unit), …]).
-
-    Examples
-    --------
-    >>> ScoreTable(("level_1",), (("IAE", "Integral.", (("50.0", "cm s"),)),)).rows[0][0]
-    'IAE'
-    """
-
-    signals: tuple[str, ...]
-    rows: tuple[tuple[str, str, tuple[tuple[str, str], ...]], ...]
-
-
-def score_tables(process: Process, candidate: Candidate) -> list[ScoreTable]:
+def score_tables(process: Process, candidate: Candidate) -> list[Table]:
     """Return the scores of a controller: of outputs, of inputs, and of pumps and tanks.
 
-    Values and units are those that the reader sees of each signal.
+    Values and units are those that the reader sees of each signal; what no signal has is left out.
 
     Examples
     --------
     >>> import clepsydra as cl
     >>> plant = cl.load("three-tanks")
     >>> result = cl.study(plant, [cl.design.simc(plant)])
-    >>> outputs, inputs, plant = score_tables(result.process, result.ranking[0])
-    >>> [title for title, _, _ in inputs.rows][:3]
+    >>> outputs, inputs = score_tables(result.process, result.ranking[0])
+    >>> [row[0] for row in inputs.rows][:3]
     ['Total variation', 'Noise movement', 'Travel']
     """
     of_plant = [key for key, s in SCORES.items() if s.of in (Of.PUMP, Of.TANK, Of.INNER_LOOP)]
     of_signals = [key for key in SCORES if key not in of_plant]
     named = [key.partition("[") for key in candidate.scores]
-    plant = tuple(
-        dict.fromkeys(name.removesuffix("]") for key, _, name in named if key in of_plant)
-    )
-    return [
+    plant = dict.fromkeys(name.removesuffix("]") for key, _, name in named if key in of_plant)
+    tables = [
         _score_table(process, candidate, tuple(process.controlled), of_signals),
         _score_table(process, candidate, tuple(u.name for u in process.inputs), of_signals),
-        _score_table(process, candidate, plant, of_plant),
+        _score_table(process, candidate, tuple(plant), of_plant),
     ]
+    return [table for table in tables if table.rows]
 
 
 def _score_table(
     process: Process, candidate: Candidate, names: tuple[str, ...], keys: Sequence[str]
-) -> ScoreTable:
+) -> Table:
     rows = []
-    for key, description in SCORES.items():
-        if key not in keys or not any(f"{key}[{name}]" in candidate.scores for name in names):
-            continue
-        cells = tuple(
-            score_text(
-                process,
-                name,
-                candidate.scores.get(f"{key}[{name}]", math.nan),
-                description,
-                candidate.run.scenario.duration,
-            )
-            for name in names
-        )
-        rows.append((description.title, description.description, cells))
-    return ScoreTable(names if rows else (), tuple(rows))
+    for key in keys:
+        values = [candidate.scores.get(f"{key}[{name}]", math.nan) for name in names]
+        if any(f"{key}[{name}]" in candidate.scores for name in names):
+            duration = candidate.run.scenario.duration
+            cells = [
+                " ".join(score_text(process, name, value, SCORES[key], duration)).strip()
+                if not math.isnan(value)
+                else "–"
+                for name, value in zip(names, values, strict=True)
+            ]
+            rows.append((SCORES[key].title, *cells))
+    return Table("", ("", *names), tuple(rows))
 
 
 def score_text(

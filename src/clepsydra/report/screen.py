@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from clepsydra.base.section import Line, Mark, Section, Table
+from clepsydra.base.section import Line, Mark, Picture, Section, Table
 
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, RenderableType, RenderResult
@@ -45,6 +45,8 @@ class Screen:
             yield Text(self.section.title, style="bold")
         beside: list[RenderableType] = []
         for part in self.section.parts:
+            if isinstance(part, Picture):
+                continue
             if isinstance(part, Table):
                 beside.append(_fitting(part, console, options))
                 continue

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from clepsydra.base.files import whole_file
-from clepsydra.base.section import Table
+from clepsydra.base.section import Line, Mark, Picture, Section, Table, marked
 from clepsydra.base.words import time_text
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.open_loop_plan import Plan
-from clepsydra.report.colours import signal_colours
 from clepsydra.report.drawing.plant import process_drawing
+from clepsydra.report.facts import facts_table
 from clepsydra.report.html import address_text, versions_text
+from clepsydra.report.page import page_text, write_page
 from clepsydra.report.panels import all_panels
 from clepsydra.report.simulation_tables import (
     balances_grid,
@@ -22,11 +22,19 @@ from clepsydra.report.simulation_tables import (
     trust_sentence,
 )
 from clepsydra.report.svg import svg_text
-from clepsydra.report.template import rendered
 from clepsydra.report.trends import trend_figure
 
 #: Events and changes that the page lists one by one.
 _LISTED = 40
+_LEGEND = (
+    "Each signal in its unit and in percent: of the range of its sensor, or of its own. Hatched: "
+    "beyond a limit; a black bar on the time axis: at a limit; vertical lines: events, numbered as "
+    "in the list; one that happens often has one line, with its count."
+)
+_BALANCED = (
+    "Entered and left: through the boundary of the plant. Gained: more in its tanks and delays "
+    "than at first. Error: what does not close, as a share of the largest of the three."
+)
 
 
 def write_simulation_page(plan: Plan, run: Simulation, path: str | Path) -> None:
@@ -57,9 +65,7 @@ def write_simulation_page(plan: Plan, run: Simulation, path: str | Path) -> None
     ...     simulation_sentence(plan, run) in Path(folder, "page.html").read_text("utf-8")
     True
     """
-    text = simulation_text(plan, run)
-    with whole_file(Path(path)) as part:
-        part.write_text(text, encoding="utf-8", newline="\n")
+    write_page(simulation_text(plan, run), path)
 
 
 def simulation_text(plan: Plan, run: Simulation) -> str:
@@ -69,26 +75,40 @@ def simulation_text(plan: Plan, run: Simulation) -> str:
     --------
     See `write_simulation_page`.
     """
-    from markupsafe import Markup
-
     process = plan.process
     figure = trend_figure(run, all_panels(run))
-    title = f"States, manipulated variables and disturbances of {process.title}"
-    return rendered(
-        "simulation.html.jinja",
-        process=process,
-        sentence=simulation_sentence(plan, run),
-        trust=trust_sentence(run),
-        picture=Markup(svg_text(figure, title, "trends")),
-        drawing=Markup(process_drawing(process, plan.first)),
-        events=events_grid(run, _LISTED),
-        trajectories=trajectories_grid(run),
-        balances=balances_grid(run),
-        changes=_changes_grid(plan),
-        begins=plan.begins,
-        warnings=plan.point.warnings,
-        computation=_computation(plan, run),
-        colours=signal_colours(process),
+    words = f"States, manipulated variables and disturbances of {process.title}"
+    return page_text(
+        Section(
+            f"{process.title} – simulation without a controller",
+            (
+                Line(simulation_sentence(plan, run), Mark.ANSWER),
+                Line(trust_sentence(run)),
+                *marked(Mark.WATCH, plan.point.warnings),
+                Picture(svg_text(figure, words, "trends"), _LEGEND),
+                Section("What happened", _what_happened(plan, run)),
+                Section(
+                    "The process at the start",
+                    (
+                        Picture(process_drawing(process, plan.first)),
+                        Line(f"The values are those with which it begins: {plan.begins}."),
+                    ),
+                ),
+                Section("How this was computed", (facts_table("", _computation(plan, run)),)),
+            ),
+        )
+    )
+
+
+def _what_happened(plan: Plan, run: Simulation) -> tuple[Line | Table, ...]:
+    changes, events, balances = _changes_grid(plan), events_grid(run, _LISTED), balances_grid(run)
+    return (
+        changes
+        if changes.rows
+        else Line("No signal was given a change: each stayed at its value at the start."),
+        trajectories_grid(run),
+        events if events.rows else Line("No event happened."),
+        *((balances, Line(_BALANCED)) if balances.rows else ()),
     )
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from clepsydra.base.section import Line, Mark, Section, Table, marked
 from clepsydra.report.performance import figures_of, joined, performance_words
-from clepsydra.report.score_tables import ranking_note, ranking_rows, standing_word
+from clepsydra.report.score_tables import ranking_note, reasons, standing_word
 from clepsydra.report.settings_table import settings_table
 from clepsydra.studies.ranking_words import TIE, trust_sentence
 from clepsydra.studies.recommendation import Recommendation, recommend
@@ -115,13 +115,13 @@ def advised(result: StudyResult, advice: Recommendation) -> list[Line | Table | 
     settings = settings_table(simplest.controller, process)
     if settings is not None:
         parts += [_EMPTY, _shortened(settings)]
-    parts += marked(Mark.WATCH, _watched(simplest))
+    parts += marked(Mark.WATCH, watched(simplest))
     if best is not simplest:
-        parts.append(Line(_better(advice)))
+        parts.append(Line(better_words(advice)))
     return parts
 
 
-def _better(advice: Recommendation) -> str:
+def better_words(advice: Recommendation) -> str:
     """Return what the best controller gains and needs beside the simplest."""
     controller = advice.best.controller
     if advice.saved < TIE - 1.0:
@@ -133,7 +133,7 @@ def _better(advice: Recommendation) -> str:
     return f"The best, {controller.title}, {saved}; {needs}."
 
 
-def _watched(candidate: Candidate) -> list[str]:
+def watched(candidate: Candidate) -> list[str]:
     """Return what to watch with a controller; what its standing says stands with it."""
     said = []
     overshoot = max(
@@ -180,7 +180,8 @@ def _rest(result: StudyResult, every: bool, why: bool, refused: bool) -> str:
 
 def _reasons(result: StudyResult) -> list[Line | Table | Section]:
     parts: list[Line | Table | Section] = [_EMPTY]
-    parts += [Line(f"{row.rank}  {row.controller}: {row.reason}") for row in ranking_rows(result)]
+    for each, words in zip(result.ranking, reasons(result.ranking), strict=True):
+        parts.append(Line(f"{each.rank}  {each.controller.title}: {words}"))
     for each in result.ranking:
         titled = (f"{each.controller.title}: {words}" for words in each.warnings)
         parts += marked(Mark.WATCH, titled)

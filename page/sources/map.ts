@@ -1,0 +1,129 @@
+/** Every controller as a point: to the left is robust, below a small error. */
+
+import uPlot from "uplot";
+
+import { decades, limitLine, logAxis } from "./axes";
+import type { Controller } from "./data";
+import type { Shown } from "./shown";
+import { numberText } from "./words";
+
+const HEIGHT = 300;
+const LIMIT = 2;
+/** Beyond these a controller is out of the question, and stands at the edge. */
+const [WORST_PEAK, WORST_ERROR] = [10, 100];
+
+interface Point {
+  controller: number;
+  x: number;
+  y: number;
+  button: HTMLButtonElement;
+}
+
+export function drawMap(place: HTMLElement, controllers: Controller[], shown: Shown): void {
+  const least = Math.min(...controllers.map(({ error }) => error ?? Infinity));
+  const points = controllers.flatMap((each, controller): Point[] =>
+    each.peak === null && each.standing !== "unsafe"
+      ? []
+      : [
+          {
+            controller,
+            x: Math.min(each.peak ?? WORST_PEAK, WORST_PEAK),
+            y: Math.min(each.error ?? Infinity, WORST_ERROR * least),
+            button: pointButton(each, controller, shown),
+          },
+        ],
+  );
+  if (points.length < 2) return;
+  const title = document.createElement("h3");
+  title.textContent = "Error against robustness";
+  const words = document.createElement("p");
+  words.className = "note";
+  words.textContent =
+    "Each number is a controller at its rank; to the left of the line it is robust, the lower, the smaller its error. A click shows it in all pictures.";
+  const canvas = document.createElement("div");
+  place.append(title, words, canvas);
+  const draw = () => {
+    canvas.replaceChildren();
+    drawn(canvas, points);
+  };
+  draw();
+  new ResizeObserver(draw).observe(place);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+}
+
+function drawn(canvas: HTMLElement, points: Point[]): void {
+  const sorted = [...points].sort((a, b) => a.x - b.x);
+  const bounds = (least: number, numbers: number[]): [number, number] => [
+    0.92 * Math.min(least, ...numbers),
+    1.15 * Math.max(2.2, ...numbers),
+  ];
+  const place = (chart: uPlot) => {
+    const taken: [number, number][] = [];
+    for (const { x, y, button } of points) {
+      const [left, top] = freePlace(chart.valToPos(x, "x"), chart.valToPos(y, "y"), taken, chart.over);
+      taken.push([left, top]);
+      Object.assign(button.style, { left: `${left}px`, top: `${top}px` });
+      chart.over.append(button);
+    }
+  };
+  const xs = sorted.map(({ x }) => x);
+  const ys = sorted.map(({ y }) => y);
+  new uPlot(
+    {
+      width: Math.max(280, canvas.clientWidth),
+      height: HEIGHT,
+      legend: { show: false },
+      cursor: { show: false },
+      scales: {
+        x: { time: false, distr: 3, range: () => bounds(1, xs) },
+        y: { distr: 3, range: () => bounds(Infinity, ys) },
+      },
+      axes: [
+        logAxis("max|S|, smaller is more robust", 24, near),
+        logAxis("relative error", 42, near),
+      ],
+      hooks: { drawAxes: [(chart) => limitLine(chart, "x", LIMIT)], ready: [place] },
+      series: [{}, { show: true, paths: () => null, points: { show: false } }],
+    },
+    [xs, ys],
+    canvas,
+  );
+}
+
+/** Return round numbers, closer together where little lies between the ends. */
+function near(low: number, high: number): number[] {
+  const size = Math.log10(high / low);
+  if (size > 2.5) return decades(low, high, [1]);
+  return decades(low, high, size > 0.8 ? [1, 2, 5] : [1, 1.2, 1.5, 2, 3, 4, 5, 7]);
+}
+
+/** Return the place nearest to a point where its number covers no other. */
+function freePlace(x: number, y: number, taken: [number, number][], over: HTMLElement): [number, number] {
+  const ROOM = 20;
+  for (let radius = 0; radius < 150; radius += 4)
+    for (let turn = 0; turn < 16; turn += 1) {
+      const left = x + radius * Math.cos((turn * Math.PI) / 8);
+      const top = y - radius * Math.sin((turn * Math.PI) / 8);
+      const inside = left > 8 && top > 8 && left < over.clientWidth - 8 && top < over.clientHeight - 8;
+      if (inside && taken.every(([a, b]) => Math.hypot(left - a, top - b) >= ROOM)) return [left, top];
+    }
+  return [x, y];
+}
+
+function pointButton(each: Controller, controller: number, shown: Shown): HTMLButtonElement {
+  const button = document.createElement("button");
+  button.textContent = String(controller + 1);
+  const { standing } = each;
+  button.className = `point ${standing.replaceAll(" ", "-")}`;
+  const numbers = `max|S| ${numberText(each.peak ?? Infinity, 3)}, relative error ${numberText(each.error ?? Infinity, 3)}`;
+  button.title = `${each.title}: ${standing}, ${numbers}`;
+  button.setAttribute("aria-label", button.title);
+  const mark = () => {
+    button.setAttribute("aria-pressed", String(shown.has(controller)));
+    button.style.setProperty("--own", `var(${shown.property(controller)})`);
+  };
+  mark();
+  shown.onChange(mark);
+  button.addEventListener("click", () => shown.toggle(controller));
+  return button;
+}

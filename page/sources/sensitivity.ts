@@ -1,0 +1,79 @@
+/** How robust the loops are over frequency: the largest singular value of S, of what is shown. */
+
+import uPlot from "uplot";
+
+import { decades, limitLine, logAxis } from "./axes";
+import type { PageData } from "./data";
+import { colour, type Shown } from "./shown";
+import { numberText } from "./words";
+
+const HEIGHT = 300;
+const LIMIT = 2;
+const LOWEST = 0.05;
+
+export function drawSensitivity(place: HTMLElement, data: PageData, shown: Shown): void {
+  const { sensitivity, controllers } = data;
+  if (!sensitivity) return;
+  const { frequencies, curves } = sensitivity;
+  const title = document.createElement("h3");
+  title.textContent = "Sensitivity";
+  const words = document.createElement("p");
+  words.className = "note";
+  const explained = "Largest singular value of S: how much of a disturbance is left at each frequency; above 1 it is amplified.";
+  const canvas = document.createElement("div");
+  place.append(title, words, canvas);
+  let chart: uPlot | undefined;
+  const tell = () => {
+    const at = chart?.cursor.idx ?? null;
+    words.textContent = at === null ? explained : told(at);
+  };
+  const told = (at: number) =>
+    [
+      `${numberText(frequencies[at]!, 3)} rad/s`,
+      ...shown.controllers.flatMap((each) => {
+        const value = curves[each]?.[at] ?? null;
+        return value === null ? [] : [`${controllers[each]!.title} ${numberText(value, 3)}`];
+      }),
+    ].join(" · ");
+  const draw = () => {
+    chart?.destroy();
+    const drawn = shown.controllers.filter((each) => curves[each]);
+    const values = drawn.flatMap((each) => curves[each]!).filter((each) => each !== null);
+    const highest = 1.1 * Math.max(3, ...(values as number[]));
+    const felt = frequencies.filter((_, place) => drawn.some((each) => (curves[each]![place] ?? 0) > LOWEST));
+    const lowest = felt[0] ?? frequencies[0]!;
+    chart = new uPlot(
+      {
+        width: Math.max(280, canvas.clientWidth),
+        height: HEIGHT,
+        legend: { show: false },
+        cursor: { points: { size: 6 }, drag: { x: true, y: false } },
+        scales: {
+          x: { time: false, distr: 3, range: (_, low, high) => [Math.max(low, lowest), high] },
+          y: { distr: 3, range: () => [LOWEST, highest] },
+        },
+        axes: [
+          logAxis("frequency [rad/s]", 24, (low, high) => decades(low, high, [1])),
+          logAxis("|S|", 42, (low, high) => decades(low, high, [1, 2, 5])),
+        ],
+        hooks: {
+          drawAxes: [(chart) => limitLine(chart, "y", LIMIT)],
+          setCursor: [tell],
+        },
+        series: [
+          {},
+          ...drawn.map((each) => ({
+            stroke: colour(shown.property(each)), width: 1.6, dash: shown.dash(each), points: { show: false },
+          })),
+        ],
+      },
+      [frequencies, ...drawn.map((each) => curves[each]!)] as uPlot.AlignedData,
+      canvas,
+    );
+  };
+  draw();
+  tell();
+  shown.onChange(draw);
+  new ResizeObserver(() => chart?.setSize({ width: Math.max(280, place.clientWidth), height: HEIGHT })).observe(place);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+}

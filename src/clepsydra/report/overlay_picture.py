@@ -1,0 +1,90 @@
+"""The first events of a study as a still picture: what a page shows where no script runs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from clepsydra.base.words import time_unit
+from clepsydra.report.colours import MUTED, PALETTE
+from clepsydra.report.overlay import EventWindow, ShownSignal, event_title
+from clepsydra.report.quantities import unit_text
+from clepsydra.report.trends import STYLE
+from clepsydra.studies.result import Candidate
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+#: Columns and rows at most; width, and height of a row and around them [inch].
+_COLUMNS, _ROWS = 3, 5
+_WIDTH, _ROW, _AROUND = 9.6, 1.05, 0.7
+
+
+def overlay_figure(
+    windows: Sequence[EventWindow], signals: Sequence[ShownSignal], first: Sequence[Candidate]
+) -> Figure:
+    """Draw the first events in columns, and in rows what each controller makes of them.
+
+    Parameters
+    ----------
+    windows : sequence of EventWindow
+    signals : sequence of ShownSignal
+    first : sequence of Candidate
+        In the order of their colours.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> from clepsydra.report.overlay import event_windows, shown_signals
+    >>> plant = cl.load("three-tanks")
+    >>> result = cl.study(plant, [cl.design.simc(plant)])
+    >>> signals = shown_signals(result)
+    >>> windows = event_windows(result, signals, result.ranking)
+    >>> len(overlay_figure(windows, signals, result.ranking).axes)  # 3 events, a level and a pump
+    6
+    """
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    columns = [window for window in windows if not window.again][:_COLUMNS]
+    rows = signals[:_ROWS]
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(_WIDTH, _AROUND + _ROW * len(rows)))
+        height = figure.get_figheight()
+        figure.subplots_adjust(
+            left=0.08, right=0.99, top=1.0 - 0.3 / height, bottom=0.65 / height,
+            wspace=0.16, hspace=0.3,
+        )  # fmt: skip
+        grid = figure.subplots(len(rows), max(1, len(columns)), squeeze=False, sharex="col")
+        for column, window in enumerate(columns):
+            run = first[0].run
+            start, period = window.segment.start, run.scenario.sampling_period
+            unit, length = time_unit(window.view[1])
+            time = (window.samples * period - start) / length
+            seen = time <= window.view[1] / length
+            for row, shown in enumerate(rows):
+                axes = grid[row, column]
+                wanted = shown.setpoint(run)
+                if wanted is not None:
+                    axes.plot(
+                        time[seen], wanted[window.samples][seen], color=MUTED, linewidth=0.8,
+                        linestyle="--", drawstyle="steps-post",
+                    )  # fmt: skip
+                for place, each in enumerate(first):
+                    values = shown.values(each.run)[window.samples]
+                    axes.plot(
+                        time[seen], np.where(np.isfinite(values), values, np.nan)[seen],
+                        color=PALETTE[place], linewidth=1.2, label=each.controller.title,
+                        drawstyle="steps-post" if shown.moved else "default",
+                    )  # fmt: skip
+                if not column:
+                    unit_words = unit_text(shown.signal.shown_unit) or "1"
+                    axes.set_ylabel(f"{shown.signal.name} [{unit_words}]")
+                axes.margins(x=0.0)
+            grid[0, column].set_title(event_title(run.process, window.segment), loc="left")
+            grid[-1, column].set_xlabel(f"time after the event [{unit}]")
+        names, lines = grid[0, 0].get_legend_handles_labels()
+        figure.legend(names, lines, loc="lower left", ncols=len(first))
+    return figure

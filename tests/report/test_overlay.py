@@ -1,0 +1,73 @@
+"""What the charts of a study show: which signals, which of their samples, and how they are told."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from flow_cascade import flow_cascade
+
+import clepsydra as cl
+from clepsydra.report.overlay import event_windows, overlay_data, shown_signals
+
+DRUM = Path(__file__).parents[2] / "docs" / "examples" / "surge-drum.toml"
+
+
+def data_of(result):
+    signals, first = shown_signals(result), list(result.ranking[:2])
+    return overlay_data(result, signals, event_windows(result, signals, first), first)
+
+
+def test_of_an_averaging_level_the_outflow_comes_first_and_the_band_is_told():
+    plant = cl.load(DRUM)
+    data = data_of(cl.study(plant, [cl.design.arrest_time(plant)]))
+    flow, level = data["signals"]
+    assert (flow["name"], level["name"]) == ("outflow", "drum.level")
+    assert flow["band"] is None
+    assert level["band"] == pytest.approx([0.6, 1.4])  # 30 and 70 % of 2 m
+
+
+def test_a_cascade_has_a_row_for_what_its_inner_loop_measures(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text(flow_cascade(), encoding="utf-8")
+    result = cl.study(path)
+    data = data_of(result)
+    row = [each["name"] for each in data["signals"]].index("duty_flow")
+    event, run = data["events"][0], result.best.run
+    trace = event["traces"][row]
+    places = np.cumsum(event["samples"]) + round(
+        result.scenario.segments[0].start / result.scenario.sampling_period
+    )
+    factor = {"l/s": 1e3, "m³/s": 1.0}[data["signals"][row]["unit"]]
+    wanted = factor * run.values["duty_flow.inner_setpoint"][places]
+    (own,) = trace["setpoints"]
+    assert np.cumsum(own) * trace["step"] == pytest.approx(wanted, abs=0.51 * trace["step"])
+
+
+def test_a_window_ends_when_the_first_controllers_have_settled(result):
+    signals, first = shown_signals(result), result.ranking[:1]
+    for window in event_windows(result, signals, first):
+        if window.segment.kind == "noise":
+            continue
+        start, stop = round(window.segment.start), round(window.segment.stop)
+        for name in ("tank_1.level", "tank_2.level"):
+            level = first[0].run.values[name][start:stop]
+            late = level[round(window.view[1]) :]
+            moved = np.max(np.abs(level - level[-1]), initial=1e-12)
+            assert np.max(np.abs(late - level[-1]), initial=0.0) < 0.05 * moved
+        assert window.view[0] == pytest.approx(-0.06 * window.view[1])
+        assert np.all(np.diff(window.samples) > 0)
+
+
+def test_what_is_not_finite_is_null(result):
+    signals, first = shown_signals(result), list(result.ranking)
+    windows = event_windows(result, signals, first)
+    run = first[0].run
+    levels = run.values["tank_1.level"].copy()
+    run.values["tank_1.level"][70] = np.nan
+    try:
+        data = overlay_data(result, signals, windows[:1], first)
+    finally:
+        run.values["tank_1.level"] = levels
+    coded = data["events"][0]["traces"][0]["curves"][0]
+    places = np.cumsum(data["events"][0]["samples"]) + 60
+    assert coded.count(None) == 1 and places[coded.index(None)] == 70
