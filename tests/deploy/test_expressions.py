@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from tools import need_grammar
 
 from clepsydra import InputError
-from clepsydra.deploy.c99.language import notation_of as c_notation_of
+from clepsydra.deploy.c99.statements import notation_of as c_notation_of
 from clepsydra.deploy.printing.decimal_text import decimal
 from clepsydra.deploy.printing.expressions import (
     Expression,
@@ -18,7 +18,7 @@ from clepsydra.deploy.printing.expressions import (
     variable,
 )
 from clepsydra.deploy.structured_text.dialect import dialect_of
-from clepsydra.deploy.structured_text.wording import notation_of
+from clepsydra.deploy.structured_text.statements import notation_of
 
 C = c_notation_of("double")
 TEXT = notation_of(dialect_of("codesys"), "double")

@@ -18,15 +18,15 @@ from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.proof.interpreted_text import InterpretedText
 from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES, dialect_of
 from clepsydra.deploy.structured_text.printer import print_structured_text
-from clepsydra.deploy.structured_text.wording import Wording
+from clepsydra.deploy.structured_text.statements import StructuredText
 from clepsydra.program.operation import Operation
 from clepsydra.program.program import Block, Program
 
 FLOAT = st.floats(width=32, allow_nan=False, allow_infinity=False)
 
 
-def wording(dialect: str, precision="double") -> Wording:
-    return Wording(dialect_of(dialect), precision)
+def wording(dialect: str, precision="double") -> StructuredText:
+    return StructuredText(dialect_of(dialect), precision)
 
 
 def doubling(name: str, kind: str = "real", initial: float = 0.0) -> Program:

@@ -19,8 +19,8 @@ from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.process_program import process_program
 from clepsydra.deploy.proof.text.interpreter import StructuredText
 from clepsydra.deploy.proof.text.scl import standard_text
-from clepsydra.deploy.structured_text.loop_program import wired
 from clepsydra.deploy.structured_text.project import Project, print_test_project
+from clepsydra.deploy.structured_text.simulated_plant import wired
 from clepsydra.deploy.structured_text.time_literal import LONGEST, milliseconds, time_literal
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario

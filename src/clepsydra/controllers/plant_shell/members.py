@@ -21,6 +21,10 @@ from clepsydra.controllers.plant_shell.take_up import take_up_scans
 from clepsydra.controllers.signals import owners
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.controllers.wiring import wired_setpoints
+from clepsydra.program.operation import LOGIC, Operation
+from clepsydra.program.program import Call
+from clepsydra.program.reader import structured_program_of
+from clepsydra.program.step_law import StepLaw
 
 _SETTING = "setting of the plant shell"
 
@@ -63,6 +67,8 @@ class Members:
         self.unwired = {"time_step": 0.0}
         settings.check_names(controller)
         law = controller.law
+        #: Whether the law only joins blocks, so that the shell can join them itself.
+        self.law_joins = bool(law.blocks) or _only_joins(law)
         #: The loops that an operator sees.
         self.loops = [block for block in law.blocks if isinstance(block, PidBlock)]
         #: The parameters of the law.
@@ -192,3 +198,13 @@ class Members:
                 "with another anti-windup, or with a rate limit of its own, can have one"
             )
         return None
+
+
+def _only_joins(law: StepLaw) -> bool:
+    """Whether a law computes nothing but what its blocks do, and which conditions hold."""
+    program = structured_program_of(law)
+    own = [each for each in program.block.statements if not isinstance(each, Call)]
+    logic = LOGIC | {"constant", "number", "truth"}
+    return bool(program.calls) and all(
+        isinstance(each, Operation) and each.code in logic for each in own
+    )

@@ -73,7 +73,7 @@ class ShellScan(Scan):
             given |= {path(name, _OF_COMMAND[p]): command[p] for p in command if p in _OF_COMMAND}
         self.told = {u.name: self._bits(u) for u in members.outputs}
         block = self._law_block()
-        if self.law.blocks:
+        if members.law_joins:
             found = block.equations(given | {e.name: self.state(e.name) for e in block.state})
             self.next_state |= found.next_state
             self.named |= found.intermediates

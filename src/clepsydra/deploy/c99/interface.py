@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 
 from clepsydra.base.language_words import C_WORDS
-from clepsydra.deploy.c99.language import C99
+from clepsydra.deploy.c99.statements import C99
 from clepsydra.deploy.c99.structures import (
     WIDTH,
     instances,

@@ -9,14 +9,14 @@ from dataclasses import dataclass
 
 from clepsydra.base.language_words import C_WORDS
 from clepsydra.deploy.c99.interface import check_names, function_head, head_comment, print_header
-from clepsydra.deploy.c99.language import C99, arithmetic_check
+from clepsydra.deploy.c99.statements import C99, arithmetic_check
 from clepsydra.deploy.c99.step import BlockFunction, StepFunction
 from clepsydra.deploy.c99.structures import WIDTH, remarked
 from clepsydra.deploy.printing.heading import number_comment, table_comment
-from clepsydra.deploy.printing.language import indented
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision, in_precision
 from clepsydra.deploy.printing.printed_form import printed_form
+from clepsydra.deploy.printing.statements import indented
 from clepsydra.program.called_blocks import called_blocks
 from clepsydra.program.entries import Entry, is_ring, signal_of
 from clepsydra.program.owned_state import state_paths

@@ -9,14 +9,14 @@ from collections.abc import Iterable
 
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.c99.interface import function_head
-from clepsydra.deploy.c99.language import C99
+from clepsydra.deploy.c99.statements import C99
 from clepsydra.deploy.c99.structures import WIDTH, remarked, structure
 from clepsydra.deploy.printing.body import Body, places_of
 from clepsydra.deploy.printing.declarations import declared
 from clepsydra.deploy.printing.heading import comment, enclosed, harmless
 from clepsydra.deploy.printing.identifiers import Identifiers
-from clepsydra.deploy.printing.language import indented
 from clepsydra.deploy.printing.lines import folded
+from clepsydra.deploy.printing.statements import indented
 from clepsydra.program.program import Program
 
 _ASSIGNED = re.compile(r"( *)(\w+) = ")

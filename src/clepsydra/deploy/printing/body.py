@@ -11,9 +11,9 @@ from clepsydra.deploy.printing.expressions import Expression, constant, flag, re
 from clepsydra.deploy.printing.folding import FoldedBlock
 from clepsydra.deploy.printing.heading import harmless
 from clepsydra.deploy.printing.identifiers import Identifiers
-from clepsydra.deploy.printing.language import Language, ring_place
 from clepsydra.deploy.printing.lines import explained, in_place, mentions
 from clepsydra.deploy.printing.listing import Assignment, Compound, ListingStatement, touched
+from clepsydra.deploy.printing.statements import Language, ring_place
 from clepsydra.deploy.printing.whole_numbers import whole_ranges
 from clepsydra.program.entries import is_ring, signal_of
 from clepsydra.program.operation import Operation
@@ -63,7 +63,7 @@ class Body:
 
     Examples
     --------
-    >>> from clepsydra.deploy.c99.language import C99
+    >>> from clepsydra.deploy.c99.statements import C99
     >>> from clepsydra.program.program import Block
     >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
     >>> program = Program("double_it", (), (Signal("x"),), (), (Signal("y"),), double)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from clepsydra.deploy.printing.heading import comment
 from clepsydra.deploy.printing.identifiers import NameRules
-from clepsydra.deploy.printing.language import Language
 from clepsydra.deploy.printing.origin import Origin
+from clepsydra.deploy.printing.statements import Language
 from clepsydra.program.entries import Entry, is_ring, signal_of
 from clepsydra.program.program import Call, Program
 
@@ -65,7 +65,7 @@ def declared(
     Examples
     --------
     >>> from clepsydra.base.signal import Signal
-    >>> from clepsydra.deploy.c99.language import C99
+    >>> from clepsydra.deploy.c99.statements import C99
     >>> declared([Signal("tank.level", "m", initial=0.1)], C99("law", "single"))[0].initial
     ('0.1f',)
     """
@@ -98,7 +98,7 @@ def records_of(programs: Iterable[Program], language: Language) -> dict[str, lis
     Examples
     --------
     >>> from clepsydra.base.signal import Signal
-    >>> from clepsydra.deploy.c99.language import C99
+    >>> from clepsydra.deploy.c99.statements import C99
     >>> from clepsydra.program.program import Block
     >>> told = Signal("pump.conditions.automatic", kind="boolean", record="conditions")
     >>> law = Program("law", (), (Signal("u"),), (), (told,), Block(1, (), (0,)))

@@ -73,7 +73,7 @@ class FoldedBlock:
     --------
     A value that is read twice gets a variable, one that is read once is written in its place:
 
-    >>> from clepsydra.deploy.c99.language import notation_of
+    >>> from clepsydra.deploy.c99.statements import notation_of
     >>> notation, names = notation_of("double"), Identifiers([], ignore_case=False)
     >>> block = Block(1, (Operation(1, "multiply", (0, 0)), Operation(2, "add", (1, 1))), (2,))
     >>> folded = FoldedBlock(block, [variable("x")], notation, names, preferred={1: "square"})

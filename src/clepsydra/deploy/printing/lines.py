@@ -44,7 +44,8 @@ def folded(line: str, longest: int = LINE) -> Iterator[str]:
             at = found.end() + 1 if sign in (",", ":=") else found.start("sign")
             if len(line[:at].rstrip()) > longest:
                 break
-            if sign != ":=" or depth == 0:
+            # What a line begins with is no place to break it.
+            if at > start and (sign != ":=" or depth == 0):
                 places.append((at < start + _LEAST, depth, _TIGHT.get(sign, 5), -at))
         # Behind a bracket only where nothing else is near enough.
         places = places or brackets[:1]
@@ -57,9 +58,7 @@ def folded(line: str, longest: int = LINE) -> Iterator[str]:
 
 
 def dense(lines: Sequence[str]) -> list[str]:
-    """Return statements with what each branch of an IF does beside its condition.
-
-    That is so where every branch is one short statement.
+    """Return statements with what a branch of an IF does beside its condition, if that is short.
 
     Examples
     --------
@@ -71,32 +70,28 @@ def dense(lines: Sequence[str]) -> list[str]:
     END_IF;
     """
     found: list[str] = []
-    place = 0
-    while place < len(lines):
-        rows = [*_branches(lines[place:])]
-        end = place + 2 * len(rows)
-        if len(rows) == 1:
-            rows = [f"{rows[0]} END_IF;"]
-            end += 1
-        fits = rows and all(len(row) <= LINE for row in rows)
-        found += rows if fits else [lines[place]]
-        place = end if fits else place + 1
+    rest = list(lines)
+    while rest:
+        head, inside, after = (*rest[:3], "", "")[:3]
+        whole = f"{head} {inside.lstrip()}"
+        # Of a branch with one statement the end follows, as far in as its beginning.
+        short = _BRANCH.match(head) and not _COMPOUND.match(inside) and _next(head, after)
+        if not short or len(whole) > LINE:
+            found.append(rest.pop(0))
+            continue
+        closed = f"{whole} END_IF;"
+        alone = head.lstrip().startswith("IF ") and after.lstrip() == "END_IF;"
+        alone = alone and len(closed) <= LINE
+        found.append(closed if alone else whole)
+        del rest[: 3 if alone else 2]
     return found
 
 
-def _branches(lines: Sequence[str]) -> Iterator[str]:
-    """Yield the branches of an IF at the beginning, a line each; none if one needs more."""
-    if not lines[0].lstrip().startswith("IF "):
-        return
-    rows = []
-    for place in range(0, len(lines) - 2, 2):
-        head, inside, after = lines[place : place + 3]
-        if not _BRANCH.match(head) or _COMPOUND.match(inside):
-            return
-        rows.append(f"{head} {inside.lstrip()}")
-        if after.lstrip() == "END_IF;":
-            yield from rows
-            return
+def _next(head: str, after: str) -> bool:
+    """Whether a line begins the next branch, or ends the last one."""
+    word = after.lstrip()
+    beside = len(after) - len(word) == len(head) - len(head.lstrip())
+    return beside and word.startswith(("ELSIF ", "ELSE", "END_IF;"))
 
 
 def mentions(line: str, name: str) -> bool:

@@ -14,7 +14,7 @@ from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.structured_text.dialect import Dialect
 from clepsydra.deploy.structured_text.pou import Section, Unit
-from clepsydra.deploy.structured_text.wording import Wording, joined
+from clepsydra.deploy.structured_text.statements import StructuredText, joined
 from clepsydra.program.entries import signal_of
 from clepsydra.program.owned_state import own_state
 from clepsydra.program.program import Program
@@ -71,7 +71,7 @@ def function_block(
     taken = [signal_of(entry).variable for entry in (*entries, *program.outputs)]
     taken += [f"{name}_position" for name in taken]
     taken += [program.name, *(block_type(call.program) for call in program.calls)]
-    wording = Wording(dialect, precision, taken)
+    wording = StructuredText(dialect, precision, taken)
     body = Body(program, wording, wording.names, places_of(program))
     temporaries = dict.fromkeys(wording.products, wording.real) | body.temporaries
     by_type = sorted(temporaries.items(), key=lambda each: each[1])
@@ -97,7 +97,7 @@ def _check_names(program: Program, dialect: Dialect) -> None:
     check_scope(place, (Signal(program.name), *signals), program.calls, rules)
 
 
-def _sections(program: Program, wording: Wording, origin: Origin | None) -> list[Section]:
+def _sections(program: Program, wording: StructuredText, origin: Origin | None) -> list[Section]:
     """Return the declarations of inputs, parameters, outputs, instances and state of a program."""
     inputs = ("inputs of one sample", declared(program.inputs, wording))
     parameters = ("parameters", declared(program.parameters, wording, origin))
@@ -114,7 +114,7 @@ def _sections(program: Program, wording: Wording, origin: Origin | None) -> list
     ]
 
 
-def _products(wording: Wording) -> list[str]:
+def _products(wording: StructuredText) -> list[str]:
     """Return what computes the numbers that the system cannot read."""
     lines = []
     for name, (number, product) in wording.products.items():
@@ -125,7 +125,7 @@ def _products(wording: Wording) -> list[str]:
     return lines
 
 
-def _constants(body: Body, wording: Wording) -> list[Section]:
+def _constants(body: Body, wording: StructuredText) -> list[Section]:
     constants = body.constants.items()
     named = [replace(declared([each], wording)[0], name=name) for name, each in constants]
     tables = []

@@ -10,7 +10,7 @@ from clepsydra.deploy.printing.lines import dense
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.structured_text.dialect import OWN, Dialect
 from clepsydra.deploy.structured_text.pou import Section, Unit
-from clepsydra.deploy.structured_text.wording import Wording
+from clepsydra.deploy.structured_text.statements import StructuredText
 
 # A double of this size or above is a whole number already, and so is a single-precision number.
 _WHOLE = {"double": 2.0**52, "single": 2.0**23}
@@ -38,13 +38,13 @@ def called_functions(
     """
     text = "\n".join(line for unit in units for line in unit.body)
     return tuple(
-        _function(code, Wording(dialect, precision))
+        _function(code, StructuredText(dialect, precision))
         for code, name in OWN.items()
         if f"{dialect.quoted(name)}(" in text
     )
 
 
-def _function(code: str, wording: Wording) -> Unit:
+def _function(code: str, wording: StructuredText) -> Unit:
     name = OWN[code]
     lines, inputs = _whole(code, wording), "a"
     if code in ("maximum", "minimum"):
@@ -62,7 +62,7 @@ def _function(code: str, wording: Wording) -> Unit:
     )
 
 
-def _whole(code: str, wording: Wording) -> list[str]:
+def _whole(code: str, wording: StructuredText) -> list[str]:
     """Write a number cut off, and corrected.
 
     The standard has a cut-off to a DINT only. A double is cut off in two parts that both fit; a

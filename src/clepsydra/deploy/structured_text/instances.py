@@ -52,11 +52,13 @@ def with_block_names(program: Program, words: frozenset[str]) -> Program:
         if not isinstance(statement, Call):
             return statement
         block = with_block_names(statement.program, words).with_signals(no_word)
+        # All of them are wired, so none begins with a value of its own.
+        inputs = tuple(replace(signal, initial=0.0) for signal in block.inputs)
         told = {f"{name}_value": text for name, text in block.words.items()} | {**block.words}
         instance = statement.identifier
         clash = "_block" if instance.lower() in taken else ""
-        renamed = replace(block, words=told)
-        return replace(statement, instance=instance + clash, program=renamed)
+        named = replace(block, words=told, inputs=inputs)
+        return replace(statement, instance=instance + clash, program=named)
 
     block = replace(program.block, statements=tuple(map(named, program.block.statements)))
     return replace(program, block=block)

@@ -143,11 +143,14 @@ def _section(section: Section, dialect: Dialect) -> list[str]:
     for title, variables in groups:
         if len(groups) > 1:
             lines.append(dialect.commented(title))
-        for kind, names in groupby(variables, partial(_plain_type, dialect=dialect)):
+        for (kind, about), names in groupby(variables, partial(_shared, dialect=dialect)):
             entries = [*names]
+            listed = f"{', '.join(entry.name for entry in entries)} : {kind};"
             if kind:
-                listed = f"{', '.join(entry.name for entry in entries)} : {kind};"
-                lines += textwrap.wrap(listed, _WIDTH, subsequent_indent="  ")
+                *above, line = _commented(listed, about, dialect)
+                rows = textwrap.wrap(line, _WIDTH, subsequent_indent="  ")
+                # A comment to the end of the line cannot be wrapped with it.
+                lines += [*above, *([line] if about and dialect.line_comments else rows)]
             else:
                 lines += [row for entry in entries for row in _declaration(entry, dialect)]
     if len(lines) == 1:
@@ -159,9 +162,10 @@ def _section(section: Section, dialect: Dialect) -> list[str]:
     return [head, *(f"  {line}" for line in lines), end] if lines else []
 
 
-def _plain_type(entry: Variable, dialect: Dialect) -> str:
-    """Return the type of a variable that has neither value nor comment; else nothing."""
-    return "" if entry.initial or entry.comment or entry.length else _type(entry, dialect)
+def _shared(entry: Variable, dialect: Dialect) -> tuple[str, str]:
+    """Return type and comment of a variable without a value, which may stand in one line."""
+    alone = entry.initial or entry.length
+    return ("", entry.name) if alone else (_type(entry, dialect), entry.comment)
 
 
 def _type(entry: Variable, dialect: Dialect) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from clepsydra.deploy.printing.declarations import Variable, records_of
+from clepsydra.deploy.printing.declarations import Variable, declared, records_of
 from clepsydra.deploy.printing.heading import heading
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision, in_precision
@@ -14,7 +14,7 @@ from clepsydra.deploy.structured_text.function_block import block_type, function
 from clepsydra.deploy.structured_text.functions import called_functions
 from clepsydra.deploy.structured_text.instances import BEGUN, beginning, with_block_names
 from clepsydra.deploy.structured_text.pou import Section, Unit, comment_lines, unit_text
-from clepsydra.deploy.structured_text.wording import REAL, Wording
+from clepsydra.deploy.structured_text.statements import REAL, StructuredText
 from clepsydra.program.called_blocks import called_blocks
 from clepsydra.program.program import Program
 
@@ -117,7 +117,9 @@ def function_blocks(
     printed = printed_form(program, precision)
     main = with_block_names(beginning(printed), dialect.all_words)
     library = []
-    told: set[Variable] = set()
+    # What the program itself says of its inputs is not said again.
+    own = declared((*main.inputs, *main.parameters), StructuredText(dialect, precision))
+    told = {replace(each, initial=()) for each in own}
     for block in called_blocks(main):
         name = block_type(block)
         head = (f"{name}:", *block.description)
@@ -139,7 +141,7 @@ def function_blocks(
 
 def _records(program: Program, dialect: Dialect, precision: Precision) -> list[Unit]:
     """Return the types of the structures that a program and its blocks give."""
-    wording = Wording(dialect, precision)
+    wording = StructuredText(dialect, precision)
     found = records_of((*called_blocks(program), program), wording)
     return [
         Unit("TYPE", name, (), (Section("STRUCT", "", (("members", tuple(members)),)),), ())

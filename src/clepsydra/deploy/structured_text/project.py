@@ -10,11 +10,11 @@ from clepsydra import __version__
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision, in_precision
 from clepsydra.deploy.structured_text.dialect import Dialect, dialect_of
-from clepsydra.deploy.structured_text.loop_program import loop_program, wired
 from clepsydra.deploy.structured_text.pou import Unit, unit_text
 from clepsydra.deploy.structured_text.printer import function_blocks
+from clepsydra.deploy.structured_text.simulated_plant import loop_program, wired
+from clepsydra.deploy.structured_text.statements import StructuredText
 from clepsydra.deploy.structured_text.time_literal import time_literal
-from clepsydra.deploy.structured_text.wording import Wording
 from clepsydra.program.program import Program
 
 #: Names that the runtime of OpenPLC looks for in what its compiler makes.
@@ -80,7 +80,7 @@ class Project:
         dialect.names.check_distinct(named)
         controller, process = (in_precision(each, precision) for each in pair)
         wiring = wired(controller, process, self.wires, self.sampling_period)
-        wording = Wording(dialect, precision, (controller.name, process.name))
+        wording = StructuredText(dialect, precision, (controller.name, process.name))
         program = loop_program(controller, process, wiring, wording)
         units = [
             *function_blocks(self.controller, dialect, precision, self.origin),

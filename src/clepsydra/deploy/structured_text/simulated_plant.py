@@ -14,7 +14,7 @@ from clepsydra.controllers.plant_shell.edge import at_port
 from clepsydra.deploy.printing.declarations import Variable, declared
 from clepsydra.deploy.printing.expressions import Expression, constant, variable
 from clepsydra.deploy.structured_text.pou import Section, Unit
-from clepsydra.deploy.structured_text.wording import Wording
+from clepsydra.deploy.structured_text.statements import StructuredText
 from clepsydra.program.program import Program
 
 
@@ -108,7 +108,9 @@ def _check(wire: str, known: Mapping[str, Signal], place: str, what: str) -> Non
         )  # fmt: skip
 
 
-def loop_program(controller: Program, process: Program, wiring: Wiring, wording: Wording) -> Unit:
+def loop_program(
+    controller: Program, process: Program, wiring: Wiring, wording: StructuredText
+) -> Unit:
     """Return the program that runs a controller against a process.
 
     Parameters
@@ -116,7 +118,7 @@ def loop_program(controller: Program, process: Program, wiring: Wiring, wording:
     controller, process : Program
         In the precision of the text.
     wiring : Wiring
-    wording : Wording
+    wording : StructuredText
         Of the program, which gets its name and those of its variables in its scope.
 
     Examples

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.printing.expressions import OPERATORS, Notation
-from clepsydra.deploy.printing.language import Language, Syntax
 from clepsydra.deploy.printing.listing import BlockCall
 from clepsydra.deploy.printing.precision import Precision
+from clepsydra.deploy.printing.statements import Language, Syntax
 from clepsydra.deploy.printing.whole_numbers import INTEGER_LOW
 from clepsydra.program.operation import LIBRARY
 
@@ -28,7 +28,7 @@ SYNTAX = Syntax(
     another="}} else if ({}) {{",
     otherwise="} else {",
     closed="}",
-    counted="for (int32_t {0} = 0; {0} < {1}; ++{0}) {{",
+    loop_opened="for (int32_t {0} = 0; {0} < {1}; ++{0}) {{",
     loop_closed="}",
     advanced="{0} + 1 < {1} ? {0} + 1 : 0",
     states="state->",

@@ -1,4 +1,4 @@
-"""Expressions and numbers of Structured Text in a dialect and a precision."""
+"""How Structured Text writes IF, FOR, calls and numbers, in a dialect and a precision."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from clepsydra.deploy.printing.expressions import (
     variable,
 )
 from clepsydra.deploy.printing.identifiers import Identifiers
-from clepsydra.deploy.printing.language import Language, Syntax
 from clepsydra.deploy.printing.listing import BlockCall
 from clepsydra.deploy.printing.precision import Precision
+from clepsydra.deploy.printing.statements import Language, Syntax
 from clepsydra.deploy.structured_text.dialect import OWN, Dialect
 from clepsydra.program.operation import COMPARISONS
 
@@ -30,7 +30,7 @@ _SYNTAX = Syntax(
     another="ELSIF {} THEN",
     otherwise="ELSE",
     closed="END_IF;",
-    counted="FOR {0} := 0 TO {2} DO",
+    loop_opened="FOR {0} := 0 TO {2} DO",
     loop_closed="END_FOR;",
     advanced="({0} + 1) MOD {1}",
 )
@@ -68,7 +68,7 @@ def notation_of(dialect: Dialect, precision: Precision) -> Notation:
     return Notation(
         language="Structured Text",
         operators={**OPERATORS, "equal": "=", "not_equal": "<>", "and": "AND", "or": "OR"},
-        # A power that is an operator is written by `Wording`; here it counts for its width.
+        # A power that is an operator is written by `StructuredText`; here it counts for its width.
         functions={**dialect.functions, **power, **own, **typed},
         negation="NOT ",
         precision=precision,
@@ -88,7 +88,7 @@ def joined(name: str) -> str:
     return "".join(w.upper() if w in _ABBREVIATIONS else w.capitalize() for w in words)
 
 
-class Wording(Language):
+class StructuredText(Language):
     """Writes expressions and numbers as a dialect and a precision want them.
 
     Parameters
@@ -104,7 +104,7 @@ class Wording(Language):
     >>> from clepsydra.deploy.structured_text.dialect import dialect_of
     >>> half = Expression("multiply", (variable("x"), constant(0.1)))
     >>> for name, precision in (("codesys", "double"), ("codesys", "single")):
-    ...     wording = Wording(dialect_of(name), precision)
+    ...     wording = StructuredText(dialect_of(name), precision)
     ...     wording.real, wording.expression(half)
     ('LREAL', 'x * 0.1')
     ('REAL', 'x * REAL#0.1')
@@ -168,7 +168,7 @@ class Wording(Language):
         """Put the dialect's mark before every local name (in lower case) of a line.
 
         >>> from clepsydra.deploy.structured_text.dialect import dialect_of
-        >>> wording = Wording(dialect_of("scl"), "single")
+        >>> wording = StructuredText(dialect_of("scl"), "single")
         >>> wording.marked("  y := REAL#1.5E3 * tank.level;", {"y", "tank", "level"})
         '  #y := REAL#1.5E3 * #tank.level;'
         """

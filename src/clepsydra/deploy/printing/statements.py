@@ -27,7 +27,7 @@ class Syntax:
     comment, assignment : str
     opened, another, otherwise, closed : str
         A conditional: its first branch, each next one, the last one, its end.
-    counted, loop_closed : str
+    loop_opened, loop_closed : str
         A loop: its beginning, with the index, the number of turns and one less, and its end.
     advanced : str
         The place behind a place in a ring of a length.
@@ -36,7 +36,7 @@ class Syntax:
 
     Examples
     --------
-    >>> from clepsydra.deploy.c99.language import SYNTAX
+    >>> from clepsydra.deploy.c99.statements import SYNTAX
     >>> SYNTAX.opened.format("late")
     'if (late) {'
     """
@@ -47,7 +47,7 @@ class Syntax:
     another: str
     otherwise: str
     closed: str
-    counted: str
+    loop_opened: str
     loop_closed: str
     advanced: str
     states: str = ""
@@ -65,7 +65,7 @@ class Language(ABC):
 
     Examples
     --------
-    >>> from clepsydra.deploy.c99.language import C99
+    >>> from clepsydra.deploy.c99.statements import C99
     >>> from clepsydra.deploy.printing.expressions import flag
     >>> C99("law", "double").expression(Expression("not", (flag("cold"),)))
     '!cold'
@@ -148,7 +148,7 @@ class Language(ABC):
 
         Examples
         --------
-        >>> from clepsydra.deploy.c99.language import C99
+        >>> from clepsydra.deploy.c99.statements import C99
         >>> from clepsydra.deploy.printing.expressions import flag
         >>> begun = [Assignment(n, Expression("select", (flag("cold"), variable("u"), variable(n))))
         ...          for n in ("a", "b")]
@@ -187,16 +187,21 @@ class Language(ABC):
             return self.assign(entry.name, entry.expression)
         if isinstance(entry, BlockCall):
             return self.call(entry)
-        title, inside, syntax, count = entry.label, self._body(entry), self.syntax, entry.count
+        title, lines = entry.label, self._assigned(entry.start)
         if entry.condition is None:
-            title += f": {count} turn{'s' if count > 1 else ''}"
-        lines = [syntax.comment.format(title), *self._assigned(entry.start)]
-        if entry.condition is not None:
-            inside = self._decided([(self.expression(entry.condition), inside)])
-        elif count > 1:
-            head = syntax.counted.format(entry.index, count, count - 1)
-            inside = [head, *indented(inside), syntax.loop_closed]
-        return [*lines, *inside]
+            title += f": {entry.count} turn{'s' if entry.count > 1 else ''}"
+            lines += self._loop(entry)
+        else:
+            lines += self._decided([(self.expression(entry.condition), self._body(entry))])
+        return [self.syntax.comment.format(title), *lines]
+
+    def _loop(self, entry: Compound) -> list[str]:
+        """Write a FOR loop; what runs once needs none."""
+        syntax, count, body = self.syntax, entry.count, self._body(entry)
+        if count == 1:
+            return body
+        head = syntax.loop_opened.format(entry.index, count, count - 1)
+        return [head, *indented(body), syntax.loop_closed]
 
     def _assigned(self, entries: Iterable[Assignment]) -> list[str]:
         return [line for each in entries for line in self.assign(each.name, each.expression)]
@@ -218,7 +223,7 @@ class Language(ABC):
     def write_ring(self, name: str, written: Expression, length: int) -> list[str]:
         """Write a value over the oldest one of a ring, and go on to the place of the next one.
 
-        >>> from clepsydra.deploy.c99.language import C99
+        >>> from clepsydra.deploy.c99.statements import C99
         >>> print("\\n".join(C99("law", "double").write_ring("flow", variable("inflow"), 5)))
         flow[flow_position] = inflow;
         flow_position = flow_position + 1 < 5 ? flow_position + 1 : 0;
@@ -244,8 +249,8 @@ class Language(ABC):
         Examples
         --------
         >>> from clepsydra.deploy.structured_text.dialect import dialect_of
-        >>> from clepsydra.deploy.structured_text.wording import Wording
-        >>> wording = Wording(dialect_of("codesys"), "double")
+        >>> from clepsydra.deploy.structured_text.statements import StructuredText
+        >>> wording = StructuredText(dialect_of("codesys"), "double")
         >>> falls = Expression("less", (variable("level"), variable("limit")))
         >>> more = Expression("divide", (variable("gain"), variable("time")))
         >>> chosen = Expression("select", (falls, more, variable("rest")))
