@@ -5,19 +5,13 @@ from pathlib import Path
 
 LONGEST = 600
 LONGEST_OF_SOURCE = 400
-#: Those of src that are longer, and may not grow.
-LONGER = {
-    Path("src/clepsydra/report/drawing/placement.py"): 561,
-    Path("src/clepsydra/report/drawing/plant.py"): 418,
-}
 SUFFIXES = {".py", ".ts", ".cpp", ".toml", ".md", ".jinja", ".css"}
 FOLDERS = ("src", "page/sources", "tests", "benchmarks", "docs", "tools", ".ci")
 
 
 def longest(path: Path) -> int:
     """Return how many lines a file may have."""
-    source = path.parts[0] in ("src", "page")
-    return LONGER.get(path, LONGEST_OF_SOURCE if source else LONGEST)
+    return LONGEST_OF_SOURCE if path.parts[0] in ("src", "page") else LONGEST
 
 
 def main() -> None:

@@ -1,121 +1,27 @@
 import re
 from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
-from pathlib import Path
 from random import Random
 from typing import ClassVar
 from xml.etree import ElementTree
 
 import pytest
+from drawn_plants import CHAINS, FILES, PLANTS, loaded
 
 from clepsydra import Connection, Element
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
 from clepsydra.process.reader import load_process
 from clepsydra.report.drawing.bodies import TANK_HALF, TANK_ROWS
+from clepsydra.report.drawing.control_functions import ControlFunction
 from clepsydra.report.drawing.flow_graph import FlowGraph, Instrument, Junction, Link, flow_graph
 from clepsydra.report.drawing.outline import TANK_HEIGHT
 from clepsydra.report.drawing.plant import process_drawing
 from clepsydra.report.drawing.routing import route
 
 SVG = "{http://www.w3.org/2000/svg}"
-
-
-def plant(tanks, orifices, pumps, splitters=(), inflows=(), reservoirs=("basin",)):
-    """A process file with tanks of one size; each element is given by what it connects."""
-    lines = ['name = "plant"', 'title = "A plant"', 'source = "made up"', 'sampling_period = "1 s"']
-    lines.append(f'controlled = ["sensor_{tanks[-1]}"]')
-    lines += [f"[reservoirs.{name}]" for name in reservoirs]
-    for name in tanks:
-        lines += [f"[tanks.{name}]", 'area = "100 cm^2"', 'height = "50 cm"']
-        lines += [f"[sensors.sensor_{name}]", f'tank = "{name}"', 'range = ["0 cm", "50 cm"]']
-    for name, source, destination in orifices:
-        lines += [f"[orifices.{name}]", f'source = "{source}"', f'destination = "{destination}"']
-        lines.append('area = "0.4 cm^2"')
-    for name, source, destination in pumps:
-        lines += [f"[pumps.{name}]", f'source = "{source}"', f'destination = "{destination}"']
-        lines += ['gain = "15 cm^3/(s V)"', 'range = ["0 V", "10 V"]', 'nominal = "3 V"']
-    for name, shares in splitters:
-        inner = ", ".join(f"{receiver} = {share}" for receiver, share in shares.items())
-        lines += [f"[splitters.{name}]", f"fractions = {{ {inner} }}"]
-    for name, destination in inflows:
-        lines += [f"[flows.{name}]", f'destination = "{destination}"']
-        lines += ['range = ["0 cm^3/s", "10 cm^3/s"]', 'nominal = "2 cm^3/s"']
-        lines.append('step = "3 cm^3/s"')
-    return "\n".join(lines) + "\n"
-
-
-PLANTS = {
-    "single": plant(
-        ["vessel"], [("hole", "vessel", "basin")], [("pump", "basin", "vessel")],
-        inflows=[("rain", "vessel")],
-    ),
-    "two in series": plant(
-        ["upper", "lower"], [("a", "upper", "lower"), ("b", "lower", "basin")],
-        [("pump", "basin", "upper")], inflows=[("rain", "lower")],
-    ),
-    "three in series, two reservoirs": plant(
-        ["t1", "t2", "t3"], [("a", "t1", "t2"), ("b", "t2", "t3"), ("c", "t3", "sump")],
-        [("feed", "supply", "t1"), ("second", "supply", "t3")], reservoirs=("supply", "sump"),
-    ),
-    "splitter behind a splitter": plant(
-        ["a", "b", "c"], [("oa", "a", "basin"), ("ob", "b", "basin"), ("oc", "c", "basin")],
-        [("pump", "basin", "s1")], [("s1", {"a": 0.5, "s2": 0.5}), ("s2", {"b": 0.6, "c": 0.4})],
-        inflows=[("leak", "s2")],
-    ),
-    "three into one, with a relief": plant(
-        ["left", "right", "a_name_much_too_long_for_its_tank", "last"],
-        [("o1", "left", "last"), ("o2", "right", "last"), ("relief", "left", "basin"),
-         ("o3", "a_name_much_too_long_for_its_tank", "last"), ("o4", "last", "basin")],
-        [("p1", "basin", "s"), ("p2", "basin", "a_name_much_too_long_for_its_tank")],
-        [("s", {"left": 0.4, "right": 0.3, "basin": 0.3})],
-    ),
-    "splitter under a tank": plant(
-        ["top", "m1", "m2"],
-        [("o1", "top", "s"), ("o2", "m1", "basin"), ("o3", "m2", "basin"), ("o4", "top", "m2")],
-        [("p", "basin", "top")], [("s", {"m1": 0.6, "m2": 0.4})],
-    ),
-}  # fmt: skip
-
-
-def chain(length, kind):
-    """A process file with tanks in a row: falling into each other, joined, or pumped."""
-    lines = ['name = "chain"', 'sampling_period = "1 s"', f'controlled = ["level_{length}"]']
-    lines.append("[reservoirs.basin]")
-    pump = ['gain = "15 cm^3/(s V)"', 'range = ["0 V", "10 V"]', 'nominal = "3 V"']
-    for number in range(1, length + 1):
-        below = f"tank_{number + 1}" if number < length else "basin"
-        ends = [f'source = "tank_{number}"', f'destination = "{below}"']
-        lines += [f"[tanks.tank_{number}]", 'area = "100 cm^2"', 'height = "50 cm"']
-        lines += [f"[sensors.level_{number}]", f'tank = "tank_{number}"']
-        lines.append('range = ["0 cm", "50 cm"]')
-        if kind == "pumped" and number < length:
-            lines += [f"[pumps.pump_{number}]", *ends, *pump]
-            continue
-        joined = kind == "joined" and number < length
-        area = ['area = "4 cm^2"', "submerged = true"] if joined else ['area = "0.4 cm^2"']
-        lines += [f"[orifices.out_{number}]", *ends, *area]
-    lines += ["[pumps.feed]", 'source = "basin"', 'destination = "tank_1"', *pump]
-    return "\n".join(lines) + "\n"
-
-
-CHAINS = {
-    f"{length} {kind}": chain(length, kind)
-    for length in (8, 10, 20)
-    for kind in ("falling", "joined", "pumped")
-}
-FILES = {name: Path(__file__).with_name(f"{name}.toml") for name in ("many-shapes", "valves")}
-
-
-def loaded(name, folder):
-    """The process of a name: of the catalogue, a file beside this one, or text above."""
-    if name in FILES:
-        return load_process(FILES[name])
-    text = {**PLANTS, **CHAINS}.get(name)
-    if text is None:
-        return load_process(name)
-    (folder / "plant.toml").write_text(text, encoding="utf-8")
-    return load_process(folder / "plant.toml")
 
 
 #: One of each: what is known from the paper, splitters in a row, a chain, every kind of vessel.
@@ -131,7 +37,7 @@ def drawn(request, tmp_path_factory):
     """A process with its routes and its drawing."""
     process = loaded(request.param, tmp_path_factory.mktemp("plant"))
     labels = {element.name: (element.name, "12.34 cm") for element in process.elements}
-    routes = route(flow_graph(process), labels, frozenset(process.controlled))
+    routes = route(flow_graph(process), labels)
     return process, routes, process_drawing(process, find_equilibrium(process))
 
 
@@ -172,13 +78,15 @@ def touched(routes, pipe, point):
 
 
 def check_geometry(routes):
-    """See that no pipe runs through or along anything, and that no two parts overlap."""
+    """See that no line runs through or along anything, and that no two parts overlap."""
     bodies = routes.placement.bodies.values()
     for pipe in routes.pipes:
         for (x1, y1), (x2, y2) in segments(pipe.points):
             assert (x1 == x2) != (y1 == y2), pipe
         sideways, upright = covered(pipe)
-        ends = {touched(routes, pipe, pipe.points[0]), touched(routes, pipe, pipe.points[-1])}
+        ends = {pipe.source, pipe.end}
+        if pipe.kind == "pipe":
+            ends = {touched(routes, pipe, pipe.points[0]), touched(routes, pipe, pipe.points[-1])}
         for body in bodies:
             if body.name in ends or body.symbol == "stub" or pipe.line == body.name:
                 continue
@@ -202,7 +110,7 @@ def check_geometry(routes):
 def joints(routes):
     """The pairs of names that pipes join."""
     found = set()
-    for pipe in routes.pipes:
+    for pipe in (pipe for pipe in routes.pipes if pipe.kind == "pipe"):
         names = [touched(routes, pipe, point) for point in (pipe.points[0], pipe.points[-1])]
         names = [name or pipe.line for name in names]
         found |= {frozenset(names)} if len(set(names)) == 2 else set()
@@ -257,7 +165,7 @@ def test_the_drawing_is_well_formed_and_names_every_element(drawn):
 @pytest.mark.parametrize("seed", range(20))
 def test_any_plant_finds_a_drawing(seed):
     graph = random_graph(Random(seed))
-    routes = route(graph, {}, frozenset(i.name for i in graph.instruments[::2]))
+    routes = route(graph, {}, random_functions(Random(seed), graph))
     check_geometry(routes)
     named = {
         frozenset((link.name, end))
@@ -303,8 +211,26 @@ def random_graph(random):
     meters = [random.choice([*tanks, *(link.name for link in links)]) for _ in range(4)]
     return FlowGraph(
         tuple(tanks), tuple(basins), tuple(links), tuple(junctions),
-        tuple(Instrument(f"meter_{n}", "L", seat, 101 + n) for n, seat in enumerate(meters)),
+        tuple(Instrument(f"meter_{n}", "L", seat, str(101 + n)) for n, seat in enumerate(meters)),
     )  # fmt: skip
+
+
+def random_functions(random, graph):
+    """Controllers of some meters that move some pumps, valves and flows."""
+    actuators = [link.name for link in graph.links if link.symbol in ("pump", "valve", "flow")]
+    meters = [instrument.name for instrument in graph.instruments]
+    random.shuffle(actuators)
+    kind = random.choice(["loops", "several", "sum"])
+    if kind == "several":
+        return [ControlFunction("law", "", "", tuple(meters), tuple(actuators[:3]))]
+    loops = []
+    for meter, actuator in zip(meters, actuators[:2], strict=False):
+        gives = (actuator,) if kind == "loops" else ()
+        loops.append(ControlFunction(f"loop {meter}", "", meter, (meter,), gives, f"{meter}.sp"))
+        if kind == "sum":
+            reads = (f"loop {meter}", meters[-1])
+            loops.append(ControlFunction(f"sum {meter}", "Σ", "", reads, (actuator,)))
+    return loops
 
 
 @pytest.mark.parametrize(
@@ -323,7 +249,7 @@ def test_the_quadruple_tank_looks_like_the_picture_in_the_paper(name):
     assert bodies["pump_1"].x < tanks[0].x - TANK_HALF
     assert bodies["pump_2"].x > tanks[1].x + TANK_HALF
     # The diagonal pipes have to cross once, and nothing else does.
-    assert process_drawing(process, find_equilibrium(process)).count("a6.0 6.0 0 0") == 1
+    assert process_drawing(process, find_equilibrium(process)).count("a6 6 0 0 ") == 1
 
 
 def heights(path):
@@ -418,7 +344,13 @@ def test_a_plant_without_an_operating_point_is_drawn_without_values():
 
 def test_instruments_have_the_letters_of_what_they_measure():
     process = load_process(FILES["valves"])
-    titles = re.findall("<title>([A-Z]+)-[0-9]+: ([a-z_ ]*)", process_drawing(process, None))
+    controlled, moved = process.controlled, ("drop_valve", "fill_valve")
+    law = multiloop_pid_law(controlled, moved)
+    values = {p.name: float(p.part != "low_limit") for p in law.parameters}
+    state = {signal.name: 0.0 for signal in law.state}
+    by_hand = Controller("PI", "", "", law, values, state, controlled, controlled, moved)
+    drawing = process_drawing(process, None, by_hand)
+    titles = re.findall("<title>([A-Z]+)-[0-9]+: ([a-z_ ]*)", drawing)
     found = {(letters, words.split()[1 if "C" in letters else 0]) for letters, words in titles}
     assert found == {
         ("FT", "flow_main"), ("FIC", "flow_main"), ("FT", "flow_cross"), ("FT", "flow_out"),
@@ -489,9 +421,9 @@ def test_a_kind_of_ones_own_is_drawn_as_a_box_with_its_pipes(process):
     } <= joints(routes)
 
 
-def test_only_controlled_levels_have_a_controller(process):
+def test_without_a_controller_there_are_transmitters_alone(process):
     drawing = process_drawing(process, find_equilibrium(process))
-    assert drawing.count(">LIC<") == 2
+    assert drawing.count(">LIC<") == 0
     assert drawing.count(">LT<") == 4
 
 

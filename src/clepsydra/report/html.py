@@ -120,7 +120,9 @@ def report_text(result: StudyResult) -> str:
         standing_word=standing_word,
         first=first,
         recommended=None if advice is None else advice.simplest,
-        drawing=Markup(process_drawing(result.process, result.point)),
+        drawing=Markup(
+            process_drawing(result.process, result.point, first[0].controller if first else None)
+        ),
         controllers=[
             shown(controller_section(result, each, with_blocks=each in first[:1]))
             for each in result.ranking

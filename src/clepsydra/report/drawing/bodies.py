@@ -6,10 +6,12 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+from clepsydra.report.drawing.lettering import width
+
 #: Distance of two lines of the grid [px].
 PITCH = 16.0
-#: Width of a letter, wide fonts included: of a name in bold, and of other words [px].
-LETTER, SMALL_LETTER = 9.0, 7.5
+#: Size of letters: of a name in bold, of other words, and of quiet ones [px].
+NAME, WORDS, SMALL = 14.0, 13.0, 12.0
 #: Half of the width and the height of a tank, in lines of the grid.
 TANK_HALF, TANK_ROWS = 4, 7
 UP, DOWN, LEFT, RIGHT = (0, -1), (0, 1), (-1, 0), (1, 0)
@@ -28,7 +30,7 @@ class Pin:
     way : (dx, dy)
         Direction outward.
     role : str
-        "in", "out" or "both".
+        Of liquid "in", "out", "side" or "both"; "signal" or "tap", or "line" for either.
     cost : float
         How much longer another way may be before this pin is taken.
 
@@ -93,18 +95,38 @@ class Body:
 
     def free(self, role: str) -> list[Pin]:
         """Return the pins of a role that no pipe has taken."""
-        return [pin for pin in self.pins if not pin.used and pin.role in (role, "both")]
+        return [pin for pin in self._pins(role) if not pin.used]
+
+    def taken(self, role: str) -> list[Pin]:
+        """Return the pins of a role that a pipe has taken."""
+        return [pin for pin in self._pins(role) if pin.used]
+
+    def _pins(self, role: str) -> list[Pin]:
+        roles = (role, "line" if role in ("signal", "tap") else "both")
+        return [pin for pin in self.pins if pin.role in roles]
 
 
-def lines_of(words: Iterable[str], letter: float = SMALL_LETTER) -> int:
+def lines_of(words: Iterable[str], size: float = WORDS, bold: bool = False) -> int:
     """Return how many lines of the grid the longest of some words is wide.
 
     Examples
     --------
     >>> lines_of(["pump_1", "3.00 V"])
-    3
+    4
     """
-    return math.ceil(letter * max((len(word) for word in words), default=0) / PITCH)
+    return math.ceil(max((width(word, size, bold) for word in words), default=0.0) / PITCH)
+
+
+def _named(label: tuple[str, ...]) -> int:
+    """Return the width of a label whose first line is a name in bold."""
+    return max(lines_of(label[:1], NAME, bold=True), lines_of(label[1:]))
+
+
+def _lines(
+    x: int, y: int, *ways: tuple[Point, int], role: str = "line", cost: float = 0.0
+) -> list[Pin]:
+    """Return pins for signals and taps: each its direction and how many lines long."""
+    return [_pin(x, y, way, length, role, cost) for way, length in ways]
 
 
 def _pin(x: int, y: int, way: Point, length: int, role: str, cost: float = 0.0) -> Pin:
@@ -126,6 +148,7 @@ def tank_body(name: str, x: int, top: int) -> Body:
     ]
     for way, wall in ((LEFT, x - TANK_HALF), (RIGHT, x + TANK_HALF)):
         pins += [Pin([(wall + way[0], floor - 1 - up)], way, "side", 2.0 * up) for up in range(4)]
+        pins += [Pin([(wall + way[0], floor - up)], way, "tap") for up in range(1, TANK_ROWS)]
     pins += [
         Pin([(x + dx, floor + 1)], DOWN, "side", 3.0 + abs(abs(dx) - 3)) for dx in (-3, -2, 0, 2, 3)
     ]
@@ -140,13 +163,16 @@ def upright_body(name: str, symbol: str, y: int, label: tuple[str, ...], side: i
     --------
     >>> body = upright_body("pump_1", "pump", 20, ("pump_1", "3.00 V"), side=-1)
     >>> body.areas[1][0], [pin.way for pin in body.free("out")]
-    (-6, [(0, -1)])
+    (-7, [(0, -1)])
     """
     half = 3 if symbol == "box" else 1
-    words = lines_of(label, LETTER)
+    words = _named(label)
     near = half + 1
+    rows = (y - 1, y - 1 + max(2, len(label)))
     label_area = (
-        (near, y - 1, near + words, y + 1) if side > 0 else (-near - words, y - 1, -near, y + 1)
+        (near, rows[0], near + words, rows[1])
+        if side > 0
+        else (-near - words, rows[0], -near, rows[1])
     )
     pins = [
         _pin(0, y, UP, 2, "out"),
@@ -155,6 +181,12 @@ def upright_body(name: str, symbol: str, y: int, label: tuple[str, ...], side: i
     ]
     if symbol == "box":
         pins = [Pin(pin.lead, pin.way, "both") for pin in pins]
+    # Signals come to the side without words; where liquid comes in there, above or below it.
+    free = (-side, 0)
+    pins += _lines(0, y, (free, half + (2 if symbol == "valve" else 1)), role="signal")
+    for dy in (-1, 1):
+        role = "line" if symbol == "pump" else "tap"
+        pins += _lines(0, y + dy, (free, half + 1), role=role, cost=5.0)
     return Body(name, symbol, 0, y, [(-half, y - 1, half, y + 1), label_area], pins, side)
 
 
@@ -166,9 +198,12 @@ def level_body(name: str, symbol: str, y: int, label: tuple[str, ...]) -> Body:
     >>> level_body("join", "orifice", 10, ("join",)).across
     True
     """
-    half = max(1, math.ceil(lines_of(label) / 2))
-    areas = [(-1, y - 2 if symbol == "valve" else y, 1, y), (-half, y + 1, half, y + len(label))]
+    half = max(1, math.ceil(lines_of(label, SMALL) / 2))
+    above = 2 if symbol == "valve" else 1 if symbol == "pump" else 0
+    areas = [(-1, y - above, 1, y), (-half, y + 1, half, y + len(label) + 1)]
     pins = [_pin(0, y, LEFT, 2, "both"), _pin(0, y, RIGHT, 2, "both")]
+    pins += _lines(0, y, (UP, above + 1), role="signal")
+    pins += [pin for dx in (-1, 1) for pin in _lines(dx, y, (UP, above + 1), role="tap")]
     return Body(name, symbol, 0, y, areas, pins, 0, across=True)
 
 
@@ -185,7 +220,7 @@ def falling_body(
     tall = symbol in ("valve", "box", "pump")
     y = floor + (2 if tall else 1)
     half = {"box": 2, "valve": 1, "pump": 1}.get(symbol, 0)
-    words = lines_of(label)
+    words = _named(label)
     rows = (y - 1, y + max(0, len(label) - 2)) if tall else (y, y + len(label) - 1)
     left, right = (half + 1, half + 1 + words) if side > 0 else (-half - 1 - words, -half - 1)
     actuator = 2 if symbol == "valve" else half
@@ -195,18 +230,20 @@ def falling_body(
         (x + left, rows[0], x + right, rows[1]),
     ]  # fmt: skip
     pins = [] if ends else [_pin(x, y, DOWN, 2 if tall else 1, "out")]
+    pins += _lines(x, y, ((-side, 0), actuator + 1), role="signal")
+    pins += _lines(x, y + (1 if tall or ends else 0), ((-side, 0), actuator + 1), role="tap")
     return Body(name, symbol, x, y, areas, pins, side)
 
 
-def splitter_body(name: str, x: int, y: int, ports: int, side: int) -> Body:
+def splitter_body(name: str, words: str, x: int, y: int, ports: int, side: int) -> Body:
     """Return a splitter: four ports, or a header with as many as needed.
 
     Examples
     --------
-    >>> len(splitter_body("splitter_1", 0, 5, 3, 1).pins), len(splitter_body("s", 0, 5, 7, 1).pins)
-    (4, 18)
+    >>> [len(splitter_body("s", "s", 0, 5, ports, 1).pins) for ports in (3, 7)]
+    [4, 18]
     """
-    label = (x + 1, y + 1, x + 2 + lines_of([name[:24]]), y + 1)
+    label = (x + 1, y + 1, x + 2 + lines_of([words], SMALL), y + 1)
     if side < 0:
         label = (2 * x - label[2], y + 1, 2 * x - label[0], y + 1)
     if ports <= 4:
@@ -230,7 +267,7 @@ def delay_body(name: str, y: int, way_out: int, words: tuple[str, ...], feeds: i
     >>> [pin.end for pin in delay_body("channel", 5, 1, ("channel",), feeds=1).free("out")]
     [(4, 5)]
     """
-    half = max(3, math.ceil(lines_of(words) / 2), math.ceil(feeds / 2))
+    half = max(3, math.ceil(lines_of(words, SMALL) / 2), math.ceil(feeds / 2))
     pins = [
         _pin(0, y, (way_out, 0), half + 1, "out"),
         _pin(0, y, (-way_out, 0), half + 1, "in"),
@@ -240,14 +277,65 @@ def delay_body(name: str, y: int, way_out: int, words: tuple[str, ...], feeds: i
     return Body(name, "delay", 0, y, areas, pins, 0, across=True)
 
 
-def instrument_body(name: str, y: int, reading: str, controlled: bool) -> Body:
-    """Return a balloon with its words below, and its controller above.
+def stub_body(name: str, x: int, y: int, label: tuple[str, ...], side: int, rim: int) -> Body:
+    """Return an arrow from outside into a tank, from its words down to the rim.
 
     Examples
     --------
-    >>> instrument_body("level_1", 10, "6.20 V", controlled=True).areas
-    [(-3, 4, 3, 13)]
+    >>> stub_body("rain", 0, 5, ("rain", "2 l/s"), 1, 8).areas
+    [(0, 3, 2, 4), (0, 5, 0, 8)]
     """
-    setpoint = f"SP {reading}" if controlled else ""
-    half = max(3, math.ceil(lines_of([name[:14], reading, setpoint]) / 2))
-    return Body(name, "instrument", 0, y, [(-half, y - (6 if controlled else 1), half, y + 3)])
+    words = math.ceil(lines_of(label, SMALL) / 2)
+    # Words stand above the arrow, a little away from the pipes of pumps.
+    middle = x + side
+    areas = [(middle - words, y - 2, middle + words, y - 1), (x, y, x, rim)]
+    pins = [pin for dy in (0, 1) for pin in _lines(x, y + dy, (LEFT, 1), (RIGHT, 1), cost=dy)]
+    return Body(name, "stub", x, y, areas, pins, side)
+
+
+def instrument_body(name: str, y: int, label: tuple[str, ...]) -> Body:
+    """Return the balloon of a transmitter with its words below.
+
+    Examples
+    --------
+    >>> instrument_body("level_1", 10, ("level_1", "6.20 V")).areas
+    [(-2, 9, 2, 13)]
+    """
+    half = max(2, math.ceil(lines_of(label, SMALL) / 2))
+    pins = _lines(0, y, (UP, 2))
+    for dy in (0, -1):
+        pins += _lines(0, y + dy, (LEFT, half + 1), (RIGHT, half + 1), cost=1.0 - 4.0 * dy)
+    return Body(name, "instrument", 0, y, [(-half, y - 1, half, y + 1 + len(label))], pins)
+
+
+def controller_body(name: str, y: int, label: str, ports: int) -> Body:
+    """Return a controller, as wide as its signals need, with its setpoint above where it has one.
+
+    Examples
+    --------
+    >>> len(controller_body("loop", 10, "SP 6.20 V", 2).pins), controller_body("u", 1, "", 6).areas
+    (7, [(-2, 0, 2, 2)])
+    """
+    half, above = 2 + max(0, ports - 8) // 4, 3 if label else 1
+    words = max(half, math.ceil(lines_of([label], SMALL) / 2))
+    spread = range(1 - half, half) if ports > 4 else range(1)
+    pins = [pin for dx in spread for pin in _lines(dx, y, (DOWN, 2))]
+    if not label:
+        pins += [pin for dx in spread for pin in _lines(dx, y, (UP, 2))]
+    for dy in (-1, 0, 1):
+        pins += _lines(0, y + dy, (LEFT, half + 1), (RIGHT, half + 1), cost=abs(dy) + 1.0)
+    areas = [(-half, y - 1, half, y + 1)]
+    areas += [(-words, y - above, words, y - 2)] if label else []
+    return Body(name, "controller", 0, y, areas, pins)
+
+
+def relay_body(name: str, y: int) -> Body:
+    """Return a relay that computes something between controllers and actuators.
+
+    Examples
+    --------
+    >>> len(relay_body("sum", 10).pins)
+    4
+    """
+    pins = _lines(0, y, (UP, 2), (DOWN, 2), (LEFT, 2), (RIGHT, 2))
+    return Body(name, "relay", 0, y, [(-1, y - 1, 1, y + 1)], pins)

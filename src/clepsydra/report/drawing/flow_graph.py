@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from clepsydra.process.element import Element
 from clepsydra.process.process import Process
 
+#: The tag of an instrument: what it measures, what it does, its loop.
+_TAG = re.compile(r"([A-Z])[A-Z]*_?(\d\w*)")
 #: Symbols of elements through which liquid falls or presses by its own weight.
 _BY_WEIGHT = ("orifice", "valve")
 
@@ -65,14 +69,14 @@ class Instrument:
 
     Examples
     --------
-    >>> Instrument("level_1", "L", "tank_1", 101).letter
+    >>> Instrument("level_1", "L", "tank_1", "101").letter
     'L'
     """
 
     name: str
     letter: str
     seat: str
-    number: int
+    number: str
 
 
 @dataclass(frozen=True)
@@ -87,6 +91,8 @@ class FlowGraph:
     instruments : tuple of Instrument
     loose : tuple of str
         Elements that nothing flows through.
+    owners : dict
+        Measurement or manipulated variable to the element that has it.
 
     Examples
     --------
@@ -101,10 +107,24 @@ class FlowGraph:
     junctions: tuple[Junction, ...]
     instruments: tuple[Instrument, ...]
     loose: tuple[str, ...] = ()
+    owners: Mapping[str, str] = field(default_factory=dict)
 
     def junction(self, name: str) -> Junction | None:
         """Return the junction of a name, if there is one."""
         return next((entry for entry in self.junctions if entry.name == name), None)
+
+    def owner(self, signal: str) -> str:
+        """Return the element that a signal belongs to; what is no signal has its own name."""
+        return self.owners.get(signal, signal)
+
+    def feeding(self, junction: Junction) -> list[Link]:
+        """Return the links that lead into a junction."""
+        return [link for link in self.links if junction.name in link.targets]
+
+    def feeds(self, junction: Junction) -> int:
+        """Return how many pipes lead into a junction."""
+        branches = [name for other in self.junctions for _, name in other.branches]
+        return len(self.feeding(junction)) + branches.count(junction.name)
 
     def leaves(self, name: str) -> list[str]:
         """Return the tanks and reservoirs that liquid reaches from here, junctions passed over."""
@@ -193,20 +213,27 @@ def flow_graph(process: Process) -> FlowGraph:
             junctions.append(_junction(element))
         elif element.measurements():
             seat = next((c.name for c in element.connections()), "")
-            number = 101 + len(instruments)
+            number = str(101 + len(instruments))
             shown = process.measured_state.get(element.name, "")
             dissolved = {component.name for component in process.components}
             concentration = shown.rpartition(".")[2] in dissolved
             concentration = concentration or getattr(element, "measured", "") in dissolved
             letter = ("A" if concentration else "L") if seat in held else "F" if seat else "X"
+            tag = _TAG.fullmatch(process.tags.get(element.measurements()[0].name, ""))
+            letter, number = tag.groups() if tag else (letter, number)
             instruments.append(Instrument(element.name, letter, seat, number))
         elif flowing or element.symbol in ("flow", "pump"):
             links.append(_link(element, held))
         else:
             loose.append(element.name)
+    owners = {
+        signal.name: element.name
+        for element in process.elements
+        for signal in (*element.measurements(), *element.inputs(), *element.disturbances())
+    }
     return FlowGraph(
         tuple(vessels), tuple(reservoirs), tuple(links), tuple(junctions), tuple(instruments),
-        tuple(loose),
+        tuple(loose), owners,
     )  # fmt: skip
 
 

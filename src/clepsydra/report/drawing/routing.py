@@ -1,22 +1,29 @@
-"""The pipes of the process drawing: each finds its way between what stands there."""
+"""Pipes and signals of the process drawing: each finds its way between what stands there."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from typing import Literal
 
 from clepsydra.report.drawing.bodies import UP, Body, Pin, Point
+from clepsydra.report.drawing.control_functions import ControlFunction
 from clepsydra.report.drawing.flow_graph import FlowGraph
+from clepsydra.report.drawing.frame import Labels
 from clepsydra.report.drawing.grid_router import GridRouter, straightened
-from clepsydra.report.drawing.placement import Labels, Placement, place
+from clepsydra.report.drawing.placement import Placement, place
 
 #: With more room and in another order each time; the last one runs through what is in the way.
 _ATTEMPTS = 10
+#: In this order they are laid.
+_ORDER = ("pipe", "tap", "signal")
+
+Kind = Literal["pipe", "signal", "tap"]
 
 
 @dataclass(eq=False)
 class Pipe:
-    """A pipe as its corner points, from source to end.
+    """A pipe or a signal line as its corner points, from source to end.
 
     Parameters
     ----------
@@ -28,6 +35,8 @@ class Pipe:
         In lines of the grid.
     arrow : bool
         It ends in an arrow.
+    kind : {"pipe", "signal", "tap"}
+        A tap joins a transmitter to what it measures.
 
     Examples
     --------
@@ -40,6 +49,7 @@ class Pipe:
     end: str
     points: list[Point]
     arrow: bool = False
+    kind: Kind = "pipe"
 
 
 @dataclass(eq=False)
@@ -66,7 +76,7 @@ class Routes:
     basin_uses: list[tuple[int, int, str]] = field(default_factory=list)
 
 
-def route(graph: FlowGraph, labels: Labels, controlled: frozenset[str] = frozenset()) -> Routes:
+def route(graph: FlowGraph, labels: Labels, functions: Sequence[ControlFunction] = ()) -> Routes:
     """Place all parts and find the way of every pipe, with more room where there is too little.
 
     Parameters
@@ -74,19 +84,19 @@ def route(graph: FlowGraph, labels: Labels, controlled: frozenset[str] = frozens
     graph : FlowGraph
     labels : dict
         Element to the lines written beside it.
-    controlled : frozenset of str
-        Sensors with a controller.
+    functions : sequence of ControlFunction
+        Of the controller.
 
     Examples
     --------
     >>> from clepsydra.process.reader import load_process
     >>> from clepsydra.report.drawing.flow_graph import flow_graph
     >>> len(route(flow_graph(load_process("quadruple-tank")), {}).pipes)
-    18
+    22
     """
     urgent: list[tuple[str, str]] = []
     for attempt in range(_ATTEMPTS + 1):
-        placement = place(graph, labels, controlled, slack=3 * (attempt // 2))
+        placement = place(graph, labels, functions, slack=3 * (attempt // 2))
         router = _Router(placement, through=attempt == _ATTEMPTS)
         stuck = router.lay_all(urgent)
         if stuck is None:
@@ -107,6 +117,7 @@ class _Way:
     start: tuple[Body, str] | str
     goal: tuple[Body, str] | str
     shelf: int
+    kind: Kind = "pipe"
 
 
 class _Router:
@@ -135,7 +146,13 @@ class _Router:
             ends = body.symbol == "stub" or (not self._link_targets(line) and len(points) == 2)
             self.routes.pipes.append(Pipe(line, line, line, points, arrow=ends))
         ways = self._ways()
-        ways.sort(key=lambda way: ((way.source, way.end) not in urgent, self._length(way)))
+        ways.sort(
+            key=lambda way: (
+                (way.source, way.end) not in urgent,
+                _ORDER.index(way.kind),
+                self._length(way),
+            )
+        )
         return next(((way.source, way.end) for way in ways if not self._lay(way)), None)
 
     def _link_targets(self, name: str) -> tuple[str, ...]:
@@ -184,7 +201,21 @@ class _Router:
             body = placement.bodies[junction.name]
             for _, target in junction.branches:
                 ways.append(self._toward(junction.name, junction.name, target, body, False))
+        for of, to in placement.signals:
+            ways.append(self._between("signal", of, to))
+        tapped: dict[str, str] = {}
+        for instrument in graph.instruments:
+            if instrument.seat in placement.bodies:
+                # Meters of one flow share its tap.
+                seat = tapped.get(instrument.seat, instrument.seat)
+                ways.append(self._between("tap", seat, instrument.name))
+                if instrument.seat not in graph.vessels:
+                    tapped[instrument.seat] = instrument.name
         return ways
+
+    def _between(self, kind: Kind, of: str, to: str) -> _Way:
+        one, other = (self.placement.bodies[name] for name in (of, to))
+        return _Way(of, of, to, (one, kind), (other, kind), self.placement.shelf_of(of), kind)
 
     def _toward(self, line: str, source: str, target: str, body: Body, submerged: bool) -> _Way:
         shelf = self.placement.shelf_of(source)
@@ -232,7 +263,9 @@ class _Router:
             and way.goal[0].symbol == "tank"
         )
         arrow = isinstance(way.goal, str) or vessel
-        self.routes.pipes.append(Pipe(way.line, way.source, way.end, points, arrow))
+        arrow = arrow or way.kind == "signal"
+        pipe = Pipe(way.line, way.source, way.end, points, arrow, way.kind)
+        self.routes.pipes.append(pipe)
         return True
 
     def _ends(
@@ -240,7 +273,8 @@ class _Router:
     ) -> list[tuple[tuple[Point, Point, float], Pin | None]]:
         if not isinstance(end, str):
             body, role = end
-            return [((pin.end, pin.way, pin.cost), pin) for pin in body.free(role)]
+            pins = body.free(role) or (body.taken(role) if self.through else [])
+            return [((pin.end, pin.way, pin.cost), pin) for pin in pins]
         row = self.placement.basin_rows[way.shelf]
         found: list[tuple[tuple[Point, Point, float], Pin | None]] = []
         for x in range(3, self.placement.width - 2):

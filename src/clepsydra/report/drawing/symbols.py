@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
-from clepsydra.report.colours import INK, MUTED
+from clepsydra.report.colours import INK
 from clepsydra.report.drawing.outline import Outline
+from clepsydra.report.drawing.style import PAPER, PIPE, STEEL, TINTS
 
-BALLOON = 19.0
-PUMP = 17.0
+BALLOON, PUMP, RELAY = 19.0, 17.0, 13.0
 
 _PORTS = {"up": (0, -1), "down": (0, 1), "left": (-1, 0), "right": (1, 0)}
 
@@ -31,7 +31,7 @@ def text(
     )
 
 
-def tank(x: float, y: float, outline: Outline, share: float | None, colour: str, title: str) -> str:
+def tank(x: float, y: float, outline: Outline, share: float | None, tint: str, title: str) -> str:
     """Return a vessel with its rim at y, filled to a share of its height.
 
     Parameters
@@ -41,13 +41,13 @@ def tank(x: float, y: float, outline: Outline, share: float | None, colour: str,
     outline : Outline
     share : float or None
         None where nothing is known of a level.
-    colour, title : str
+    tint, title : str
 
     Examples
     --------
     >>> from clepsydra.report.drawing.outline import Outline
     >>> shape = Outline((1.0, 1.0))
-    >>> "<title>level of tank_1</title>" in tank(0, 0, shape, 0.6, "#0072B2", "level of tank_1")
+    >>> "<title>level of tank_1</title>" in tank(0, 0, shape, 0.6, "#d3e2ee", "level of tank_1")
     True
     """
     water = ""
@@ -55,16 +55,15 @@ def tank(x: float, y: float, outline: Outline, share: float | None, colour: str,
         filled = outline.polygon(x, y, min(max(share, 0.0), 1.0))
         (left, surface), (right, _) = filled[0], filled[-1]
         water = (
-            f'<path class="water" d="{_closed(filled)}" fill="{colour}" fill-opacity="0.22"/>'
-            f'<path d="M{left:.1f} {surface:.1f}H{right:.1f}" stroke="{colour}"'
-            ' stroke-width="2.5"/>'
+            f'<path class="water" d="{_closed(filled)}" fill="{tint}"/>'
+            f'<path d="M{left:.1f} {surface:.1f}H{right:.1f}" stroke="{PIPE}" stroke-width="1.5"/>'
         )
     wall = outline.polygon(x, y)
     path = _closed(wall) if share is None or not outline.open_above else _closed(wall)[:-1]
     return (
-        f"<g><title>{escape(title)}</title>"
-        f'<path d="{_closed(wall)}" fill="#fff"/>{water}'
-        f'<path d="{path}" fill="none" stroke="{INK}" stroke-width="2.2"'
+        f'<g class="vessel"><title>{escape(title)}</title>'
+        f'<path d="{_closed(wall)}" fill="{PAPER}"/>{water}'
+        f'<path d="{path}" fill="none" stroke="{INK}" stroke-width="2"'
         f' stroke-linejoin="round"/></g>'
     )
 
@@ -88,13 +87,13 @@ def weir(x: float, y: float, side: int, title: str) -> str:
     )
 
 
-def pump(x: float, y: float, way: tuple[int, int], colour: str, title: str) -> str:
-    """Return a pump that delivers along (dx, dy): a circle with a triangle.
+def pump(x: float, y: float, way: tuple[int, int], stopped: bool, title: str) -> str:
+    """Return a pump that delivers along (dx, dy): a circle with a triangle, hollow if stopped.
 
     Examples
     --------
-    >>> pump(0, 0, (0, -1), "#E69F00", "pump_1").count("<circle")
-    1
+    >>> [pump(0, 0, (0, -1), stopped, "pump_1").count("#6e7781") for stopped in (False, True)]
+    [1, 0]
     """
     (dx, dy), half = way, 0.866 * PUMP
     corners = [
@@ -104,18 +103,21 @@ def pump(x: float, y: float, way: tuple[int, int], colour: str, title: str) -> s
     ]
     return (
         f"<g><title>{escape(title)}</title>"
-        f'<circle cx="{x:g}" cy="{y:g}" r="{PUMP:g}" fill="#fff" stroke="{INK}"'
-        f' stroke-width="1.8"/><path d="{_closed(corners)}" fill="{colour}" stroke="{INK}"'
+        f'<circle cx="{x:g}" cy="{y:g}" r="{PUMP:g}" fill="{PAPER if stopped else STEEL}"'
+        f' stroke="{INK}" stroke-width="1.6"/><path d="{_closed(corners)}"'
+        f' fill="{PAPER if stopped else PIPE}" stroke="{INK}"'
         f' stroke-width="1.2" stroke-linejoin="round"/></g>'
     )
 
 
-def valve(x: float, y: float, across: bool, side: int, colour: str, title: str) -> str:
-    """Return a control valve: two triangles and an actuator at `side`, or above if `across`.
+def valve(x: float, y: float, across: bool, side: int, shut: bool, title: str) -> str:
+    """Return a control valve: two triangles, hollow if shut, and an actuator at `side`.
+
+    Of a valve through which liquid runs sideways, `across`, the actuator is above.
 
     Examples
     --------
-    >>> valve(0, 0, False, -1, "#E69F00", "valve valve_1").count("Z")
+    >>> valve(0, 0, False, -1, False, "valve valve_1").count("Z")
     2
     """
     if across:
@@ -129,23 +131,23 @@ def valve(x: float, y: float, across: bool, side: int, colour: str, title: str) 
     return (
         f"<g><title>{escape(title)}</title>"
         f'<path d="{stem}" stroke="{INK}" stroke-width="1.5"/>'
-        f'<path d="{dome}" fill="#fff" stroke="{INK}" stroke-width="1.5"/>'
-        f'<path d="{body}" fill="{colour}" stroke="{INK}" stroke-width="1.3"'
+        f'<path d="{dome}" fill="{PAPER}" stroke="{INK}" stroke-width="1.5"/>'
+        f'<path d="{body}" fill="{PAPER if shut else PIPE}" stroke="{INK}" stroke-width="1.3"'
         f' stroke-linejoin="round"/></g>'
     )
 
 
-def flow(x: float, y: float, colour: str, title: str) -> str:
+def flow(x: float, y: float, title: str) -> str:
     """Return a flow that is given from outside: an arrow upward.
 
     Examples
     --------
-    >>> flow(0, 0, "#E69F00", "forced flow rain").count("Z")
+    >>> flow(0, 0, "forced flow rain").count("Z")
     1
     """
     return (
         f"<g><title>{escape(title)}</title>"
-        f'<path d="M{x - 8:g} {y + 6:g}h16l-8 -15Z" fill="{colour}" stroke="{INK}"/></g>'
+        f'<path d="M{x - 8:g} {y + 6:g}h16l-8 -15Z" fill="{PIPE}" stroke="{INK}"/></g>'
     )
 
 
@@ -160,8 +162,8 @@ def box(x: float, y: float, half_width: float, half_height: float, words: str, t
     return (
         f"<g><title>{escape(title)}</title>"
         f'<rect x="{x - half_width:g}" y="{y - half_height:g}" width="{2 * half_width:g}"'
-        f' height="{2 * half_height:g}" rx="3" fill="#fff" stroke="{INK}" stroke-width="1.5"/>'
-        f"{text(x, y + 4, words, style='small')}</g>"
+        f' height="{2 * half_height:g}" rx="3" fill="{PAPER}" stroke="{INK}" stroke-width="1.5"/>'
+        f"{text(x, y + 4, words, style='small inside')}</g>"
     )
 
 
@@ -176,11 +178,10 @@ def channel(x: float, y: float, half_width: float, words: str, title: str) -> st
     left, right = x - half_width, x + half_width
     return (
         f"<g><title>{escape(title)}</title>"
-        f'<rect x="{left:g}" y="{y - 11:g}" width="{2 * half_width:g}" height="22" fill="#fff"/>'
-        f'<rect x="{left:g}" y="{y - 11:g}" width="{2 * half_width:g}" height="22" fill="{MUTED}"'
-        f' fill-opacity="0.13"/>'
+        f'<rect x="{left:g}" y="{y - 11:g}" width="{2 * half_width:g}" height="22" fill="{PAPER}"/>'
+        f'<rect x="{left:g}" y="{y - 11:g}" width="{2 * half_width:g}" height="22" fill="{STEEL}"/>'
         f'<path d="M{left:g} {y - 11:g}H{right:g}M{left:g} {y + 11:g}H{right:g}" stroke="{INK}"'
-        f' stroke-width="1.8"/>{text(x, y + 4, words, style="small")}</g>'
+        f' stroke-width="1.8"/>{text(x, y + 4, words, style="small inside")}</g>'
     )
 
 
@@ -202,7 +203,7 @@ def splitter(x: float, y: float, ports: set[str], title: str) -> str:
         (x1, y1), (x2, y2) = corners
         paths.append(f"M{x:g} {y:g}L{x1:g} {y1:g}L{x2:g} {y2:g}Z")
     return (
-        f'<g><title>{escape(title)}</title><path d="{"".join(paths)}" fill="#fff"'
+        f'<g><title>{escape(title)}</title><path d="{"".join(paths)}" fill="{PAPER}"'
         f' stroke="{INK}" stroke-width="1.5" stroke-linejoin="round"/></g>'
     )
 
@@ -217,7 +218,7 @@ def header(x: float, y: float, half_width: float, title: str) -> str:
     """
     return (
         f'<g><title>{escape(title)}</title><rect x="{x - half_width:g}" y="{y - 5:g}"'
-        f' width="{2 * half_width:g}" height="10" rx="5" fill="#fff" stroke="{INK}"'
+        f' width="{2 * half_width:g}" height="10" rx="5" fill="{PAPER}" stroke="{INK}"'
         f' stroke-width="1.5"/></g>'
     )
 
@@ -239,33 +240,60 @@ def orifice(x: float, y: float, across: bool, title: str) -> str:
     )
 
 
-def balloon(x: float, y: float, letters: str, number: int, in_panel: bool, title: str) -> str:
-    """Return an instrument: a circle with its letters and loop number.
-
-    The line across the middle says that it stands where the operator is, not in the field.
+def balloon(x: float, y: float, letters: str, number: str, title: str) -> str:
+    """Return an instrument in the field: a circle with its letters and loop number.
 
     Examples
     --------
-    >>> ">LIC</text>" in balloon(0, 0, "LIC", 101, in_panel=True, title="controls level_1")
+    >>> ">LT</text>" in balloon(0, 0, "LT", "101", "level_1")
     True
     """
-    bar = (
-        f'<line x1="{x - BALLOON:g}" y1="{y:g}" x2="{x + BALLOON:g}" y2="{y:g}" stroke="{INK}"'
-        f' stroke-width="1.1"/>'
-        if in_panel
-        else ""
-    )
-    gap = 1.5 if in_panel else 0.0
     return (
         f"<g><title>{escape(title)}</title>"
-        f'<circle cx="{x:g}" cy="{y:g}" r="{BALLOON:g}" fill="#fff" stroke="{INK}"'
-        f' stroke-width="1.4"/>{bar}'
-        f"{text(x, y - 3.0 - gap, letters, style='tag')}"
-        f"{text(x, y + 11.0 + gap, str(number), style='tag')}</g>"
+        f'<circle cx="{x:g}" cy="{y:g}" r="{BALLOON:g}" fill="{PAPER}" stroke="{INK}"'
+        f' stroke-width="1.4"/>'
+        f"{text(x, y - 3, letters, style='tag')}{text(x, y + 11, number, style='tag')}</g>"
     )
 
 
-def basin(left: float, right: float, y: float, name: str) -> str:
+def controller(x: float, y: float, half_width: float, words: Sequence[str], title: str) -> str:
+    """Return a function of a control system with shared display: a circle in a box.
+
+    The line across says that an operator has access to it.
+
+    Examples
+    --------
+    >>> ">LIC</text>" in controller(0, 0, BALLOON, ("LIC", "101"), "controls level_1")
+    True
+    """
+    letters, number = words
+    return (
+        f"<g><title>{escape(title)}</title>"
+        f'<rect x="{x - half_width:g}" y="{y - BALLOON:g}" width="{2 * half_width:g}"'
+        f' height="{2 * BALLOON:g}" fill="{PAPER}" stroke="{INK}" stroke-width="1.4"/>'
+        f'<circle cx="{x:g}" cy="{y:g}" r="{BALLOON:g}" fill="none" stroke="{INK}"'
+        f' stroke-width="1.1"/><path d="M{x - half_width:g} {y:g}H{x + half_width:g}"'
+        f' stroke="{INK}" stroke-width="1.1"/>'
+        f"{text(x, y - 4.5, letters, style='tag')}{text(x, y + 12.5, number, style='tag')}</g>"
+    )
+
+
+def relay(x: float, y: float, sign: str, title: str) -> str:
+    """Return what computes one signal from others: a small circle with a sign in it.
+
+    Examples
+    --------
+    >>> ">Σ</text>" in relay(0, 0, "Σ", "feedforward")
+    True
+    """
+    return (
+        f'<g><title>{escape(title)}</title><circle cx="{x:g}" cy="{y:g}" r="{RELAY:g}"'
+        f' fill="{PAPER}" stroke="{INK}" stroke-width="1.4"/>'
+        f"{text(x, y + 5, sign, style='tag')}</g>"
+    )
+
+
+def basin(left: float, right: float, y: float, name: str, tint: str = TINTS[0]) -> str:
     """Return a reservoir with its surface at y.
 
     Examples
@@ -274,11 +302,10 @@ def basin(left: float, right: float, y: float, name: str) -> str:
     True
     """
     return (
-        f"<g><title>{escape(f'reservoir {name}')}</title>"
-        f'<rect x="{left:.1f}" y="{y:g}" width="{right - left:.1f}" height="40" fill="{MUTED}"'
-        f' fill-opacity="0.13"/>'
-        f'<path d="M{left:.1f} {y:g}H{right:.1f}" stroke="{MUTED}" stroke-width="2"/>'
+        f'<g class="basin"><title>{escape(f"reservoir {name}")}</title>'
+        f'<rect x="{left:.1f}" y="{y:g}" width="{right - left:.1f}" height="40" fill="{tint}"/>'
+        f'<path d="M{left:.1f} {y:g}H{right:.1f}" stroke="{PIPE}" stroke-width="1.5"/>'
         f'<path d="M{left:.1f} {y - 12:g}V{y + 40:g}H{right:.1f}V{y - 12:g}" fill="none"'
-        f' stroke="{INK}" stroke-width="2.2" stroke-linejoin="round"/>'
-        f"{text((left + right) / 2, y + 33, name)}</g>"
+        f' stroke="{INK}" stroke-width="2" stroke-linejoin="round"/>'
+        f"{text((left + right) / 2, y + 26, name, style='inside')}</g>"
     )

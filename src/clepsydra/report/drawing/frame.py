@@ -1,0 +1,191 @@
+"""The frame of the process drawing: shelves, columns and rows, with tanks and what hangs below."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from clepsydra.report.drawing.bodies import (
+    TANK_HALF,
+    TANK_ROWS,
+    Body,
+    Point,
+    falling_body,
+    splitter_body,
+    tank_body,
+)
+from clepsydra.report.drawing.flow_graph import FlowGraph, Junction, Link
+from clepsydra.report.drawing.stacking import stack
+
+Labels = Mapping[str, tuple[str, ...]]
+#: A shelf, and the gap between two columns of tanks by the number of the column to its right.
+Gap = tuple[int, int]
+
+
+class Frame:
+    """Where tanks stand, and what is joined to their floors.
+
+    Parameters
+    ----------
+    graph : FlowGraph
+    labels : mapping
+        Element to the lines written beside it.
+    slack : int
+        More rows for pipes.
+
+    Attributes
+    ----------
+    below : dict
+        Tank to the links below its floor, at most two.
+    hanging : dict
+        Tank to their bodies, in columns from its middle, and those of splitters under them.
+    tops : dict
+        Shelf and row to the line of the rims.
+    pump_rows, basin_rows : list of int
+        Of each shelf, the lines of its pumps and of the surface of its reservoirs.
+
+    Examples
+    --------
+    >>> fall = Link("outlet", "orifice", ("tank",), ("basin",), by_weight=True)
+    >>> frame = Frame(FlowGraph(("tank",), ("basin",), (fall,), (), ()), {}, 0)
+    >>> frame.tops, [body.name for body in frame.hanging["tank"]]
+    ({(0, 0): 10}, ['outlet'])
+    """
+
+    def __init__(self, graph: FlowGraph, labels: Labels, slack: int) -> None:
+        self.graph, self.labels = graph, labels
+        self.seats = stack(graph)
+        self.columns = {
+            shelf: 1 + max(seat.column for seat in self.seats.values() if seat.shelf == shelf)
+            for shelf in {seat.shelf for seat in self.seats.values()}
+        }
+        self.below: dict[str, list[Link]] = {}
+        for link in graph.links:
+            ends = not link.targets and link.symbol == "flow"
+            if len(link.sources) == 1 and link.sources[0] in self.seats and not link.submerged:
+                own = self.below.setdefault(link.sources[0], [])
+                if (link.by_weight or ends) and len(own) < 2:
+                    own.append(link)
+        self.tanks: dict[str, Body] = {}
+        self.hanging: dict[str, list[Body]] = {}
+        self.tops: dict[tuple[int, int], int] = {}
+        self.pump_rows: list[int] = []
+        self.basin_rows: list[int] = []
+        self.height = self._rows(slack)
+
+    def label(self, name: str) -> tuple[str, ...]:
+        """Return the lines written beside an element."""
+        return self.labels.get(name, (name,))
+
+    def top(self, tank: str) -> int:
+        """Return the line of the rim of a tank."""
+        return self.tops[self.seats[tank].shelf, self.seats[tank].row]
+
+    def inner(self, tank: str) -> int:
+        """Return the side of a tank on which its instruments stand."""
+        seat = self.seats[tank]
+        return 1 if seat.column <= (self.columns[seat.shelf] - 1) / 2 else -1
+
+    def beside(self, tank: str, side: int) -> Gap:
+        """Return the gap at a side of a tank."""
+        seat = self.seats[tank]
+        return (seat.shelf, seat.column + (1 if side > 0 else 0))
+
+    def low(self, tank: str) -> bool:
+        """Tell whether pipes meet the walls of a tank near its floor."""
+        return any(
+            tank in (*link.sources, *(link.targets if link.submerged else ()))
+            for link in self.graph.links
+            if link.submerged or link not in self.below.get(tank, ())
+        )
+
+    def lowest(self, names: list[str]) -> str | None:
+        """Return that of some tanks that stands lowest."""
+        tanks = [name for name in names if name in self.seats]
+        return max(
+            tanks, key=lambda tank: (self.seats[tank].shelf, self.seats[tank].row), default=None
+        )
+
+    def falls_into(self, junction: Junction) -> Link | None:
+        """Return the first link below a tank that feeds a splitter."""
+        if junction.symbol != "splitter" or self.ports(junction) > 4:
+            return None
+        hanging = [link for links in self.below.values() for link in links]
+        return next((link for link in hanging if junction.name in link.targets), None)
+
+    def ports(self, junction: Junction) -> int:
+        """Return how many pipes meet at a junction."""
+        return self.graph.feeds(junction) + len(junction.branches)
+
+    def splitter(self, junction: Junction, x: int, y: int, side: int) -> Body:
+        """Return the body of a splitter."""
+        words = self.label(junction.name)[0]
+        return splitter_body(junction.name, words, x, y, self.ports(junction), side)
+
+    def _rows(self, slack: int) -> int:
+        y = 1
+        for shelf in sorted(self.columns):
+            own = [tank for tank, seat in self.seats.items() if seat.shelf == shelf]
+            for row in range(1 + max(self.seats[tank].row for tank in own)):
+                tanks = [tank for tank in own if self.seats[tank].row == row]
+                y += 9 + slack
+                self.tops[shelf, row] = y
+                for tank in tanks:
+                    self.tanks[tank] = tank_body(tank, 0, y)
+                    self._hang(tank, y + TANK_ROWS)
+                links = [link for tank in tanks for link in self.below.get(tank, ())]
+                y += TANK_ROWS + 4 + slack
+                if any(
+                    link.symbol != "orifice" or len(self.label(link.name)) > 1 for link in links
+                ):
+                    y += 3
+                if any(self.graph.junction(t) for link in links for t in link.targets):
+                    y += 5
+            metered = any(i.seat not in self.seats for i in self.graph.instruments)
+            self.pump_rows.append(y + 3)
+            y += 6 + (2 if metered else 0)
+            self.basin_rows.append(y)
+            y += 5
+        return y
+
+    def _hang(self, tank: str, floor: int) -> None:
+        """Build what stands below a tank, as if its middle were at 0."""
+        links = self.below.get(tank, [])
+        hung = self.hanging.setdefault(tank, [])
+        for place, link in enumerate(links):
+            side = self.inner(tank) if len(links) == 1 else (-1, 1)[place]
+            x = 0 if len(links) == 1 else side * (2 if link.symbol == "orifice" else 3)
+            label, ends = self.label(link.name), not link.targets
+            hung.append(falling_body(link.name, link.symbol, x, floor, label, side, ends))
+            for name in link.targets:
+                junction = self.graph.junction(name)
+                known = any(body.name == name for own in self.hanging.values() for body in own)
+                if junction is not None and self.falls_into(junction) is link and not known:
+                    hung.append(self.splitter(junction, x, hung[-1].y + 4, side))
+
+    def settle(self, tank: str, x: int) -> tuple[list[Body], list[tuple[str, list[Point]]]]:
+        """Move a tank with what hangs below to its column; return its bodies and pipes."""
+        body, pipes = self.tanks[tank], []
+        body.move(x)
+        upper = body
+        for below in self.hanging[tank]:
+            below.move(x)
+            if below.symbol in ("splitter", "header"):
+                for pin in (*upper.free("out"), *below.free("both")):
+                    pin.used = pin.used or pin.role == "out" or pin.end == (upper.x, below.y - 2)
+                pipes.append((upper.name, [(upper.x, upper.y), (below.x, below.y)]))
+                continue
+            upper = below
+            down = below.y + (0 if below.free("out") else 1)
+            pipes.append((below.name, [(below.x, body.y + TANK_ROWS), (below.x, down)]))
+        return [body, *self.hanging[tank]], pipes
+
+    def overhang(self, gap: Gap, side: int) -> dict[int, int]:
+        """Return how far words below the tanks at one wall of a gap reach into it, by row."""
+        found: dict[int, int] = {}
+        for tank in (tank for tank in self.seats if self.beside(tank, side) == gap):
+            for area in (area for body in self.hanging[tank] for area in body.areas):
+                reach = (area[2] if side > 0 else -area[0]) - TANK_HALF
+                for row in range(area[1], area[3] + 1):
+                    if reach > 0:
+                        found[row] = max(found.get(row, 0), reach + 1)
+        return found
