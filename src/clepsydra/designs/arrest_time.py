@@ -260,7 +260,7 @@ def design_arrest_time(
     )
     notes = [f"{words}."]
     if arrest_time is None:
-        found = together.detuned(lambda factor: slowed_down(settings, factor))
+        found = together.slowed_down(lambda factor: slowed_down(settings, factor))
         if found.factor > 1.0:
             notes.append(
                 f"The loops were slowed down {found.factor:.3g} times, so that together they keep "

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Sequence
 
 from clepsydra.base.signal import path
-from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.disturbance_rejection import FAMILY, disturbance_rejection_law
 from clepsydra.controllers.pid_form import PidForm
@@ -14,16 +12,14 @@ from clepsydra.designs.applicability import reasons_about
 from clepsydra.designs.arguments.argument import number
 from clepsydra.designs.at_operating_point import controller_at, numbers_at
 from clepsydra.designs.design import design
-from clepsydra.designs.designed_values import applicable_values, rounded_values
-from clepsydra.designs.loops.closed_loop_time import CLOSED_LOOP_TIME
+from clepsydra.designs.loops.closed_loop_time import CLOSED_LOOP_TIME, in_words
+from clepsydra.designs.loops.loops_together import LoopsTogether
 from clepsydra.designs.loops.multiloop import MultiloopPid, PairedLoop
 from clepsydra.designs.loops.pairing import Pairing
 from clepsydra.designs.loops.words import model_words
 from clepsydra.designs.models.first_order_delay import FirstOrderDelay, half_rule
 from clepsydra.designs.request import positive_number
-from clepsydra.designs.sampled.sampled_loop import SampledLoops
-from clepsydra.designs.sampled.sampled_process import refusing
-from clepsydra.designs.slowing_down import OF_LOOPS, as_given, note_on_peak, slow_down
+from clepsydra.designs.slowing_down import note_on_peak
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.operating_point import OperatingPoint
 
@@ -108,53 +104,31 @@ def design_disturbance_rejection(
     )
     together = MultiloopPid(model, pairing, PidForm(), METHOD)
     reduced = [_reduced(loop, together.process.sampling_period) for loop in together.loops]
-    blank = _controller(together.loops, reduced, together.point)
-    with refusing(METHOD, "its sampled loops need"):
-        sampled = SampledLoops(blank, model)
+    loops = together.loops
 
-    def values_at(times: Sequence[float]) -> dict[str, float]:
-        values = dict(blank.values)
-        for loop, time in zip(together.loops, times, strict=True):
-            values[path(loop.output, "bandwidth")] = 1.0 / time
-            values[path(loop.output, "observer_bandwidth")] = ratio / time
-        return rounded_values(blank.law, values, together.point)
+    def values_of(times: Sequence[float]) -> dict[str, float]:
+        own = {"bandwidth": 1.0, "observer_bandwidth": ratio}
+        return {
+            path(loop.output, name): share / time
+            for loop, time in zip(loops, times, strict=True)
+            for name, share in own.items()
+        }
 
-    def peak(values: dict[str, float]) -> float:
-        return sampled.at(values).maximum_sensitivity
-
-    if closed_loop_time_constant is None:
-        shortest = [
-            max(each.delay, 1.0 / (abs(each.slope) * loop.largest_gain))
-            for loop, each in zip(together.loops, reduced, strict=True)
-        ]
-        found = slow_down(
-            lambda factor: values_at([factor * time for time in shortest]), peak, METHOD, OF_LOOPS
-        )
-        times = [found.factor * time for time in shortest]
-    else:
-        time = positive_number(
-            f"{METHOD}, closed_loop_time_constant",
-            closed_loop_time_constant,
-            "a time above 0 s",
-            "give it in seconds",
-        )
-        times = [time] * len(reduced)
-        choice = f"a closed-loop time constant of {time:g} s"
-        found = as_given(values_at(times), peak, METHOD, choice)
-    words = "; ".join(
-        f"{loop.pair}: {model_words(each, loop.output, loop.input)}, closed-loop time constant "
-        f"{time_text(time)}"
-        for loop, each, time in zip(together.loops, reduced, times, strict=True)
-    )
-    made = dataclasses.replace(blank, values=applicable_values(blank.law, found.design, METHOD))
-    return made.described(
+    rejecting = LoopsTogether(_controller(loops, reduced, together.point), model, METHOD, values_of)
+    shortest = [
+        max(each.delay, 1.0 / (abs(each.slope) * loop.largest_gain))
+        for loop, each in zip(loops, reduced, strict=True)
+    ]
+    found, times = rejecting.timed(list, shortest, closed_loop_time_constant)
+    models = [model_words(each, x.output, x.input) for each, x in zip(reduced, loops, strict=True)]
+    return rejecting.made(
+        found,
         f"Active disturbance rejection (Gao 2003), the observer {ratio:g} times as fast as its "
-        f"loop; sensitivity peak of all loops together {found.peak:.2f}.",
+        "loop",
         [
-            f"First-order models by the half rule: {words}.",
+            f"First-order models by the half rule: {in_words(loops, models, times)}.",
             *note_on_peak(found.peak, "choose a longer closed-loop time constant"),
         ],
-        found.factor,
     )
 
 

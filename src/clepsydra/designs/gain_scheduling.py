@@ -143,7 +143,7 @@ def design_gain_scheduled_pid(
 
     def detuned(place: MultiloopPid, times: Sequence[float]) -> Detuned:
         loops = list(zip(timed(place), times, strict=True))
-        return place.detuned(
+        return place.slowed_down(
             lambda factor: [loop.settings_at(factor * time) for loop, time in loops]
         )
 

@@ -196,7 +196,7 @@ def design_phase_margin(
             settings.append(rule(loop.element, delay, phase_margin, frequency))
         crossovers.append(frequency)
     if crossover is None:
-        found = together.detuned(lambda factor: slowed_down(settings, factor))
+        found = together.slowed_down(lambda factor: slowed_down(settings, factor))
     else:
         found = together.as_given(settings, f"a crossover of {crossover:g} rad/s")
     return together.controller(

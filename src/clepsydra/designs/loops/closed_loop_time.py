@@ -9,12 +9,11 @@ from clepsydra.base.words import time_text
 from clepsydra.designs.arguments.argument import number
 from clepsydra.designs.loops.control_authority import DESIGN_STEP
 from clepsydra.designs.loops.pid_settings import PidSettings
-from clepsydra.designs.request import positive_number
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT, note_on_peak
 
 if TYPE_CHECKING:
     from clepsydra.controllers.controller import Controller
-    from clepsydra.designs.loops.multiloop import Detuned, MultiloopPid
+    from clepsydra.designs.loops.multiloop import Detuned, MultiloopPid, PairedLoop
 
 CLOSED_LOOP_TIME = number(
     "closed_loop_time_constant",
@@ -91,26 +90,21 @@ def design_by_time(
     >>> found.values[f"{found.measurements[0]}.integral_time"]
     2000.0
     """
-    method = together.method
 
     def settings_at(times: Sequence[float]) -> list[PidSettings]:
         return [loop.settings_at(time) for loop, time in zip(loops, times, strict=True)]
 
-    if given is None:
-        shortest = [loop.shortest for loop in loops]
-        found = together.detuned(lambda factor: settings_at([factor * time for time in shortest]))
-        times = [found.factor * time for time in shortest]
-    else:
-        time = positive_number(
-            f"{method}, closed_loop_time_constant", given, "a time above 0 s", "give it in seconds"
-        )
-        times = [time] * len(loops)
-        found = together.as_given(settings_at(times), f"a closed-loop time constant of {time:g} s")
-    words = "; ".join(
-        f"{paired.pair}: {loop.words}, closed-loop time constant {time_text(time)}"
-        for paired, loop, time in zip(together.loops, loops, times, strict=True)
-    )
+    found, times = together.timed(settings_at, [loop.shortest for loop in loops], given)
+    words = in_words(together.loops, [loop.words for loop in loops], times)
     return together.controller(found, source, [f"{models}: {words}.", *_notes(found)])
+
+
+def in_words(loops: Sequence[PairedLoop], models: Sequence[str], times: Sequence[float]) -> str:
+    """Return the model and the closed-loop time constant of each loop."""
+    return "; ".join(
+        f"{loop.pair}: {words}, closed-loop time constant {time_text(time)}"
+        for loop, words, time in zip(loops, models, times, strict=True)
+    )
 
 
 def _notes(found: Detuned) -> list[str]:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Literal, NamedTuple
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
 from clepsydra.base.words import time_text
-from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.complexity import Complexity
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.decoupling import Decoupling
@@ -19,16 +17,14 @@ from clepsydra.controllers.pid_form import PidForm
 from clepsydra.designs.applicability import NotApplicable, as_reasons_of
 from clepsydra.designs.at_operating_point import controller_at, numbers_at
 from clepsydra.designs.decoupling import inverted_decoupler
-from clepsydra.designs.designed_values import applicable_values, rounded_values
 from clepsydra.designs.loops.control_authority import check_ranges, largest_proportional_gain
 from clepsydra.designs.loops.law_settings import law_settings
+from clepsydra.designs.loops.loops_together import LoopsTogether
 from clepsydra.designs.loops.pairing import Pairing, checked_pairing
 from clepsydra.designs.loops.pid_settings import PidSettings
 from clepsydra.designs.loops.words import gain
 from clepsydra.designs.models.transfer_element import TransferElement, transfer_element
-from clepsydra.designs.sampled.sampled_loop import SampledLoops
-from clepsydra.designs.sampled.sampled_process import refusing
-from clepsydra.designs.slowing_down import OF_LOOPS, SlowedDown, as_given, slow_down
+from clepsydra.designs.slowing_down import SlowedDown
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 
@@ -66,7 +62,7 @@ class PairedLoop(NamedTuple):
         return largest_proportional_gain(self.output, self.input, self.resting_input)
 
 
-class MultiloopPid:
+class MultiloopPid(LoopsTogether[Sequence[PidSettings]]):
     """The PID controllers of one pairing on one model, for any settings.
 
     Parameters
@@ -122,23 +118,7 @@ class MultiloopPid:
                 raise NotApplicable(method, f"{input_name} does not move {output}")
             signals = self.process.signal(output), self.process.signal(input_name)
             self.loops.append(PairedLoop(*signals, found, at[input_name]))
-        self._fixed = self._fixed_values(model)
-        self._without_settings = self._blank()
-        self._law = self._without_settings.law
-        with refusing(method, "its sampled loops need"):
-            self._sampled = SampledLoops(self._without_settings, model)
-
-    def peak(self, settings: Sequence[PidSettings]) -> float:
-        """Return the sensitivity peak of all loops closed; infinite if they are unstable."""
-        return self._sampled.at(self._values(settings)).maximum_sensitivity
-
-    def detuned(self, settings_at: Callable[[float], Sequence[PidSettings]]) -> Detuned:
-        """Return the fastest settings that the loops bear together; all as in `slow_down`."""
-        return slow_down(settings_at, self.peak, self.method, OF_LOOPS)
-
-    def as_given(self, settings: Sequence[PidSettings], choice: str) -> Detuned:
-        """Return settings that the user chose as they are; all as in `slowing_down.as_given`."""
-        return as_given(settings, self.peak, self.method, choice)
+        super().__init__(self._blank(model), model, method, self._settings)
 
     def controller(self, found: Detuned, design: str, notes: Sequence[str]) -> Controller:
         """Return the controller with these settings, at rest at the operating point.
@@ -157,20 +137,9 @@ class MultiloopPid:
         NotApplicable
             A setting is outside of what a controller takes.
         """
-        values = applicable_values(self._law, self._values(found.design), self.method)
-        return dataclasses.replace(
-            self._without_settings,
-            design=(
-                f"{design}: {self._in_words(found.design)}; sensitivity peak of all loops "
-                f"together {found.peak:.2f}."
-            ),
-            values=values,
-            initial_state=state_at_rest(self._law, values, self.point.as_dict()),
-            notes=tuple(notes),
-            slowed=found.factor,
-        )
+        return self.made(found, f"{design}: {self._in_words(found.design)}", notes)
 
-    def _blank(self) -> Controller:
+    def _blank(self, model: LinearModel) -> Controller:
         law = _law(
             tuple(loop.output for loop in self.loops),
             tuple(loop.input for loop in self.loops),
@@ -182,7 +151,7 @@ class MultiloopPid:
             f"{self.form.actions}, {self.method}" + self._decoupled(", "),
             family(self.form) + self._decoupled(" with "),
             law,
-            numbers_at(self.point, law.parameters) | self._fixed,
+            numbers_at(self.point, law.parameters) | self._fixed_values(model),
             method=self.method,
             structure=Complexity.ADVANCED_LOOPS if self.decoupling else Complexity.LOOPS,
             free_inputs=self._remote_setpoints(),
@@ -221,13 +190,12 @@ class MultiloopPid:
                     values[path(owner, "lag")] = float(found.lag[i, j])
         return values
 
-    def _values(self, settings: Sequence[PidSettings]) -> dict[str, float]:
-        values = dict(self._without_settings.values)
+    def _settings(self, settings: Sequence[PidSettings]) -> dict[str, float]:
+        values: dict[str, float] = {}
         for loop, setting in zip(self.loops, settings, strict=True):
             own = law_settings(setting, self.form, self.method) | {"setpoint_weight": 1.0}
-            named = {path(loop.output, name): value for name, value in own.items()}
-            values |= {name: value for name, value in named.items() if name in values}
-        return rounded_values(self._law, values, self.point)
+            values |= {path(loop.output, name): value for name, value in own.items()}
+        return {name: value for name, value in values.items() if name in self.blank.values}
 
     def _in_words(self, settings: Sequence[PidSettings]) -> str:
         return "; ".join(

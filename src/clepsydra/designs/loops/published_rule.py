@@ -110,7 +110,7 @@ def design_by_rule(
         notes += note_on_peak(tuned.peak, "lower the gain")
         notes += [rule.advice] if rule.advice else []
     else:
-        tuned = together.detuned(lambda factor: slowed_down(settings, factor))
+        tuned = together.slowed_down(lambda factor: slowed_down(settings, factor))
         if tuned.factor > 1.0:
             notes.append(
                 f"The gains of the rule were divided by {tuned.factor:.3g} and its integral times "

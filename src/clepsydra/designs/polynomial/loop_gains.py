@@ -10,13 +10,11 @@ from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.polynomial_controller import PolynomialShape
 from clepsydra.designs.at_operating_point import controller_at, numbers_at
-from clepsydra.designs.designed_values import rounded_values
 from clepsydra.designs.gain_units import percent_gain
+from clepsydra.designs.loops.loops_together import LoopsTogether
 from clepsydra.designs.polynomial.paired_models import ModelledPair
 from clepsydra.designs.polynomial.two_degree_of_freedom import TwoDegreeOfFreedom
-from clepsydra.designs.sampled.sampled_loop import SampledLoops
-from clepsydra.designs.sampled.sampled_process import refusing
-from clepsydra.designs.slowing_down import as_given, note_on_peak, note_on_slowing, slow_down
+from clepsydra.designs.slowing_down import OF_STATE_FEEDBACK, note_on_peak, note_on_slowing
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.program.step_law import StepLaw
@@ -122,20 +120,18 @@ class PairedDesign(NamedTuple):
             The loops together are unstable, or cannot be made robust, a dead time leaves no
             sampled loop, or a gain is outside of what a controller takes.
         """
-        blank = self._with(self.gains_at(1.0))
-        with refusing(self.method, "its sampled loops need"):
-            loops = SampledLoops(blank, self.model)
-
-        def peak(gains: list[LoopGains]) -> float:
-            values = rounded_values(self.law, self._values(gains), self.point)
-            return loops.at(values).maximum_sensitivity
-
+        first = self.gains_at(1.0)
+        fixed = {**numbers_at(self.point, self.law.parameters), **self.fixed}
+        values = fixed | self._values(first)
+        blank = controller_at(
+            self.point, self.name, self.family, self.law, values, method=self.method
+        )
+        loops = LoopsTogether(blank, self.model, self.method, self._values, OF_STATE_FEEDBACK)
         if given:
-            choice = f"{given}; ask for less"
-            found = as_given(self.gains_at(1.0), peak, self.method, choice)
+            found = loops.as_given(first, f"{given}; ask for less")
             more = note_on_peak(found.peak, "choose a larger q_u or slower assigned poles")
         else:
-            found = slow_down(self.gains_at, peak, self.method)
+            found = loops.slowed_down(self.gains_at)
             more = note_on_slowing(found, "the controller")
         words = "; ".join(
             f"{pair.words}: {loop.words}, gain on a sudden rise "
@@ -144,23 +140,14 @@ class PairedDesign(NamedTuple):
         )
         period = self.point.process.sampling_period
         holds = f"Its gains hold for a sampling period of {period:g} s and no other."
-        return self._with(found.design).described(
-            f"{source}: {words}; sensitivity peak of all loops together {found.peak:.2f}.",
-            (*notes, *more, holds),
-            found.factor,
-        )
+        made = loops.made(found, f"{source}: {words}", (*notes, *more, holds))
+        return dataclasses.replace(made, initial_state=_zeroed(made.initial_state))
 
     def _values(self, gains: Sequence[LoopGains]) -> dict[str, float]:
-        values = {**numbers_at(self.point, self.law.parameters), **self.fixed}
+        values: dict[str, float] = {}
         for loop, pair in zip(gains, self.pairs, strict=True):
             values |= loop.values(pair.output)
         return values
-
-    def _with(self, gains: Sequence[LoopGains]) -> Controller:
-        found = controller_at(
-            self.point, self.name, self.family, self.law, self._values(gains), method=self.method
-        )
-        return dataclasses.replace(found, initial_state=_zeroed(found.initial_state))
 
 
 def _zeroed(state: dict[str, float]) -> dict[str, float]:
