@@ -101,19 +101,8 @@ def design_amigo(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point.
-    pairing : sequence of (output, input), or mapping, optional
-        The one that the relative gains suggest if left out.
-    form : PidForm, optional
-        PI in ISA form if left out.
     as_published : bool
         Keep the settings of the rules.
-
-    Returns
-    -------
-    Controller
-        Loop i for the i-th pair.
 
     Raises
     ------

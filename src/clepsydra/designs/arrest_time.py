@@ -201,13 +201,7 @@ def design_arrest_time(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point.
-    pairing : sequence of (output, input), or mapping, optional
-        The one that the relative gains suggest if left out.
         The outputs are levels or volumes.
-    form : PidForm, optional
-        PI in ISA form if left out.
     arrest_time : float, optional
         λ of all loops [s].
     deviation : float, optional
@@ -215,11 +209,6 @@ def design_arrest_time(
     damping : float
         ζ of all loops. Less of it lessens the fastest change of the flow, to three quarters at
         ζ = 1/2, and lets level and flow swing.
-
-    Returns
-    -------
-    Controller
-        Loop i for the i-th pair.
 
     Raises
     ------

@@ -68,7 +68,7 @@ class Design:
         """What it takes besides the model, by name, in the order of the function.
 
         >>> list(DESIGNS["arrest_time"].declared)
-        ['pairing', 'form', 'arrest_time', 'deviation']
+        ['pairing', 'form', 'arrest_time', 'deviation', 'damping']
         """
         from clepsydra.designs.arguments.of_process import PAIRING  # with all that reads a table
         from clepsydra.designs.arguments.pid_form import FORM
@@ -118,6 +118,10 @@ def design(
     name: str, words: str, *studied: Studied, keys: tuple[Key | Argument, ...] = ()
 ) -> Callable[[F], F]:
     """Return a decorator that registers a function as a design; all as in `Design`.
+
+    The function takes the linear model of a process at an operating point. Its docstring leaves out
+    what designs share: `pairing`, which the relative gains suggest where none is given, and `form`,
+    PI in ISA form where none is given; `interface.lift` tells of them.
 
     Examples
     --------

@@ -60,19 +60,10 @@ def design_disturbance_rejection(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point.
-    pairing : sequence of (output, input), or mapping, optional
-        The one that the relative gains suggest if left out.
     closed_loop_time_constant : float, optional
         τc of all loops [s].
     observer_ratio : float
         ωo/ωc, usually 3 to 10.
-
-    Returns
-    -------
-    Controller
-        Loop i for the i-th pair.
 
     Raises
     ------

@@ -103,10 +103,6 @@ def design_feedback_linearisation(
     despite_unstable_internal_dynamics : bool
         For a demonstration of what happens.
 
-    Returns
-    -------
-    Controller
-
     Raises
     ------
     NotApplicable

@@ -150,18 +150,10 @@ def design_fuzzy_pi(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point.
-    pairing : sequence of (output, input), or mapping, optional
-        The one that the relative gains suggest if left out.
     largest_error : float
         E as a share of the measurement's range.
     closed_loop_time_constant : float, optional
         Of the linear design, see `designs.simc` [s].
-
-    Returns
-    -------
-    Controller
 
     Raises
     ------

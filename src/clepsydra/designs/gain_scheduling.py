@@ -80,12 +80,6 @@ def design_gain_scheduled_pid(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point.
-    pairing : sequence of (output, input), or mapping, optional
-        The one that the relative gains suggest if left out.
-    form : PidForm, optional
-        PI in ISA form if left out.
     over : str, optional
         The controlled measurement over which settings are scheduled; if left out the one over
         whose range they change most, or with points given the first one.
@@ -93,10 +87,6 @@ def design_gain_scheduled_pid(
         Whether the settings follow the measurement itself, filtered, or its setpoint.
     points : sequence of float, optional
         Values of that measurement [its unit]; over all of its range if left out.
-
-    Returns
-    -------
-    Controller
 
     Raises
     ------
@@ -205,10 +195,6 @@ def design_gain_scheduled_lqi(
         As for `designs.lqi.design_lqi`.
     over, follows, points
         As for `design_gain_scheduled_pid`.
-
-    Returns
-    -------
-    Controller
 
     Raises
     ------

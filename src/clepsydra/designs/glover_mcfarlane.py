@@ -72,8 +72,6 @@ def design_glover_mcfarlane(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point.
     pairing : sequence of (output, input), or mapping, optional
         Of the PI control by SIMC, the one that the relative gains suggest if left out; another
         pre-compensator has its own.
@@ -87,6 +85,7 @@ def design_glover_mcfarlane(
     Returns
     -------
     Controller
+        Of all outputs at once.
 
     Raises
     ------

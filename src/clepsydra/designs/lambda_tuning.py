@@ -91,19 +91,8 @@ def design_lambda(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point.
-    pairing : sequence of (output, input), or mapping, optional
-        The one that the relative gains suggest if left out.
-    form : PidForm, optional
-        PI in ISA form if left out.
     closed_loop_time_constant : float, optional
         λ of all loops [s].
-
-    Returns
-    -------
-    Controller
-        Loop i for the i-th pair.
 
     Raises
     ------

@@ -58,10 +58,6 @@ def design_lqi_extended_kalman(
     measurements, maximum_errors, maximum_moves, anti_windup
         As for `designs.lqi_kalman.design_lqi_kalman`.
 
-    Returns
-    -------
-    Controller
-
     Raises
     ------
     NotApplicable

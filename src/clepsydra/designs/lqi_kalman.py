@@ -60,10 +60,6 @@ def design_lqi_kalman(
     maximum_errors, maximum_moves, anti_windup
         As for `designs.lqi.design_lqi`.
 
-    Returns
-    -------
-    Controller
-
     Raises
     ------
     NotApplicable

@@ -77,10 +77,6 @@ def design_lqr(
     maximum_errors, maximum_moves : mapping, optional
         For Bryson's weights, as for `designs.lqi.design_lqi`.
 
-    Returns
-    -------
-    Controller
-
     Raises
     ------
     NotApplicable

@@ -140,21 +140,12 @@ def design_phase_margin(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point.
-    pairing : sequence of (output, input), or mapping, optional
-        The one that the relative gains suggest if left out.
     form : PidForm, optional
         PI in ISA form if left out, and PID where the crossover asks for it.
     phase_margin : float
         Of each loop by itself [rad].
     crossover : float, optional
         Of all loops [rad/s].
-
-    Returns
-    -------
-    Controller
-        Loop i for the i-th pair.
 
     Raises
     ------

@@ -126,10 +126,6 @@ def design_pole_placement(
         What an observer reads; naming them asks for the observer. See
         `designs.states.observed_process.observed_process`.
 
-    Returns
-    -------
-    Controller
-
     Raises
     ------
     NotApplicable

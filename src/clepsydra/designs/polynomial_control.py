@@ -59,21 +59,12 @@ def design_polynomial(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point.
-    pairing : sequence of (output, input), or mapping, optional
-        The one that the relative gains suggest if left out.
     penalty : float, optional
         q_u of all loops [output unit² / input unit²].
     assigned_poles : sequence of float, optional
         γ of all loops, and further ones.
     models : sequence of SampledModel, optional
         One for each pair, an identified one say, in the place of the process's own.
-
-    Returns
-    -------
-    Controller
-        Loop i for the i-th pair.
 
     Raises
     ------

@@ -92,10 +92,6 @@ def design_recomputed_lqi(
     steps : int
         Of the Riccati difference equation in a sample.
 
-    Returns
-    -------
-    Controller
-
     Raises
     ------
     NotApplicable

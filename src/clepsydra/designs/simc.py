@@ -117,21 +117,10 @@ def design_simc(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point.
-    pairing : sequence of (output, input), or mapping, optional
-        The one that the relative gains suggest if left out.
-    form : PidForm, optional
-        PI in ISA form if left out.
     closed_loop_time_constant : float, optional
         τc of all loops [s].
     decoupling : {"static", "dynamic"}, optional
         Decouple the loops (`designs.decoupling`).
-
-    Returns
-    -------
-    Controller
-        Loop i for the i-th pair.
 
     Raises
     ------

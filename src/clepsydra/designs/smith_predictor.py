@@ -88,10 +88,6 @@ def design_smith_predictor(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point.
-    pairing : sequence of (output, input), or mapping, optional
-        The one that the relative gains suggest if left out.
     primary : {"polynomial", "PI"}
     penalty, assigned_poles
         Of the polynomial controller, as in `design_polynomial`.
@@ -99,11 +95,6 @@ def design_smith_predictor(
         τc of the PI controller [s].
     models : sequence of SampledModel, optional
         One for each pair, an identified one say, in the place of the process's own.
-
-    Returns
-    -------
-    Controller
-        Loop i for the i-th pair.
 
     Raises
     ------

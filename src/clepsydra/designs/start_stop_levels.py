@@ -68,8 +68,6 @@ def design_start_stop_levels(model: LinearModel, *, starts_per_hour: float = 10.
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point.
     starts_per_hour : float
         z, of one pump.
 

@@ -53,20 +53,12 @@ def design_variable_structure_pid(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point.
-    pairing : sequence of (output, input), or mapping, optional
-        The one that the relative gains suggest if left out.
     form : PidForm, optional
         PI in ISA form if left out; its anti-windup does not count.
     settings : sequence of PidSettings, optional
         One for each pair; by SIMC if left out.
     alpha : float or sequence of float, optional
         α of all loops or of each [1/s].
-
-    Returns
-    -------
-    Controller
 
     Raises
     ------

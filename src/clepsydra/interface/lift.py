@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import inspect
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from types import MappingProxyType
 from typing import Any, Concatenate, ParamSpec
 
@@ -22,6 +22,13 @@ from clepsydra.process.process import Process
 P = ParamSpec("P")
 
 _MODEL = re.compile(r"^    model : LinearModel\n(?:        .*\n)*", re.MULTILINE)
+#: What designs share is said once: an argument where a design does not tell of its own.
+_PAIRED = "    Returns\n    -------\n    Controller\n        Loop i for the i-th pair.\n\n"
+_SHARED = {
+    "pairing": "    pairing : sequence of (output, input), or mapping, optional\n"
+    "        The one that the relative gains suggest if left out.\n",
+    "form": "    form : PidForm, optional\n        PI in ISA form if left out.\n",
+}
 _OTHERS = re.compile(r"`designs\.[a-z_.]*design_(\w+)`")
 _PLANT = '    plant : Plant\n        As from ``cl.load("quadruple-tank")``.\n'
 _QUANTITIES = """
@@ -60,7 +67,7 @@ def of_model(
     of_plant_ = first.replace(name="plant", annotation="Plant")
     designed.__signature__ = signature.replace(parameters=[of_plant_, *others])  # type: ignore[attr-defined]
     designed.declared = declared  # type: ignore[attr-defined]
-    designed.__doc__ = _documented(inspect.getdoc(design) or "")
+    designed.__doc__ = _documented(inspect.getdoc(design) or "", signature.parameters)
     return designed
 
 
@@ -94,11 +101,14 @@ def _with_units(value: Any, given: Mapping[str, Any], process: Process) -> Any:
     return with_unit(value, unit)
 
 
-def _documented(text: str) -> str:
-    """Return the help of a design with a plant in the place of its model."""
+def _documented(text: str, arguments: Iterable[str]) -> str:
+    """Return the help of a design with a plant in the place of its model, and what all share."""
     text = "\n".join(f"    {line}" if line else "" for line in text.splitlines()) + "\n"
-    text = _MODEL.sub(_PLANT, text, count=1)
-    text = _OTHERS.sub(r"`cl.design.\1`", text)
+    text = _OTHERS.sub(r"`cl.design.\1`", _MODEL.sub("", text, count=1))
     text, _, _ = text.partition("    Examples\n    --------")
     head, line, rest = text.partition("    Parameters\n    ----------\n")
+    if "pairing" in arguments and "    Returns\n" not in rest:
+        rest = rest.replace("    Raises\n", f"{_PAIRED}    Raises\n", 1)
+    named = [name for name in arguments if name in _SHARED and f"    {name} :" not in rest]
+    line += _PLANT + "".join(_SHARED[name] for name in named)
     return inspect.cleandoc(f"{head.rstrip()}\n{_QUANTITIES}\n{line}{rest}")
