@@ -74,7 +74,7 @@ def identify(
     if write is not None and write.suffix.lower() != ".toml":
         raise InputError("--write", str(write), "a file that ends in .toml", "rename it")
     found: Identification | FittedPlant
-    with named_options("manipulated", "measured"):
+    with named_options("manipulated", "measured", "process", "parameters"):
         if process is None:
             found = identify_model(data, manipulated, measured)
         else:

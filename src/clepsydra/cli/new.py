@@ -66,7 +66,7 @@ def new(
         raise InputError(
             "--process", process[:60], "--study beside it", "add --study, or write --from to copy"
         )
-    with named_options(name="NAME", copy_of="--from"):
+    with named_options("process", name="NAME", copy_of="--from"):
         path = new_study(name, process or STUDIED) if study else new_process(name, copy_of=copied)
     kind = "Study" if study else "Process"
     typer.echo(

@@ -99,7 +99,7 @@ def simulate(
     name = f"{plant.file_stem}-simulation"
     report, data = (output_file(folder / f"{name}.{end}") for end in ("html", data_format.value))
     changes, begins = _changes(plant, inputs or [], profile), _states(state or [])
-    with named_options("state"):
+    with named_options("state", "duration"):
         run = simulated(
             plant,
             None,

@@ -33,10 +33,11 @@ def study_of_one(
 ) -> Study:
     """Make one controller of a study; refuse one that does not apply, with its reason."""
     from clepsydra.base.errors import InputError
+    from clepsydra.cli.output import named_options
     from clepsydra.cli.progress import shown_progress
     from clepsydra.interface.study import study
 
-    with shown_progress(quiet=quiet) as tell:
+    with named_options("controller"), shown_progress(quiet=quiet) as tell:
         found = study(request, seed=seed, progress=tell, folder=folder, only=name)
     reasons = dict(found.not_applicable)
     if name in reasons:

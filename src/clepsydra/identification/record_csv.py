@@ -105,5 +105,10 @@ def _signal(name: str, unit: str, place: str) -> Signal:
     for si in _SI:
         if convertible(unit, si):
             return Signal(name, si, display_unit=unit)
-    to_si(f"1 {unit}", unit, place)
+    try:
+        to_si(f"1 {unit}", unit, place)
+    except InputError:
+        raise InputError(
+            place, unit, "a unit that is known", "write it as in [cm], [l/min] or [%]"
+        ) from None
     return Signal(name, unit)

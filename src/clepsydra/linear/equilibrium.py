@@ -138,7 +138,8 @@ def find_equilibrium(
     if free_names:
         warnings.append(
             f"{' and '.join(free_names)} may take other values as well: the given signals do not "
-            "determine them, and they were left near their initial values"
+            "determine them, and they were left near their initial values; give the reading of a "
+            "sensor under [operating_point]"
         )
     return replace(point, warnings=(*process.warnings, *warnings))
 

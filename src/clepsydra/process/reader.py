@@ -234,6 +234,9 @@ def _check_complete(general: TableReader, elements: Sequence[Element]) -> None:
     ):
         if not present:
             remedy = f"add a table, as in [{table}.{table[:-1]}_1]"
+            flows = [signal.name for element in elements for signal in element.disturbances()]
+            if table == "pumps" and flows:
+                remedy += f', or list a flow at the top of the file: manipulated = ["{flows[0]}"]'
             raise InputError(general.place(), f"no {table}", expected, remedy)
 
 
@@ -252,7 +255,14 @@ def _elements(
         for name in TableReader(document, (kind.table,), None).present:
             path = (kind.table, name)
             checked_name(name, document.place(*path))
-            table = TableReader(document, path, kind.keys, components=components, vessels=vessels)
+            table = TableReader(
+                document,
+                path,
+                kind.keys,
+                components=components,
+                vessels=vessels,
+                general=GENERAL_KEYS,
+            )
             element = kind.read(name, table)
             elements.append(element)
             if isinstance(element, Tank):

@@ -42,6 +42,8 @@ class TableReader:
         Of the process.
     vessels : mapping
         Tank to its shape, for elements that are joined to tanks.
+    general : mapping
+        Key of the top of the file to its schema, for who writes it into this table.
 
     Raises
     ------
@@ -65,6 +67,7 @@ class TableReader:
         *,
         components: tuple[Component, ...] = (),
         vessels: Mapping[str, Vessel] | None = None,
+        general: Mapping[str, Any] | None = None,
     ) -> None:
         self.components = components
         self._vessels = vessels or {}
@@ -81,12 +84,13 @@ class TableReader:
         known = None if keys is None else tuple(keys)
         for key in content:
             if known is not None and key not in known:
-                raise InputError(
-                    self.place(key),
-                    key,
-                    f"one of {', '.join(known)}" if known else "no key in this table",
-                    suggestion(key, known, "remove or rename it"),
-                )
+                remedy = suggestion(key, known, "remove or rename it")
+                if general and key in general:
+                    remedy = "write it at the top of the file, before the first table"
+                    is_list = general[key].get("type") == "array"
+                    remedy += f', as in {key} = ["{path[-1]}"]' if is_list else ""
+                expected = f"one of {', '.join(known)}" if known else "no key in this table"
+                raise InputError(self.place(key), key, expected, remedy)
 
     @property
     def present(self) -> tuple[str, ...]:
