@@ -7,6 +7,7 @@ import pytest
 from refusals import refused
 from scipy.linalg import expm
 
+import clepsydra as cl
 from clepsydra import InputError, NotApplicable, PidForm
 from clepsydra.designs.arrest_time import arrest_settings, arrest_time_for, design_arrest_time
 from clepsydra.designs.lambda_tuning import design_lambda, lambda_settings
@@ -208,3 +209,53 @@ def test_wrong_requests_are_refused(basin, options, key, value, expected):
 def test_lambda_has_no_rule_for_derivative_action(basin):
     with refused(remedy="ask for PI"):
         design_lambda(basin.model, basin.pairing, form=PidForm("PID"))
+
+
+TWO_DRUMS = """
+name = "two-drums"
+sampling_period = "20 s"
+controlled = ["upper", "lower"]
+averaging = ["upper", "lower"]
+manipulated = ["transfer", "outflow"]
+tanks.first = { area = "10 m^2", height = "2 m" }
+tanks.second = { area = "8 m^2", height = "3 m" }
+[flows.feed]
+destination = "first"
+range = ["20 m^3/h", "60 m^3/h"]
+nominal = "40 m^3/h"
+step = ["10 m^3/h", "-15 m^3/h"]
+[flows.transfer]
+source = "first"
+destination = "second"
+range = ["10 m^3/h", "70 m^3/h"]
+nominal = "40 m^3/h"
+[flows.outflow]
+source = "second"
+range = ["10 m^3/h", "70 m^3/h"]
+nominal = "40 m^3/h"
+[sensors.upper]
+tank = "first"
+range = ["0 m", "2 m"]
+band = ["0.6 m", "1.4 m"]
+[sensors.lower]
+tank = "second"
+range = ["0 m", "3 m"]
+band = ["1 m", "2.5 m"]
+[operating_point]
+upper = "1 m"
+lower = "1.5 m"
+"""
+
+
+def test_a_load_that_a_drum_upstream_passes_on_moves_the_next_one_too(tmp_path):
+    (tmp_path / "two.toml").write_text(TWO_DRUMS, encoding="utf-8")
+    plant = cl.load(tmp_path / "two.toml")
+    passed = load_steps(plant.linear, "lower", "test", ["transfer"])
+    assert [3600.0 * load.rate for load in passed] == pytest.approx([10.0 / 8.0, -15.0 / 8.0])
+    with pytest.raises(NotApplicable, match="names no load step that moves lower"):
+        load_steps(plant.linear, "lower", "test")
+    run = cl.simulate(plant, cl.design.arrest_time(plant))
+    for name in ("upper", "lower"):
+        assert run.scores[f"time_outside_band[{name}]"] == 0.0
+    # Down there is 0.5 m of 1 m, and the first drum makes the step a wave, but no larger one.
+    assert 0.7 * 0.5 < 1.5 - run.true_measurement("lower").min() < 0.5

@@ -174,3 +174,15 @@ def test_weights_that_do_not_fit_or_name_nothing_are_refused(minimum_phase):
         diagonal_weights(model, {"tank_1.level": 1.0}, {"pump_1": 1.0})
     with refused(expected="not below zero"):
         diagonal_weights(model, {"tank_1.level": -1.0}, {"pump_1": 1.0, "pump_2": 1.0})
+
+
+def test_what_scipy_cannot_reorder_is_not_applicable(monkeypatch):
+    import scipy.linalg
+
+    def refuse(*matrices, **more):
+        raise ValueError("Reordering of (A, B) failed")
+
+    monkeypatch.setattr(scipy.linalg, "solve_discrete_are", refuse)
+    one = np.eye(1)
+    with pytest.raises(NotApplicable, match="too ill-conditioned to be solved"):
+        optimal_regulator(one, one, one, 0 * one, one, "test")

@@ -3,6 +3,7 @@
 import re
 
 import pytest
+from refusals import refused
 
 import clepsydra as cl
 from clepsydra.studies.recommendation import recommend
@@ -23,6 +24,8 @@ sensors.level = { tank = "drum", span = ["0 m", "2 m"], range = ["0 %", "100 %"]
 band = ["30 %", "70 %"] }
 operating_point.level = "50 %"
 """
+#: The outflow of a drum that cannot follow its feed.
+NARROW = 'range = ["35 m^3/h", "60 m^3/h"], nominal = "40 m^3/h" }'
 
 
 @pytest.fixture(scope="module")
@@ -99,3 +102,29 @@ def test_a_tuning_uses_the_band_and_keeps_it(plant):
     assert run.scores["outflow_rate[level]"] < 0.8 * before
     kept = [each for each in tuned.tuning.binding if each.endswith("under load")]
     assert kept and set(kept) <= {"level at most 70 % under load", "level at least 30 % under load"}
+
+
+@pytest.mark.thorough
+def test_a_tuning_that_cannot_keep_the_band_leaves_nothing_behind(tmp_path):
+    """An outflow of 35 m³/h at the least cannot follow a feed of 30 m³/h."""
+    path = tmp_path / "drum.toml"
+    text = DRUM.replace('range = ["20 m^3/h", "60 m^3/h"], nominal = "40 m^3/h" }', NARROW)
+    path.write_text(text.replace('"-10 m^3/h"', '"-20 m^3/h"'), encoding="utf-8")
+    name = "PI, arrest time, tuned"
+    study = cl.study(cl.load(path), only=name, folder=tmp_path)
+    assert "level at least 30 % under load" in dict(study.not_applicable)[name]
+    assert not list(tmp_path.glob("*.json"))
+
+
+def test_a_setpoint_of_a_study_file_outside_of_the_band_is_refused(tmp_path):
+    (tmp_path / "drum.toml").write_text(DRUM, encoding="utf-8")
+    path = tmp_path / "study.toml"
+    steps = '[[scenario.setpoint]]\nsignal = "level"\nat = "1 h"\nto = "75 %"\n'
+    path.write_text(f'process = "drum.toml"\n[scenario]\nduration = "9 h"\n{steps}')
+    with refused(
+        place="line 7, scenario.setpoint.1.to",
+        value="75 %",
+        expected="a setpoint within the band of level, 30 to 70 %",
+        remedy="move it, or widen the band",
+    ):
+        cl.study(path)

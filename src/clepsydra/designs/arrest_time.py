@@ -278,7 +278,9 @@ def _averaging(
             arrest_settings(reduced, arrest_time, damping),
             f"load steps are arrested after {time_text(arrest_time)}",
         )
-    loads = load_steps(model, loop.output.name, METHOD)
+    banded = loop.output.name in process.bands
+    others = [u for u in model.inputs if u != loop.input.name] if banded else []
+    loads = load_steps(model, loop.output.name, METHOD, others)
     room = averaging_room(together.point, loop.output, METHOD)
     if deviation is not None:
         room = Room(deviation, deviation)

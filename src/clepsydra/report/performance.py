@@ -18,7 +18,9 @@ from clepsydra.report.quantities import (
     unit_text,
 )
 from clepsydra.report.resolution import DEVIATION, settled
+from clepsydra.scores.band import TIME_OUTSIDE
 from clepsydra.scores.score import SCORES
+from clepsydra.studies.departure import departures
 from clepsydra.studies.result import Candidate
 
 
@@ -54,6 +56,8 @@ class Figure:
             if key.partition("[")[0] == self.score and not math.isnan(value)
         }
         if not found or (self.score in _OF_SWITCHES and candidate.controller.setpoints):
+            return None
+        if self.score == TIME_OUTSIDE.key and not departures(process, candidate.scores):
             return None
         in_its_unit = SCORES[self.score].powers == (1, 0)
         share = {
@@ -118,7 +122,7 @@ _FIGURES = (
         _plain("m³/h per h"),
     ),
     Figure("volume_used", "tank used", "uses {} of the tank", _percent),
-    Figure("time_outside_band", "outside band", "", _time),
+    Figure(TIME_OUTSIDE.key, "outside band", "", _time),
     Figure("starts_per_hour", "starts", "starts {signal} {}", _plain("times/h")),
     Figure("noise_movement", "noise", "lets noise move {signal} by {} of its range", _of_range),
     Figure("overshoot", "overshoot", "", _percent),
@@ -135,7 +139,7 @@ def figures_of(process: Process) -> list[Figure]:
     ['outflow changes', 'tank used', 'starts', 'noise', 'overshoot']
     """
     unasked = {"settling_time", "peak_deviation"} if process.averaging else set()
-    unasked |= set() if process.bands else {"time_outside_band"}
+    unasked |= set() if process.bands else {TIME_OUTSIDE.key}
     return [figure for figure in _FIGURES if figure.score not in unasked]
 
 
@@ -168,10 +172,11 @@ def performance_words(process: Process, candidate: Candidate) -> str:
     >>> performance_words(plant.process, study.best)[:55]
     'settles in 5.10 min, deviates by at most 1.2 cm under l'
     """
-    said = {each.score: each.words(process, candidate) for each in figures_of(process)}
-    if process.bands:
-        said["volume_used"] = joined(_within_bands(candidate))
-    return joined([words for words in said.values() if words])
+    said = []
+    for figure in figures_of(process):
+        within = _within_bands(candidate) if figure.score == "volume_used" else []
+        said += within or [figure.words(process, candidate)]
+    return joined([words for words in said if words])
 
 
 def joined(words: Sequence[str]) -> str:

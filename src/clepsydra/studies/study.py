@@ -251,7 +251,12 @@ class _Study:
         if self.folder is not None:
             name = re.sub(r"[^A-Za-z0-9]+", "-", now.name).strip("-").lower()
             kept = self.folder / f"{self.stem}.{name}.tuning.json"
-        found = run(Search(generations, self.seed, FRONT, tell, kept))
+        try:
+            found = run(Search(generations, self.seed, FRONT, tell, kept))
+        except NotApplicable:  # no candidate keeps the limits: nothing is left to go on with
+            if kept is not None:
+                kept.unlink(missing_ok=True)
+            raise
         if kept is not None and not found.interrupted:
             kept.unlink(missing_ok=True)
         return found

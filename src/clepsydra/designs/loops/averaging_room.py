@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import NamedTuple
@@ -19,6 +19,7 @@ from clepsydra.linear.dead_time import at_rest
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.process.averaging import averaged_flows
 from clepsydra.process.elements.pump import Pump
 from clepsydra.process.elements.sensor import Sensor
 from clepsydra.process.elements.tank import Tank
@@ -76,8 +77,14 @@ class Load(NamedTuple):
     rate: float
 
 
-def load_steps(model: LinearModel, output: str, method: str) -> list[Load]:
+def load_steps(
+    model: LinearModel, output: str, method: str, others: Sequence[str] = ()
+) -> list[Load]:
     """Return the load steps of the process that move a measurement.
+
+    One that an averaging tank upstream passes on arrives through the inputs of other loops. It is
+    taken as a step of what these have moved when all is at rest again: nearly as it comes from a
+    loop as slow as this one, and as worse than it comes from any other.
 
     Parameters
     ----------
@@ -86,6 +93,8 @@ def load_steps(model: LinearModel, output: str, method: str) -> list[Load]:
     output : str
     method : str
         For the message.
+    others : sequence of str
+        The inputs of other loops.
 
     Raises
     ------
@@ -107,15 +116,33 @@ def load_steps(model: LinearModel, output: str, method: str) -> list[Load]:
         for name, sizes in element.load_steps().items():
             if name not in model.disturbances:
                 continue
-            found = transfer_element(as_input(model, name), output, name, method=method)
-            if found is not None:
-                slope, unit = half_rule(found, method=method).slope, process.signal(name).unit
-                loads += [Load(name, unit, size, slope * size) for size in sizes]
+            slope = _slope(as_input(model, name), output, name, method)
+            if others:
+                moves = _moves_at_rest(model, name)
+                slope += sum(moves[u] * _slope(model, output, u, method) for u in others)
+            unit = process.signal(name).unit
+            loads += [Load(name, unit, size, slope * size) for size in sizes if slope]
     if not loads:
         raise NotApplicable(
             method, f"the process names no load step that moves {output}; give an arrest time"
         )
     return loads
+
+
+def _slope(model: LinearModel, output: str, input_name: str, method: str) -> float:
+    """Return how fast a unit of an input moves an output at first; 0 where it does not."""
+    found = transfer_element(model, output, input_name, method=method)
+    return half_rule(found, method=method).slope if found is not None else 0.0
+
+
+def _moves_at_rest(model: LinearModel, disturbance: str) -> dict[str, float]:
+    """Return how far each input has moved when a unit of a load has left no error."""
+    model, process = at_rest(model), operating_point_of(model).process
+    rows = [place for place, name in enumerate(model.outputs) if name in process.controlled]
+    matrix = np.block([[model.A, model.B], [model.C[rows], model.D[rows]]])
+    pushed = np.append(-model.E[:, model.disturbances.index(disturbance)], np.zeros(len(rows)))
+    found = np.linalg.lstsq(matrix, pushed, rcond=None)[0]
+    return dict(zip(model.inputs, found[len(model.states) :].tolist(), strict=True))
 
 
 def as_input(model: LinearModel, disturbance: str) -> LinearModel:
@@ -201,7 +228,8 @@ def longest_arrest(model: LinearModel, method: str) -> float:
     for name in point.process.bands:
         with suppress(NotApplicable):
             room = averaging_room(point, point.process.signal(name), method)
-            loads = load_steps(model, name, method)
+            leaving, _ = averaged_flows(point.process, name)
+            loads = load_steps(model, name, method, [u for u in model.inputs if u not in leaving])
             times.append(math.e * min(room.against(each.rate) / abs(each.rate) for each in loads))
     return max(times)
 

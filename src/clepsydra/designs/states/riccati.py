@@ -83,6 +83,10 @@ def optimal_regulator(
         raise NotApplicable(
             method, "the Riccati equation has no stabilising solution: a mode is out of reach"
         ) from error
+    except ValueError as error:  # of a pair of matrices that cannot be reordered
+        raise NotApplicable(
+            method, "the Riccati equation is too ill-conditioned to be solved"
+        ) from error
     P = _refined(held, moved, Q, N, R, P)
     if riccati_residual(held, moved, Q, N, R, P) > LARGEST_RESIDUAL:
         raise NotApplicable(method, "the Riccati equation cannot be solved to nine digits")
