@@ -1,6 +1,7 @@
 """Printed programs made to run, by the package's own proof: C compiled, text interpreted."""
 
 import math
+import re
 import struct
 from dataclasses import replace
 from pathlib import Path
@@ -9,9 +10,13 @@ from types import SimpleNamespace
 import numpy as np
 from tools import need_compiler, need_grammar
 
+from clepsydra import Kernel, Signal
 from clepsydra.deploy import compiler
+from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.proof import compiled_c, interpreted_text
+from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.deploy.target import target_of
+from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Program
 
 STRICT = list(compiler.STRICT)
@@ -57,3 +62,66 @@ def run_both(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Run C and text over all samples; returns outputs and states of each [samples, q + n]."""
     return CompiledC(program, folder).run(inputs), InterpretedText(program).run(inputs)
+
+
+def showing_its_state(program: Program) -> Program:
+    """Return the program with the next state as further outputs."""
+    shown = tuple(Signal(f"kept_{entry.name}") for entry in program.state)
+    block = program.block
+    results = block.results + program.next_state
+    return replace(program, outputs=program.outputs + shown, block=replace(block, results=results))
+
+
+def simulated(program: Program, inputs: dict[str, np.ndarray]) -> np.ndarray:
+    """Run the engine; returns outputs and states [samples, q + n]."""
+    shown = showing_its_state(program)
+    samples = len(next(iter(inputs.values())))
+    run = Kernel(shown).run(samples, inputs=inputs)
+    return np.column_stack([run.output(signal.name)[0] for signal in shown.outputs])
+
+
+def run_alike(program: Program, folder: Path, inputs: dict[str, np.ndarray]) -> np.ndarray:
+    """Run engine, C and text, which agree in every bit; returns what they found."""
+    engine = simulated(program, inputs)
+    in_c, in_text = run_both(program, folder, inputs)
+    # The engine shows what goes into a ring, the printed programs what the next scan reads.
+    for column, entry in enumerate(program.state, start=len(program.outputs)):
+        if isinstance(entry, DelayRing):
+            first = np.full(entry.length - 1, entry.signal.initial)
+            engine[:, column] = np.concatenate([first, engine[:, column]])[: len(engine)]
+    assert np.isfinite(engine).all()
+    assert np.array_equal(all_bits(engine), all_bits(in_c))
+    assert np.array_equal(all_bits(engine), all_bits(in_text))
+    return engine
+
+
+def no_output_lay_idle(
+    program: Program, engine: np.ndarray, bits: tuple[int, ...], least: int = 0
+) -> None:
+    """See that each bit of a status was set and clear, and others had more than so many values."""
+    for column, output in enumerate(program.outputs):
+        if output.part == "status":
+            word = engine[:, column].astype(int)
+            for bit in bits:
+                assert np.any(word & bit) and not np.all(word & bit), (output, bit)
+        elif least:
+            assert len(np.unique(engine[:, column])) > least, output
+
+
+def prints_its_numbers(controller) -> None:
+    """See that C and text have the values of a controller as they are."""
+    program = controller.program()
+    in_c = print_c(program).source
+    in_text = print_structured_text(program).split("FUNCTION_BLOCK ")[-1]
+    for entry, value in controller.values.items():
+        for printed, pattern in ((in_c, rf"->{entry} = "), (in_text, rf"  {entry} : LREAL := ")):
+            found = re.search(pattern + r"([-+.\dE]+);", printed)
+            assert found is not None and float(found[1]) == float(value), entry
+
+
+def spoilt(random: np.random.Generator, values: np.ndarray, share: float) -> np.ndarray:
+    """Replace a share of the values by what a broken channel delivers."""
+    wrong = np.array([np.nan, np.inf, -np.inf, 1e301, -1e301, -0.0, 5e-324])
+    places = random.random(len(values)) < share
+    values[places] = random.choice(wrong, size=int(places.sum()))
+    return values

@@ -15,7 +15,7 @@ from clepsydra import InputError, Signal
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.printing.decimal_text import decimal
 from clepsydra.deploy.printing.precision import check_precision, in_precision
-from clepsydra.deploy.printing.whole_numbers import check_whole_results, whole_ranges
+from clepsydra.deploy.printing.whole_numbers import check_whole_results
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.operation import Operation
 from clepsydra.program.program import Block, Conditional, Loop, Program
@@ -201,53 +201,3 @@ def test_an_integer_state_that_is_handed_on_stays_whole():
     block = Block(2, statements, (4,), frozenset({3}))
     duty = Signal("duty", kind="integer", initial=1.0)
     check_whole_results(Program("law", (duty,), (Signal("u"),), (), (), block), "single")
-
-
-COMPUTE = {
-    "add": lambda a, b: a + b,
-    "subtract": lambda a, b: a - b,
-    "multiply": lambda a, b: a * b,
-    "maximum": lambda a, b: a if a > b else b,
-    "minimum": lambda a, b: a if a < b else b,
-    "negate": lambda a, b: -a,
-    "absolute": lambda a, b: abs(a),
-    "floor": lambda a, b: np.floor(a),
-    "ceiling": lambda a, b: np.ceil(a),
-}
-INTEGERS = [-(2.0**31), -(2.0**24) - 1, -5.0, 0.0, 1.0, 3.0, 2.0**24, 2.0**24 + 3, 2.0**31 - 1.0]
-REALS = [-np.inf, -3e38, -0.5, 0.0, 2.5, 2.0**24 + 2, 3e38, np.inf, np.nan]
-
-
-@pytest.mark.parametrize("seed", range(30))
-def test_no_single_precision_number_leaves_its_bounds(seed):
-    random = np.random.default_rng(seed)
-    operations = [
-        Operation(3, "constant", (), -2.0),
-        Operation(4, "constant", (), 16777215.0),
-        Operation(5, "constant", (), 0.5),
-    ]
-    for target in range(6, 30):
-        code = list(COMPUTE)[random.integers(len(COMPUTE))]
-        operands = tuple(int(v) for v in random.integers(target, size=2))
-        one = code in ("negate", "absolute", "floor", "ceiling")
-        operations.append(Operation(target, code, operands[:1] if one else operands))
-    inputs = (Signal("i", kind="integer"), Signal("b", kind="boolean"), Signal("r"))
-    program = Program("p", (), inputs, (), (), Block(3, tuple(operations), ()))
-    ranges = whole_ranges(program, "single")
-    assert 5 not in ranges and 2 not in ranges
-    with np.errstate(all="ignore"):
-        for given_integer in INTEGERS:
-            for given_real in REALS:
-                values = [np.float32(v) for v in (given_integer, 1.0, given_real)]
-                for operation in operations:
-                    a, b = (*(values[v] for v in operation.arguments), np.float32(0), 0)[:2]
-                    compute = COMPUTE.get(operation.code)
-                    made = operation.constant if compute is None else compute(a, b)
-                    values.append(np.float32(made))
-                for place, bound in ranges.items():
-                    value = float(values[place])
-                    if np.isnan(value):
-                        assert bound.maybe_nan
-                    else:
-                        assert bound.low <= value <= bound.high
-                        assert np.isinf(value) or value == np.floor(value)

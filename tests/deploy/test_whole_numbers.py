@@ -1,6 +1,7 @@
 """The bounds against every value that random programs of whole numbers really take."""
 
 import math
+from itertools import product
 
 import numpy as np
 import pytest
@@ -22,15 +23,25 @@ COMPUTE = {
     "ceiling": lambda a, b: float(np.ceil(a)),
 }
 INTEGERS = [-(2.0**31), -5.0, -1.0, 0.0, 1.0, 3.0, 2.0**31 - 1.0]
-REALS = [-math.inf, -1e300, -0.5, 0.0, 2.5, 1e300, math.inf, math.nan]
+REALS = [-math.inf, -0.5, 0.0, 2.5, math.inf, math.nan]
+#: Of each precision: its type, a large constant, and what is whole or real beside the usual.
+PRECISIONS = {
+    "double": (np.float64, 7.0, [], [-1e300, 1e300]),
+    "single": (
+        np.float32, 2.0**24 - 1.0, [-(2.0**24) - 1, 2.0**24, 2.0**24 + 3],
+        [-3e38, 2.0**24 + 2, 3e38],
+    ),
+}  # fmt: skip
 
 
+@pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("seed", range(30))
-def test_no_value_leaves_its_bounds(seed):
+def test_no_value_leaves_its_bounds(seed, precision):
+    kind, large, integers, reals = PRECISIONS[precision]
     random = np.random.default_rng(seed)
     operations = [
         Operation(3, "constant", (), -2.0),
-        Operation(4, "constant", (), 7.0),
+        Operation(4, "constant", (), large),
         Operation(5, "constant", (), 0.5),
     ]
     for target in range(6, 30):
@@ -40,20 +51,18 @@ def test_no_value_leaves_its_bounds(seed):
         operations.append(Operation(target, code, operands[:1] if one else operands))
     inputs = (Signal("i", kind="integer"), Signal("b", kind="boolean"), Signal("r"))
     program = Program("p", (), inputs, (), (), Block(3, tuple(operations), ()))
-    ranges = whole_ranges(program)
+    ranges = whole_ranges(program, precision)
     assert 5 not in ranges and 2 not in ranges
     with np.errstate(all="ignore"):
-        for integer in INTEGERS:
-            for boolean in (0.0, 1.0):
-                for real in REALS:
-                    values = [np.float64(v) for v in (integer, boolean, real)]
-                    for operation in operations:
-                        a, b = (*(values[v] for v in operation.arguments), 0.0, 0.0)[:2]
-                        compute = COMPUTE.get(operation.code)
-                        made = operation.constant if compute is None else compute(a, b)
-                        values.append(np.float64(made))
-                    for value, bound in ranges.items():
-                        check(values[value], bound)
+        for given in product([*INTEGERS, *integers], (0.0, 1.0), [*REALS, *reals]):
+            values = [kind(value) for value in given]
+            for operation in operations:
+                a, b = (*(values[v] for v in operation.arguments), kind(0.0), kind(0.0))[:2]
+                compute = COMPUTE.get(operation.code)
+                made = operation.constant if compute is None else compute(a, b)
+                values.append(kind(made))
+            for place, bound in ranges.items():
+                check(float(values[place]), bound)
 
 
 def check(value: float, bound: WholeRange) -> None:
