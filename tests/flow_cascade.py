@@ -7,8 +7,17 @@ def flow_cascade(
     by: str = "5 %",
     noise: str = "false",
     high: str = "35 l/s",
+    level_time: str = "",
+    flow_gain: str = "0.3 %/%",
+    flow_time: str = "6 s",
 ) -> str:
-    """Return the study file; `by` and `at` are of the step of the level's setpoint."""
+    """Return the study file.
+
+    `by` and `at` are of the step of the level's setpoint; `level_time` is the integral time of the
+    level loop, which is a P loop without; `high` is the highest setpoint of the flow loop.
+    """
+    integral = f'actions = "PI"\nintegral_time = "{level_time}"' if level_time else 'actions = "P"'
+    highest = f'setpoint_high = "{high}"\n' if high else ""
     return f"""
 process = "wet-well:flow-meters"
 [scenario]
@@ -21,7 +30,7 @@ by = "{by}"
 [controllers.cascade.loops.level]
 measurement = "level"
 output = "flow.setpoint"
-actions = "P"
+{integral}
 action = "direct"
 gain = "3 %/%"
 [controllers.cascade.loops.flow]
@@ -29,7 +38,6 @@ measurement = "duty_flow"
 output = "duty"
 actions = "PI"
 action = "reverse"
-gain = "0.3 %/%"
-integral_time = "6 s"
-setpoint_high = "{high}"
-"""
+gain = "{flow_gain}"
+integral_time = "{flow_time}"
+{highest}"""

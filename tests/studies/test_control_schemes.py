@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from flow_cascade import flow_cascade
 
 from clepsydra import InputError
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
@@ -41,31 +42,7 @@ output = "outflow"
 actions = "PI"
 action = "direct"
 """
-CASCADE = """
-process = "wet-well:flow-meters"
-[scenario]
-duration = "40 min"
-noise = false
-[[scenario.setpoint]]
-signal = "level"
-at = "2 min"
-by = "5 %"
-[controllers.cascade.loops.level]
-measurement = "level"
-output = "flow.setpoint"
-actions = "PI"
-action = "direct"
-gain = "3 %/%"
-integral_time = "10 min"
-[controllers.cascade.loops.flow]
-measurement = "duty_flow"
-output = "duty"
-actions = "PI"
-action = "reverse"
-gain = "0.3 %/%"
-integral_time = "6 s"
-setpoint_high = "35 l/s"
-"""
+CASCADE = flow_cascade("40 min", level_time="10 min")
 
 
 @pytest.fixture(scope="module")

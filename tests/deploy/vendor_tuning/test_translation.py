@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from flow_cascade import flow_cascade
 from plants import designed, plant
 from refusals import refused
 from rich.console import Console
@@ -23,26 +24,7 @@ from clepsydra.studies.file.reader import read_study
 
 #: Steps of 0.01 min, of 0.1 s and of 0.1 % of a band: rounding that can be seen.
 COARSE = ("rockwell-micrologix", "omron-pidat")
-CASCADE = """
-process = "wet-well:flow-meters"
-
-[controllers.cascade.loops.level]
-measurement = "level"
-output = "flow.setpoint"
-actions = "PI"
-action = "direct"
-gain = "3 %/%"
-integral_time = "10 min"
-
-[controllers.cascade.loops.flow]
-measurement = "duty_flow"
-output = "duty"
-actions = "PI"
-action = "reverse"
-gain = "0.3 %/%"
-integral_time = "6 s"
-setpoint_high = "35 l/s"
-"""
+CASCADE = flow_cascade(level_time="10 min")
 
 pytestmark = pytest.mark.thorough
 

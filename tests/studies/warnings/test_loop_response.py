@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from flow_cascade import flow_cascade
 
 from clepsydra import PidForm
 from clepsydra.linear.linearise import linearise
@@ -127,32 +128,14 @@ def test_a_bias_that_nothing_moves_is_no_mode_of_the_loop(tank, pid, actions):
         assert np.linalg.eigvals(response.loop.A) == pytest.approx([1.0 - 2.0 * RATE])
 
 
-CASCADE = """
-process = "wet-well:flow-meters"
-[controllers.cascade.loops.level]
-measurement = "level"
-output = "flow.setpoint"
-actions = "PI"
-action = "direct"
-gain = "3 %/%"
-integral_time = "10 min"
-[controllers.cascade.loops.flow]
-measurement = "duty_flow"
-output = "duty"
-actions = "PI"
-action = "reverse"
-gain = "{gain}"
-integral_time = "20 s"
-"""
-
-
 @pytest.fixture
 def cascade(tmp_path):
     """Return a function from the gain of a flow loop within a level loop to their response."""
 
     def make(gain):
         path = tmp_path / "cascade.toml"
-        path.write_text(CASCADE.format(gain=gain))
+        words = {"level_time": "10 min", "flow_gain": gain, "flow_time": "20 s", "high": ""}
+        path.write_text(flow_cascade(**words), encoding="utf-8")
         study = read_study(path)
         model = linearise(study.analysis.operating_point)
         return loop_response(study.controllers[0].make(study.analysis, model), model)
