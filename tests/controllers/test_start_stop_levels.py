@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from refusals import refused
+from written_plants import plant_of
 
 import clepsydra as cl
 from clepsydra import InputError, NotApplicable, Signal
@@ -238,12 +239,6 @@ level = "2 m"
 """
 EMPTYING = {"way": "destination", "source": "well", "destination": "works", "inflow": 20}
 FILLING = {"way": "source", "source": "works", "destination": "well", "inflow": 20}
-
-
-def plant_of(tmp_path, text):
-    path = tmp_path / "station.toml"
-    path.write_text(text, encoding="utf-8")
-    return cl.load(path)
 
 
 @pytest.fixture(scope="module")

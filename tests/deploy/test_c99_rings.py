@@ -10,13 +10,12 @@ from block_interpreter import evaluate_block
 from deployed import CompiledC, all_bits
 from random_blocks import FINITE, random_block, stimulus
 from single_precision import InSinglePrecision, single_bits
+from written_plants import plant_of
 
 from clepsydra import Kernel, Signal
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.process_program import process_program
-from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.process.reader import load_process
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.delay_ring import DelayRing
@@ -69,9 +68,8 @@ range = ["0 cm", "60 cm"]
 @pytest.fixture(scope="module")
 def channel(tmp_path_factory):
     """The process with two transport delays, as a program of four turns a sample."""
-    path = tmp_path_factory.mktemp("process") / "channel.toml"
-    path.write_text(CHANNEL)
-    return process_program(find_equilibrium(load_process(path)), 4)
+    plant = plant_of(tmp_path_factory.mktemp("process"), CHANNEL)
+    return process_program(plant.point, 4)
 
 
 def profiles(program: Program) -> dict[str, np.ndarray]:

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from written_plants import plant_of
 
-import clepsydra as cl
 from clepsydra.designs.sampled.sampled_process import NotSampled, sampled_process
 
 # Three tanks of 1 m² in a row with two inflows, and a pipe behind the first inflow and behind each
@@ -55,9 +55,7 @@ def three_tanks(tmp_path):
             text += BACK
         for number, time in enumerate(times, 1):
             text = text.replace(f"TIME_{number}", str(time))
-        path = tmp_path / "tanks.toml"
-        path.write_text(text)
-        return cl.load(path).linear
+        return plant_of(tmp_path, text).linear
 
     return model
 

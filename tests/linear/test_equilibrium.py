@@ -8,11 +8,11 @@ import casadi as ca
 import numpy as np
 import pytest
 from refusals import refused
+from written_plants import plant_of
 
 from clepsydra import InputError, NoEquilibrium
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.process.reader import load_process
 
 
 def torricelli(level, outlet=0.1):
@@ -353,7 +353,5 @@ range = ["0 cm", "5 cm"]
 @pytest.mark.thorough
 def test_a_search_that_leaves_the_numbers_ends_in_words(tmp_path):
     """It comes by a tip, where 1/A has no value: NumPy warned, which is an error of the tests."""
-    path = tmp_path / "slender.toml"
-    path.write_text(SLENDER, encoding="utf-8")
     with pytest.raises(NoEquilibrium, match="fall below its floor"):
-        find_equilibrium(load_process(path))
+        find_equilibrium(plant_of(tmp_path, SLENDER).process)

@@ -6,6 +6,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 import pytest
+from written_plants import plant_of
 
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.lie_derivatives import (
@@ -109,10 +110,8 @@ def test_the_bracket_free_rule_of_products():
 
 def test_a_pump_with_a_dead_band_acts_by_the_piece_it_runs_in(tmp_path):
     text = catalogue_file("quadruple-tank").read_text("utf-8")
-    text = text.replace('nominal = "3.00 V"', 'nominal = "3.00 V"\ndead_band = "0.5 V"')
-    path = tmp_path / "dead-band.toml"
-    path.write_text(text, "utf-8")
-    equations = input_affine_equations(analyse(load_process(path)).model)
+    edit = 'nominal = "3.00 V"', 'nominal = "3.00 V"\ndead_band = "0.5 V"'
+    equations = input_affine_equations(plant_of(tmp_path, text, edit).analysis.model)
     plain = input_affine_equations(analyse(load_process("quadruple-tank")).model)
     assert equations.at_point(equations.fields) == pytest.approx(plain.at_point(plain.fields))
     x = equations.point.state

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from written_plants import plant_of
 
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.process.reader import load_process
 
 sys.path.insert(0, str(Path(__file__).parent))  # for random_plants
 
@@ -19,9 +19,7 @@ def start(tmp_path):
     """Return a function (text, sampling period [s], state) → point, nothing of it at rest."""
 
     def make(text, period, **state):
-        path = tmp_path / "rig.toml"
-        path.write_text(f'{HEAD}sampling_period = "{period} s"\n{text}')
-        process = load_process(path)
+        process = plant_of(tmp_path, f'{HEAD}sampling_period = "{period} s"\n{text}').process
         values = {signal.name: signal.initial for signal in process.state}
         values |= {name.replace("__", "."): value for name, value in state.items()}
         assert len(values) == len(process.state), list(values)

@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from refusals import refused
+from written_plants import plant_of
 
 from clepsydra import InputError, Kernel
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
@@ -258,9 +259,8 @@ def test_a_model_without_an_operating_point_is_refused_by_all_alike():
 def test_an_input_that_no_loop_moves_stays_at_its_operating_point(tmp_path):
     """Two pumps, one controlled level: the second pump stands at its own nominal voltage."""
     text = files("clepsydra.process.catalogue").joinpath("quadruple-tank.toml").read_text()
-    path = tmp_path / "one-loop.toml"
-    path.write_text(text.replace('controlled = ["level_1", "level_2"]', 'controlled = ["level_1"]'))
-    analysis = analyse(load_process(path))
+    edit = 'controlled = ["level_1", "level_2"]', 'controlled = ["level_1"]'
+    analysis = plant_of(tmp_path, text, edit).analysis
     loop = Loop(design_simc(analysis.model, [("level_1", "pump_1")]), analysis.model)
     scenario = step_scenario(loop, 100)
     for solver in ("kernel", "reference"):

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from written_plants import plant_of
 
 from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
@@ -200,9 +201,7 @@ range = ["0 cm", "60 cm"]
 @pytest.mark.parametrize("friction", ['backlash = "6 %"', 'stiction = "5 %"\nslip_jump = "3 %"'])
 def test_a_rig_with_every_switch(tmp_path, friction):
     """Trips, level switches, a delay, weirs that spill, an emptied tank, a valve that sticks."""
-    path = tmp_path / "rig.toml"
-    path.write_text(RIG.format(friction=friction))
-    process = load_process(path)
+    process = plant_of(tmp_path, RIG.format(friction=friction)).process
     start = {
         "upper.level": 0.2, "upper.salt": 0.0, "lower.level": 0.35, "lower.salt": 40.0,
         "feed.actual": 4.0, "sump.actual": 0.0, "throttle.position": 0.6,

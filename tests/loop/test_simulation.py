@@ -7,6 +7,7 @@ import pandas
 import pytest
 from refusals import refused
 from scipy.special import gammainc
+from written_plants import plant_of
 
 import clepsydra as cl
 from clepsydra.loop.open_loop_plan import plan_simulation
@@ -62,9 +63,7 @@ def tank(tmp_path):
     """Return a function: nominal inflow → plant."""
 
     def make(nominal: str) -> cl.Plant:
-        path = tmp_path / "one.toml"
-        path.write_text(ONE_TANK.format(nominal=nominal))
-        return cl.load(path)
+        return plant_of(tmp_path, ONE_TANK.format(nominal=nominal))
 
     return make
 

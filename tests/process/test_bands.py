@@ -2,6 +2,7 @@
 
 import pytest
 from refusals import refused
+from written_plants import plant_of
 
 import clepsydra as cl
 from clepsydra.loop.default_scenario import default_scenario
@@ -42,13 +43,7 @@ BAND = 'band = ["25 %", "1.5 m"]'
 
 
 def load(folder, *edits):
-    text = DRUM
-    for old, new in edits:
-        assert old in text
-        text = text.replace(old, new)
-    path = folder / "drum.toml"
-    path.write_text(text, encoding="utf-8")
-    return cl.load(path)
+    return plant_of(folder, DRUM, *edits)
 
 
 def test_ends_are_in_the_unit_of_the_range_or_in_percent_of_it(tmp_path):
@@ -115,7 +110,7 @@ def test_a_mistake_in_a_band_has_line_value_and_remedy(
         "operating_point": (AT_REST, "operating_point.level"),
     }[key]
     line = DRUM.splitlines().index(text) + 1
-    assert found.place == f"{tmp_path / 'drum.toml'}, line {line}, {place}"
+    assert found.place == f"{tmp_path / 'plant.toml'}, line {line}, {place}"
     assert (str(found.value), found.expected, found.remedy) == (value, expected, remedy)
 
 

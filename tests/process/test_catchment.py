@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from written_plants import plant_of
 
 import clepsydra as cl
 from clepsydra import InputError
@@ -43,9 +44,7 @@ level_1 = "2 m"
 
 @pytest.fixture
 def plant(tmp_path):
-    path = tmp_path / "storm-tank.toml"
-    path.write_text(PLANT, encoding="utf-8")
-    return cl.load(path)
+    return plant_of(tmp_path, PLANT)
 
 
 def test_rain_runs_off_as_through_a_first_order_lag(plant):
@@ -83,7 +82,5 @@ def test_a_study_tries_the_cloudburst(plant):
 )
 def test_what_is_none_is_refused(tmp_path, line, by, said):
     assert PLANT.count(line) == 1
-    path = tmp_path / "storm-tank.toml"
-    path.write_text(PLANT.replace(line, by), encoding="utf-8")
     with pytest.raises(InputError, match=said):
-        cl.load(path)
+        plant_of(tmp_path, PLANT.replace(line, by))

@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from written_plants import plant_of
 
 import clepsydra as cl
 from clepsydra.base.units import from_si
@@ -326,9 +327,7 @@ level = "1 m"
 )
 def test_limit_cycle(tmp_path: Path, friction: str) -> None:
     """PI control of an integrating level comes to rest, but cycles for ever with stiction."""
-    path = tmp_path / "integrating.toml"
-    path.write_text(INTEGRATING.format(friction=friction), encoding="utf-8")
-    plant = cl.load(path)
+    plant = plant_of(tmp_path, INTEGRATING.format(friction=friction))
     controller = cl.design.simc(plant).with_values({"level": {"K": 12.0, "Ti": "80 s"}})
     more = [cl.disturbance("drain", to="5 m^3/h", at="1 s")]
     run = cl.simulate(plant, controller, more, duration="5000 s")
@@ -355,9 +354,7 @@ def test_linear_model_has_the_gain_of_the_valve(tmp_path: Path, friction: str) -
     )
     slopes = []
     for text in (table, f"{table}{friction}\n"):
-        path = tmp_path / "plant.toml"
-        path.write_text(f"{PLANT}\n{text}", encoding="utf-8")
-        process = load_process(path)
+        process = plant_of(tmp_path, f"{PLANT}\n{text}").process
         u = ca.SX.sym("u", 2)
         rate = process.dynamics([0.1, 0.1], u, [0.0], process.parameter_values)
         slopes.append(np.asarray(ca.Function("slope", [u], [ca.jacobian(rate, u)])([3.0, 0.5])))

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
+from written_plants import plant_of
 
 from clepsydra.base.units import from_si
 from clepsydra.process.elements.forced_flow import ForcedFlow
@@ -19,7 +20,6 @@ from clepsydra.process.elements.tank import Tank
 from clepsydra.process.level_switch import LevelLimit, LevelStarter, LevelTrips
 from clepsydra.process.process import Process
 from clepsydra.process.pump_curve import PumpCurve
-from clepsydra.process.reader import load_process
 from clepsydra.process.suction import Suction
 from clepsydra.process.vessels.prism import Prism
 
@@ -30,13 +30,7 @@ CURVE = PumpCurve(POINTS)
 
 
 def plant(tmp_path: Path, *edits: tuple[str, str]) -> Process:
-    text = PLANT
-    for old, new in edits:
-        assert old in text
-        text = text.replace(old, new)
-    path = tmp_path / "plant.toml"
-    path.write_text(text, encoding="utf-8")
-    return load_process(path)
+    return plant_of(tmp_path, PLANT, *edits).process
 
 
 def tank(name: str, area: float = 0.01, height: float = 1.0) -> Tank:

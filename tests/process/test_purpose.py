@@ -3,6 +3,7 @@
 import re
 
 import pytest
+from written_plants import plant_of
 
 from clepsydra import InputError
 from clepsydra.process.catalogue_names import catalogue_names
@@ -50,9 +51,7 @@ level = "2 m"
 
 
 def load(text: str, folder):
-    path = folder / "basin.toml"
-    path.write_text(text, encoding="utf-8")
-    return load_process(path)
+    return plant_of(folder, text).process
 
 
 def with_line(line: str, text: str = BASIN) -> str:
@@ -77,10 +76,8 @@ def test_a_level_or_a_volume_with_a_pump_behind_it_may_average(tmp_path):
 
 def test_a_variant_may_say_so(tmp_path):
     text = BASIN + '\n[variants.buffer]\naveraging = ["level"]\n'
-    path = tmp_path / "basin.toml"
-    path.write_text(text, encoding="utf-8")
-    assert load_process(path).averaging == ()
-    assert load_process(path, "buffer").averaging == ("level",)
+    assert load(text, tmp_path).averaging == ()
+    assert load_process(tmp_path / "plant.toml", "buffer").averaging == ("level",)
 
 
 @pytest.mark.parametrize(
@@ -119,5 +116,5 @@ def test_a_mistake_is_answered_with_its_line_and_a_remedy(line, change, message,
         load(text, tmp_path)
     said = str(refusal.value)
     number = text.splitlines().index(line) + 1
-    assert re.search(rf"basin\.toml, line {number}, averaging: got ", said), said
+    assert re.search(rf"plant\.toml, line {number}, averaging: got ", said), said
     assert message in said, said

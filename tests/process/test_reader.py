@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from written_plants import plant_of
 
 from clepsydra.base.units import from_si
 from clepsydra.process.elements.forced_flow import ForcedFlow
@@ -15,13 +16,7 @@ VALID = (Path(__file__).parent / "plant.toml").read_text(encoding="utf-8")
 
 
 def read(tmp_path: Path, *edits: tuple[str, str]) -> Process:
-    text = VALID
-    for old, new in edits:
-        assert old in text
-        text = text.replace(old, new)
-    path = tmp_path / "plant.toml"
-    path.write_text(text, encoding="utf-8")
-    return load_process(path)
+    return plant_of(tmp_path, VALID, *edits).process
 
 
 def test_signals_of_the_catalogue() -> None:

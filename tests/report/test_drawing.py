@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 
 import pytest
 from drawn_plants import CHAINS, FILES, PLANTS, loaded
+from written_plants import plant_of
 
 from clepsydra import Connection, Element
 from clepsydra.controllers.controller import Controller
@@ -436,9 +437,7 @@ def test_words_of_a_file_cannot_break_the_drawing(process):
 def test_long_names_beside_pumps_are_shortened_and_told_in_full_to_who_asks(tmp_path):
     name = "condensate_feed_pump_of_line_2301_west"
     text = catalogue_file("quadruple-tank").read_text("utf-8").replace("pump_1", name)
-    path = tmp_path / "long.toml"
-    path.write_text(text, encoding="utf-8")
-    process = load_process(path)
+    process = plant_of(tmp_path, text).process
     drawing = process_drawing(process, find_equilibrium(process))
     assert f"<title>pump {name}, 3.00 V, 30 %</title>" in drawing
     written = re.findall(r'class="name">([^<]*)<', drawing)

@@ -5,6 +5,7 @@ import matplotlib
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from written_plants import plant_of
 
 import clepsydra as cl
 from clepsydra.process.catalogue_names import catalogue_file
@@ -178,9 +179,7 @@ def test_long_names_leave_room_for_the_name_of_a_limit(tmp_path):
     text = catalogue_file("quadruple-tank").read_text("utf-8")
     for short in ("tank_1", "level_1"):
         text = text.replace(short, f"{short}_of_the_second_condensate_line_N")
-    path = tmp_path / "long.toml"
-    path.write_text(text, encoding="utf-8")
-    plant = cl.load(path)
+    plant = plant_of(tmp_path, text)
     run = cl.simulate(plant, cl.design.simc(plant))
     figure = trend_figure(run, controlled_panels(run))
     renderer = FigureCanvasAgg(figure).get_renderer()

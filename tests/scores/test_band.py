@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from written_plants import plant_of
 
 import clepsydra as cl
 from clepsydra.scores.evaluate import score_run
@@ -72,9 +73,7 @@ def test_a_value_that_is_not_finite_is_without_end():
 @pytest.fixture(scope="module")
 def tank(tmp_path_factory):
     def made(low, high):
-        path = tmp_path_factory.mktemp("tank") / "tank.toml"
-        path.write_text(TANK.format(low, high), encoding="utf-8")
-        return cl.load(path)
+        return plant_of(tmp_path_factory.mktemp("tank"), TANK.format(low, high))
 
     return made
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from written_plants import plant_of
 
 import clepsydra as cl
 from clepsydra.scores.plant import plant_trajectories
@@ -97,10 +98,8 @@ level = "1 m"
 
 
 def test_what_comes_out_of_a_channel_entered_it_earlier(tmp_path) -> None:
-    path = tmp_path / "channel.toml"
-    path.write_text(CHANNEL, encoding="utf-8")
     more = [cl.step("inflow", to="5 l/s", at="20 s")]
-    run = cl.simulate(cl.load(path), None, more, duration="3 min")
+    run = cl.simulate(plant_of(tmp_path, CHANNEL), None, more, duration="3 min")
     buffer = plant_trajectories(run.process, run.time, run.values).buffers["level"]
     # The step enters at 20 s and arrives at 60 s; the sample at its front may show either.
     assert np.allclose(buffer.inflow[run.time < 60], 3e-3, rtol=1e-9)

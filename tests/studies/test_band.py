@@ -4,6 +4,7 @@ import re
 
 import pytest
 from refusals import refused
+from written_plants import plant_of
 
 import clepsydra as cl
 from clepsydra.studies.recommendation import recommend
@@ -30,9 +31,7 @@ NARROW = 'range = ["35 m^3/h", "60 m^3/h"], nominal = "40 m^3/h" }'
 
 @pytest.fixture(scope="module")
 def plant(tmp_path_factory):
-    path = tmp_path_factory.mktemp("drum") / "drum.toml"
-    path.write_text(DRUM, encoding="utf-8")
-    return cl.load(path)
+    return plant_of(tmp_path_factory.mktemp("drum"), DRUM)
 
 
 @pytest.fixture(scope="module")

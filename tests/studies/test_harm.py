@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from written_plants import plant_of
 
 import clepsydra as cl
 from clepsydra.studies.result import Standing
@@ -47,9 +48,7 @@ def candidate(tmp_path):
     """Return a function that studies SIMC's PI in a drum whose feed and demand [l/min] step."""
 
     def make(feed=None, demand=None, minutes=60, **lines):
-        path = tmp_path / "drum.toml"
-        path.write_text(DRUM.format(**{"trip": "", "weir": ""} | lines))
-        plant = cl.load(path)
+        plant = plant_of(tmp_path, DRUM.format(**{"trip": "", "weir": ""} | lines))
         events = [
             cl.step(name, to=f"{flow} l/min", at="20 s")
             for name, flow in (("feed", feed), ("demand", demand))

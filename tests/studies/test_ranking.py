@@ -9,6 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from written_plants import plant_of
 
 import clepsydra as cl
 from clepsydra.loop.motion_block import recorded_signals
@@ -370,9 +371,7 @@ def test_a_pump_that_trips_is_unsafe(tmp_path, resting, controller):
             1,
         )
     )
-    path = tmp_path / "wet-well.toml"
-    path.write_text(text, encoding="utf-8")
-    run = still(resting, cl.load(path))
+    run = still(resting, plant_of(tmp_path, text))
     quiet = Trial(controller, run, {}, 1.2, ())
     assert quiet.standing is Standing.ROBUST
     tripped = changed(run, "duty.trips_well_below.count", 1.0, slice(50, None))

@@ -5,6 +5,7 @@ import functools
 import casadi as ca
 import numpy as np
 import pytest
+from written_plants import plant_of
 
 import clepsydra as cl
 from clepsydra import LinearModel, PidForm, Signal
@@ -54,9 +55,7 @@ def tank(tmp_path_factory):
     def make(**changed):
         lines = {"period": 1, "destination": "tank", "trip": "", "demand": 500}
         lines |= {"sensor": VOLTS, "rest": "5 V", "more": ""}
-        path = tmp_path_factory.mktemp("tank") / "buffer.toml"
-        path.write_text(TANK.format(**lines | changed))
-        return cl.load(path).analysis
+        return plant_of(tmp_path_factory.mktemp("tank"), TANK.format(**lines | changed)).analysis
 
     return make
 
