@@ -9,7 +9,6 @@ from pages import blocks
 
 from clepsydra.designs.design import DESIGNS
 from clepsydra.linear.linearise import linearise
-from clepsydra.process.declared import keys_of, table_schema
 from clepsydra.studies.file.own_law_table import OwnLawTable
 from clepsydra.studies.file.reader import read_study, study_schema
 from clepsydra.studies.file.scheme_parts import SchemeParts
@@ -40,7 +39,7 @@ STUDY = study_schema()
 SCENARIO = STUDY["properties"]["scenario"]
 #: The schema of a controller's keys, and of each part of a scheme by the key of its table.
 KEYS = STUDY["properties"]["controllers"]["additionalProperties"]["properties"]
-PARTS = {key: KEYS[key]["additionalProperties"] for key in keys_of(SchemeParts)}
+PARTS = {key: KEYS[key]["additionalProperties"] for key in SchemeParts.properties()}
 
 
 @pytest.mark.parametrize(
@@ -59,7 +58,7 @@ PARTS = {key: KEYS[key]["additionalProperties"] for key in keys_of(SchemeParts)}
         ("Ratios", 0, PARTS["ratios"]),
         ("Feedforward", 0, PARTS["feedforward"]),
         ("Start and stop levels", 0, KEYS["start_stop"]),
-        ("Laws of your own", 0, table_schema(OwnLawTable)),
+        ("Laws of your own", 0, {"properties": OwnLawTable.properties()}),
     ],
 )
 def test_a_table_describes_every_key_in_the_words_of_its_declaration(section, table, schema):
@@ -124,7 +123,7 @@ def test_there_is_an_example_of_every_structure():
         for controller in tomllib.loads(text).get("controllers", {}).values()
         for key in controller
     }
-    assert used >= {*keys_of(SchemeParts), "design", "law", "start_stop", "tune"}
+    assert used >= {*SchemeParts.properties(), "design", "law", "start_stop", "tune"}
 
 
 def test_what_the_page_links_to_exists():

@@ -14,7 +14,7 @@ from clepsydra.designs.design import DESIGNS
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.process import told
-from clepsydra.process.declared import keys_of, read_fields, table_schema
+from clepsydra.process.declared import read_fields, table_schema
 from clepsydra.process.errors_at import errors_at
 from clepsydra.process.known_names import known_name
 from clepsydra.process.process import Process
@@ -111,7 +111,7 @@ def _controller(rows: TableReader, name: str, process: Process, folder: Path) ->
         make, tune = _designed(rows, name, process)
     else:
         way = _WRITTEN[written[0]]
-        table = rows.table(name, "a table", _WAYS, (*keys_of(way), *keys_of(_Tuned)))
+        table = rows.table(name, "a table", _WAYS, (*way.properties(), *_TUNE))
         made = way.read(table, name, process, folder).maker()
         make, tune = lambda analysis, model: made(model), _tuning(table, process)
     return ControllerRequest(name, _checked(make, tune), tune, rows.place(name))
@@ -202,7 +202,7 @@ _WRITTEN: dict[str, type[Written]] = {
 
 def _said_by(way: str) -> tuple[str, ...]:
     """Return the keys any of which says that a controller is written out in a way."""
-    return keys_of(Scheme) if way == "loops" else (way,)
+    return tuple(Scheme.properties()) if way == "loops" else (way,)
 
 
 def controller_schema() -> dict[str, Any]:
@@ -217,17 +217,19 @@ def controller_schema() -> dict[str, Any]:
     kinds: list[Mapping[str, Any]] = []
     checks: list[Mapping[str, Any]] = []
     for name, each in DESIGNS.items():
-        own = {key: schema for a in each.declared.values() for key, schema in a.properties.items()}
+        own: Mapping[str, Any] = {
+            key: schema for a in each.declared.values() for key, schema in a.properties.items()
+        }
         kinds.append(own)
         named = {"properties": {"design": {"const": name}}, "required": ["design"]}
         fitting = told.table({**design, **own, **_TUNE}, ("design", *each.required))
         checks.append({"if": named, "then": fitting})
     ways: list[Mapping[str, Any]] = [{"required": ["design"]}]
     for way, kind in _WRITTEN.items():
-        keys = table_schema(kind)["properties"]
-        kinds.append(keys)
+        own = kind.properties()
+        kinds.append(own)
         ways.append({"anyOf": [{"required": [key]} for key in _said_by(way)]})
-        checks.append({"if": ways[-1], "then": {"propertyNames": {"enum": [*keys, *_TUNE]}}})
+        checks.append({"if": ways[-1], "then": {"propertyNames": {"enum": [*own, *_TUNE]}}})
     properties: dict[str, Any] = {**design}
     for keys in kinds:  # what a key of two kinds has in common is its words
         for key, schema in keys.items():

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.process.declared import read_fields
+from clepsydra.process.declared import read_fields, table_schema
 from clepsydra.process.process import Process
 from clepsydra.process.table_reader import TableReader
 
@@ -44,6 +44,12 @@ class Written(ABC):
     def read(cls, table: TableReader, name: str, process: Process, folder: Path) -> Self:
         """Read the keys; paths start in the folder of the study file."""
         return cls(table, name, process, **read_fields(cls, table, process=process, folder=folder))
+
+    @classmethod
+    def properties(cls) -> Mapping[str, Any]:
+        """Return its keys, each with what an editor is told of it."""
+        found: Mapping[str, Any] = table_schema(cls)["properties"]
+        return found
 
     @abstractmethod
     def maker(self) -> WrittenMaker:
