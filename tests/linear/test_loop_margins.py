@@ -10,13 +10,13 @@ import pytest
 from models_by_hand import lag, pi, pure_delay, rational, static
 from refusals import refused
 from scipy.optimize import brentq
+from state_space_loops import is_stable, maximum_sensitivity
 
 from clepsydra.linear.disk_margin import disk_margin
 from clepsydra.linear.frequency_grid import frequency_grid
 from clepsydra.linear.frequency_peak import responses_at_infinity
 from clepsydra.linear.interconnection import feedback, series
 from clepsydra.linear.loop_margins import loop_margins
-from clepsydra.linear.sensitivity import is_stable, maximum_sensitivity
 
 
 def from_transfer(numerator, denominator):

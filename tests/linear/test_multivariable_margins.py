@@ -10,6 +10,7 @@ import pytest
 from models_by_hand import lag, pi, pure_delay, rational, static
 from refusals import refused
 from scipy.optimize import minimize
+from state_space_loops import maximum_sensitivity
 
 from clepsydra.linear.disk_margin import disk_margin, structured_singular_values
 from clepsydra.linear.interconnection import feedback, parallel_channels, series
@@ -20,7 +21,7 @@ from clepsydra.linear.multivariable_margins import (
     multivariable_margins,
 )
 from clepsydra.linear.response import transfer_at
-from clepsydra.linear.sensitivity import largest_gain, maximum_sensitivity
+from clepsydra.linear.sensitivity import largest_gain
 
 # The spinning satellite, a plant that no single loop shows to be fragile.
 SATELLITE = rational([[0.0, 10.0], [-10.0, 0.0]], np.eye(2), [[1.0, 10.0], [-10.0, 1.0]],

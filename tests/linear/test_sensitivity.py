@@ -8,14 +8,10 @@ import numpy as np
 import pytest
 import scipy.linalg
 from scipy.optimize import minimize_scalar
+from state_space_loops import closed_loop_poles, is_stable, maximum_sensitivity
 
 from clepsydra.linear.response import evaluate_transfer
-from clepsydra.linear.sensitivity import (
-    closed_loop_poles,
-    is_stable,
-    largest_gain,
-    maximum_sensitivity,
-)
+from clepsydra.linear.sensitivity import largest_gain
 
 ONE = np.ones((1, 1))
 

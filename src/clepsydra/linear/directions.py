@@ -7,9 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.minimal_realisation import minimal_realisation, scaled_system
 from clepsydra.linear.poles import poles
-from clepsydra.linear.zeros import normal_rank, zeros
+from clepsydra.linear.zeros import normal_rank, reduced_system, zeros
 
 # Far above what null vectors of a small matrix are rounded by, far below what anyone reads.
 _ROUNDING = 1e-12
@@ -80,7 +79,7 @@ def zero_directions(model: LinearModel) -> list[ZeroDirection]:
     (True, [1.0, 0.0])
     """
     roots = zeros(model)
-    scaled = scaled_system(*minimal_realisation(model.A, model.B, model.C, model.D))
+    scaled, _ = reduced_system(model)
     n, full_rank = len(scaled.A), normal_rank(model)
     system = np.block([[scaled.A, scaled.B], [scaled.C, scaled.D]]).astype(complex)
     found = []

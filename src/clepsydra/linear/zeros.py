@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from clepsydra.linear.linear_model import LinearModel, refuse_delays
 from clepsydra.linear.minimal_realisation import (
     RANK_TOLERANCE,
+    ScaledSystem,
     minimal_realisation,
     scaled_system,
 )
@@ -54,9 +57,7 @@ def zeros(model: LinearModel) -> np.ndarray:
     """
     from scipy.linalg import eigvals
 
-    refuse_delays(model.delays, "zeros")
-    scaled = scaled_system(*minimal_realisation(model.A, model.B, model.C, model.D))
-    A, B, C, D = _finite_part(scaled.A, scaled.B, scaled.C, scaled.D)
+    scaled, (A, B, C, D) = reduced_system(model)
     if not len(A):
         return np.zeros(0, complex)
     # In a basis [N R] whose N spans the null space of [C D], the pencil of the zeros is what
@@ -86,9 +87,7 @@ def normal_rank(model: LinearModel) -> int:
     >>> normal_rank(model)
     1
     """
-    refuse_delays(model.delays, "zeros")
-    scaled = scaled_system(*minimal_realisation(model.A, model.B, model.C, model.D))
-    return len(_finite_part(scaled.A, scaled.B, scaled.C, scaled.D)[3])
+    return len(reduced_system(model)[1][3])
 
 
 def minimum_phase(model: LinearModel) -> bool:
@@ -115,14 +114,23 @@ def minimum_phase(model: LinearModel) -> bool:
     return bool(np.all(zeros(model).real < -origin_radius(model.A)))
 
 
-def _finite_part(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> _System:
-    """Return a system with the same finite zeros and an invertible D.
+@lru_cache(maxsize=16)
+def reduced_system(model: LinearModel) -> tuple[ScaledSystem, _System]:
+    """Return a minimal scaled realisation, and what it is with an invertible D.
 
-    The size of that D is the normal rank.
+    Both have the same finite zeros, and the size of that D is the normal rank. An analysis asks for
+    them of one model several times.
+
+    Raises
+    ------
+    InputError
+        The model has dead time.
     """
-    A, B, C, D = _rows_reduced(A, B, C, D)
+    refuse_delays(model.delays, "zeros")
+    scaled = scaled_system(*minimal_realisation(model.A, model.B, model.C, model.D))
+    A, B, C, D = _rows_reduced(scaled.A, scaled.B, scaled.C, scaled.D)
     A, B, C, D = _rows_reduced(A.T, C.T, B.T, D.T)
-    return A.T, C.T, B.T, D.T
+    return scaled, (A.T, C.T, B.T, D.T)
 
 
 def _rows_reduced(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> _System:
