@@ -189,12 +189,6 @@ def planned_points(
 ) -> tuple[str, list[PlannedPoint], list[float]]:
     """Return over what is scheduled, its points, and the peaks halfway between them.
 
-    Parameters
-    ----------
-    model : LinearModel
-    scheduled : ScheduledDesign
-    wish : Wish
-
     Raises
     ------
     NotApplicable

@@ -22,11 +22,6 @@ def arx_model(record: Record, manipulated: str, output: str) -> FittedModel:
     Its residuals are errors of one-step predictions. Where they are coloured the estimates
     themselves are biased, which no interval shows: that is a remark.
 
-    Parameters
-    ----------
-    record : Record
-    manipulated, output : str
-
     Raises
     ------
     InputError

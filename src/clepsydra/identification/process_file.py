@@ -30,11 +30,6 @@ def write_fitted_process(fit: ProcessFit, path: Path) -> None:
     force, behind the variants that were in force already. The sampling period stays that of the
     file.
 
-    Parameters
-    ----------
-    fit : ProcessFit
-    path : Path
-
     Raises
     ------
     InputError

@@ -18,11 +18,6 @@ _FEWEST = 3
 class IntervalEstimate:
     """A number found from data, and the interval that covers the truth 95 times out of 100.
 
-    Parameters
-    ----------
-    value, standard_error : float
-    low, high : float
-
     Examples
     --------
     >>> IntervalEstimate(4.32, 0.01, 4.30, 4.34).value

@@ -170,10 +170,6 @@ def analyse(
     inputs, outputs, disturbances : mapping, optional
         What fixes the operating point, as in `find_equilibrium`.
 
-    Returns
-    -------
-    Analysis
-
     Raises
     ------
     NoEquilibrium

@@ -63,10 +63,6 @@ def controllability_margins(model: LinearModel) -> list[ModeMargin]:
     A mode p is uncontrollable when [A - p I, B] loses rank. The margins depend on units:
     those of `in_ranges(model)` compare.
 
-    Parameters
-    ----------
-    model : LinearModel
-
     Returns
     -------
     list of ModeMargin
@@ -96,10 +92,6 @@ def controllability_margins(model: LinearModel) -> list[ModeMargin]:
 
 def observability_margins(model: LinearModel) -> list[ModeMargin]:
     """Return how far each mode is from being unobservable: when [A - p I; C] loses rank.
-
-    Parameters
-    ----------
-    model : LinearModel
 
     Returns
     -------
@@ -240,10 +232,6 @@ class Reach:
 
 def reach_of(model: LinearModel) -> Reach | None:
     """Return how well the modes are reached and shown; None where a signal has no range.
-
-    Parameters
-    ----------
-    model : LinearModel
 
     Examples
     --------

@@ -87,10 +87,6 @@ def lags_of(model: LinearModel) -> Lags | None:
     several inputs and outputs agree. Then zeros are those of the model without dead time, and
     gains are. An input that reaches no output, or an output that none reaches, has lag zero.
 
-    Parameters
-    ----------
-    model : LinearModel
-
     Examples
     --------
     >>> one = np.eye(1)
@@ -135,10 +131,6 @@ def lags_of(model: LinearModel) -> Lags | None:
 
 def dead_times(model: LinearModel) -> np.ndarray:
     """Return the dead time from each input to each output, each pair by itself.
-
-    Parameters
-    ----------
-    model : LinearModel
 
     Returns
     -------
@@ -275,10 +267,6 @@ def at_rest(model: LinearModel) -> LinearModel:
 
     Its G(0) is that of the model. Its poles are not.
 
-    Parameters
-    ----------
-    model : LinearModel
-
     Raises
     ------
     numpy.linalg.LinAlgError
@@ -308,10 +296,6 @@ def same_at_the_origin(model: LinearModel) -> LinearModel:
     matter even there (a tank filled now and emptied τ later by the same amount ends higher by
     τ times the flow), and a Padé approximation takes their place, whose series in s is that of
     the dead time up to s⁶.
-
-    Parameters
-    ----------
-    model : LinearModel
 
     Examples
     --------

@@ -47,10 +47,6 @@ def zero_directions(model: LinearModel) -> list[ZeroDirection]:
     realisation, so a zero that is a pole as well has them too. The largest entry is real and
     positive. Directions depend on units: `in_ranges(model)` gives those that compare.
 
-    Parameters
-    ----------
-    model : LinearModel
-
     Returns
     -------
     list of ZeroDirection
@@ -154,10 +150,6 @@ def pole_directions(model: LinearModel) -> list[PoleDirection]:
     Directions are of length one with the largest entry positive. They depend on units:
     `in_ranges(model)` gives those that compare. Of a pole that stands several times the
     directions are one choice among many.
-
-    Parameters
-    ----------
-    model : LinearModel
 
     Returns
     -------

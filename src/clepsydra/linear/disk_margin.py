@@ -171,10 +171,6 @@ def disk_margin(loop: LinearModel) -> DiskMargin:
         L, with as many outputs as inputs, closed by negative unity feedback. Broken at the
         plant output it is G K, at the plant input K G.
 
-    Returns
-    -------
-    DiskMargin
-
     Raises
     ------
     InputError

@@ -140,11 +140,6 @@ def reasons_without_solution(search: EquilibriumSearch, stuck: Iterate) -> tuple
 def undetermined(search: EquilibriumSearch, solved: Iterate) -> list[str]:
     """Return the states and free inputs that may take other values in the same equilibrium.
 
-    Parameters
-    ----------
-    search : EquilibriumSearch
-    solved : Iterate
-
     Examples
     --------
     >>> from clepsydra.linear.equilibrium_request import read_request

@@ -93,11 +93,6 @@ class EquilibriumSearch:
     in a straight line, so that an impossible request ends with ζ < 0 where a flow would have to
     be negative, and with the input that it would take. Other unknowns are span ζ.
 
-    Parameters
-    ----------
-    process : Process
-    request : EquilibriumRequest
-
     Examples
     --------
     >>> from clepsydra.linear.equilibrium_request import read_request

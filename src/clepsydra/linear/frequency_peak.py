@@ -190,10 +190,6 @@ def responses_at_infinity(model: LinearModel) -> np.ndarray:
     Without a direct way through a dead time that is D. With one, e^(-jωτ) keeps turning: the
     responses at 2048 phases of it (or combinations of phases, for several) stand for all.
 
-    Parameters
-    ----------
-    model : LinearModel
-
     Returns
     -------
     ndarray [k, q, m], complex

@@ -40,14 +40,6 @@ def stable_part(model: LinearModel) -> StablePart:
     couples the others to them. A mode at the origin counts as not stable up to √ε of the
     fastest rate where several stand there, since rounding spreads those.
 
-    Parameters
-    ----------
-    model : LinearModel
-
-    Returns
-    -------
-    StablePart
-
     Raises
     ------
     InputError
@@ -157,14 +149,6 @@ def hankel_singular_values(model: LinearModel) -> HankelSingularValues:
 
     They depend on the units of inputs and outputs, not on those of the states; of
     `in_ranges(model)` they compare.
-
-    Parameters
-    ----------
-    model : LinearModel
-
-    Returns
-    -------
-    HankelSingularValues
 
     Raises
     ------

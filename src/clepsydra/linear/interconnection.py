@@ -13,10 +13,6 @@ from clepsydra.linear.linear_model import LinearModel, led_back
 def series(first: LinearModel, second: LinearModel) -> LinearModel:
     """Return second · first: the outputs of the first are the inputs of the second, in order.
 
-    Parameters
-    ----------
-    first, second : LinearModel
-
     Returns
     -------
     LinearModel
@@ -57,10 +53,6 @@ def series(first: LinearModel, second: LinearModel) -> LinearModel:
 
 def parallel_channels(first: LinearModel, second: LinearModel) -> LinearModel:
     """Return both models side by side: the inputs, states and outputs of one, then the other.
-
-    Parameters
-    ----------
-    first, second : LinearModel
 
     Examples
     --------

@@ -85,11 +85,6 @@ class ProcessSymbols:
 def process_symbols(point: OperatingPoint, inputs: tuple[str, ...]) -> ProcessSymbols:
     """Return symbols for the equations of a process of which some inputs are moved.
 
-    Parameters
-    ----------
-    point : OperatingPoint
-    inputs : tuple of str
-
     Examples
     --------
     >>> from clepsydra.linear.equilibrium import find_equilibrium

@@ -52,10 +52,6 @@ class LocalDerivatives:
 class Derivatives:
     """Exact derivatives of a process by CasADi's algorithmic differentiation.
 
-    Parameters
-    ----------
-    process : Process
-
     Examples
     --------
     The sensors of the quadruple tank show 0.5 V for each centimetre:
@@ -96,10 +92,6 @@ def linearise(point: OperatingPoint) -> LinearModel:
     ----------
     point : OperatingPoint
         It knows its process.
-
-    Returns
-    -------
-    LinearModel
 
     Raises
     ------

@@ -114,10 +114,6 @@ def loop_margins(loop: LinearModel) -> LoopMargins:
     loop : LinearModel
         L, one input (the error) and one output.
 
-    Returns
-    -------
-    LoopMargins
-
     Raises
     ------
     InputError

@@ -43,10 +43,6 @@ def scaled_system(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) ->
     ----------
     A, B, C, D : ndarray [n, n], [n, m], [q, n], [q, m]
 
-    Returns
-    -------
-    ScaledSystem
-
     Examples
     --------
     >>> one = np.eye(1)

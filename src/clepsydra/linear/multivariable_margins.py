@@ -86,10 +86,6 @@ def multivariable_margins(plant: LinearModel, controller: LinearModel) -> Multiv
         K, from the control errors setpoint - output, in the order of the plant's outputs, to
         the manipulated inputs, in the order of the plant's inputs.
 
-    Returns
-    -------
-    MultivariableMargins
-
     Raises
     ------
     InputError

@@ -18,10 +18,6 @@ def poles(model: LinearModel) -> np.ndarray:
     Every state of the model counts, also one that the inputs do not move or the outputs do
     not show. Integrators stand at zero exactly, see `integrators`.
 
-    Parameters
-    ----------
-    model : LinearModel
-
     Returns
     -------
     ndarray [n], complex
@@ -85,10 +81,6 @@ def time_constants(model: LinearModel) -> np.ndarray:
     It is the time in which the mode shrinks to 1/e; infinite for a pole on the imaginary axis
     (an integrator, or an oscillation without damping), negative for an unstable one, where it
     is the time of growth.
-
-    Parameters
-    ----------
-    model : LinearModel
 
     Returns
     -------

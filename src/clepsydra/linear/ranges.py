@@ -90,10 +90,6 @@ def in_known_ranges(model: LinearModel) -> LinearModel | None:
     A state without a range counts in the size of its value at rest, or in its unit where that
     is zero; an input or an output without a range has nothing to be compared with.
 
-    Parameters
-    ----------
-    model : LinearModel
-
     Returns
     -------
     LinearModel or None

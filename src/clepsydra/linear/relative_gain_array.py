@@ -87,10 +87,6 @@ def relative_gains(model: LinearModel) -> np.ndarray:
     Where the model integrates, G(0) is infinite but Λ has a limit as s → 0; it is found by
     Richardson extrapolation along the positive real axis. Dead times are counted exactly.
 
-    Parameters
-    ----------
-    model : LinearModel
-
     Returns
     -------
     ndarray [q, m]

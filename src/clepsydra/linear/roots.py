@@ -62,10 +62,6 @@ def roots_of(model: LinearModel) -> Roots:
     Otherwise there are infinitely many, and those of a Padé approximation are returned as far
     out as it holds, 6/τ for the longest dead time τ.
 
-    Parameters
-    ----------
-    model : LinearModel
-
     Examples
     --------
     1/(s + e^(-s)) has no finite zero and infinitely many poles, of which two are near:

@@ -28,10 +28,6 @@ def asymptotically_stable(model: LinearModel) -> bool:
     by the argument principle along the imaginary axis (see `unstable_roots`). A root on the
     axis, to a share of 1e-9 of its frequency, is not stable.
 
-    Parameters
-    ----------
-    model : LinearModel
-
     Raises
     ------
     InputError

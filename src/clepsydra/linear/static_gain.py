@@ -19,10 +19,6 @@ def static_gain(model: LinearModel) -> np.ndarray:
     each is taken from its own minimal realisation, which leaves out an integrator that the
     input does not fill or the output does not show. Dead times are counted exactly.
 
-    Parameters
-    ----------
-    model : LinearModel
-
     Returns
     -------
     ndarray [q, m]

@@ -26,10 +26,6 @@ def zeros(model: LinearModel) -> np.ndarray:
     then takes out the zeros at infinity; the eigenvalues of what remains are the zeros. It
     serves square and non-square models and any rank of C B.
 
-    Parameters
-    ----------
-    model : LinearModel
-
     Returns
     -------
     ndarray [z], complex
@@ -73,10 +69,6 @@ def normal_rank(model: LinearModel) -> int:
 
     If it is below the number of outputs, these cannot be set independently.
 
-    Parameters
-    ----------
-    model : LinearModel
-
     Examples
     --------
     Two sensors on one tank with one pump:
@@ -96,10 +88,6 @@ def minimum_phase(model: LinearModel) -> bool:
     True when every transmission zero has a negative real part and the outputs can be set
     independently. A zero at the origin counts against it (no steady input then moves some
     combination of the outputs); a pole there, an integrating tank, does not.
-
-    Parameters
-    ----------
-    model : LinearModel
 
     Examples
     --------

@@ -28,11 +28,6 @@ if TYPE_CHECKING:
 def wire_conversions(controller: Controller, process: Process) -> dict[str, Conversion]:
     """Return the signals of a law that have another unit than what they are wired to.
 
-    Parameters
-    ----------
-    controller : Controller
-    process : Process
-
     Returns
     -------
     dict

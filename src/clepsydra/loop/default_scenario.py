@@ -90,10 +90,6 @@ def default_scenario(model: LinearModel, seed: int = 1) -> Scenario:
     seed : int
         Of the noise, not negative.
 
-    Returns
-    -------
-    Scenario
-
     Raises
     ------
     InputError

@@ -69,11 +69,6 @@ def inner_setpoints(controller: Controller, process: Process) -> tuple[InnerSetp
 
     Where two inner loops measure the same signal the name of the loop stands behind it.
 
-    Parameters
-    ----------
-    controller : Controller
-    process : Process
-
     Examples
     --------
     A single loop has none:

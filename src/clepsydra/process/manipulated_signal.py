@@ -42,10 +42,6 @@ class ManipulatedSignal(NamedTuple):
 def read_manipulated_signal(table: TableReader) -> ManipulatedSignal:
     """Read the keys "range" and "nominal" of an actuator.
 
-    Parameters
-    ----------
-    table : TableReader
-
     Raises
     ------
     InputError

@@ -92,10 +92,6 @@ def load_process(name_or_path: str | Path, variant: str | Sequence[str] | None =
         Variants of the file, laid over it in this order. Without any, those that the file
         names in `default_variant`.
 
-    Returns
-    -------
-    Process
-
     Raises
     ------
     InputError

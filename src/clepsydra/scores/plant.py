@@ -90,10 +90,6 @@ def plant_trajectories(
         volumes spilt where the process has them. A memory that was not recorded stands as at
         first.
 
-    Returns
-    -------
-    PlantTrajectories
-
     Examples
     --------
     The pump of the equalisation basin at rest takes away what arrives:

@@ -29,10 +29,6 @@ class SampledLoop:
     d is added to the controlled measurements as they reach the step law, and e is what the
     law then sees of them, both as shares of the measurements' ranges. So D is the identity.
 
-    Parameters
-    ----------
-    A, B, C, D : ndarray
-
     Examples
     --------
     An integrator under proportional control that takes half of the error in each sample,

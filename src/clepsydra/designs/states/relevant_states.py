@@ -15,10 +15,6 @@ def without_idle_states(model: LinearModel) -> LinearModel:
     The concentration in a basin, say, whose level alone is controlled. What is left out could
     neither be estimated from the outputs, nor would it matter to them.
 
-    Parameters
-    ----------
-    model : LinearModel
-
     Examples
     --------
     >>> A, B, C = np.diag([-0.1, -0.2]), np.ones((2, 1)), np.array([[1.0, 0.0]])
