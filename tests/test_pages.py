@@ -6,6 +6,7 @@ import pytest
 import typer
 from pages import ELSEWHERE, PAGES, ROOT, blocks, lines
 from PIL import Image
+from rich.console import Console
 from tools import need, need_compiler
 
 import clepsydra as cl
@@ -69,3 +70,18 @@ def test_the_picture_of_the_readme_shows_what_its_study_finds():
     """Where it does not, .ci/report_picture.py makes it again."""
     with Image.open(ROOT / "docs" / "report.png") as picture:
         assert picture.text["Description"] == cl.study("quadruple-tank").verdict
+
+
+@pytest.mark.thorough
+def test_the_readme_begins_with_what_its_study_prints():
+    """Numbers within what a tuning leaves to the last digits of another processor."""
+    (told,) = (block.text for block in blocks("README.md", "text"))
+    console = Console(width=80)
+    with console.capture() as shown:
+        console.print(cl.study("quadruple-tank"))
+    length = len(told.splitlines())
+    printed = "\n".join(line.rstrip() for line in shown.get().splitlines()[:length])
+    number = re.compile(r"\d+(?:\.\d+)?")
+    assert number.sub("#", told).split() == number.sub("#", printed).split()
+    values = [[float(each) for each in number.findall(text)] for text in (told, printed)]
+    assert values[0] == pytest.approx(values[1], rel=0.05)
