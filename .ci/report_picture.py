@@ -12,7 +12,7 @@ from PIL import Image, PngImagePlugin
 import clepsydra as cl
 
 PICTURE = Path(__file__).parents[1] / "docs" / "report.png"
-WIDTH, HEIGHT = 1000, 1100
+WIDTH, HEIGHT = 1400, 880
 
 
 def main() -> None:

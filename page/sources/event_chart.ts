@@ -7,7 +7,7 @@ import type { Signal } from "./data";
 import { colour, type Shown } from "./shown";
 import { differenceText, numberText, timeText, timeUnit } from "./words";
 
-const HEIGHT = 108;
+const HEIGHT = 94;
 const AXIS = 20;
 /** What a chart leaves free above and below its curves, as a share of what they span. */
 const MARGIN = 0.1;
@@ -136,7 +136,7 @@ export class EventChart {
       width: this.canvas.clientWidth || 400,
       height: this.height,
       legend: { show: false },
-      padding: [4, 26, this.last ? 0 : 4, 0],
+      padding: [7, 26, this.last ? 0 : 4, 0],
       scales: {
         x: { time: false, range: () => this.range },
         y: { range: () => this.bounds() },

@@ -2,6 +2,7 @@
 
 import { decoded, type PageData, type ScenarioEvent } from "./data";
 import { type Common, EventChart } from "./event_chart";
+import { onLook } from "./look";
 import type { Shown } from "./shown";
 
 /** A curve spans at least so much of the axis as beside the signal that moves most. */
@@ -34,7 +35,7 @@ export function drawEvents(place: HTMLElement, data: PageData, shown: Shown): vo
   draw();
   shown.onChange(draw);
   repeated.fold.addEventListener("toggle", draw);
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+  onLook(draw);
   new ResizeObserver(() => visible().forEach((chart) => chart.resize())).observe(place);
 }
 

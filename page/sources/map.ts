@@ -4,6 +4,7 @@ import uPlot from "uplot";
 
 import { decades, limitLine, logAxis } from "./axes";
 import type { Controller } from "./data";
+import { onLook } from "./look";
 import type { Shown } from "./shown";
 import { numberText } from "./words";
 
@@ -48,7 +49,7 @@ export function drawMap(place: HTMLElement, controllers: Controller[], shown: Sh
   };
   draw();
   new ResizeObserver(draw).observe(place);
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+  onLook(draw);
 }
 
 function drawn(canvas: HTMLElement, points: Point[]): void {
@@ -116,7 +117,7 @@ function pointButton(each: Controller, controller: number, shown: Shown): HTMLBu
   const { standing } = each;
   button.className = `point ${standing.replaceAll(" ", "-")}`;
   const numbers = `max|S| ${numberText(each.peak ?? Infinity, 3)}, relative error ${numberText(each.error ?? Infinity, 3)}`;
-  button.title = `${each.title}: ${standing}, ${numbers}`;
+  button.title = `${controller + 1}. ${each.title}: ${standing}, ${numbers}`;
   button.setAttribute("aria-label", button.title);
   const mark = () => {
     button.setAttribute("aria-pressed", String(shown.has(controller)));

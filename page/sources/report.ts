@@ -1,13 +1,14 @@
 import { addCopyButton } from "./copy";
 import { pageData } from "./data";
 import { drawEvents } from "./events";
-import { fillWhenOpened } from "./folds";
+import { fillWhenOpened, letScroll } from "./folds";
 import { drawMap } from "./map";
 import { makeRanking } from "./ranking";
 import { drawSensitivity } from "./sensitivity";
 import { Shown } from "./shown";
 
 fillWhenOpened();
+letScroll();
 const data = pageData();
 const ranking = document.querySelector<HTMLTableElement>("table.ranking");
 const [overlay, map, sensitivity] = ["overlay", "map", "sensitivity"].map((id) => document.getElementById(id));

@@ -4,6 +4,7 @@ import uPlot from "uplot";
 
 import { decades, limitLine, logAxis } from "./axes";
 import type { PageData } from "./data";
+import { onLook } from "./look";
 import { colour, type Shown } from "./shown";
 import { numberText } from "./words";
 
@@ -75,5 +76,5 @@ export function drawSensitivity(place: HTMLElement, data: PageData, shown: Shown
   tell();
   shown.onChange(draw);
   new ResizeObserver(() => chart?.setSize({ width: Math.max(280, place.clientWidth), height: HEIGHT })).observe(place);
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+  onLook(draw);
 }

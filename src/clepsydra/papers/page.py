@@ -7,11 +7,12 @@ from pathlib import Path
 
 from clepsydra.base.section import Line, Mark, Picture, Section, Table
 from clepsydra.papers.audit import Audit, DocumentAudit
-from clepsydra.papers.figure_svg import figure_svg
+from clepsydra.papers.figure_picture import drawn
 from clepsydra.papers.row import VERDICTS, Row
 from clepsydra.papers.row_words import difference_words, printed_words, value_words
 from clepsydra.report.page import page_text as section_page
 from clepsydra.report.page import write_page as write_text
+from clepsydra.report.svg import svg_text
 
 _WORDS = (
     "Reproduced: the computed number rounds to the printed one, or is within the tolerance that "
@@ -81,10 +82,11 @@ def _chapter(audited: DocumentAudit) -> Section:
     for number, (name, found) in enumerate(audited.experiments.items()):
         pictures = [
             Picture(
-                figure_svg(figure, f"{audited.document.key}-{number}-{place}"),
-                ". ".join(filter(None, (f"{figure.number} {figure.title}".strip(), figure.note))),
+                svg_text(drawn(figure), title, f"{audited.document.key}-{number}-{place}"),
+                ". ".join(filter(None, (title, figure.note))),
             )
             for place, figure in enumerate(found.figures)
+            for title in [f"{figure.number} {figure.title}".strip()]
         ]
         rows = (Section(_counted(found.rows), (_table(found.rows),), folded=True),)
         parts.append(
