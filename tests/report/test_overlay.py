@@ -8,6 +8,7 @@ from flow_cascade import flow_cascade
 
 import clepsydra as cl
 from clepsydra.report.overlay import event_windows, overlay_data, shown_signals
+from clepsydra.report.overlay_picture import overlay_figure
 
 DRUM = Path(__file__).parents[2] / "docs" / "examples" / "surge-drum.toml"
 
@@ -17,13 +18,30 @@ def data_of(result):
     return overlay_data(result, signals, event_windows(result, signals, first), first)
 
 
-def test_of_an_averaging_level_the_outflow_comes_first_and_the_band_is_told():
+@pytest.fixture(scope="module")
+def drum():
     plant = cl.load(DRUM)
-    data = data_of(cl.study(plant, [cl.design.arrest_time(plant)]))
+    return cl.study(plant, [cl.design.arrest_time(plant)])
+
+
+def test_of_an_averaging_level_the_outflow_comes_first_and_the_band_is_told(drum):
+    data = data_of(drum)
     flow, level = data["signals"]
     assert (flow["name"], level["name"]) == ("outflow", "drum.level")
     assert flow["band"] is None
     assert level["band"] == pytest.approx([0.6, 1.4])  # 30 and 70 % of 2 m
+
+
+def test_the_still_picture_has_a_load_either_way_and_the_ends_of_the_band(drum):
+    signals, first = shown_signals(drum), list(drum.ranking)
+    windows = event_windows(drum, signals, first)
+    sizes = [3600.0 * w.segment.size for w in windows if not w.again and w.segment.kind == "load"]
+    assert sizes == pytest.approx([10.0, -15.0])
+    assert [w.again for w in windows if w.segment.kind == "setpoint"] == [False, True]
+    flows, levels = np.reshape(overlay_figure(windows, signals, first).axes, (2, 3))
+    for axes, lines in ((flows, []), (levels, [0.6, 1.4])):
+        flat = [line.get_ydata() for line in axes[-1].lines if len(line.get_xdata()) == 2]
+        assert [each[0] for each in flat] == pytest.approx(lines)
 
 
 def test_a_cascade_has_a_row_for_what_its_inner_loop_measures(tmp_path):

@@ -101,7 +101,7 @@ def ranged(unit: str, what: str, quantity: str = "") -> Any:
         In a word, for messages: "rain intensity"; as `what` where empty.
     """
     quantity = quantity or what.removeprefix("the ")
-    steps = "size of the load step of studies, or a list of them one after the other: "
+    steps = "size of the load step of studies, or a list of them, one after the other "
     return part(
         lambda table, key, known: read_disturbance_range(table, unit, quantity),
         {

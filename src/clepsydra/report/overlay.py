@@ -68,6 +68,15 @@ class ShownSignal:
             values = flows.get(self.signal.name, values)
         return values * display_factor(self.signal)
 
+    def band(self, process: Process) -> tuple[float, float] | None:
+        """Return the ends of the band in display units; None where it has none."""
+        if self.measurement not in process.bands:
+            return None
+        ends = np.array(process.bands[self.measurement])
+        low, high = sensor_scale(process, self.measurement).to_state(ends)
+        factor = display_factor(self.signal)
+        return float(low * factor), float(high * factor)
+
     def setpoint(self, run: Run) -> np.ndarray | None:
         """Return the setpoint in display units [samples]; None where it has none."""
         factor = display_factor(self.signal)
@@ -96,7 +105,8 @@ class EventWindow:
     view : (float, float)
         From when to when [s], counted from the event.
     again : bool
-        Whether the same signal has stepped before, as on its way back.
+        Whether the same signal has stepped before, as on its way back; where levels average, in
+        the same direction, since a band has two ends.
     """
 
     segment: Segment
@@ -161,6 +171,8 @@ def event_windows(
     held = [place for place, each in enumerate(signals) if not each.moved]
     windows, seen = [], set()
     for segment in segments:
+        either = result.process.averaging and segment.kind == "load"
+        kind = (segment.kind, segment.signal, bool(either and segment.size > 0.0))
         start, stop = (round(time / period) for time in (segment.start, segment.stop))
         stop = min(stop, scenario.samples)
         if segment.kind == "noise":
@@ -178,10 +190,10 @@ def event_windows(
                 segment,
                 samples,
                 (-_BEFORE * length, length),
-                (segment.kind, segment.signal) in seen,
+                kind in seen,
             )
         )
-        seen.add((segment.kind, segment.signal))
+        seen.add(kind)
     return windows
 
 
@@ -320,19 +332,14 @@ def _coded(values: np.ndarray, step: float) -> list[int | None]:
 
 def _described(shown: ShownSignal, process: Process) -> dict[str, Any]:
     signal = shown.signal
-    factor = display_factor(signal)
-    band = None
-    if shown.measurement in process.bands:
-        ends = np.array(process.bands[shown.measurement])
-        scale = sensor_scale(process, shown.measurement)
-        band = [_finite(end) for end in (scale.to_state(ends) * factor).tolist()]
+    factor, band = display_factor(signal), shown.band(process)
     return {
         "name": signal.name,
         "unit": unit_text(signal.shown_unit),
         "held": shown.moved,
         "low": _finite(signal.low * factor),
         "high": _finite(signal.high * factor),
-        "band": band,
+        "band": band and [_finite(end) for end in band],
     }
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clepsydra.base.words import time_unit
-from clepsydra.report.colours import MUTED, PALETTE
+from clepsydra.report.colours import INK, MUTED, PALETTE
 from clepsydra.report.overlay import EventWindow, ShownSignal, event_title
 from clepsydra.report.quantities import unit_text
 from clepsydra.report.trends import STYLE
@@ -79,6 +79,8 @@ def overlay_figure(
                         color=PALETTE[place], linewidth=1.2, label=each.controller.title,
                         drawstyle="steps-post" if shown.moved else "default",
                     )  # fmt: skip
+                for end in shown.band(run.process) or ():
+                    axes.axhline(end, color=INK, linewidth=0.8)
                 if not column:
                     unit_words = unit_text(shown.signal.shown_unit) or "1"
                     axes.set_ylabel(f"{shown.signal.name} [{unit_words}]")
