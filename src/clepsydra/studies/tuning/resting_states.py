@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from clepsydra.controllers.blocks.mode import Mode
+from clepsydra.controllers.controller import Controller
 from clepsydra.loop.loop import Loop
 from clepsydra.program.delay_ring import DelayRing
 
@@ -51,16 +52,22 @@ def resting_states(loop: Loop, values: Mapping[str, np.ndarray]) -> dict[str, np
     array([0.   , 9.197])
     """
     controller = loop.controller
-    law = controller.law
-    own = _taken_over(loop, {name: np.array([value]) for name, value in controller.values.items()})
-    other = _taken_over(loop, {**controller.values, **values})
+    own = controller.values
+    # The controller itself goes first, beside the candidates.
+    beside = {name: np.append(own[name], value) for name, value in values.items()}
+    states = _taken_over(loop, {**own, **beside})
+    moved = _moved(controller, states[:, :1], states[:, 1:])
+    return {name: controller.initial_state[name] + by for name, by in moved.items()}
+
+
+def _moved(controller: Controller, before: np.ndarray, after: np.ndarray) -> dict[str, np.ndarray]:
+    """Return by how much each state moved [candidates], of those that moved."""
     found = {}
-    for place, entry in enumerate(law.state):
-        moved = other[place] - own[place]
-        if isinstance(entry, DelayRing):
-            continue
-        if np.any(np.abs(moved) > _ROUNDING * np.maximum(1.0, np.abs(own[place]))):
-            found[entry.name] = controller.initial_state[entry.name] + moved
+    for entry, one, other in zip(controller.law.state, before, after, strict=True):
+        by = other - one
+        noticed = np.abs(by) > _ROUNDING * np.maximum(1.0, np.abs(one))
+        if np.any(noticed) and not isinstance(entry, DelayRing):
+            found[entry.name] = by
     return found
 
 
@@ -89,17 +96,11 @@ def rested_elsewhere(own: Loop, other: Loop) -> dict[str, float]:
     9.197
     """
     before, after = (
-        _taken_over(
-            loop, {k: np.array([v]) for k, v in loop.controller.values.items()}, _MOST_SAMPLES
-        )[:, 0]
-        for loop in (own, other)
+        _taken_over(loop, loop.controller.values, _MOST_SAMPLES) for loop in (own, other)
     )
     state = dict(own.controller.initial_state)
-    for place, entry in enumerate(own.controller.law.state):
-        moved = float(after[place] - before[place])
-        if isinstance(entry, DelayRing) or abs(moved) <= _ROUNDING * max(1.0, abs(before[place])):
-            continue
-        state[entry.name] += moved
+    for name, by in _moved(own.controller, before, after).items():
+        state[name] += float(by[0])
     return state
 
 
