@@ -60,24 +60,23 @@ def library() -> dict[str, tuple[Program, frozenset[str]]]:
 def pictures() -> dict[str, str]:
     """Return every picture by the name of its file."""
     found = {
-        name: block_svg(block, f"{block_type(block)} and its ports", "a", counted)
+        name: block_svg(block, f"{block_type(block)} and its ports", counted)
         for name, (block, counted) in library().items()
     }
     for name, family in WIRED.items():
         program = without_untold(program_of(family))
-        found[name] = program_svg(program, f"{family}, in its plant shell", "a")
+        found[name] = program_svg(program, f"{family}, in its plant shell")
     program = without_untold(program_of(WIRED["lqi-kalman"]))
     law = next(call.program for call in program.calls if call.instance == "law")
     settings = {signal.name for signal in program.parameters} & {s.name for s in law.inputs}
-    found["lqi-kalman-law"] = program_svg(law, "LQI with Kalman filter", "a", settings)
+    found["lqi-kalman-law"] = program_svg(law, "LQI with Kalman filter", settings)
     return {f"{name}.svg": standing_alone(svg) for name, svg in found.items()}
 
 
 def standing_alone(svg: str) -> str:
-    """Return a picture of a report as a file: with a size and a font of its own."""
+    """Return a picture of a report as a file: with a size of its own."""
     width, height = (float(n) * _SCALE for n in re.findall(r'viewBox="0 0 (\S+) (\S+)"', svg)[0])
-    own = f'width="{width:.0f}" height="{height:.0f}" font-family="Helvetica, Arial, sans-serif"'
-    return svg.replace("<svg ", f"<svg {own} ", 1) + "\n"
+    return svg.replace("<svg ", f'<svg width="{width:.0f}" height="{height:.0f}" ', 1) + "\n"
 
 
 def part(names: Iterable[str]) -> str:

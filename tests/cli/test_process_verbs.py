@@ -82,6 +82,14 @@ def test_draw_writes_the_picture_of_the_report(command, tmp_path):
     assert names(tmp_path) == ["quadruple-tank.svg"]
 
 
+def test_draw_closes_the_loops_of_a_controller(command, tmp_path):
+    assert command("draw", "three-tanks", "--controller", "PI, SIMC", "-o", "loops.svg")[0] == 0
+    assert command("draw", "three-tanks", "-o", "open.svg")[0] == 0
+    closed, without = ((tmp_path / f"{name}.svg").read_text("utf-8") for name in ("loops", "open"))
+    assert "LIC-103: controls level_3, setpoint 5.10 cm" in closed and "LIC" not in without
+    refused(command("draw", "three-tanks", "--controller", "PI, none"), "PI, none")
+
+
 def test_draw_writes_where_it_is_told(command, tmp_path):
     assert command("draw", "eight-tanks", "-o", "a.svg")[0] == 0
     assert names(tmp_path) == ["a.svg"]

@@ -114,7 +114,7 @@ def test_every_port_of_every_call_is_drawn_or_counted(programs, name):
 
 @pytest.mark.parametrize("name", CONTROLLERS)
 def test_nothing_hides_anything_else(programs, name):
-    svg = program_svg(programs[name], name, "a")
+    svg = program_svg(programs[name], name)
     whole, *frames = [
         (x, x + w, y, y + h)
         for x, y, w, h in (
@@ -142,9 +142,9 @@ def test_nothing_hides_anything_else(programs, name):
 
 def test_a_picture_repeats_and_escapes_its_words(programs):
     program = programs["PI, SIMC"]
-    assert program_svg(program, "x", "a") == program_svg(program, "x", "a")
+    assert program_svg(program, "x") == program_svg(program, "x")
     block = program.calls[0].program
-    found = block_svg(block, "<one>", "a")
+    found = block_svg(block, "<one>")
     assert "&lt;one&gt;" in found
     drawn = {text for text, _ in words(found)}
     assert {signal.name for signal in (*block.inputs, *block.outputs)} < drawn

@@ -1,4 +1,4 @@
-"""``clepsydra draw``: the picture of a process, as one SVG file."""
+"""``clepsydra draw``: the picture of a process, with its loops if a controller is chosen."""
 
 from __future__ import annotations
 
@@ -7,13 +7,23 @@ from typing import Annotated
 
 import typer
 
-from clepsydra.cli.options import ProcessArgument
+from clepsydra.cli.subject import SubjectArgument, name_of
 from clepsydra.cli.verb import verb
 
 
 @verb(40)
 def draw(
-    process: ProcessArgument,
+    subject: SubjectArgument,
+    controller: Annotated[
+        str | None,
+        typer.Option(
+            "--controller",
+            metavar="NAME",
+            callback=name_of,
+            help="Whose loops are drawn, as the study calls it, in quotation marks; none if left "
+            "out.",
+        ),
+    ] = None,
     file: Annotated[
         Path | None,
         typer.Option(
@@ -23,13 +33,17 @@ def draw(
 ) -> None:
     """Draw a process with the values of its operating point; write SVG."""
     from clepsydra.cli.output import check_ending, output_file
-    from clepsydra.interface.plant import load
+    from clepsydra.cli.subject import study_of_one
+    from clepsydra.interface.subject import plant_of, read_subject
 
     if file is not None:
         check_ending(file, ".svg")
-    plant = load(process)
+    request = read_subject(subject, None)
+    plant, made = plant_of(request), None
     target = output_file(Path(f"{plant.file_stem}.svg") if file is None else file)
-    without = plant.draw(target)
+    if controller is not None:
+        made = study_of_one(request, controller, None, target.parent, quiet=False)[controller]
+    without = plant.draw(target, None if made is None else made.controller)
     if without is not None:
         # A plant that never rests has a picture all the same.
         typer.echo(f"clepsydra: drawn without values, since {without}", err=True)

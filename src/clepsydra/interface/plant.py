@@ -25,7 +25,7 @@ from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 
 if TYPE_CHECKING:
-    pass
+    from clepsydra.controllers.controller import Controller
 
 
 class Plant(Answered):
@@ -131,26 +131,29 @@ class Plant(Answered):
         """The linear model from inputs to controlled measurements; it has `to_control()`."""
         return self.analysis.model
 
-    def draw(self, path: str | Path) -> NoEquilibrium | None:
+    def draw(self, path: str | Path, controller: Controller | None = None) -> NoEquilibrium | None:
         """Draw the process with the values of its operating point, as SVG.
 
         Parameters
         ----------
         path : str or Path
+        controller : Controller, optional
+            Whose loops are drawn; without one there are transmitters alone.
 
         Returns
         -------
         NoEquilibrium or None
             Why it is drawn without values, where it never rests.
         """
+        from clepsydra.interface.controller import of_plant
         from clepsydra.report.drawing.plant import process_drawing
 
-        reason = None
+        made, reason = None if controller is None else of_plant(controller, self), None
         try:
             point = find_equilibrium(self.process, self._inputs, self._outputs, self._disturbances)
         except NoEquilibrium as error:
             point, reason = None, error
-        picture = process_drawing(self.process, point)
+        picture = process_drawing(self.process, point, made)
         with whole_file(Path(path)) as part:
             part.write_text(picture, encoding="utf-8")
         return reason

@@ -120,7 +120,7 @@ def _blocks(result: StudyResult, candidate: Candidate) -> Picture | None:
     title = f"Blocks of {controller.title} in their plant shell"
     program = without_untold(with_owned_state(shelled.program()))
     return Picture(
-        program_svg(program, title, f"blocks{candidate.rank}"),
+        program_svg(program, title),
         "Thick wires carry numbers, thin ones truth values; an open circle stands for operations "
         "before a port.",
     )

@@ -15,7 +15,7 @@ from clepsydra.program.program import Call, Program, read_by, written_by
 #: columns further a wire reaches at most that carries none or a number.
 _MOST_READERS, _REACH = 2, {False: 1, True: 3}
 #: Columns that stand side by side; what leads into the next band of them is connected by name.
-_BAND = 6
+_BAND = 3
 
 
 @dataclass(eq=False)

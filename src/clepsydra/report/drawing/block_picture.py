@@ -7,9 +7,11 @@ import statistics
 from collections.abc import Iterable, Iterator
 
 from clepsydra.program.program import Program
-from clepsydra.report.chart import SIZE, Chart
 from clepsydra.report.colours import INK, MUTED
 from clepsydra.report.drawing.block_diagram import Box, Port, block_box, diagram
+from clepsydra.report.drawing.canvas import SIZE, Canvas
+from clepsydra.report.drawing.lettering import width
+from clepsydra.report.drawing.style import FRAME, PAPER, STEEL
 from clepsydra.report.quantities import fitted
 
 #: Rows of ports [pt]. Outputs stand half a row below inputs, and wires that pass a column a
@@ -18,16 +20,13 @@ _ROW = 11.0
 _HEAD, _GAP, _TRACK, _MARGIN, _STUB = 27.0, 11.0, 5.0, 8.0, 7.0
 #: Size of the names of ports [pt], and how many letters of names beside a port are shown.
 _SMALL, _LETTERS = 6.5, 24
-#: How wide a letter is at most on average, as a share of the size: names have many wide ones.
-_LETTER = 0.61
-_PAPER, _FILL, _FRAME = "#ffffff", "#f6f8fa", "#8c959f"
 #: Colour and width of a wire that carries no number, and of one that does [pt].
 _STROKES = (MUTED, 0.6), (INK, 1.1)
 #: Where words end in a box and outside of it, by the way that leads out.
 _ANCHORS = {-1: ("start", "end"), 1: ("end", "start")}
 
 
-def program_svg(program: Program, title: str, prefix: str, settings: Iterable[str] = ()) -> str:
+def program_svg(program: Program, title: str, settings: Iterable[str] = ()) -> str:
     """Draw what the calls of a program are wired to.
 
     Wires of numbers are thick, those of truth values and whole numbers thin. An open circle
@@ -38,8 +37,8 @@ def program_svg(program: Program, title: str, prefix: str, settings: Iterable[st
     ----------
     program : Program
         Its calls own their state.
-    title, prefix : str
-        As for `Chart`.
+    title : str
+        What it shows, for readers who do not see it.
     settings : iterable of str
         As for `diagram`.
 
@@ -48,20 +47,20 @@ def program_svg(program: Program, title: str, prefix: str, settings: Iterable[st
     >>> import clepsydra as cl
     >>> from clepsydra.program.owned_state import with_owned_state
     >>> program = with_owned_state(cl.design.simc(cl.load("quadruple-tank")).program())
-    >>> "pump_2_loop" in program_svg(program, "two loops", "a")
+    >>> "pump_2_loop" in program_svg(program, "two loops")
     True
     """
-    return _drawn(diagram(program, settings), title, prefix)
+    return _drawn(diagram(program, settings), title)
 
 
-def block_svg(block: Program, title: str, prefix: str, settings: Iterable[str] = ()) -> str:
+def block_svg(block: Program, title: str, settings: Iterable[str] = ()) -> str:
     """Draw one block with its ports.
 
     Parameters
     ----------
     block : Program
-    title, prefix : str
-        As for `Chart`.
+    title : str
+        What it shows, for readers who do not see it.
     settings : iterable of str
         As for `block_box`.
 
@@ -70,22 +69,21 @@ def block_svg(block: Program, title: str, prefix: str, settings: Iterable[str] =
     >>> from clepsydra.base.signal import Signal
     >>> from clepsydra.program.program import Block
     >>> total = Program("total", (), (Signal("u"),), (), (), Block(1, (), ()))
-    >>> ">u<" in block_svg(total, "a block", "a")
+    >>> ">u<" in block_svg(total, "a block")
     True
     """
-    return _drawn([block_box(block, settings)], title, prefix)
+    return _drawn([block_box(block, settings)], title)
 
 
-def _drawn(boxes: list[Box], title: str, prefix: str) -> str:
+def _drawn(boxes: list[Box], title: str) -> str:
     bands = [_Band(boxes, number) for number in range(1 + max(box.band for box in boxes))]
-    chart = Chart(sum(band.height for band in bands) + _MARGIN, title, prefix)
-    chart.width = max(band.ends[-1][1] + band.room for band in bands) + _MARGIN
-    chart.box((0.0, chart.width), (0.0, chart.height), _PAPER)
+    wide = max(band.ends[-1][1] + band.room for band in bands) + _MARGIN
+    canvas = Canvas(wide, sum(band.height for band in bands) + _MARGIN, title)
     top = _MARGIN
     for band in bands:
-        band.draw(chart, top)
+        band.draw(canvas, top)
         top += band.height
-    return chart.svg()
+    return canvas.svg()
 
 
 class _Item:
@@ -189,7 +187,7 @@ class _Band:
             found[wire] = _TRACK * (1 + track)
         return found
 
-    def draw(self, chart: Chart, top: float) -> None:
+    def draw(self, canvas: Canvas, top: float) -> None:
         """Draw everything, from a height in the picture on."""
         for item in (item for column in self.columns for item in column):
             item.top += top
@@ -209,11 +207,11 @@ class _Band:
                 if not self._wired(port):
                     lines[port.real] += f"M{at:.1f} {self._y(port):.1f}H{at + _STUB * out:.1f}"
         for real, data in lines.items():
-            chart.lines(data, *_STROKES[real])
+            canvas.lines(data, *_STROKES[real])
         for x, y, real in dots:
-            chart.circle(x, y, 1.5, _STROKES[real][0])
+            canvas.circle(x, y, 1.5, _STROKES[real][0])
         for item in self.items.values():
-            self._draw_box(chart, item)
+            self._draw_box(canvas, item)
 
     def _wired(self, port: Port) -> bool:
         return bool(port.wires) or port in self.readers
@@ -225,28 +223,28 @@ class _Band:
             yield from ((port, left, -1) for port in item.box.inputs)
             yield from ((port, right, 1) for port in item.box.outputs)
 
-    def _draw_box(self, chart: Chart, item: _Item) -> None:
+    def _draw_box(self, canvas: Canvas, item: _Item) -> None:
         box, (left, right) = item.box, self.ends[item.column]
         assert box is not None
         top, bottom = item.top, item.top + item.height
-        chart.box((left, right), (top, bottom), _FILL if box.kind else _PAPER)
-        chart.lines(f"M{left:.1f} {top:.1f}H{right:.1f}V{bottom:.1f}H{left:.1f}Z", _FRAME, 0.9)
-        chart.text(left + 4.0, top + 10.0, box.title or box.kind, bold=True)
+        canvas.box((left, right), (top, bottom), STEEL if box.kind else PAPER)
+        canvas.lines(f"M{left:.1f} {top:.1f}H{right:.1f}V{bottom:.1f}H{left:.1f}Z", FRAME, 0.9)
+        canvas.text(left + 4.0, top + 10.0, box.title or box.kind, bold=True)
         if box.title and box.kind:
-            chart.text(left + 4.0, top + 18.0, box.kind, colour=MUTED, size=_SMALL)
+            canvas.text(left + 4.0, top + 18.0, box.kind, colour=MUTED, size=_SMALL)
         if _foot(box):
-            chart.text(left + 4.0, bottom - 4.0, _foot(box), colour=MUTED, size=_SMALL)
+            canvas.text(left + 4.0, bottom - 4.0, _foot(box), colour=MUTED, size=_SMALL)
         for port, at, out in self._ports(item):
             y, (inner, outer) = self._y(port), _ANCHORS[out]
             if port.name:
-                chart.text(at - 4.0 * out, y + 2.3, port.name, anchor=inner, size=_SMALL)
+                canvas.text(at - 4.0 * out, y + 2.3, port.name, anchor=inner, size=_SMALL)
             if port.names:
                 # Above its wire, or else at its end.
                 base = y - 2.5 if self._wired(port) else y + 2.3
-                chart.text(at + (_STUB + 2.0) * out, base, _names(port), anchor=outer,
+                canvas.text(at + (_STUB + 2.0) * out, base, _names(port), anchor=outer,
                            size=_SMALL, colour=MUTED)  # fmt: skip
             if port.computed:
-                chart.circle(at, y, 2.0, _PAPER, INK)
+                canvas.circle(at, y, 2.0, PAPER, INK)
 
 
 def _names(port: Port) -> str:
@@ -259,7 +257,7 @@ def _names(port: Port) -> str:
 
 def _room(port: Port) -> float:
     """Return how much room the names beside a port take [pt]."""
-    return _STUB + (4.0 + len(_names(port)) * _LETTER * _SMALL if port.names else 0.0)
+    return _STUB + (4.0 + width(_names(port), _SMALL) if port.names else 0.0)
 
 
 def _foot(box: Box) -> str:
@@ -268,9 +266,13 @@ def _foot(box: Box) -> str:
 
 
 def _width(box: Box) -> float:
-    ports = sum(max((len(p.name) for p in side), default=0) for side in (box.inputs, box.outputs))
-    title = len(box.title or box.kind) * 1.05 * SIZE / _SMALL
-    return _LETTER * _SMALL * (3.0 + max(ports, title, len(box.kind), len(_foot(box))))
+    ports = sum(
+        max((width(port.name, _SMALL) for port in side), default=0.0)
+        for side in (box.inputs, box.outputs)
+    )
+    title = width(box.title or box.kind, SIZE, bold=True)
+    small = max(width(words, _SMALL) for words in (box.kind, _foot(box)))
+    return 8.0 + max(ports + 1.5 * _SMALL, title, small)
 
 
 def _stack(column: list[_Item], pulls: dict[_Item, list[float]]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from html import escape
 from itertools import pairwise
 
@@ -113,7 +113,9 @@ def _crossings(
     return found
 
 
-def draw_basins(routes: Routes, ways: Mapping[Pipe, Points], edge: float) -> list[str]:
+def draw_basins(
+    routes: Routes, ways: Mapping[Pipe, Points], edge: float, tint: Callable[[str], str]
+) -> list[str]:
     """Return each reservoir under what uses it; used in places far apart, it is drawn in parts.
 
     Parameters
@@ -123,13 +125,16 @@ def draw_basins(routes: Routes, ways: Mapping[Pipe, Points], edge: float) -> lis
         Pipe to its corner points [px].
     edge : float
         Width of the drawing [px].
+    tint : callable
+        Reservoir to the colour of what is in it.
 
     Examples
     --------
     >>> from clepsydra.report.drawing.flow_graph import FlowGraph
     >>> from clepsydra.report.drawing.placement import Placement
     >>> placement = Placement(FlowGraph((), ("basin",), (), (), ()), {}, basin_rows=[9])
-    >>> len(draw_basins(Routes(placement, [], [(3, 0, "basin"), (6, 0, "basin")]), {}, 500.0))
+    >>> routes = Routes(placement, [], [(3, 0, "basin"), (6, 0, "basin")])
+    >>> len(draw_basins(routes, {}, 500.0, lambda name: "#d3e2ee"))
     1
     """
     parts = []
@@ -152,7 +157,7 @@ def draw_basins(routes: Routes, ways: Mapping[Pipe, Points], edge: float) -> lis
                 right = min(right, (xs[-1] + groups[place + 1][1][0]) / 2 - 4.0)
             shift = max(0.0, 4.0 - left)
             left, right = left + shift, min(right + shift, edge - 4.0)
-            parts.append(symbols.basin(left, right, y, name))
+            parts.append(symbols.basin(left, right, y, name, tint(name)))
     return parts
 
 

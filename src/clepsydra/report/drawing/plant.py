@@ -90,7 +90,7 @@ def process_drawing(
     parts = [
         f'<rect class="paper" width="{width:.0f}" height="{height:.0f}" fill="{PAPER}"/>',
         *draw_lines(ways, scene.still),
-        *draw_basins(scene.routes, ways, width),
+        *draw_basins(scene.routes, ways, width, scene.tint),
         *(part for name in scene.graph.vessels for part in draw_vessel(scene, name)),
         *(part for body in placement.bodies.values() for part in draw_fitting(scene, body)),
         *(part for entry in scene.graph.instruments for part in draw_instrument(scene, entry)),

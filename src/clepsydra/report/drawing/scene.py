@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+import casadi as ca
 import numpy as np
 
 from clepsydra.base.signal import Signal
@@ -179,13 +180,14 @@ class Scene:
         """Return the states of a vessel."""
         return [s for s in self.process.state if s.name.startswith(f"{vessel}.")]
 
-    def tint(self, vessel: str) -> str:
-        """Return the colour of what a vessel holds: of what there is most of in its range."""
-        shares = [0.0]
-        for component in self.process.components:
-            name = f"{vessel}.{component.name}"
-            known = name in self.values
-            shares.append(self.values[name] / self.process.signal(name).high if known else 0.0)
+    def tint(self, name: str) -> str:
+        """Return the colour of what is in a tank or reservoir: of its strongest component."""
+        if self.point is None:
+            return TINTS[0]
+        symbols = {known: ca.SX(value) for known, value in self.values.items()}
+        found = self.elements[name].concentrations(symbols)
+        components = self.process.components
+        shares = [0.0, *(float(found.get(each.name, 0.0)) / each.high for each in components)]
         return TINTS[shares.index(max(shares)) % len(TINTS)]
 
     def delay_time(self, name: str) -> str:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from clepsydra.report.colours import INK, MUTED
 
-PAPER, DARK_PAPER = "#ffffff", "#0d1117"
+PAPER, DARK_PAPER = "#ffffff", "#14181d"
 #: Bodies of plant equipment, pipes, frames of boxes.
 STEEL, PIPE, FRAME = "#e9edf1", "#6e7781", "#7d868f"
 #: What is abnormal.
-ALARM = "#b3400e"
+ALARM = "#9c3708"
 #: Liquid, and what is dissolved in it: one tint a component, in the order of the file.
 TINTS = ("#d3e2ee", "#eadcc0", "#d5e6cf", "#e4d6e9", "#f1d5cb", "#cfe6e4")
 #: Each colour in the dark.
 _DARK = {
     PAPER: DARK_PAPER,
     INK: "#e6edf3",
-    MUTED: "#9da7b3",
+    MUTED: "#9aa7b4",
     STEEL: "#2a313a",
     PIPE: "#8b949e",
     FRAME: "#7d868f",
@@ -35,7 +35,7 @@ def colour_style(scope: str) -> str:
 
     Examples
     --------
-    >>> '[fill="#ffffff"]{fill:light-dark(#ffffff,#0d1117)}' in colour_style("plant")
+    >>> '[fill="#ffffff"]{fill:light-dark(#ffffff,#14181d)}' in colour_style("plant")
     True
     """
     rules = [f"svg.{scope}:root{{color-scheme:light dark}}"]

@@ -7,7 +7,7 @@ from html import escape
 
 from clepsydra.report.colours import INK
 from clepsydra.report.drawing.outline import Outline
-from clepsydra.report.drawing.style import PAPER, PIPE, STEEL, TINTS
+from clepsydra.report.drawing.style import PAPER, PIPE, STEEL
 
 BALLOON, PUMP, RELAY = 19.0, 17.0, 13.0
 
@@ -293,12 +293,12 @@ def relay(x: float, y: float, sign: str, title: str) -> str:
     )
 
 
-def basin(left: float, right: float, y: float, name: str, tint: str = TINTS[0]) -> str:
+def basin(left: float, right: float, y: float, name: str, tint: str) -> str:
     """Return a reservoir with its surface at y.
 
     Examples
     --------
-    >>> ">basin</text>" in basin(0, 90, 0, "basin")
+    >>> ">basin</text>" in basin(0, 90, 0, "basin", "#d3e2ee")
     True
     """
     return (
