@@ -22,7 +22,7 @@ from clepsydra.controllers.virtual_input import (
     check_virtual_anti_windup,
 )
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.designs.at_operating_point import numbers_at
+from clepsydra.designs.at_operating_point import controller_at, numbers_at
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.designed_values import designed_values
 from clepsydra.designs.kalman import kalman_gain, process_noise
@@ -246,14 +246,13 @@ def feedback_linearisation_controller(
     point = operating_point_of(model)
     at = point.as_dict()
     try:
-        known = LinearisedProcess(linearised, observer)
+        law = feedback_linearisation_law(
+            linearised, anti_windup=anti_windup, alpha_on=alpha_on, observer=observer
+        )
     except InputError as refusal:
         raise NotApplicable(
             METHOD, f"{refusal.value} is neither measured nor estimated; {refusal.remedy}"
         ) from None
-    law = feedback_linearisation_law(
-        linearised, anti_windup=anti_windup, alpha_on=alpha_on, observer=observer
-    )
     alphas = np.array(rates)
     values = numbers_at(
         point,
@@ -278,17 +277,8 @@ def feedback_linearisation_controller(
     state = numbers_at(
         point, law.state, virtual_integral=integrals, was_in_force=1.0, estimate=estimates
     )
-    return Controller(
-        name=NAME,
-        family=FAMILY,
-        design="",
-        law=law,
-        values=values,
-        initial_state=state | remembered_parameters(law, values),
-        measurements=known.measurements,
-        setpoints=model.outputs,
-        manipulated=model.inputs,
-    )
+    state |= remembered_parameters(law, values)
+    return controller_at(point, NAME, FAMILY, law, values, state, method=METHOD)
 
 
 def _smallest_pivots(linearised: VectorRelativeDegree) -> list[float]:

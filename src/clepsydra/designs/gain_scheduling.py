@@ -166,11 +166,7 @@ def design_gain_scheduled_pid(
     "gain_scheduled_lqi",
     "LQI whose gains follow the operating point",
     Studied(190, "LQI, gain scheduling"),
-    keys=(
-        *DEVIATIONS,
-        ANTI_WINDUP,
-        *_SCHEDULE,
-    ),
+    keys=(*DEVIATIONS, ANTI_WINDUP, *_SCHEDULE),
 )
 def design_gain_scheduled_lqi(
     model: LinearModel,

@@ -27,10 +27,7 @@ NAME = "LQI, Bryson"
     "lqi",
     "LQI from measured states, by Bryson's rule",
     Studied(160, NAME),
-    keys=(
-        *DEVIATIONS,
-        ANTI_WINDUP,
-    ),
+    keys=(*DEVIATIONS, ANTI_WINDUP),
 )
 def design_lqi(
     model: LinearModel,

@@ -34,10 +34,7 @@ from clepsydra.linear.linear_model import LinearModel
 @design(
     "lqi_by_weights",
     "LQI by given weights",
-    keys=(
-        WEIGHTS,
-        ANTI_WINDUP,
-    ),
+    keys=(WEIGHTS, ANTI_WINDUP),
 )
 def design_lqi_by_weights(
     model: LinearModel,

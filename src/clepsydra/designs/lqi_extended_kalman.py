@@ -30,11 +30,7 @@ NAME = "LQI with extended Kalman filter"
     "lqi_extended_kalman",
     "LQI with an extended Kalman filter",
     Studied(180, NAME),
-    keys=(
-        MEASUREMENTS,
-        *DEVIATIONS,
-        ANTI_WINDUP,
-    ),
+    keys=(MEASUREMENTS, *DEVIATIONS, ANTI_WINDUP),
 )
 def design_lqi_extended_kalman(
     model: LinearModel,

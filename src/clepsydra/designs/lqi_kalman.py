@@ -23,11 +23,7 @@ NAME = "LQI with Kalman filter"
     "lqi_kalman",
     "LQI with a Kalman filter",
     Studied(170, "LQI with Kalman filter"),
-    keys=(
-        MEASUREMENTS,
-        *DEVIATIONS,
-        ANTI_WINDUP,
-    ),
+    keys=(MEASUREMENTS, *DEVIATIONS, ANTI_WINDUP),
 )
 def design_lqi_kalman(
     model: LinearModel,

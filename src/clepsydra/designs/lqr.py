@@ -41,11 +41,7 @@ METHOD = "LQR"
     "lqr",
     "LQR with a precompensator",
     Studied(210, "LQR with precompensator"),
-    keys=(
-        WEIGHTS,
-        MEASUREMENTS,
-        *DEVIATIONS,
-    ),
+    keys=(WEIGHTS, MEASUREMENTS, *DEVIATIONS),
 )
 def design_lqr(
     model: LinearModel,

@@ -51,7 +51,7 @@ _ITERATIONS = 50
 _ACCURACY = 1e-3
 
 
-class Placed(NamedTuple):
+class PolePattern(NamedTuple):
     """What was asked of a placement: poles or a bandwidth, of regulator and observer.
 
     Parameters
@@ -62,7 +62,7 @@ class Placed(NamedTuple):
 
     Examples
     --------
-    >>> Placed(None, None, 0.02, 4.0).slower(2.0).bandwidth
+    >>> PolePattern(None, None, 0.02, 4.0).slower(2.0).bandwidth
     0.01
     """
 
@@ -71,7 +71,7 @@ class Placed(NamedTuple):
     bandwidth: float
     ratio: float
 
-    def slower(self, factor: float) -> Placed:
+    def slower(self, factor: float) -> PolePattern:
         """Return the same pattern for a lower bandwidth."""
         return self._replace(bandwidth=self.bandwidth / factor)
 
@@ -161,7 +161,7 @@ def design_pole_placement(
     observed, measured = states_to_feed_back(model, measurements, METHOD)
     _check_request(poles, bandwidth, observer_poles, observed, measured)
     moves = control_authorities(operating_point_of(model), model.inputs)
-    request = Placed(poles, observer_poles, bandwidth or 0.0, OBSERVER_RATIO)
+    request = PolePattern(poles, observer_poles, bandwidth or 0.0, OBSERVER_RATIO)
     if poles is None and bandwidth is None:
         request = request._replace(bandwidth=_largest_bandwidth(observed, moves))
     if not measured and observer_poles is None:
@@ -220,7 +220,7 @@ def _check_request(
 
 
 def _feedback(
-    observed: ObservedProcess, asked: Placed, moves: np.ndarray
+    observed: ObservedProcess, asked: PolePattern, moves: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return F and the poles of the regulator."""
     held, moved, period = observed.held, observed.moved, observed.period
@@ -232,7 +232,9 @@ def _feedback(
     return feedback, np.linalg.eigvals(held - moved @ feedback)
 
 
-def _observer(observed: ObservedProcess, asked: Placed, regulator_poles: np.ndarray) -> Estimation:
+def _observer(
+    observed: ObservedProcess, asked: PolePattern, regulator_poles: np.ndarray
+) -> Estimation:
     """Return the observer of the states and of a load at each input."""
     whole = with_loads(observed)
     period = observed.period
@@ -256,7 +258,7 @@ def _largest_bandwidth(observed: ObservedProcess, moves: np.ndarray) -> float:
     rows = observed.controlled
 
     def demand(bandwidth: float) -> float:
-        feedback, _ = _feedback(observed, Placed(None, None, bandwidth, OBSERVER_RATIO), moves)
+        feedback, _ = _feedback(observed, PolePattern(None, None, bandwidth, OBSERVER_RATIO), moves)
         ahead = precompensator(
             observed.held, observed.moved, observed.shown[rows], feedback, moves, METHOD
         )
@@ -278,7 +280,7 @@ def _largest_bandwidth(observed: ObservedProcess, moves: np.ndarray) -> float:
     return low
 
 
-def _quiet(request: Placed, observed: ObservedProcess, moves: np.ndarray) -> Placed:
+def _quiet(request: PolePattern, observed: ObservedProcess, moves: np.ndarray) -> PolePattern:
     """Return the request with an observer so slow that noise hardly moves the inputs."""
     model = observed.model
     process = operating_point_of(model).process
@@ -295,7 +297,7 @@ def _quiet(request: Placed, observed: ObservedProcess, moves: np.ndarray) -> Pla
 
 
 def _in_words(
-    request: Placed,
+    request: PolePattern,
     observed: ObservedProcess,
     regulator_poles: np.ndarray,
     estimation: Estimation | None,

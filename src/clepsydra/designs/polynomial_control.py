@@ -32,10 +32,7 @@ LONGEST_DELAY = 24
     "polynomial",
     "polynomial control with two degrees of freedom",
     Studied(220, "2DOF polynomial, LQ"),
-    keys=(
-        PENALTY,
-        ASSIGNED_POLES,
-    ),
+    keys=(PENALTY, ASSIGNED_POLES),
 )
 def design_polynomial(
     model: LinearModel,

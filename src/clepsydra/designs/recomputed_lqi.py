@@ -20,7 +20,7 @@ from clepsydra.designs.arguments.argument import whole_number
 from clepsydra.designs.arguments.of_process import MEASUREMENTS
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.designed_values import rounded_numbers, rounded_symmetric
-from clepsydra.designs.sampled.steps_in_a_sample import steps_in_a_sample
+from clepsydra.designs.sampled.steps_in_a_sample import at_share, steps_in_a_sample
 from clepsydra.designs.states.bryson_rule import DEVIATIONS, acceptable_deviations
 from clepsydra.designs.states.linear_quadratic import (
     ANTI_WINDUP,
@@ -236,19 +236,12 @@ def change_over_ranges(equations: ProcessEquations) -> float:
     first = values(*rest)
     largest = 0.0
     for share in _SHARES:
-        places = [
-            np.array([_placed(signal, at[signal.name], share) for signal in group])
-            for group in (states, inputs)
-        ]
+        places = at_share(share, states, rest[0]), at_share(share, inputs, rest[1])
         for found in (values(places[0], rest[1]), values(rest[0], places[1]), values(*places)):
             for matrix, before in zip(found, first, strict=True):
                 size = float(np.abs(before).max(initial=0.0)) or 1.0
                 largest = max(largest, float(np.abs(matrix - before).max(initial=0.0)) / size)
     return largest
-
-
-def _placed(signal: Signal, value: float, share: float) -> float:
-    return signal.low + share * signal.span if np.isfinite(signal.span) else value
 
 
 def _source(

@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clepsydra.base.arguments import require_type
 from clepsydra.controllers import controller as inner
 from clepsydra.interface.analysis import Analysis
 from clepsydra.interface.controller import of_plant
-from clepsydra.interface.plant import Plant
+from clepsydra.interface.plant import Plant, require_plant
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.relative_gain_array import relative_gains as relative_gains_of
 from clepsydra.linear.roots import roots_of
@@ -45,7 +44,7 @@ def analyse(plant: Plant) -> Analysis:
     >>> analyse(cl.load("quadruple-tank")).pairing[0]
     ('level_1', 'pump_1')
     """
-    return _plant(plant).analysis
+    return require_plant(plant).analysis
 
 
 def zeros(system: Plant | LinearModel | control.StateSpace) -> np.ndarray:
@@ -105,14 +104,8 @@ def margins(controller: inner.Controller, plant: Plant) -> pandas.DataFrame:
     """
     import pandas
 
-    found = margin_table(loop_response(of_plant(controller, _plant(plant)), plant.measured))
+    found = margin_table(loop_response(of_plant(controller, require_plant(plant)), plant.measured))
     return pandas.DataFrame.from_dict(found, orient="index")
-
-
-def _plant(plant: object) -> Plant:
-    require_type(plant, Plant, "plant", "a plant", 'give one, as from cl.load("quadruple-tank")')
-    assert isinstance(plant, Plant)
-    return plant
 
 
 def _linear(system: object) -> LinearModel:

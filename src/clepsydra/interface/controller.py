@@ -12,7 +12,7 @@ from clepsydra.base.section import Line, Mark, Section, marked
 from clepsydra.controllers import controller as inner
 from clepsydra.controllers.controller import plain_name as plain_name
 from clepsydra.controllers.python_law import PythonLaw
-from clepsydra.interface.plant import Plant
+from clepsydra.interface.plant import Plant, require_plant
 from clepsydra.interface.settings import settings_grid, values_of
 from clepsydra.interface.shown import Answered, lifted
 from clepsydra.loop.loop import Loop
@@ -106,7 +106,7 @@ def of_plant(controller: inner.Controller, plant: Plant) -> Controller:
     InputError
         It is no controller, or it is wired to signals that the plant does not have.
     """
-    require_type(plant, Plant, "plant", "a plant", 'give one, as from cl.load("quadruple-tank")')
+    require_plant(plant)
     require_type(
         controller, inner.Controller, "controller", "a controller",
         "give one, as from cl.design.simc(plant)",

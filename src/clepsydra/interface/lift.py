@@ -9,12 +9,11 @@ from collections.abc import Callable, Iterable, Mapping
 from types import MappingProxyType
 from typing import Any, Concatenate, ParamSpec
 
-from clepsydra.base.arguments import require_type
 from clepsydra.controllers import controller as inner
 from clepsydra.designs.arguments.argument import Argument
 from clepsydra.designs.arguments.weights import OfModel
 from clepsydra.interface.controller import Controller, of_plant
-from clepsydra.interface.plant import Plant
+from clepsydra.interface.plant import Plant, require_plant
 from clepsydra.interface.quantities import arguments, with_unit
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.process.process import Process
@@ -50,9 +49,7 @@ def of_model(
 
     @functools.wraps(design)
     def designed(plant: Plant, *args: P.args, **kwargs: P.kwargs) -> Controller:
-        require_type(
-            plant, Plant, "plant", "a plant", 'give one, as from cl.load("quadruple-tank")'
-        )
+        require_plant(plant)
         _, *given_ones = signature.bind(None, *args, **kwargs).arguments.items()
         given = dict(given_ones)
         found = {

@@ -230,6 +230,19 @@ class Plant(Answered):
         return Section(title, (table, *marked(Mark.WATCH, notes)))
 
 
+def require_plant(plant: object) -> Plant:
+    """Return what a user gave for a plant.
+
+    Raises
+    ------
+    InputError
+        It is none.
+    """
+    require_type(plant, Plant, "plant", "a plant", 'give one, as from cl.load("quadruple-tank")')
+    assert isinstance(plant, Plant)
+    return plant
+
+
 def load(
     name_or_path: str | Path,
     *,

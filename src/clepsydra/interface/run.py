@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -150,21 +150,8 @@ class OpenLoopRun(_Drawn, Simulation):
                 for change in plan.changes
             ],
             "signals": extremes,
-            "events": [
-                {"time": e.time, "event": e.event, "words": e.words, "times": e.times}
-                for e in self.events
-            ],
-            "balances": [
-                {
-                    "name": b.name,
-                    "unit": b.unit,
-                    "entered": b.entered,
-                    "left": b.left,
-                    "gained": b.gained,
-                    "error": b.error,
-                }
-                for b in self.balances
-            ],
+            "events": [asdict(event) for event in self.events],
+            "balances": [{**asdict(each), "error": each.error} for each in self.balances],
             "ended": self.end and {"time": self.end.time, "event": self.end.event},
             "substeps": self.substeps,
             "error_estimate": self.error_estimate,

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import overload
 
-from clepsydra.base.arguments import require_type
 from clepsydra.controllers.controller import Controller
 from clepsydra.interface.controller import of_plant
 from clepsydra.interface.events import Events, changes_of
-from clepsydra.interface.plant import Plant
+from clepsydra.interface.plant import Plant, require_plant
 from clepsydra.interface.quantities import Quantity, with_unit
 from clepsydra.interface.run import OpenLoopRun, Run
 from clepsydra.interface.scenario import scenario_of
@@ -95,7 +94,7 @@ def simulate(
     >>> round(100 * float(run.values["tank_1.level"][-1]), 2)  # [cm]
     13.32
     """
-    require_type(plant, Plant, "plant", "a plant", 'give one, as from cl.load("quadruple-tank")')
+    require_plant(plant)
     if controller is not None:
         loop = Loop(of_plant(controller, plant), plant.measured)
         changes = () if events is None else changes_of(events, plant, controlled=True)

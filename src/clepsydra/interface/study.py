@@ -7,13 +7,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from clepsydra.base.arguments import is_finite_number, require_type, sequence_of
+from clepsydra.base.arguments import is_finite_number, sequence_of
 from clepsydra.base.errors import InputError
 from clepsydra.base.section import Section
 from clepsydra.controllers import controller as inner
 from clepsydra.interface.controller import Controller, of_plant
 from clepsydra.interface.events import Events
-from clepsydra.interface.plant import Plant
+from clepsydra.interface.plant import Plant, require_plant
 from clepsydra.interface.quantities import Quantity
 from clepsydra.interface.run import Run
 from clepsydra.interface.scenario import scenario_of
@@ -217,7 +217,7 @@ def study(
         _check_alone(controllers, events, duration)
         found = run_study(plant, progress=progress, tuning_folder=kept, only=only)
         return _of_plant(found, Plant(plant.process), accept)
-    require_type(plant, Plant, "plant", "a plant", 'give one, as from cl.load("quadruple-tank")')
+    require_plant(plant)
     substeps_for(plant.linear)  # a process that cannot be simulated is refused before all else
     scenario = scenario_of(plant, events, duration, 1 if seed is None else seed)
     given = None if controllers is None else _given(controllers, plant)

@@ -255,6 +255,14 @@ class Element(ABC):
         """Return what each of its measurements shows of its reading with noise."""
         return {signal.name: readings[signal.name] for signal in self.measurements()}
 
+    def _signal(
+        self, name: str, unit: str, ends: tuple[float, float, float], description: str
+    ) -> Signal:
+        """Return a signal by low, high and initial value, shown in the unit of the key "range"."""
+        return Signal(
+            name, unit, self.display_units.get("range", ""), *ends, description=description
+        )
+
     def _parameter(
         self, key: str, unit: str, value: float, description: str, high: float = float("inf")
     ) -> Signal:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
+from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.sampled_matrices import doublings_for
 from clepsydra.controllers.process_equations import NEARLY_EMPTY, ProcessEquations
 from clepsydra.designs.applicability import NotApplicable
@@ -48,11 +50,8 @@ def fastest_rate(equations: ProcessEquations) -> float:
     rest = np.array([at[signal.name] for signal in states])
     places = [rest]
     for share in _SHARES:
-        placed = [
-            signal.low + share * signal.span if math.isfinite(signal.span) else value
-            for signal, value in zip(states, rest, strict=True)
-        ]
-        places.append(np.array(placed))
+        placed = at_share(share, states, rest)
+        places.append(placed)
         # One tank nearly empty beside others that are not.
         for j, value in enumerate(placed):
             alone = rest.copy()
@@ -67,6 +66,15 @@ def fastest_rate(equations: ProcessEquations) -> float:
                 root = float(np.max(np.abs(np.linalg.eigvals(np.abs(A))), initial=0.0))
                 largest = max(largest, root)
     return largest
+
+
+def at_share(share: float, signals: Sequence[Signal], rest: np.ndarray) -> np.ndarray:
+    """Return values at a share of the ranges; at rest where a signal has none."""
+    found = [
+        signal.low + share * signal.span if math.isfinite(signal.span) else value
+        for signal, value in zip(signals, rest, strict=True)
+    ]
+    return np.array(found, float)
 
 
 def steps_in_a_sample(equations: ProcessEquations, method: str) -> tuple[int, int]:

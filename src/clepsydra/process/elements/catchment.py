@@ -94,9 +94,8 @@ class Catchment(Element):
 
     def disturbances(self) -> tuple[Signal, ...]:
         """Return the rain."""
-        shown = self.display_units.get("range", "")
         ends = self.low, self.high, self.nominal
-        return (Signal(self.name, "m/s", shown, *ends, description=f"rain on {self.name}"),)
+        return (self._signal(self.name, "m/s", ends, f"rain on {self.name}"),)
 
     def load_steps(self) -> dict[str, tuple[float, ...]]:
         """Return the step of the rain."""

@@ -235,17 +235,9 @@ class ControlValve(Element):
 
     def inputs(self) -> tuple[Signal, ...]:
         """Return the signal; without a nominal value it stands in the middle of its range."""
-        return (
-            Signal(
-                self.name,
-                self.unit,
-                display_unit=self.display_units.get("range", ""),
-                low=self.low,
-                high=self.high,
-                initial=(self.low + self.high) / 2 if self.nominal is None else self.nominal,
-                description=f"signal to {self.name}",
-            ),
-        )
+        middle = (self.low + self.high) / 2 if self.nominal is None else self.nominal
+        ends = self.low, self.high, middle
+        return (self._signal(self.name, self.unit, ends, f"signal to {self.name}"),)
 
     def parameters(self) -> tuple[Signal, ...]:
         """Return the numbers of the valve, of its line and of its actuator."""

@@ -95,16 +95,9 @@ class ForcedFlow(Element):
 
     def disturbances(self) -> tuple[Signal, ...]:
         """Return the flow, and the concentrations that vary."""
+        ends = self.low, self.high, self.nominal
         return (
-            Signal(
-                self.name,
-                "m^3/s",
-                display_unit=self.display_units.get("range", ""),
-                low=self.low,
-                high=self.high,
-                initial=self.nominal,
-                description=f"flow of {self.name}",
-            ),
+            self._signal(self.name, "m^3/s", ends, f"flow of {self.name}"),
             *concentration_signals(self.name, self.given, self.components),
         )
 

@@ -216,7 +216,7 @@ class Pump(Element):
         """Return what the signal has reached, where that takes time."""
         if not self._lags:
             return ()
-        return (self._signal(self._actual, f"actual value of {self.name}"),)
+        return (self._moved(self._actual, f"actual value of {self.name}"),)
 
     def memories(self) -> tuple[Signal, ...]:
         """Return whether it draws liquid, has tripped, and runs by its level switch."""
@@ -229,7 +229,7 @@ class Pump(Element):
     def inputs(self) -> tuple[Signal, ...]:
         """Return the signal; without a nominal value it stands in the middle of its range."""
         what = "voltage" if self.unit == "V" else "signal"
-        return (self._signal(self.name, f"{what} of {self.name}"),)
+        return (self._moved(self.name, f"{what} of {self.name}"),)
 
     def disturbances(self) -> tuple[Signal, ...]:
         """Return the noise of its flow, relative to it."""
@@ -325,13 +325,6 @@ class Pump(Element):
             value = ca.if_else(symbols[f"{self.name}.runs"] > 0.5, value, standstill)
         return value
 
-    def _signal(self, name: str, description: str) -> Signal:
-        return Signal(
-            name,
-            self.unit,
-            display_unit=self.display_units.get("range", ""),
-            low=self.low,
-            high=self.high,
-            initial=(self.low + self.high) / 2 if self.nominal is None else self.nominal,
-            description=description,
-        )
+    def _moved(self, name: str, description: str) -> Signal:
+        middle = (self.low + self.high) / 2 if self.nominal is None else self.nominal
+        return self._signal(name, self.unit, (self.low, self.high, middle), description)

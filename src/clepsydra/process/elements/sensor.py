@@ -241,16 +241,8 @@ class Sensor(Element):
 
     def measurements(self) -> tuple[Signal, ...]:
         """Return the measurement."""
-        return (
-            Signal(
-                self.name,
-                self.unit,
-                display_unit=self.display_units.get("range", ""),
-                low=self.low,
-                high=self.high,
-                description=f"measured {self._words}",
-            ),
-        )
+        ends = self.low, self.high, 0.0
+        return (self._signal(self.name, self.unit, ends, f"measured {self._words}"),)
 
     def measured_states(self) -> dict[str, str]:
         """Return the level, the concentration or the lagged state that the measurement shows."""
