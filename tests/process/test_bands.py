@@ -132,6 +132,8 @@ def test_the_setpoint_step_of_a_study_stays_near_the_middle_of_a_narrow_band(tmp
     narrow = load(tmp_path, (BAND, 'band = ["0.9 m", "1.2 m"]'))
     sizes = [default_scenario(p.linear).segments[0].size for p in (narrow, load(tmp_path))]
     assert sizes == pytest.approx([0.1, 0.2])  # half the way to 1.2 m; a tenth of 2.5 m, rounded
+    thin = load(tmp_path, (BAND, 'band = ["0.97 m", "1.03 m"]')).linear
+    assert default_scenario(thin).segments[0].size == pytest.approx(0.03)  # 1 % at least
 
 
 def test_a_level_that_rests_outside_of_its_band_is_refused_before_a_study(tmp_path):

@@ -2,6 +2,7 @@
 
 import re
 
+import numpy as np
 import pytest
 from refusals import refused
 from written_plants import plant_of
@@ -127,3 +128,35 @@ def test_a_setpoint_of_a_study_file_outside_of_the_band_is_refused(tmp_path):
         remedy="move it, or widen the band",
     ):
         cl.study(path)
+
+
+@pytest.mark.parametrize(
+    "edits",
+    [
+        {'range = ["0 %", "100 %"], ': 'range = ["0 %", "100 %"], lag = "60 s", '},
+        {
+            'span = ["0 m", "2 m"], range = ["0 %", "100 %"]':
+                'quantity = "volume", lag = "20 s", range = ["0 m^3", "18.8 m^3"]',
+            'level = "50 %"': 'level = "9.4 m^3"',
+        },
+        {
+            'flows.outflow = { source = "drum", range = ["20 m^3/h", "60 m^3/h"]':
+                'reservoirs.next = {}\nvalves.outflow = { source = "drum", destination = "next", '
+                'kv = "100 m^3/h", elevation = "6 m", range = ["0 %", "100 %"]',
+            ', nominal = "40 m^3/h" }\nsensors': ' }\nsensors',
+        },
+    ],
+    ids=["level with a lag", "volume", "valve"],
+)  # fmt: skip
+def test_the_band_is_used_and_kept_by_whatever_measures_and_moves(edits, tmp_path):
+    text = DRUM
+    for old, new in edits.items():
+        assert old in text
+        text = text.replace(old, new)
+    (tmp_path / "drum.toml").write_text(text, encoding="utf-8")
+    plant = cl.load(tmp_path / "drum.toml")
+    run = cl.simulate(plant, cl.design.arrest_time(plant))
+    assert run.scores["time_outside_band[level]"] == 0.0
+    signal = plant.process.signal("level")
+    used = np.abs(signal.to_percent(run.true_measurement("level")) - 50.0).max()
+    assert 0.85 * 20.0 < used < 20.0

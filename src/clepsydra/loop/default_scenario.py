@@ -63,7 +63,7 @@ def default_scenario(model: LinearModel, seed: int = 1) -> Scenario:
     downward. It is reduced until, at rest after it by the linear model (all other controlled
     measurements unchanged), all inputs and the stepped measurement lie in the middle 90 % of
     their ranges, no level has gone more than half its way to floor or rim, and no averaging
-    level more than half its way to an end of its band, and until a
+    level more than half its way to an end of its band, or 2 % in one as narrow, and until a
     proportional controller that leaves a sixth of the step keeps all inputs there at the step
     and at the step back; but for the latter never below 1 %. Then it is rounded down to one digit.
 
@@ -237,7 +237,10 @@ def _setpoint_step(
     level_moves, input_moves = _moves_at_rest(process, model, column)
     rooms = [_room(values[name], *_inner(output), 1.0)]
     if name in process.bands:
-        rooms.append(_room(values[name], *_near(values[name], *process.bands[name]), 1.0))
+        value, ends = values[name], process.bands[name]
+        near, far = _room(value, *_near(value, *ends), 1.0), _room(value, *ends, 1.0)
+        up, down = (max(near[way], min(2.0 * smallest, far[way])) for way in (0, 1))
+        rooms.append((up, down))
     for state, move in zip(model.states, level_moves, strict=True):
         signal, value = process.signal(state), values[state]
         rooms.append(_room(value, *_near(value, signal.low, signal.high), move))
