@@ -12,7 +12,7 @@ from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import final_element
 from clepsydra.controllers.blocks.handover import Asked
 from clepsydra.controllers.blocks.sample import Reading, Sample
-from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step
+from clepsydra.controllers.blocks.validity import all_of, is_number, time_step_of
 from clepsydra.controllers.control_law import control_law
 from clepsydra.program.step_law import StepLaw
 
@@ -124,8 +124,7 @@ def disturbance_rejection_law(
 
 
 def _equations(sample: Sample, pairs: Sequence[tuple[Signal, Signal]]) -> None:
-    time_step_good = is_time_step(sample["time_step"])
-    time_step = ca.if_else(time_step_good, sample["time_step"], 1)
+    time_step, time_step_good = time_step_of(sample.symbols)
     for y, u in pairs:
         reading = Reading.of(sample, [y.name], [y.name])
         level, known = reading.measurements[y.name], reading.known

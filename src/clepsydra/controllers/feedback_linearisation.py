@@ -13,7 +13,7 @@ from clepsydra.controllers.blocks.final_element import final_element
 from clepsydra.controllers.blocks.handover import Applied, Asked
 from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.controllers.blocks.sample import Reading, Sample
-from clepsydra.controllers.blocks.validity import any_of, is_time_step
+from clepsydra.controllers.blocks.validity import any_of, time_step_of
 from clepsydra.controllers.blocks.variable_structure import cut_off
 from clepsydra.controllers.control_law import control_law
 from clepsydra.controllers.linearised_process import Evaluated, LinearisedProcess
@@ -151,7 +151,7 @@ class _Law:
         outputs = [each.measurement.name for each in self.virtual]
         reading = Reading.of(sample, self.known.measurements, outputs)
         usable = ca.logic_and(reading.numbers, reading.sensors)
-        time_step = ca.if_else(is_time_step(sample["time_step"]), sample["time_step"], 1)
+        time_step, _ = time_step_of(sample.symbols)
         measured = list(reading.measurements.values())
         process = self.known.evaluated(sample.symbols, measured, reading.known)
         last = [sample[path(u, "last_output")] for u in self.manipulated]

@@ -18,7 +18,7 @@ from clepsydra.controllers.blocks.sampled_matrices import (
     sampled_expressions,
     upper_triangle,
 )
-from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step
+from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step, time_step_of
 from clepsydra.controllers.linear_quadratic_integral import output_parameters, varying_lqi
 from clepsydra.controllers.observers.measured_state import ProcessState
 from clepsydra.controllers.process_equations import NEARLY_EMPTY, ProcessEquations, evaluated
@@ -156,7 +156,7 @@ def _recomputed(
     """Return gains and cost to go by name, and the conditions under which the step is taken."""
     A, B, C = model
     (n, m), q = B.shape, C.shape[0]
-    time = ca.if_else(is_time_step(sample["time_step"]), sample["time_step"], 1)
+    time, _ = time_step_of(sample.symbols)
     sizes = column(sample.symbols, "size", source.fed_back)
     moves = column(sample.symbols, "largest_move", source.manipulated)
     errors = column(sample.symbols, "largest_error", source.controlled)

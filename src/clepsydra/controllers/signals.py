@@ -11,6 +11,7 @@ from clepsydra.base.key import Key, ratio_of_units
 from clepsydra.base.signal import Signal, effect, path
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.blocks.mode import Mode
+from clepsydra.controllers.blocks.status import STATUS_BITS, status_port
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.entries import signal_of
 
@@ -33,11 +34,7 @@ MODE = Key("mode", "1", _MODES, _LOW, _HIGH, _USUAL, kind="integer")
 MANUAL = Key("manual", "{output}", "value of {output} in manual", like="output")
 TRACKING = Key("tracking", "{output}", "value of {output} in tracking", like="output")
 OUT = Key("out", "{output}", "value of {output}", like="output")
-_BITS = (
-    "sum of 1 automatic, 2 tracking, 4 at low limit, 8 at high limit, 16 sensor fault, "
-    "32 invalid input, 64 invalid time step, 128 at rate limit"
-)
-STATUS = Key("status", "1", _BITS, 0.0, 255.0, kind="integer")
+STATUS = status_port(STATUS_BITS)
 LAST_OUTPUT = Key("last_output", "{output}", "{output} in the last sample")
 INTEGRAL = Key("integral", "{output}", "integral part of {output}")
 TIME_STEP = Key("time_step", "s", "time since the last sample", 0.0, default=1.0)
@@ -56,6 +53,11 @@ def signed(name: str, unit: str, words: str, default: float = 0.0) -> Key:
 
 LOW_LIMIT = signed("low_limit", "{output}", "low limit of {output}")
 HIGH_LIMIT = signed("high_limit", "{output}", "high limit of {output}")
+#: The largest number that it may have is none.
+RATE_LIMIT = Key(
+    "rate_limit", "{output}/s", "largest rate of change of {output}",
+    0.0, LARGEST_PARAMETER, LARGEST_PARAMETER,
+)  # fmt: skip
 _TRACKING = "time in which back-calculation takes the integral out of saturation"
 TRACKING_TIME = Key("tracking_time", "s", _TRACKING, SHORTEST_TIME, LARGEST_PARAMETER, 60.0)
 
@@ -212,7 +214,7 @@ def output_signals(signal: Signal) -> list[Signal]:
     """
     out = OUT.of(signal, output=signal)
     words = signal.description or out.description
-    return [replace(out, description=words), STATUS.of(signal)]
+    return [replace(out, description=words), replace(STATUS, name=path(signal, "status"))]
 
 
 def per(quantity: Signal, *others: Signal | str) -> Signal:
@@ -322,17 +324,6 @@ def size(name: str, of: Signal | str, description: str) -> Signal:
     1e-12
     """
     return replace(gain(name, of, 1.0, description), low=1e-12)
-
-
-def largest_rate(name: str, of: Signal, description: str) -> Signal:
-    """Return the parameter of a largest rate; the largest number that it may have is none.
-
-    Examples
-    --------
-    >>> largest_rate("pump_1.rate_limit", Signal("pump_1", "1", "%"), "").display_unit
-    '%/s'
-    """
-    return replace(gain(name, per(of, "s"), LARGEST_PARAMETER, description), low=0.0)
 
 
 def duration(name: str, description: str) -> Signal:

@@ -12,7 +12,7 @@ from clepsydra.controllers.blocks.anti_windup import tracking_share
 from clepsydra.controllers.blocks.matrix import Matrix
 from clepsydra.controllers.blocks.output_stage import output_stage
 from clepsydra.controllers.blocks.sample import Reading, Sample
-from clepsydra.controllers.blocks.validity import is_time_step
+from clepsydra.controllers.blocks.validity import time_step_of
 from clepsydra.controllers.observers.linear_state import LinearState
 from clepsydra.controllers.observers.structure import ObserverStructure
 from clepsydra.program.step_law import StepLaw
@@ -145,7 +145,7 @@ def fading_output(sample: Sample, u: Signal, reading: Reading, asked: ca.SX) -> 
     --------
     See `state_feedback_law`.
     """
-    time_step = ca.if_else(is_time_step(sample["time_step"]), sample["time_step"], 1)
+    time_step, _ = time_step_of(sample.symbols)
     integral, time = sample.of(u, "integral", "fading_time")
     return output_stage(
         sample,

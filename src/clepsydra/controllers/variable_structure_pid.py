@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
@@ -48,11 +47,6 @@ class VariableStructureForm(PidForm):
         """Those of a PID loop, and α."""
         return (*super().parameters, "saturation_rate")
 
-    @property
-    def plain(self) -> PidForm:
-        """The form without any anti-windup, which has the same settings."""
-        return PidForm(**_without_anti_windup(self))
-
 
 def variable_structure_form(form: PidForm) -> VariableStructureForm:
     """Return a form with the variable structure in place of its own anti-windup.
@@ -62,12 +56,7 @@ def variable_structure_form(form: PidForm) -> VariableStructureForm:
     >>> variable_structure_form(PidForm("PI", "series")).algorithm
     'series'
     """
-    return VariableStructureForm(**_without_anti_windup(form))
-
-
-def _without_anti_windup(form: PidForm) -> dict[str, Any]:
-    chosen = {field.name: getattr(form, field.name) for field in fields(PidForm)}
-    return chosen | {"anti_windup": "none"}
+    return VariableStructureForm(**vars(form) | {"anti_windup": "none"})
 
 
 def variable_structure_pid_law(

@@ -83,7 +83,7 @@ def design_variable_structure_pid(
     ('PI, variable structure', 0.245)
     """
     chosen, _ = checked_form(form, METHOD)
-    plain = variable_structure_form(chosen).plain
+    plain = PidForm(**vars(variable_structure_form(chosen)))
     if settings is None:
         base = design_simc(model, pairing, form=plain)
     else:

@@ -8,7 +8,7 @@ import casadi as ca
 
 from clepsydra.base.arguments import check_choice
 from clepsydra.controllers.blocks.limits import limit
-from clepsydra.controllers.blocks.validity import is_time_step
+from clepsydra.controllers.blocks.validity import time_step_of
 from clepsydra.controllers.blocks.variable_structure import (
     cut_off,
     share_of_excess,
@@ -79,7 +79,7 @@ def next_in_force(anti_windup: str, s: Symbols, limited: ca.SX) -> ca.SX:
         return clamping(integral, increment, s["low_limit"], s["high_limit"])
     if anti_windup == "conditional_integration":
         return conditional_integration(*asked)
-    time_step = ca.if_else(is_time_step(s["time_step"]), s["time_step"], 1)
+    time_step, _ = time_step_of(s)
     if anti_windup == "back_calculation":
         return back_calculation(*asked, tracking_share(time_step, s["tracking_time"]))
     low, high = s["low_limit"], s["high_limit"]

@@ -10,7 +10,12 @@ from clepsydra.controllers.blocks.derivative import FilteredDerivative, filtered
 from clepsydra.controllers.blocks.error_shape import gap_error, squared_error
 from clepsydra.controllers.blocks.handover import Applied
 from clepsydra.controllers.blocks.integral import next_integral
-from clepsydra.controllers.blocks.validity import any_of, is_number, is_time_step
+from clepsydra.controllers.blocks.validity import (
+    any_of,
+    is_number,
+    is_time_step,
+    time_step_of,
+)
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.program.step_law import Symbols
 
@@ -32,18 +37,6 @@ PID_WORDS = {
 }
 #: How a parameter is read: as it is, or as it was in the last sample.
 _Read = Callable[[str], ca.SX]
-
-
-def time_step_of(s: Symbols) -> tuple[ca.SX, ca.SX]:
-    """Return the time step, 1 s in place of one that is none, and whether it is one.
-
-    Examples
-    --------
-    >>> [float(value) for value in time_step_of({"time_step": ca.DM(-2)})]
-    [1.0, 0.0]
-    """
-    good = is_time_step(s["time_step"])
-    return ca.if_else(good, s["time_step"], 1), good
 
 
 def pid_terms(form: PidForm, s: Symbols) -> dict[str, ca.SX]:

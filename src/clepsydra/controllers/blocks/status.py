@@ -43,6 +43,20 @@ STATUS_BITS: dict[str, StatusBit] = {
 }
 
 
+def status_port(bits: Mapping[str, StatusBit]) -> Signal:
+    """Return a status word as a signal, with its bits in words.
+
+    Examples
+    --------
+    >>> status_port({"ramps": StatusBit(4096, "a setpoint is on its way")}).description
+    'sum of 4096 ramps'
+    """
+    shown = (f"{bit.value} {name.replace('_', ' ')}" for name, bit in bits.items())
+    most = float(sum(bit.value for bit in bits.values()))
+    words = f"sum of {', '.join(shown)}"
+    return Signal("status", low=0.0, high=most, kind="integer", description=words)
+
+
 def status_word(
     conditions: Mapping[str, ca.SX], bits: Mapping[str, StatusBit] = STATUS_BITS
 ) -> ca.SX:

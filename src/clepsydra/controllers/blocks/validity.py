@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import casadi as ca
 
+from clepsydra.program.step_law import Symbols
+
 #: Above this magnitude a value counts as not a number.
 LARGEST_NUMBER = 1e300
 
@@ -47,6 +49,18 @@ def is_time_step(time_step: ca.SX) -> ca.SX:
     [True, False, False, False]
     """
     return ca.logic_and(time_step > 0, time_step <= LARGEST_NUMBER)
+
+
+def time_step_of(s: Symbols) -> tuple[ca.SX, ca.SX]:
+    """Return the time step, 1 s in place of one that is none, and whether it is one.
+
+    Examples
+    --------
+    >>> [float(value) for value in time_step_of({"time_step": ca.DM(-2)})]
+    [1.0, 0.0]
+    """
+    good = is_time_step(s["time_step"])
+    return ca.if_else(good, s["time_step"], 1), good
 
 
 def all_of(conditions: list[ca.SX]) -> ca.SX:

@@ -14,7 +14,7 @@ from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.derivative import filtered_derivative
 from clepsydra.controllers.blocks.error_shape import gap_error
 from clepsydra.controllers.blocks.ports import truth, words_for
-from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step, value_or_zero
+from clepsydra.controllers.blocks.validity import all_of, is_number, time_step_of, value_or_zero
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
 
@@ -108,8 +108,7 @@ def _block(quantity: str, is_rate: bool, is_of_error: bool) -> Block:
             value = value - measured[0]
         named = {"valid": valid}
         if is_rate:
-            good = is_time_step(s["time_step"])
-            time_step = ca.if_else(good, s["time_step"], 1)
+            time_step, good = time_step_of(s)
             value, filtered = filtered_derivative(value, s["filtered"], s["filter_time"], time_step)
             sound = all_of([valid, s["good"], good, is_number(filtered)])
             state["filtered"] = ca.if_else(sound, filtered, s["filtered"])

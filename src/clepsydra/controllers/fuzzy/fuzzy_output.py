@@ -6,10 +6,8 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Literal
 
-import casadi as ca
-
 from clepsydra.base.key import Key
-from clepsydra.base.signal import Signal, path
+from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import tracking_share
 from clepsydra.controllers.blocks.final_element import (
@@ -22,7 +20,7 @@ from clepsydra.controllers.blocks.final_element import (
 from clepsydra.controllers.blocks.handover import Asked
 from clepsydra.controllers.blocks.integral import next_integral
 from clepsydra.controllers.blocks.ports import truth, words_for
-from clepsydra.controllers.blocks.validity import all_of, is_time_step
+from clepsydra.controllers.blocks.validity import all_of, time_step_of
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
 
@@ -89,8 +87,7 @@ class FuzzyOutput:
         found = [key.of(moved, output=self.crisp) for key in _keys(self.is_position)]
         found += signals.limit_parameters(moved)
         if self.rate_limited:
-            words = f"largest rate of change of {moved.name}"
-            found.append(signals.largest_rate(path(moved, "rate_limit"), moved, words))
+            found.append(signals.RATE_LIMIT.of(moved, output=moved))
         return found
 
     def state(self) -> list[Signal]:
@@ -111,7 +108,7 @@ def _keys(is_position: bool) -> tuple[Key, ...]:
 def _block(is_position: bool, rate_limited: bool) -> Block:
     def equations(s: Symbols) -> Equations:
         wish, last = s["output_gain"] * s["centroid"], s["last_output"]
-        time_step = ca.if_else(is_time_step(s["time_step"]), s["time_step"], 1)
+        time_step, _ = time_step_of(s)
         usable = all_of([s["numbers"], s["sensors"], s["fires"]])
         asked = wish + s["offset"] if is_position else last + time_step * wish
         given = Asked(asked, usable, s["numbers"], s["sensors"])

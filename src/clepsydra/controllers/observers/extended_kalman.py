@@ -17,7 +17,7 @@ from clepsydra.controllers.blocks.sampled_matrices import (
     sampled_expressions,
     upper_triangle,
 )
-from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step
+from clepsydra.controllers.blocks.validity import all_of, is_number, time_step_of
 from clepsydra.controllers.observers.measured_state import ProcessState
 from clepsydra.controllers.observers.observer import ESTIMATE, Observer, Values
 from clepsydra.controllers.process_equations import (
@@ -185,7 +185,7 @@ class ExtendedKalman(ProcessState, Observer):
 
     def _following(self, s: Symbols, estimate: Values, inputs: Values) -> Values:
         (x, P), applied = self._split(estimate), ca.vertcat(*inputs)
-        time = ca.if_else(is_time_step(s["time_step"]), s["time_step"], 1)
+        time, _ = time_step_of(s)
         rates, constants = function_in(self.equations, [ca.densify(self.equations.rates)], s)
         end = runge_kutta(rates, self.substeps)(time, x, applied, constants)
         spread = self._spread(s, x, P, time, applied)

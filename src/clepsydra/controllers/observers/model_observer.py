@@ -10,7 +10,7 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.matrix import Matrix
-from clepsydra.controllers.blocks.validity import is_time_step
+from clepsydra.controllers.blocks.validity import time_step_of
 from clepsydra.controllers.observers.observer import ESTIMATE, Observer, Values, surprises
 from clepsydra.controllers.process_equations import evaluated, models_in
 from clepsydra.linear.lie_derivatives import InputAffineEquations
@@ -103,7 +103,7 @@ class ModelObserver(Observer):
 
     def _following(self, s: Symbols, estimate: Values, inputs: Values) -> Values:
         x, u = ca.vertcat(*estimate), ca.vertcat(*inputs)
-        step = ca.if_else(is_time_step(s["time_step"]), s["time_step"], 1)
+        step, _ = time_step_of(s)
         half = 0.5 * step
         first = self._at(self._rates, s, x, u)
         second = self._at(self._rates, s, x + half * first, u)

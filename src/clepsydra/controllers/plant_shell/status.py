@@ -10,7 +10,7 @@ import casadi as ca
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.controllers.blocks.ports import truth
-from clepsydra.controllers.blocks.status import STATUS_BITS, StatusBit, status_word
+from clepsydra.controllers.blocks.status import STATUS_BITS, StatusBit, status_port, status_word
 from clepsydra.controllers.blocks.validity import is_number
 from clepsydra.controllers.plant_shell.output_command import (
     LIMITS,
@@ -19,7 +19,7 @@ from clepsydra.controllers.plant_shell.output_command import (
     TOLD,
     moved_by_hand,
 )
-from clepsydra.controllers.plant_shell.scan import ELAPSED, count
+from clepsydra.controllers.plant_shell.scan import ELAPSED
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
 
@@ -56,12 +56,7 @@ CONDITIONS = tuple(
     for name, bit in SHELL_STATUS_BITS.items()
 )
 #: The status of an output as the shell gives it.
-STATUS = count(
-    "status",
-    float(sum(bit.value for bit in SHELL_STATUS_BITS.values())),
-    "sum of "
-    + ", ".join(f"{bit.value} {name.replace('_', ' ')}" for name, bit in SHELL_STATUS_BITS.items()),
-)
+STATUS = status_port(SHELL_STATUS_BITS)
 #: Bits that only the law knows; of an output without limits also whether it stands at one.
 OF_LAW = ("sensor_fault", "invalid_input")
 OF_LIMITS = ("at_low_limit", "at_high_limit")

@@ -14,7 +14,7 @@ from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
 from clepsydra.controllers.blocks.lead_lag import lead_lag
 from clepsydra.controllers.blocks.ports import instance, truth
 from clepsydra.controllers.blocks.sample import Sample
-from clepsydra.controllers.blocks.validity import is_number, is_time_step, value_or_zero
+from clepsydra.controllers.blocks.validity import is_number, time_step_of, value_or_zero
 from clepsydra.controllers.signals import LARGEST_PARAMETER, signed
 from clepsydra.controllers.structure.block import Opened, WithoutSignals
 from clepsydra.program.block import Block
@@ -157,8 +157,7 @@ def _feedforward(dynamic: bool, sensed: bool) -> Block:
         taken = ca.if_else(good, deviation, s["lagged_signal"])
         if not dynamic:
             return Equations({"lagged_signal": taken}, {"added": s["gain"] * taken})
-        time_step_good = is_time_step(s["time_step"])
-        time_step = ca.if_else(time_step_good, s["time_step"], 1)
+        time_step, time_step_good = time_step_of(s)
         filtered = lead_lag(taken, s["lagged_signal"], s["lead"], s["lag"], time_step)
         kept = ca.logic_and(time_step_good, is_number(filtered.lagged))
         lagged = ca.if_else(kept, filtered.lagged, s["lagged_signal"])

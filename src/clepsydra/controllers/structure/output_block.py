@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from clepsydra.base.signal import Signal, path
+from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import final_element
 from clepsydra.controllers.blocks.handover import Asked, Limits
@@ -56,8 +56,7 @@ class OutputBlock(WithoutSignals):
         """Limits and, where it has one, the rate limit."""
         found = signals.limit_parameters(self.signal)
         if self.rate_limited:
-            words = f"largest rate of change of {self.signal.name}"
-            found.append(signals.largest_rate(path(self.signal, "rate_limit"), self.signal, words))
+            found.append(signals.RATE_LIMIT.of(self.signal, output=self.signal))
         return found
 
     def state(self) -> list[Signal]:

@@ -17,10 +17,9 @@ from clepsydra.controllers.blocks.pid import (
     PID_WORDS,
     pid_state,
     pid_terms,
-    time_step_of,
 )
 from clepsydra.controllers.blocks.ports import truth
-from clepsydra.controllers.blocks.validity import is_number, value_or_zero
+from clepsydra.controllers.blocks.validity import is_number, time_step_of, value_or_zero
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.setpoint import (
     Setpoint,
