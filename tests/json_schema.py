@@ -60,7 +60,8 @@ def _names(value, names, schema, place):
 
 def _items(value, each, schema, place):
     for number, entry in enumerate(value if isinstance(value, list) else ()):
-        yield from faults(entry, each, f"{place}[{number}]")
+        one = each[number] if isinstance(each, list) and number < len(each) else each
+        yield from faults(entry, one if isinstance(one, dict) else {}, f"{place}[{number}]")
 
 
 def _length(value, least, most, place):

@@ -100,17 +100,17 @@ def ranged(unit: str, what: str, quantity: str = "") -> Any:
     quantity : str
         In a word, for messages: "rain intensity"; as `what` where empty.
     """
+    step = told.written(unit, signed=True)
     quantity = quantity or what.removeprefix("the ")
     steps = "size of the load step of studies, or a list of them, one after the other "
     return part(
         lambda table, key, known: read_disturbance_range(table, unit, quantity),
         {
-            "range": told.quantities(f"range of {what} [{unit}]", 2),
+            "range": told.quantities(f"range of {what} [{unit}]", 2, unit),
             "nominal": told.quantity(f"{what} at the operating point", unit),
             "step": {
                 "description": f"{steps}[{unit}]; none if left out",
-                "type": [*told.QUANTITY["type"], "array"],
-                "items": told.QUANTITY,
+                "anyOf": [step, {"type": "array", "items": step}],
             },
         },
         fills=True,

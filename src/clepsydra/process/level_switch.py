@@ -17,15 +17,16 @@ from clepsydra.program.step_law import Symbols
 if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
 
+_LEVEL = told.written("m")
 #: The keys of a process file that `read_trips` and `read_starter` know.
 TRIP_KEYS = {
-    "trip_above": told.by_name("levels of tanks above which it stops [m]"),
-    "trip_below": told.by_name("levels of tanks below which it stops [m]"),
+    "trip_above": told.by_name("levels of tanks above which it stops [m]", _LEVEL),
+    "trip_below": told.by_name("levels of tanks below which it stops [m]", _LEVEL),
     "hysteresis": told.quantity("how far levels must come back before it may run again", "m"),
 }
 STARTER_KEYS = {
-    "start_above": told.by_name("level of one tank above which it starts by itself [m]"),
-    "stop_below": told.by_name("level of the same tank below which it stops [m]"),
+    "start_above": told.by_name("level of one tank above which it starts by itself [m]", _LEVEL),
+    "stop_below": told.by_name("level of the same tank below which it stops [m]", _LEVEL),
     "running": {"description": "whether it runs at first", "type": "boolean"},
 }
 

@@ -12,6 +12,13 @@ Schema = Mapping[str, Any]
 QUANTITY: Schema = {"type": ["string", "number"]}
 
 
+def written(unit: str, *, signed: bool = False) -> Schema:
+    """Return the schema of a quantity without words, of any kind where no SI unit is given."""
+    if not unit:
+        return QUANTITY
+    return {"type": "string", "pattern": text_pattern(unit, signed=signed, zero=True)}
+
+
 def quantity(words: str, unit: str = "") -> dict[str, Any]:
     """Return the schema of a quantity, not below zero where its SI unit is known.
 
@@ -20,10 +27,7 @@ def quantity(words: str, unit: str = "") -> dict[str, Any]:
     >>> quantity("a level", "m")["description"]
     'a level [m]'
     """
-    if unit:
-        pattern = text_pattern(unit, signed=False, zero=True)
-        return {"description": f"{words} [{unit}]", "type": "string", "pattern": pattern}
-    return {"description": words, **QUANTITY}
+    return {"description": f"{words} [{unit}]" if unit else words, **written(unit)}
 
 
 def text(words: str) -> dict[str, Any]:
@@ -41,15 +45,16 @@ def names(words: str) -> dict[str, Any]:
     return {"description": words, "type": "array", "items": {"type": "string"}, "minItems": 1}
 
 
-def quantities(words: str, count: int | None = None) -> dict[str, Any]:
+def quantities(words: str, count: int | None = None, unit: str = "") -> dict[str, Any]:
     """Return the schema of a list of quantities, of so many where a count is given."""
-    found = {"description": words, "type": "array", "items": QUANTITY, "minItems": count or 1}
+    each = written(unit)
+    found = {"description": words, "type": "array", "items": each, "minItems": count or 1}
     return found if count is None else found | {"maxItems": count}
 
 
-def pairs(words: str) -> dict[str, Any]:
-    """Return the schema of a list of pairs of quantities."""
-    each = {"type": "array", "items": QUANTITY, "minItems": 2, "maxItems": 2}
+def pairs(words: str, *units: str) -> dict[str, Any]:
+    """Return the schema of a list of pairs of quantities in two SI units."""
+    each = {"type": "array", "items": [*map(written, units)], "minItems": 2, "maxItems": 2}
     return {"description": words, "type": "array", "items": each, "minItems": 1}
 
 

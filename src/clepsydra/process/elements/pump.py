@@ -128,7 +128,7 @@ class Pump(Element):
     curve: PumpCurve | None = part(
         lambda table, key, known: PumpCurve.read(table) if table.has(key) else None,
         default=None,
-        **told.pairs("in place of a gain: points of flow and head at full speed"),
+        **told.pairs("in place of a gain: points of flow and head at full speed", "m^3/s", "m"),
     )
     static_head: float = quantity(
         "m",

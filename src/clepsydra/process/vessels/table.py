@@ -68,7 +68,11 @@ class AreaTable(Vessel):
 
     levels: tuple[float, ...] = part(
         lambda table, key, known: _read_rows(table),
-        {"table": told.pairs("list of pairs of level [m] and area [m^2], from the floor up")},
+        {
+            "table": told.pairs(
+                "list of pairs of level [m] and area [m^2], from the floor up", "m", "m^2"
+            )
+        },
         fills=True,
         required=("table",),
     )
