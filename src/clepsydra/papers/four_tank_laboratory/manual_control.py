@@ -217,9 +217,11 @@ def _levels_of_15(set_up: SetUp, volts: tuple[float, float]) -> list[Row]:
             if reading.holes == holes
         }
         which = "fitted holes" if holes == "fitted" else "holes of the report"
+        line = PRINTED["Exercise 2.2.3", f"level of both lower tanks, {set_up.phase}, {which}"]
+        wanted = line.value
         row = _left_open(
-            PRINTED["Exercise 2.2.3", f"level of both lower tanks, {set_up.phase}, {which}"],
-            {r: max(each, key=lambda level: abs(level[0] - 15.0)) for r, each in found.items()},
+            line,
+            {r: max(each, key=lambda level: abs(level[0] - wanted)) for r, each in found.items()},
             f"At {voltages}, of the one that is farther off, {_SIMULATOR}",
         )
         is_fitted = holes == "fitted"

@@ -21,7 +21,7 @@ from clepsydra.papers.four_tank_variable_structure.decoupled import (
     at_limits,
     shares_at_limit,
 )
-from clepsydra.papers.four_tank_variable_structure.filling import HIGH
+from clepsydra.papers.four_tank_variable_structure.filling import HIGH, PLACE
 from clepsydra.papers.four_tank_variable_structure.readings import (
     USUAL,
     both,
@@ -88,8 +88,9 @@ def _settings() -> Row:
     longest = max(share for pair in pairs for share in shares_at_limit(pair[0], pair[1]))
     spilt = filled_with("none", _OTHERS, target=HIGH)
     least = min(spilt.spilt(lane) for lane in range(len(_OTHERS)))
+    printed = PRINTED[PLACE, "overshoot of the level, conventional PID"].value
     nearest = min(
-        (abs(pair[1].overshoot(tank, _LANE) - 12.0), -each.time, each, pair[1])
+        (abs(pair[1].overshoot(tank, _LANE) - printed), -each.time, each, pair[1])
         for each, pair in zip(_OTHERS, pairs, strict=True)
         for tank in (1, 2)
     )

@@ -9,6 +9,7 @@ from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.papers.comparison import claimed, compared, compared_all, entries, stated
 from clepsydra.papers.document import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.printed import values
 from clepsydra.papers.row import Row
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.printed_model import (
@@ -42,19 +43,25 @@ def _units() -> list[Row]:
         stated(
             PRINTED["Table 1", "unit of h2s"],
             "m",
-            abs(second[0, 1] - 0.0322) < 5e-5,
+            _rounds_to("A12", second[0, 1]),
             reason=f"With h2s = 0.45 cm the first rate of (2) is {second[0, 1]:.4f} 1/s, "
             f"with 0.45 m {metres[0, 1]:.4f}, as printed.",
         ),
         stated(
             PRINTED["Table 1", "unit of h3s"],
             "m",
-            abs(third[1, 2] - 0.0257) < 5e-5 and abs(third[2, 2] + 0.0371) < 5e-5,
+            _rounds_to("A23", third[1, 2]) and _rounds_to("A33", third[2, 2]),
             reason=f"With h3s = 0.4 cm, h2s in metres, A23 and A33 of (2) are {third[1, 2]:.4f} "
             f"and {third[2, 2]:.4f} 1/s, with 0.4 m {metres[1, 2]:.4f} and {metres[2, 2]:.4f}, as "
             "printed.",
         ),
     ]
+
+
+def _rounds_to(name: str, rate: float) -> bool:
+    """Whether an entry of (2) is a rate, but for the last digit."""
+    printed = PRINTED["(2)", name].number
+    return bool(abs(rate - printed.value) < printed.half_unit)
 
 
 def _rest() -> list[Row]:
@@ -124,10 +131,11 @@ def _controllability() -> list[Row]:
     as_printed = np.array(
         [[PRINTED["(2)", f"A{i}{j}"].value for j in (1, 2, 3)] for i in (1, 2, 3)]
     )
-    by_print = 64.94 * as_printed[:, 0]
+    qc11, qc12, qc13, qc22 = values(PRINTED, "controllability", "Qc11", "Qc12", "Qc13", "Qc22")
+    by_print = qc11 * as_printed[:, 0]
     evidence = (
         "its column sums to zero, as tank 1 gives tank 2 what it loses, and has 2.1",
-        abs(by_print[0] + by_print[1]) < 1e-9 and round(by_print[1], 1) == 2.1,
+        abs(by_print[0] + by_print[1]) < 1e-9 and round(by_print[1], 1) == qc22,
     )
     squared = as_printed @ by_print
     second = (
@@ -135,10 +143,10 @@ def _controllability() -> list[Row]:
         round(squared[0], 2) == 0.13 and round(by_print[0], 1) == -2.1,
     )
     # Both entries follow from one wrong rate, so that neither is a digit lost on the way to us.
-    other = -0.04 * 64.94, 0.04**2 * 64.94 + 0.0322 * by_print[1]
+    other = -0.04 * qc11, 0.04**2 * qc11 + as_printed[0, 1] * by_print[1]
     one_slip = (
         "-0.04 for the -0.0322 of (2) makes Qc12 and Qc13 as printed",
-        round(other[0], 1) == -2.6 and round(other[1], 2) == 0.17,
+        round(other[0], 1) == qc12 and round(other[1], 2) == qc13,
     )
     proof = {"Qc12": [evidence, one_slip], "Qc13": [second, one_slip]}
     rank = np.linalg.matrix_rank(matrix)
