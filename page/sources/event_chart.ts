@@ -102,7 +102,7 @@ export class EventChart {
   /** Return from where to where the curves go within the times that are shown. */
   span(): [number, number] {
     const { times, values } = this.curves;
-    let [low, high] = [Infinity, -Infinity];
+    let [low, high] = this.curves.signal.band ?? [Infinity, -Infinity];
     const shown = this.common.shown.controllers.map((each) => values[each]!);
     for (const curve of [...shown, ...this.wanted().map(([wanted]) => wanted)])
       curve.forEach((value, place) => {
