@@ -10,12 +10,10 @@ from clepsydra.report.colours import INK
 from clepsydra.report.drawing import symbols
 from clepsydra.report.drawing.bodies import NAME, PITCH
 from clepsydra.report.drawing.lettering import width
-from clepsydra.report.drawing.routing import Pipe, Routes
+from clepsydra.report.drawing.routing import ORDER, Pipe, Routes
 from clepsydra.report.drawing.style import PIPE
 
 _HOP = 6.0
-#: What arches over what.
-_OVER = {"pipe": 0, "tap": 1, "signal": 2}
 
 Points = list[tuple[float, float]]
 
@@ -99,7 +97,11 @@ def _crossings(
     low, high = sorted((start[along], end[along]))
     found = set()
     for other, points in ways.items():
-        arches = _OVER[pipe.kind] > _OVER[other.kind] if pipe.kind != other.kind else along == 0
+        arches = (
+            ORDER.index(pipe.kind) > ORDER.index(other.kind)
+            if pipe.kind != other.kind
+            else along == 0
+        )
         if other is pipe or not arches:
             continue
         for one, two in pairwise(points):

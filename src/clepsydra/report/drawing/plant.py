@@ -150,7 +150,7 @@ def _shell(
     if not (abs(x - centre) <= reach and rim <= y <= floor):
         return end
     if x == inner[0] and y == rim:
-        return (x, rim + max(outline.shell(x - centre, above=True), 3.0))
+        return (x, rim + outline.shell(x - centre, above=True))
     if x == inner[0] and y == floor:
         return (x, rim + outline.shell(x - centre, above=False))
     if y == inner[1]:

@@ -15,8 +15,8 @@ from clepsydra.report.drawing.placement import Placement, place
 
 #: With more room and in another order each time; the last one runs through what is in the way.
 _ATTEMPTS = 10
-#: In this order they are laid.
-_ORDER = ("pipe", "tap", "signal")
+#: In this order they are laid, and each arches over those before it.
+ORDER = ("pipe", "tap", "signal")
 
 Kind = Literal["pipe", "signal", "tap"]
 
@@ -149,7 +149,7 @@ class _Router:
         ways.sort(
             key=lambda way: (
                 (way.source, way.end) not in urgent,
-                _ORDER.index(way.kind),
+                ORDER.index(way.kind),
                 self._length(way),
             )
         )
