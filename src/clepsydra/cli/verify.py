@@ -68,9 +68,10 @@ def verify(
     from clepsydra.cli.subject import study_of_one
     from clepsydra.interface.export import identifier_of
     from clepsydra.interface.shell import plant_shell
+    from clepsydra.interface.study import so_far as ranked
     from clepsydra.interface.study import study as study_of
     from clepsydra.interface.subject import plant_of, read_subject
-    from clepsydra.interface.verify import proved_targets
+    from clepsydra.interface.verify import proved_targets, so_far
     from clepsydra.interface.verify import verify as prove
 
     make_folder(folder)
@@ -86,7 +87,7 @@ def verify(
         plant_shell(plant_of(request), **options)  # refused before a controller is made
     stem = request.file_stem
     if controller is None:
-        with shown_progress(quiet=as_json) as tell:
+        with shown_progress(ranked, quiet=as_json) as tell:
             study = study_of(request, seed=seed, progress=tell, folder=folder)
     else:
         study = study_of_one(request, controller, seed, folder, quiet=as_json)
@@ -94,7 +95,7 @@ def verify(
     chosen = [
         each.controller for each in study.ranking if controller in (None, each.controller.name)
     ]
-    with shown_progress(quiet=as_json) as tell:
+    with shown_progress(so_far, quiet=as_json) as tell:
         proof = prove(
             chosen,
             study.plant,

@@ -15,10 +15,12 @@ from clepsydra.interface.controller import of_plant
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.shell import Settings, plant_shell
-from clepsydra.interface.shown import Answered, lifted
+from clepsydra.interface.shown import Answered, lifted, screen
 from clepsydra.loop.scenario import Scenario
 
 if TYPE_CHECKING:
+    from rich.console import RenderableType
+
     from clepsydra.base.section import Section
 
 
@@ -30,6 +32,19 @@ class Proof(Answered, inner_proof.Proof):
         from clepsydra.deploy.proof.answer import proof_answer
 
         return proof_answer(self, every=every)
+
+
+def so_far(progress: ProofProgress) -> RenderableType:
+    """Return what is proved so far, for a terminal.
+
+    Examples
+    --------
+    >>> so_far(ProofProgress(0, 15, "PI, SIMC: C")).section.parts
+    ()
+    """
+    from clepsydra.deploy.proof.answer import proved_so_far
+
+    return screen(proved_so_far(progress.rows))
 
 
 def verify(

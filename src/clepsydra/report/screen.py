@@ -98,10 +98,9 @@ def _fitting(table: Table, console: Console, options: ConsoleOptions) -> Rendera
     """Return a table without the columns on its right for which there is no room."""
     columns = len(table.head)
     while True:
-        found = _rich(table, columns)
         fits = _narrowest(table, columns) <= options.max_width
         if fits or not table.kept or columns <= table.kept:
-            return found
+            return _rich(table, columns, breaks=not fits)
         columns -= 1
 
 
@@ -123,7 +122,8 @@ def _name_width(cells: Sequence[str]) -> int:
     return max(min(max(map(len, cells)), _NAME), longest_word)
 
 
-def _rich(table: Table, columns: int) -> RichTable:
+def _rich(table: Table, columns: int, *, breaks: bool) -> RichTable:
+    """Return the first columns; what has no room breaks between words, so that nothing is lost."""
     from rich import box
     from rich.table import Table as RichTable
     from rich.text import Text
@@ -139,8 +139,9 @@ def _rich(table: Table, columns: int) -> RichTable:
         named = place < table.names
         cells = [head, *(row[place] for row in table.rows)]
         settings: dict[str, Any] = {"min_width": _name_width(cells)} if named else {}
+        no_wrap = max(map(len, cells)) <= _NAME if named else not breaks
         found.add_column(
-            Text(head), justify="left" if named else "right", no_wrap=not named, **settings
+            Text(head), justify="left" if named else "right", no_wrap=no_wrap, **settings
         )
     for row in table.rows:
         found.add_row(*[Text(cell) for cell in row[:columns]])

@@ -161,10 +161,9 @@ def _first(process: Process) -> str:
 
 def _check_name(name: str, known: tuple[str, ...]) -> None:
     if name not in known:
-        raise InputError(
-            "controller", name, f"one of: {'; '.join(known)}",
-            suggestion(name, known, "choose one of them, in quotation marks"),
-        )  # fmt: skip
+        listed = f"choose one, in quotation marks: {'; '.join(known)}"
+        remedy = suggestion(name, known, listed)
+        raise InputError("controller", name, "the name of a controller of this study", remedy)
 
 
 class _Study:

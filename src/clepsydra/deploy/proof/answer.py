@@ -34,13 +34,13 @@ def proof_answer(proof: Proof, *, every: bool = False) -> Section:
     >>> proof_answer(Proof(())).parts[0].text
     'Nothing was compared.'
     """
-    subjects = list(dict.fromkeys(row.subject for row in proof.rows))
-    rows = {name: [row for row in proof.rows if row.subject == name] for name in subjects}
+    rows = _by_subject(proof.rows)
+    subjects = list(rows)
     told = [f"{name}: {words}" for name in subjects for words in _amiss(proof, rows[name])]
     listed = subjects if every else subjects[: _LISTED - 2 * min(len(told), _TOLD)]
     parts: list[Line | Table | Section] = [Line(result_sentence(proof), Mark.ANSWER)]
     if listed:
-        parts += [_EMPTY, _summary({name: rows[name] for name in listed})]
+        parts += [_EMPTY, _table({name: rows[name] for name in listed})]
     parts += marked(Mark.WATCH, told if every else told[:_TOLD])
     if every:
         for name in subjects:
@@ -54,6 +54,25 @@ def proof_answer(proof: Proof, *, every: bool = False) -> Section:
     return Section("", (*parts, _EMPTY, Line(f"Next: {next_step(proof)}")))
 
 
+def proved_so_far(rows: Sequence[ProofRow]) -> Section:
+    """Return the last lines of a proof that goes on; nothing where there are none.
+
+    Examples
+    --------
+    >>> proved_so_far(()).parts
+    ()
+    """
+    listed = list(_by_subject(rows).items())[-_LISTED:]
+    return Section("", (_table(dict(listed)),) if listed else ())
+
+
+def _by_subject(rows: Sequence[ProofRow]) -> dict[str, list[ProofRow]]:
+    found: dict[str, list[ProofRow]] = {}
+    for row in rows:
+        found.setdefault(row.subject, []).append(row)
+    return found
+
+
 def _amiss(proof: Proof, rows: Sequence[ProofRow]) -> list[str]:
     """Return what is to be told of a controller or process beside its line."""
     name = rows[0].subject
@@ -64,7 +83,7 @@ def _amiss(proof: Proof, rows: Sequence[ProofRow]) -> list[str]:
     return [f"{words}." for words in said]
 
 
-def _summary(rows_of: dict[str, list[ProofRow]]) -> Table:
+def _table(rows_of: dict[str, list[ProofRow]]) -> Table:
     rows = []
     for name, rows_of_one in rows_of.items():
         double = [row for row in rows_of_one if row.precision == "double"]

@@ -36,6 +36,8 @@ class ProofProgress(NamedTuple):
         Rows.
     name : str
         The one in work.
+    rows : tuple of ProofRow
+        Those that are done.
 
     Examples
     --------
@@ -46,6 +48,7 @@ class ProofProgress(NamedTuple):
     done: int
     of: int
     name: str
+    rows: tuple[ProofRow, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -246,7 +249,9 @@ class _Work:
                 self.write()
 
     def _say(self, name: str, targets: int) -> None:
-        self._tell(ProofProgress(len(self._rows), len(self._items) * targets, name))
+        self._tell(
+            ProofProgress(len(self._rows), len(self._items) * targets, name, tuple(self._rows))
+        )
 
     def write(self) -> Proof:
         """Return the proof so far, and write it where it is to be written."""
