@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 from clepsydra.base.section import Line, Mark, Picture, Section, Table
 from clepsydra.papers.audit import Audit, DocumentAudit
@@ -11,7 +10,6 @@ from clepsydra.papers.figure_picture import drawn
 from clepsydra.papers.row import VERDICTS, Row
 from clepsydra.papers.row_words import difference_words, printed_words, value_words
 from clepsydra.report.page import page_text as section_page
-from clepsydra.report.page import write_page as write_text
 from clepsydra.report.svg import svg_text
 
 _WORDS = (
@@ -23,31 +21,6 @@ _WORDS = (
     "Remark: a finding of ours on something that the document does not claim. Difference: of the "
     "computed from the printed number."
 )
-
-
-def write_page(result: Audit, path: str | Path) -> None:
-    """Write the page of an audit; an existing file is replaced only by a whole one.
-
-    Parameters
-    ----------
-    result : Audit
-    path : str or Path
-        An HTML file.
-
-    Raises
-    ------
-    InputError
-        The folder cannot be written to.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_page(Audit(()), Path(folder, "papers.html"))
-    ...     Path(folder, "papers.html").read_text("utf-8")[:15]
-    '<!DOCTYPE html>'
-    """
-    write_text(page_text(result), path)
 
 
 def page_text(result: Audit) -> str:
