@@ -1,35 +1,39 @@
-"""How sections stand on terminals that are too narrow for them."""
+"""How answers stand on terminals that are too narrow for them."""
 
 import io
 import shlex
+from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from rich.console import Console
 
-from clepsydra.base.section import Line, Mark, Section, Table
-from clepsydra.report.screen import Screen
+import clepsydra as cl
 
 
-def shown(part, width):
+def shown(answer, width):
     stream = io.StringIO()
-    Console(file=stream, width=width).print(Screen(Section("", (part,))))
+    Console(file=stream, width=width).print(answer)
     return [line.rstrip() for line in stream.getvalue().splitlines()]
 
 
 def test_a_table_that_may_lose_no_column_breaks_its_cells_and_loses_no_word():
-    rows = (("tank_1.level", "12.26 cm at 17 s", "15.00 cm at 12 min"),)
-    lines = shown(Table("", ("signal", "smallest", "largest"), rows), 40)
-    assert max(map(len, lines)) <= 40
-    words = {word for line in lines for word in line.split()}
-    assert words >= {word for cell in rows[0] for word in cell.split()}
+    step = [cl.step("pump_1", "+0.5 V", at="20 s")]
+    run = cl.simulate(cl.load("quadruple-tank"), None, step, duration="2 min")
+    wide, narrow = (shown(run.shown(every=True), width) for width in (120, 60))
+    assert max(map(len, narrow)) <= 60 < max(map(len, wide))
+    words = ({word for line in lines for word in line.split()} for lines in (wide, narrow))
+    left, kept = ({word for word in each if "─" not in word} for each in words)
+    assert left <= kept
 
 
 @pytest.mark.parametrize("width", [60, 80, 120])
-def test_a_command_can_be_copied_whatever_the_width(width):
-    command = (
-        'Next: clepsydra export plants/a-plant-in-the-cellar.toml --controller "PI, SIMC" --to st'
-    )
-    lines = shown(Line(command, Mark.COMMAND), width)
-    assert max(map(len, lines)) <= width
-    assert all(line.endswith(" \\") for line in lines[:-1])
-    assert shlex.split("\n".join(lines).replace("\\\n", "")) == shlex.split(command)
+def test_a_command_can_be_copied_whatever_the_width(result, width):
+    lines = shown(replace(result, path=Path("plants/a-plant-in-the-cellar.toml")), width)
+    start = next(place for place, line in enumerate(lines) if line.startswith("Next: "))
+    copied = "\n".join(lines[start:]).removeprefix("Next: ").replace("\\\n", "")
+    export, verify = (shlex.split(line) for line in copied.splitlines())
+    words = ["plants/a-plant-in-the-cellar.toml", "--controller", result.best.controller.name]
+    assert export == ["clepsydra", "export", *words, "--to", "st"]
+    assert verify == ["clepsydra", "verify", *words]
+    assert max(map(len, lines[start:])) <= width
