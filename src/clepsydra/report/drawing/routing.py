@@ -108,16 +108,26 @@ def route(graph: FlowGraph, labels: Labels, functions: Sequence[ControlFunction]
 
 
 @dataclass(eq=False)
+class _End:
+    """An end of a pipe that is to be laid: a body with the role of its pins, or a reservoir."""
+
+    name: str
+    role: str
+    body: Body | None
+
+
+@dataclass(eq=False)
 class _Way:
-    """A pipe to be laid; an end is a body with the role of its pins, or a reservoir."""
+    """A pipe or a signal line that is to be laid."""
 
     line: str
-    source: str
-    end: str
-    start: tuple[Body, str] | str
-    goal: tuple[Body, str] | str
-    shelf: int
+    start: _End
+    goal: _End
     kind: Kind = "pipe"
+
+    @property
+    def ends(self) -> tuple[str, str]:
+        return (self.start.name, self.goal.name)
 
 
 class _Router:
@@ -146,14 +156,9 @@ class _Router:
             ends = body.symbol == "stub" or (not self._link_targets(line) and len(points) == 2)
             self.routes.pipes.append(Pipe(line, line, line, points, arrow=ends))
         ways = self._ways()
-        ways.sort(
-            key=lambda way: (
-                (way.source, way.end) not in urgent,
-                ORDER.index(way.kind),
-                self._length(way),
-            )
-        )
-        return next(((way.source, way.end) for way in ways if not self._lay(way)), None)
+        order = {way: (ORDER.index(way.kind), self._length(way)) for way in ways}
+        ways.sort(key=lambda way: (way.ends not in urgent, order[way]))
+        return next((way.ends for way in ways if not self._lay(way)), None)
 
     def _link_targets(self, name: str) -> tuple[str, ...]:
         return next(
@@ -168,137 +173,90 @@ class _Router:
             for other in placement.bodies.values()
             if (other.x, other.y) == points[-1]
         }
+        fallen = {name for name, points in placement.fixed if points[0][1] < points[1][1]}
         ways = []
         for link in graph.links:
-            body = placement.bodies[link.name]
+            body, shelf = placement.bodies[link.name], placement.shelf_of(link.name)
             if body.symbol == "stub":
                 continue
-            fallen = any(
-                name == link.name and points[0][1] < points[1][1]
-                for name, points in placement.fixed
-            )
-            shelf = placement.shelf_of(link.name)
             for source in link.sources:
-                if source in graph.reservoirs:
-                    if (body.x, shelf, source) not in placement.draws:
-                        ways.append(_Way(link.name, source, link.name, source, (body, "in"), shelf))
-                elif not (fallen and source in graph.vessels):
-                    role = "side"
-                    ways.append(
-                        _Way(
-                            link.name,
-                            source,
-                            link.name,
-                            (placement.bodies[source], role),
-                            (body, "in"),
-                            shelf,
-                        )
-                    )
+                hangs = link.name in fallen and source in graph.vessels
+                if not hangs and (body.x, shelf, source) not in placement.draws:
+                    ways.append(self._way(link.name, source, "side", link.name, "in"))
             for target in link.targets:
                 if (link.name, target) not in joined:
-                    ways.append(self._toward(link.name, link.name, target, body, link.submerged))
+                    role = "side" if link.submerged else "in"
+                    ways.append(self._way(link.name, link.name, "out", target, role))
         for junction in graph.junctions:
-            body = placement.bodies[junction.name]
             for _, target in junction.branches:
-                ways.append(self._toward(junction.name, junction.name, target, body, False))
+                ways.append(self._way(junction.name, junction.name, "out", target, "in"))
         for of, to in placement.signals:
-            ways.append(self._between("signal", of, to))
+            ways.append(self._way(of, of, "signal", to, "signal", "signal"))
         tapped: dict[str, str] = {}
         for instrument in graph.instruments:
             if instrument.seat in placement.bodies:
                 # Meters of one flow share its tap.
                 seat = tapped.get(instrument.seat, instrument.seat)
-                ways.append(self._between("tap", seat, instrument.name))
+                ways.append(self._way(seat, seat, "tap", instrument.name, "tap", "tap"))
                 if instrument.seat not in graph.vessels:
                     tapped[instrument.seat] = instrument.name
         return ways
 
-    def _between(self, kind: Kind, of: str, to: str) -> _Way:
-        one, other = (self.placement.bodies[name] for name in (of, to))
-        return _Way(of, of, to, (one, kind), (other, kind), self.placement.shelf_of(of), kind)
-
-    def _toward(self, line: str, source: str, target: str, body: Body, submerged: bool) -> _Way:
-        shelf = self.placement.shelf_of(source)
-        if target in self.placement.graph.reservoirs:
-            return _Way(line, source, target, (body, "out"), target, shelf)
-        role = "side" if submerged else "in"
-        return _Way(
-            line, source, target, (body, "out"), (self.placement.bodies[target], role), shelf
-        )
+    def _way(
+        self, line: str, source: str, role: str, end: str, role_there: str, kind: Kind = "pipe"
+    ) -> _Way:
+        start = _End(source, role, self.placement.bodies.get(source))
+        return _Way(line, start, _End(end, role_there, self.placement.bodies.get(end)), kind)
 
     def _length(self, way: _Way) -> float:
         """Return about how long a pipe will be; feeds of junctions come first."""
-
-        def middle(end: tuple[Body, str] | str) -> Point | None:
-            return None if isinstance(end, str) else (end[0].x, end[0].y)
-
-        one, other = middle(way.start), middle(way.goal)
-        row = self.placement.basin_rows[way.shelf]
-        one = one or (other[0] if other else 0, row)
-        other = other or (one[0], row)
-        into = not isinstance(way.goal, str) and way.goal[0].symbol in (
-            "splitter",
-            "header",
-            "delay",
-        )
-        return abs(one[0] - other[0]) + abs(one[1] - other[1]) - (1000.0 if into else 0.0)
+        one, other = way.start.body, way.goal.body
+        row = self.placement.basin_rows[self.placement.shelf_of(way.line)]
+        if one is None or other is None:
+            known = one or other
+            return 0.0 if known is None else abs(known.y - row)
+        into = other.symbol in ("splitter", "header", "delay")
+        return abs(one.x - other.x) + abs(one.y - other.y) - (1000.0 if into else 0.0)
 
     def _lay(self, way: _Way) -> bool:
-        starts, goals = self._ends(way.start, way), self._ends(way.goal, way)
+        shelf = self.placement.shelf_of(way.line)
+        starts, goals = self._ends(way.start, shelf), self._ends(way.goal, shelf)
         points = self.grid.find([e[0] for e in starts], [e[0] for e in goals], through=self.through)
         if not points:
             return False
-        first = self._inner(starts, points[0], way.start)
-        last = self._inner(goals, points[-1], way.goal)
+        for end, point in ((way.start, points[0]), (way.goal, points[-1])):
+            if end.body is None:
+                self.routes.basin_uses.append((point[0], shelf, end.name))
+                row = self.placement.basin_rows[shelf]
+                self.grid.block((point[0] - 2, row + 1, point[0] + 2, row + 3))
+        first, last = self._inner(starts, points[0]), self._inner(goals, points[-1])
         points = straightened([*first[::-1], *points, *last])
         self.grid.lay(points)
-        for end, point in ((way.start, points[0]), (way.goal, points[-1])):
-            if isinstance(end, str):
-                self.routes.basin_uses.append((point[0], way.shelf, end))
-                row = self.placement.basin_rows[way.shelf]
-                self.grid.block((point[0] - 2, row + 1, point[0] + 2, row + 3))
-        vessel = (
-            not isinstance(way.goal, str)
-            and way.goal == (way.goal[0], "in")
-            and way.goal[0].symbol == "tank"
-        )
-        arrow = isinstance(way.goal, str) or vessel
-        arrow = arrow or way.kind == "signal"
-        pipe = Pipe(way.line, way.source, way.end, points, arrow, way.kind)
-        self.routes.pipes.append(pipe)
+        goal = way.goal.body
+        into = goal is None or (goal.symbol == "tank" and way.goal.role == "in")
+        arrow = into or way.kind == "signal"
+        self.routes.pipes.append(Pipe(way.line, *way.ends, points, arrow, way.kind))
         return True
 
-    def _ends(
-        self, end: tuple[Body, str] | str, way: _Way
-    ) -> list[tuple[tuple[Point, Point, float], Pin | None]]:
-        if not isinstance(end, str):
-            body, role = end
-            pins = body.free(role) or (body.taken(role) if self.through else [])
+    def _ends(self, end: _End, shelf: int) -> list[tuple[tuple[Point, Point, float], Pin | None]]:
+        if end.body is not None:
+            pins = end.body.free(end.role) or (end.body.taken(end.role) if self.through else [])
             return [((pin.end, pin.way, pin.cost), pin) for pin in pins]
-        row = self.placement.basin_rows[way.shelf]
-        found: list[tuple[tuple[Point, Point, float], Pin | None]] = []
-        for x in range(3, self.placement.width - 2):
-            near = [
-                (abs(x - use), name)
-                for use, shelf, name in self.routes.basin_uses
-                if shelf == way.shelf
-            ]
-            room = lambda name: 3 + (len(name) + len(end)) * 9 // 32  # noqa: E731
-            if all(
-                distance > 1 and (name == end or distance > room(name)) for distance, name in near
-            ):
-                found.append((((x, row), UP, 0.0), None))
-        return found
+        uses = [(use, name) for use, there, name in self.routes.basin_uses if there == shelf]
+        # Reservoirs beside each other need room for their names.
+        room = {name: 3 + (len(name) + len(end.name)) * 9 // 32 for _, name in uses}
+        return [
+            (((x, self.placement.basin_rows[shelf]), UP, 0.0), None)
+            for x in range(3, self.placement.width - 2)
+            if all(abs(x - at) > (1 if name == end.name else room[name]) for at, name in uses)
+        ]
 
     def _inner(
-        self,
-        ends: Iterable[tuple[tuple[Point, Point, float], Pin | None]],
-        point: Point,
-        end: tuple[Body, str] | str,
+        self, ends: Iterable[tuple[tuple[Point, Point, float], Pin | None]], point: Point
     ) -> list[Point]:
         """Return the points from the free end of the pin inward, and take the pin."""
         pin = next((pin for (place, _, _), pin in ends if place == point), None)
-        if pin is None or isinstance(end, str):
+        if pin is None:
             return []
         pin.used = True
         dx, dy = pin.way
