@@ -67,11 +67,11 @@ def test_a_window_ends_when_the_first_controllers_have_settled(result):
         if window.segment.kind == "noise":
             continue
         start, stop = round(window.segment.start), round(window.segment.stop)
-        for name in ("tank_1.level", "tank_2.level"):
-            level = first[0].run.values[name][start:stop]
-            late = level[round(window.view[1]) :]
-            moved = np.max(np.abs(level - level[-1]), initial=1e-12)
-            assert np.max(np.abs(late - level[-1]), initial=0.0) < 0.05 * moved
+        levels = ("tank_1.level", "tank_2.level")
+        away = [first[0].run.values[name][start:stop] for name in levels]
+        away = [np.abs(level - level[-1]) for level in away]
+        late = [each[round(window.view[1]) :] for each in away]
+        assert np.max(late, initial=0.0) < 0.05 * np.max(away)
         assert window.view[0] == pytest.approx(-0.06 * window.view[1])
         assert np.all(np.diff(window.samples) > 0)
 

@@ -35,7 +35,7 @@ def column(result, title):
 def test_the_ranking_shows_what_decided(result):
     assert column(result, "load error, × best") == ["1.00", "1.30"]
     assert column(result, "relative error") == ["1.00", "1.20"]
-    assert column(result, "moves, × least") == ["1.00", "12.5"]
+    assert column(result, "total variation, × least") == ["1.00", "12.5"]
 
 
 def test_physical_numbers_lead_and_multiples_follow(result):

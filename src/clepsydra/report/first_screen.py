@@ -201,7 +201,7 @@ def ranking_columns(result: StudyResult) -> list[RankingColumn]:
     for title, values in (
         *((f"{name}, × best", [each.criteria[name] for each in ranking]) for name in criteria),
         ("relative error", [each.relative_error for each in ranking]),
-        ("moves, × least", [each.wear for each in ranking]),
+        ("total variation, × least", [each.wear for each in ranking]),
         ("max|S|", [each.maximum_sensitivity for each in ranking]),
     ):
         cells = [(number_text(value), math.inf if math.isnan(value) else value) for value in values]

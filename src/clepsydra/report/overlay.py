@@ -161,7 +161,7 @@ def event_windows(
     >>> result = cl.study(plant, [cl.design.simc(plant)])
     >>> windows = event_windows(result, shown_signals(result), result.ranking)
     >>> len(windows), windows[0].view
-    (7, (-12.0, 200.0))
+    (7, (-4.8, 80.0))
     """
     scenario = result.scenario
     period, segments = scenario.sampling_period, scenario.segments
@@ -169,6 +169,7 @@ def event_windows(
     points = max(_FEWEST, min(_MOST, number))
     curves = np.array([[each.values(c.run) for each in signals] for c in first])
     held = [place for place, each in enumerate(signals) if not each.moved]
+    spans = np.array([_span(signals[place].signal) for place in held])[:, None]
     windows, seen = [], set()
     for segment in segments:
         either = result.process.averaging and segment.kind == "load"
@@ -178,7 +179,7 @@ def event_windows(
         if segment.kind == "noise":
             end = min(stop, start + _OF_NOISE)
         else:
-            end = start + _settled_after(curves[:, held, start:stop])
+            end = start + _settled_after(curves[:, held, start:stop] / spans)
         length = min(_rounded((end - start) * period), (stop - start) * period)
         end = min(stop, start + math.ceil(length / period) + 1)
         before = max(0, start - math.ceil(_BEFORE * (end - start)))
@@ -197,12 +198,16 @@ def event_windows(
     return windows
 
 
-def _settled_after(curves: np.ndarray) -> int:
-    """Return after how many samples all curves have come to rest, with some more of them."""
-    away = np.abs(curves - curves[..., -1:])
-    away = np.nan_to_num(away, nan=0.0)
-    moving = away > _SETTLED * np.max(away, axis=-1, keepdims=True, initial=1e-12)
-    last = np.flatnonzero(moving.any(axis=tuple(range(moving.ndim - 1))))
+def _settled_after(shares: np.ndarray) -> int:
+    """Return after how many samples all curves have come to rest, with some more of them.
+
+    Parameters
+    ----------
+    shares : ndarray [controllers, signals, samples]
+        Of the range of each signal: what moves little beside the others is at rest sooner.
+    """
+    away = np.nan_to_num(np.abs(shares - shares[..., -1:]), nan=0.0)
+    last = np.flatnonzero(np.max(away, axis=(0, 1)) > _SETTLED * max(np.max(away), 1e-12))
     return max(_SHORTEST, round(_AFTER * (int(last[-1]) + 1 if last.size else 0)))
 
 
@@ -316,9 +321,13 @@ def overlay_data(
 def _step(signal: Signal, shown: Sequence[np.ndarray]) -> float:
     """Return the step of rounding: fine beside what the first curves span."""
     spans = [float(np.ptp(values[np.isfinite(values)])) for values in shown if len(values)]
+    return float(f"{max(max(spans, default=0.0) / _STEPS, _FINEST * _span(signal)):.2g}")
+
+
+def _span(signal: Signal) -> float:
+    """Return the range of a signal in display units, 1 where it has none."""
     span = signal.span * display_factor(signal)
-    least = _FINEST * span if math.isfinite(span) else 1e-9
-    return float(f"{max(max(spans, default=0.0) / _STEPS, least):.2g}")
+    return span if math.isfinite(span) and span > 0.0 else 1.0
 
 
 def _coded(values: np.ndarray, step: float) -> list[int | None]:

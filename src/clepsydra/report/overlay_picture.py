@@ -17,8 +17,8 @@ from clepsydra.studies.result import Candidate
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: Columns and rows at most; width, and height of a row and around them [inch].
-_COLUMNS, _ROWS = 3, 5
+#: Columns, levels and manipulated variables at most; width, height of a row and around [inch].
+_COLUMNS, _HELD, _MOVED = 3, 2, 1
 _WIDTH, _ROW, _AROUND = 9.6, 1.05, 0.7
 
 
@@ -49,7 +49,9 @@ def overlay_figure(
     from matplotlib.figure import Figure
 
     columns = [window for window in windows if not window.again][:_COLUMNS]
-    rows = signals[:_ROWS]
+    chosen = [each for each in signals if not each.moved][:_HELD]
+    chosen += [each for each in signals if each.moved][:_MOVED]
+    rows = [each for each in signals if each in chosen]
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(_WIDTH, _AROUND + _ROW * len(rows)))
         height = figure.get_figheight()
@@ -85,6 +87,7 @@ def overlay_figure(
                     unit_words = unit_text(shown.signal.shown_unit) or "1"
                     axes.set_ylabel(f"{shown.signal.name} [{unit_words}]")
                 axes.margins(x=0.0)
+                axes.locator_params(nbins=3)
             grid[0, column].set_title(event_title(run.process, window.segment), loc="left")
             grid[-1, column].set_xlabel(f"time after the event [{unit}]")
         names, lines = grid[0, 0].get_legend_handles_labels()

@@ -51,7 +51,7 @@ def standing_word(candidate: Candidate) -> str:
 
 
 _COLUMNS_NOTE = (
-    "Errors, and moves (total variation), are multiples of the best, averaged over the signals; "
+    "Errors and total variation are multiples of the best, averaged over the signals; "
     "relative error is the mean of the errors as a multiple of that of the first. A "
     f"total variation below {100 * IDLE:.0f} % of a manipulated variable's range counts as that "
     "much. Noise is the standard deviation with which measurement noise throws the worst "
