@@ -39,7 +39,7 @@ def page_text(result: Audit) -> str:
 def _counts(result: Audit) -> Table:
     """Return how many rows of each document have which verdict."""
     rows = [
-        (each.document.title, *(str(each.counts[verdict]) for verdict in VERDICTS),
+        (each.document.key, *(str(each.counts[verdict]) for verdict in VERDICTS),
          str(len(each.rows)))
         for each in result.documents
     ]  # fmt: skip
@@ -92,5 +92,5 @@ def _table(rows: Sequence[Row]) -> Table:
             )
             for row in rows
         ),
-        names=2,
+        names=4,
     )

@@ -85,7 +85,10 @@ def _table(table: Table) -> str:
     head = ""
     if any(table.head):
         cells = (
-            f'<th scope="col">{escape(cell)}</th>' if cell else "<td></td>" for cell in table.head
+            f'<th scope="col"{_kind(place, table.names)}>{escape(cell)}</th>'
+            if cell
+            else "<td></td>"
+            for place, cell in enumerate(table.head)
         )
         head = f"\n<thead><tr>{''.join(cells)}</tr></thead>"
     rows = "\n".join(f"<tr>{_cells(row, table.names)}</tr>" for row in table.rows)
@@ -98,6 +101,9 @@ def _cells(row: Sequence[str], names: int) -> str:
     first, *others = row
     found = [f'<th scope="row">{escape(first)}</th>']
     for place, cell in enumerate(others, start=1):
-        kind = ' class="words"' if place < names else ""
-        found.append(f"<td{kind}>{escape(cell)}</td>")
+        found.append(f"<td{_kind(place, names)}>{escape(cell)}</td>")
     return "".join(found)
+
+
+def _kind(place: int, names: int) -> str:
+    return ' class="words"' if 0 < place < names else ""
