@@ -17,6 +17,7 @@ from clepsydra.deploy.printing.expressions import (
     flag,
     variable,
 )
+from clepsydra.deploy.printing.lines import folded
 from clepsydra.deploy.structured_text.dialect import dialect_of
 from clepsydra.deploy.structured_text.statements import notation_of
 
@@ -177,3 +178,19 @@ def test_a_part_of_a_condition_that_is_said_twice_is_written_once():
         two("less", A, Expression("constant", number=-0.0)),
     )
     assert C.render(two("and", *differ).simplified()) == "(a < 0.0) && (a < -0.0)"
+
+
+LONG = "covariance_of_the_level_of_tank_1_and_of_that_of_tank_2_and_3"
+
+
+@pytest.mark.parametrize("line", [
+    f"filter(a := 1.0, {LONG} := of.{LONG}, b := of.{LONG}, {LONG}_2 := of.{LONG}_2, u := u);",
+    f"  y = (cold ? 0.0 : the->{LONG} * state->{LONG}[state->{LONG}_place]) + (warm ? 0.0 : x);",
+    f"y := {LONG}_x1;",
+])  # fmt: skip
+def test_a_line_is_broken_as_often_as_it_can_be_and_no_oftener(line):
+    rows = [*folded(line)]
+    assert "".join("".join(rows).split()) == "".join(line.split())
+    assert all(row.strip() for row in rows)
+    # Only what has no place to break it may be longer.
+    assert all(len(row) <= 100 or (" := " in row and row.count(",") <= 1) for row in rows)

@@ -32,7 +32,8 @@ def folded(line: str, longest: int = LINE) -> Iterator[str]:
     start = len(line) - len(line.lstrip())
     indent, opened = line[:start] + _STEP * 2, 0
     while len(line) > longest:
-        depth, places, brackets = opened, [], []
+        places: list[tuple[bool, int, int, int]] = []
+        depth, brackets = opened, []
         for found in _BREAKS.finditer(line, start):
             sign = found["sign"]
             if sign in _OPENING or sign in _CLOSING:
@@ -42,11 +43,15 @@ def folded(line: str, longest: int = LINE) -> Iterator[str]:
                 continue
             # A comma and an assignment stay where they are, an operator goes to the next line.
             at = found.end() + 1 if sign in (",", ":=") else found.start("sign")
-            if len(line[:at].rstrip()) > longest:
-                break
             # What a line begins with is no place to break it.
-            if at > start and (sign != ":=" or depth == 0):
+            if at <= start or at >= len(line) or (sign == ":=" and depth):
+                continue
+            far = len(line[:at].rstrip()) > longest
+            # Where nothing is near enough, the next place is taken.
+            if not far or not (places or brackets):
                 places.append((at < start + _LEAST, depth, _TIGHT.get(sign, 5), -at))
+            if far:
+                break
         # Behind a bracket only where nothing else is near enough.
         places = places or brackets[:1]
         if not places:

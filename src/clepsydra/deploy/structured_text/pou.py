@@ -67,7 +67,6 @@ class Unit:
 
 
 _WIDTH = 98
-_VALUES_A_LINE = 6
 
 
 def unit_text(unit: Unit, dialect: Dialect) -> list[str]:
@@ -175,11 +174,11 @@ def _type(entry: Variable, dialect: Dialect) -> str:
 
 def _declaration(entry: Variable, dialect: Dialect) -> list[str]:
     head, values = f"{entry.name} : {_type(entry, dialect)}", ", ".join(entry.initial)
-    if len(entry.initial) > _VALUES_A_LINE:
+    value = f" := {f'[{values}]' if entry.length else values}" if values else ""
+    if len(entry.initial) > 1 and len(head + value) >= _WIDTH:
         rows = textwrap.wrap(values + "];", _WIDTH - 4, break_on_hyphens=False)
         lines = [f"  {row}" for row in rows]
         return [*_commented(f"{head} := [", entry.comment, dialect), *lines]
-    value = f" := {f'[{values}]' if entry.length else values}" if values else ""
     return _commented(f"{head}{value};", entry.comment, dialect)
 
 
