@@ -216,6 +216,23 @@ def random_graph(random):
     )  # fmt: skip
 
 
+def test_a_signal_reaches_whatever_has_an_input():
+    tanks, basins = ("upper", "lower"), ("basin",)
+    links = (
+        Link("pump", "pump", ("basin",), ("split",)),
+        Link("fall", "orifice", ("upper",), ("lower",), by_weight=True),
+        Link("out", "orifice", ("lower",), ("basin",), by_weight=True),
+    )
+    split = Junction("split", "splitter", ((0.5, "upper"), (0.5, "lower")))
+    meter = Instrument("meter", "L", "lower", "101")
+    graph = FlowGraph(tanks, basins, links, (split,), (meter,), ("heater",))
+    for end in ("pump", "fall", "split", "upper", "basin", "heater"):
+        routes = route(graph, {}, [ControlFunction("loop", "", "meter", ("meter",), (end,))])
+        check_geometry(routes)
+        signals = {(pipe.source, pipe.end) for pipe in routes.pipes if pipe.kind == "signal"}
+        assert signals == {("meter", "loop"), ("loop", end)}
+
+
 def random_functions(random, graph):
     """Controllers of some meters that move some pumps, valves and flows."""
     actuators = [link.name for link in graph.links if link.symbol in ("pump", "valve", "flow")]

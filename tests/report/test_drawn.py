@@ -67,6 +67,46 @@ def test_the_loops_of_every_kind_of_controller_can_be_read(name):
     assert {start for start, _ in ends} >= {owner(name) for name in controller.setpoints}
 
 
+def test_a_concentration_that_is_moved_in_a_reservoir_has_its_signal(tmp_path):
+    path = tmp_path / "brine.toml"
+    path.write_text(
+        """
+name = "brine"
+sampling_period = "1 s"
+manipulated = ["feed", "basin.salt"]
+controlled = ["level", "salinity"]
+components.salt.range = ["0 g/l", "50 g/l"]
+[reservoirs.basin]
+concentration = { salt = { range = ["0 g/l", "50 g/l"], nominal = "10 g/l" } }
+[reservoirs.drain]
+[tanks.vessel]
+area = "1 m^2"
+height = "1 m"
+[sensors.level]
+tank = "vessel"
+range = ["0 m", "1 m"]
+[sensors.salinity]
+tank = "vessel"
+component = "salt"
+range = ["0 g/l", "50 g/l"]
+[orifices.hole]
+source = "vessel"
+destination = "drain"
+area = "10 cm^2"
+[pumps.feed]
+source = "basin"
+destination = "vessel"
+gain = "1 l/(s V)"
+range = ["0 V", "10 V"]
+nominal = "2 V"
+""",
+        encoding="utf-8",
+    )
+    process = load_process(path)
+    drawn = check(process_drawing(process, at_rest(process), loops(process)))
+    assert "loop salinity to basin" in [line[0] for line in drawn.lines["signal"]]
+
+
 @st.composite
 def plants(draw):
     """A process file with tanks, orifices, pumps and meters between them."""

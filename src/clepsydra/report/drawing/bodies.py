@@ -103,7 +103,9 @@ class Body:
 
     def _pins(self, role: str) -> list[Pin]:
         roles = (role, "line" if role in ("signal", "tap") else "both")
-        return [pin for pin in self.pins if pin.role in roles]
+        found = [pin for pin in self.pins if pin.role in roles]
+        # What has no place for a signal of its own takes it where it takes a pipe.
+        return found if found or role not in ("signal", "tap") else self.pins
 
 
 def lines_of(words: Iterable[str], size: float = WORDS, bold: bool = False) -> int:
@@ -148,7 +150,7 @@ def tank_body(name: str, x: int, top: int) -> Body:
     ]
     for way, wall in ((LEFT, x - TANK_HALF), (RIGHT, x + TANK_HALF)):
         pins += [Pin([(wall + way[0], floor - 1 - up)], way, "side", 2.0 * up) for up in range(4)]
-        pins += [Pin([(wall + way[0], floor - up)], way, "tap") for up in range(1, TANK_ROWS)]
+        pins += [Pin([(wall + way[0], floor - up)], way, "line") for up in range(1, TANK_ROWS)]
     pins += [
         Pin([(x + dx, floor + 1)], DOWN, "side", 3.0 + abs(abs(dx) - 3)) for dx in (-3, -2, 0, 2, 3)
     ]

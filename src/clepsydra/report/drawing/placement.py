@@ -227,7 +227,7 @@ class _Placer:
 
     def _put_loose(self, name: str) -> None:
         body = upright_body(name, "box", self.frame.pump_rows[0], self.label(name), -1)
-        body.pins = []
+        body.pins = [pin for pin in body.pins if pin.role not in ("in", "out", "both")]
         self.gaps.add((0, 0), 1, body)
 
     # Columns

@@ -114,7 +114,7 @@ def _way(scene: Scene, pipe: Pipe) -> Points:
     points = [(PITCH * x, PITCH * y) for x, y in pipe.points]
     bodies = scene.routes.placement.bodies
     for place, inner, end in ((0, 1, pipe.source), (-1, -2, pipe.end)):
-        if pipe.kind != "pipe" and end not in scene.outlines:
+        if pipe.kind != "pipe" and end in bodies and end not in scene.outlines:
             points[place] = _edge(bodies[end], points[place], points[inner])
             continue
         for name in scene.outlines:

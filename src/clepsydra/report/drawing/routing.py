@@ -158,7 +158,10 @@ class _Router:
         ways = self._ways()
         order = {way: (ORDER.index(way.kind), self._length(way)) for way in ways}
         ways.sort(key=lambda way: (way.ends not in urgent, order[way]))
-        return next((way.ends for way in ways if not self._lay(way)), None)
+        for way in ways:
+            if not self._lay(way) and not self.through:
+                return way.ends
+        return None
 
     def _link_targets(self, name: str) -> tuple[str, ...]:
         return next(
