@@ -61,8 +61,8 @@ def process(code: str, *arguments: str, folder: Path, **environment: str):
 
 
 COMMAND = "from clepsydra.cli import main; main()"
-#: What takes long to load, for tables, pictures and models of other libraries.
-UNUSED = {"pandas", "pyarrow.compute", "rich", "xarray", "matplotlib", "control", "sympy"}
+#: What takes long to load, for tables and models of other libraries; a report draws by Matplotlib.
+UNUSED = {"pandas", "pyarrow.compute", "rich", "xarray", "control", "sympy"}
 
 
 @pytest.fixture
