@@ -33,13 +33,17 @@ def readout(page, event, signal):
     return section.locator(".chart").filter(has_text=signal).locator(".readout")
 
 
+def beyond(page):
+    """Return by how much a page is wider than its window [px]."""
+    return page.evaluate("document.documentElement.scrollWidth - window.innerWidth")
+
+
 @pytest.mark.parametrize("process", catalogue_names())
 def test_each_process_has_a_page_that_is_whole_at_each_width(report, opened, look, process):
     page = opened(report(process), **look)
     assert page.locator("h1").inner_text().startswith("Use ")
     assert page.locator(".chart canvas").first.is_visible()
-    beyond = page.evaluate("document.documentElement.scrollWidth - window.innerWidth")
-    assert beyond <= 0
+    assert beyond(page) <= 0
 
 
 @pytest.mark.parametrize("process", catalogue_names())
@@ -55,6 +59,7 @@ def test_everyone_can_read_it(report, opened, look, findings):
     for fold in page.locator("#details > details > summary").all()[:2]:
         fold.click()
     assert findings(page) == []
+    assert beyond(page) <= 0
 
 
 def test_the_first_screen_shows_the_recommended_and_its_rival(page):
