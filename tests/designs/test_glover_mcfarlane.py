@@ -22,12 +22,12 @@ from clepsydra.designs.loop_shaping.precompensator import (
     sampled_precompensator,
 )
 from clepsydra.designs.loop_shaping.robust_controller import robust_controller
-from clepsydra.designs.loop_shaping.sampled_system import SampledSystem
 from clepsydra.designs.loop_shaping.shaped_plant import shaped_plant
 from clepsydra.designs.lqi import design_lqi
 from clepsydra.designs.own_law import own_controller
 from clepsydra.designs.phase_margin import design_phase_margin
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
+from clepsydra.designs.sampled.sampled_system import SampledSystem
 from clepsydra.designs.simc import design_simc
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario

@@ -21,10 +21,10 @@ from clepsydra.designs.applicability import as_reasons_of
 from clepsydra.designs.at_operating_point import controller_at, numbers_at
 from clepsydra.designs.loop_shaping.conditioning import told_by_own_observer
 from clepsydra.designs.loop_shaping.precompensator import Precompensator, sampled_precompensator
-from clepsydra.designs.loop_shaping.sampled_system import SampledSystem
 from clepsydra.designs.loop_shaping.shaped_plant import shaped_plant
 from clepsydra.designs.regulators.given import METHOD, GivenRegulator, given_regulator
 from clepsydra.designs.regulators.mat_file import read_mat
+from clepsydra.designs.sampled.sampled_system import SampledSystem
 from clepsydra.designs.slowing_down import note_on_peak
 from clepsydra.designs.states.state_controllers import sensitivity_peak
 from clepsydra.linear.linear_model import LinearModel

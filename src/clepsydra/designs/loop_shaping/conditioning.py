@@ -7,8 +7,8 @@ import numpy as np
 from clepsydra.controllers.conditioned_linear import ConditionedMatrices
 from clepsydra.designs.loop_shaping.coprime_factors import coprime_factors
 from clepsydra.designs.loop_shaping.robust_controller import RobustController
-from clepsydra.designs.loop_shaping.sampled_system import SampledSystem
 from clepsydra.designs.loop_shaping.shaped_plant import ShapedPlant
+from clepsydra.designs.sampled.sampled_system import SampledSystem
 
 
 def conditioned_matrices(plant: ShapedPlant, robust: RobustController) -> ConditionedMatrices:

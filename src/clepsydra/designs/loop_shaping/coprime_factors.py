@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.designs.loop_shaping.sampled_system import SampledSystem
+from clepsydra.designs.sampled.sampled_system import SampledSystem
 from clepsydra.designs.states.riccati import optimal_regulator
 
 METHOD = "Glover-McFarlane"

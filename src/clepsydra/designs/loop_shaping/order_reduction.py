@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from clepsydra.designs.loop_shaping.coprime_factors import CoprimeFactors
-from clepsydra.designs.loop_shaping.sampled_system import SampledSystem
+from clepsydra.designs.sampled.sampled_system import SampledSystem
 
 
 class ReducedPlant(NamedTuple):

@@ -10,8 +10,8 @@ from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.linear_step_law import StepLawDerivatives
 from clepsydra.designs.loop_shaping.coprime_factors import METHOD
-from clepsydra.designs.loop_shaping.sampled_system import SampledSystem
 from clepsydra.designs.sampled.sampled_loop import inputs_at_rest
+from clepsydra.designs.sampled.sampled_system import SampledSystem
 from clepsydra.linear.linear_model import LinearModel
 
 _SAME = 1e-9

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from clepsydra.designs.loop_shaping.coprime_factors import CoprimeFactors
-from clepsydra.designs.loop_shaping.sampled_system import SampledSystem
+from clepsydra.designs.sampled.sampled_system import SampledSystem
 
 #: γ over γ_min: the controller at γ_min itself has gains without bound.
 RELAXATION = 1.1

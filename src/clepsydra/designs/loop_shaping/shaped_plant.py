@@ -9,8 +9,8 @@ import numpy as np
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.loop_shaping.coprime_factors import METHOD
 from clepsydra.designs.loop_shaping.precompensator import Precompensator
-from clepsydra.designs.loop_shaping.sampled_system import SampledSystem
 from clepsydra.designs.sampled.sampled_process import refusing, sampled_process
+from clepsydra.designs.sampled.sampled_system import SampledSystem
 from clepsydra.designs.sampled.sampling_period import check_sampling_period
 from clepsydra.designs.states.relevant_states import without_idle_states
 from clepsydra.linear.linear_model import LinearModel

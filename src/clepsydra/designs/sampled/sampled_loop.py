@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -11,19 +10,14 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.linear_step_law import LinearStepLaw, StepLawDerivatives
-from clepsydra.designs.sampled.continuous_image import continuous_image
 from clepsydra.designs.sampled.sampled_process import sampled_process
+from clepsydra.designs.sampled.sampled_system import SampledSystem
 from clepsydra.designs.sampled.sampling_period import check_sampling_period
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
-from clepsydra.linear.sensitivity import largest_gain
-
-#: An eigenvalue this near to the unit circle stands on it.
-_ROUNDING = 1e-10
 
 
-@dataclass(frozen=True, eq=False)
-class SampledLoop:
+class SampledLoop(SampledSystem):
     """x(k+1) = A x(k) + B d(k), e(k) = C x(k) + D d(k): the output sensitivity of a loop.
 
     d is added to the controlled measurements as they reach the step law, and e is what the
@@ -40,22 +34,10 @@ class SampledLoop:
     (True, 1.333333)
     """
 
-    A: np.ndarray
-    B: np.ndarray
-    C: np.ndarray
-    D: np.ndarray
-
-    @property
-    def is_stable(self) -> bool:
-        """Whether every eigenvalue stands inside the unit circle, and none on it."""
-        return bool(np.max(np.abs(np.linalg.eigvals(self.A)), initial=0.0) < 1.0 - _ROUNDING)
-
     @cached_property
     def maximum_sensitivity(self) -> float:
         """Largest singular value of S(e^jωT) over frequency [1]; infinite if unstable."""
-        if not self.is_stable:
-            return float("inf")
-        return largest_gain(*continuous_image(self.A, self.B, self.C, self.D)).peak
+        return self.largest_gain
 
 
 def sampled_loop(controller: Controller, model: LinearModel) -> SampledLoop:

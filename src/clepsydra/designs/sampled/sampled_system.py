@@ -6,12 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from clepsydra.designs.sampled.continuous_image import continuous_image
 from clepsydra.linear.response import evaluate_transfer
 from clepsydra.linear.sensitivity import largest_gain
 
-#: An eigenvalue this near the unit circle counts as on it.
-_ROUNDING = 1e-12
+#: An eigenvalue this near to the unit circle stands on it.
+_ROUNDING = 1e-10
 
 
 class SampledSystem(NamedTuple):
@@ -43,15 +42,22 @@ class SampledSystem(NamedTuple):
         """Largest singular value over frequency, ‖G‖∞; infinite for an unstable system."""
         if not self.is_stable:
             return float("inf")
-        image = self.continuous_image()
-        return largest_gain(*image).peak
+        return largest_gain(*self.continuous_image()).peak
 
     def continuous_image(self) -> SampledSystem:
         """Return the continuous system of s = (z − 1)/(z + 1).
 
         It has the same gains, Hankel singular values and coprime factors.
         """
-        return SampledSystem(*continuous_image(*self))
+        identity = np.eye(len(self.A))
+        inverse = np.linalg.inv(self.A + identity)
+        root = np.sqrt(2.0)
+        return SampledSystem(
+            (self.A - identity) @ inverse,
+            root * inverse @ self.B,
+            root * self.C @ inverse,
+            self.D - self.C @ inverse @ self.B,
+        )
 
     def response(self, angles: np.ndarray) -> np.ndarray:
         """Return G(e^jωT) at angles ωT [rad], as [l, q, m]."""
