@@ -11,7 +11,11 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.designs.applicability import NotApplicable, reasons_about
 from clepsydra.designs.loops.pairing import Pairing, checked_pairing
-from clepsydra.designs.models.transfer_element import TransferElement, transfer_element
+from clepsydra.designs.models.transfer_element import (
+    TransferElement,
+    moving_element,
+    transfer_element,
+)
 from clepsydra.linear.linear_model import LinearModel
 
 METHOD = "inverted decoupling"
@@ -121,9 +125,7 @@ def inverted_decoupler(
     gain, lead, lag = np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n))
     exact = np.ones((n, n), bool)
     for i, output in enumerate(outputs):
-        own = transfer_element(model, output, inputs[i], method=METHOD)
-        if own is None:
-            raise NotApplicable(METHOD, f"{inputs[i]} does not move {output}")
+        own = moving_element(model, output, inputs[i], METHOD)
         for j, other in enumerate(inputs):
             if i == j:
                 continue

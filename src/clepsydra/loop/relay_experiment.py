@@ -14,9 +14,8 @@ from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.status import STATUS_BITS
 from clepsydra.controllers.controller import Controller
-from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.loops.control_authority import check_ranges, control_authority
-from clepsydra.designs.models.transfer_element import transfer_element
+from clepsydra.designs.models.transfer_element import moving_element
 from clepsydra.designs.models.ultimate_point import ultimate_point
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
@@ -162,9 +161,7 @@ def relay_experiment(
     """
     point = operating_point_of(model)
     process, at = point.process, point.as_dict()
-    element = transfer_element(model, output, input_name, method=METHOD)
-    if element is None:
-        raise NotApplicable(METHOD, f"{input_name} does not move {output}")
+    element = moving_element(model, output, input_name, METHOD)
     check_ranges(process, [output], [input_name], METHOD)
     measured, manipulated = process.signal(output), process.signal(input_name)
     bias, period = at[input_name], process.sampling_period

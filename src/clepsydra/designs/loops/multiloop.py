@@ -14,7 +14,7 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.decoupling import Decoupling
 from clepsydra.controllers.multiloop_pid import family, multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.designs.applicability import NotApplicable, as_reasons_of
+from clepsydra.designs.applicability import as_reasons_of
 from clepsydra.designs.at_operating_point import controller_at, numbers_at
 from clepsydra.designs.decoupling import inverted_decoupler
 from clepsydra.designs.loops.control_authority import check_ranges, largest_proportional_gain
@@ -23,7 +23,7 @@ from clepsydra.designs.loops.loops_together import LoopsTogether
 from clepsydra.designs.loops.pairing import Pairing, checked_pairing
 from clepsydra.designs.loops.pid_settings import PidSettings
 from clepsydra.designs.loops.words import gain
-from clepsydra.designs.models.transfer_element import TransferElement, transfer_element
+from clepsydra.designs.models.transfer_element import TransferElement, moving_element
 from clepsydra.designs.slowing_down import SlowedDown
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
@@ -113,9 +113,7 @@ class MultiloopPid(LoopsTogether[Sequence[PidSettings]]):
         at = self.point.as_dict()
         self.loops: list[PairedLoop] = []
         for output, input_name in zip(outputs, inputs, strict=True):
-            found = transfer_element(model, output, input_name, method=method)
-            if found is None:
-                raise NotApplicable(method, f"{input_name} does not move {output}")
+            found = moving_element(model, output, input_name, method)
             signals = self.process.signal(output), self.process.signal(input_name)
             self.loops.append(PairedLoop(*signals, found, at[input_name]))
         super().__init__(self._blank(model), model, method, self._settings)

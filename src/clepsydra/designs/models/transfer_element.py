@@ -126,6 +126,22 @@ def transfer_element(
     return _element(model, output, input_name, float(lags.outputs[0] - lags.inputs[0]))
 
 
+def moving_element(
+    model: LinearModel, output: str, input_name: str, method: str
+) -> TransferElement:
+    """Return the transfer function of a pair whose input moves its output.
+
+    Raises
+    ------
+    NotApplicable
+        It does not, or as for `transfer_element`.
+    """
+    found = transfer_element(model, output, input_name, method=method)
+    if found is None:
+        raise NotApplicable(method, f"{input_name} does not move {output}")
+    return found
+
+
 @lru_cache(maxsize=64)
 def _element(
     model: LinearModel, output: str, input_name: str, dead_time: float

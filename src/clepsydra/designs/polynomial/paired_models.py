@@ -10,10 +10,10 @@ import numpy as np
 from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.designs.applicability import NotApplicable, reasons_about
+from clepsydra.designs.applicability import reasons_about
 from clepsydra.designs.loops.control_authority import check_ranges, largest_proportional_gain
 from clepsydra.designs.loops.pairing import Pairing, checked_pairing
-from clepsydra.designs.models.transfer_element import transfer_element
+from clepsydra.designs.models.transfer_element import moving_element
 from clepsydra.designs.polynomial.element_sampling import sampled_element
 from clepsydra.designs.polynomial.sampled_model import SampledModel
 from clepsydra.designs.polynomial.spectral_factor import spectral_factor
@@ -120,9 +120,7 @@ def _sampled(
 ) -> list[SampledModel]:
     found = []
     for output, name in zip(outputs, inputs, strict=True):
-        element = transfer_element(model, output, name, method=method)
-        if element is None:
-            raise NotApplicable(method, f"{name} does not move {output}")
+        element = moving_element(model, output, name, method)
         with reasons_about(f"{output} by {name}"):
             found.append(sampled_element(element, period, method=method))
     return found
