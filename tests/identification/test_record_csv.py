@@ -99,7 +99,10 @@ REFUSED = {
         text(head="time [s],pump_1 [V],level_1\n"),
         "line 1, column 'level_1': got 'level_1', expected its unit in brackets",
     ),
-    "unknown unit": (text(head="time [s],pump_1 [V],level_1 [cubits]\n"), "'cubits' is unknown"),
+    "unknown unit": (
+        text(head="time [s],pump_1 [V],level_1 [cubits]\n"),
+        "line 1, column 'level_1': got 'cubits', expected a unit that is known",
+    ),
     "no time": (text(head="pump_1 [V],x [s],level_1 [cm]\n"), "expected the time with its unit"),
     "no name": (text(head="time [s],pump_1 [V],[cm]\n"), "line 1, column 3: got ''"),
     "twice": (text(head="time [s],pump_1 [V],pump_1 [V]\n"), "expected each signal once"),

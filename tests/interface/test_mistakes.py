@@ -149,7 +149,7 @@ MISTAKES = {
     ),
     "name of a design": (
         lambda plant, pi: cl.study(plant, only="PI, SIMK"),
-        ("controller", "PI, SIMK", "PI, SIMC", "'PI, SIMC' was meant"),
+        ("controller", "PI, SIMK", "name of a controller", "'PI, SIMC' was meant"),
     ),
     "goal": (
         lambda plant, pi: cl.tune(pi, plant, goal="iaf"),

@@ -56,7 +56,7 @@ def test_what_is_printed_fits_and_says_what_it_is(call, plant, pi):
             "analysis": lambda: cl.analyse(plant),
             "pi": lambda: pi,
             "run": lambda: cl.simulate(plant, pi, [cl.step("level_1", "1 V")]),
-            "alone": lambda: cl.simulate(plant, duration=60),
+            "alone": lambda: cl.simulate(plant, None, [cl.step("pump_1", "50 mV")]),
         }[call]()
     )
     lines = shown.splitlines()

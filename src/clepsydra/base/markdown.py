@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from clepsydra.base.section import Line, Mark, Section, Table
 
 _LINES = {
@@ -54,4 +56,4 @@ def _table(table: Table, depth: int) -> str:
 
 def _escaped(text: str) -> str:
     """Return text whose signs mean nothing to Markdown."""
-    return "".join(f"\\{sign}" if sign in "\\`*[]<>|" else sign for sign in text)
+    return re.sub(r"[\\`*\[\]>|]|<(?! )", r"\\\g<0>", text)

@@ -151,6 +151,7 @@ def relay_experiment(
     --------
     >>> import clepsydra as cl
     >>> from clepsydra.designs.relay_autotune import ultimate_point_of_relay
+    >>> from clepsydra.designs.models.transfer_element import transfer_element
     >>> plant = cl.load("quadruple-tank-nonminimum-phase")
     >>> record = relay_experiment(plant.linear, "level_1", "pump_2")
     >>> found = ultimate_point_of_relay(record)
