@@ -21,6 +21,8 @@ VERBS = (
 )  # fmt: skip
 #: The process of what is run for one process only, and a controller of its study.
 _ONE, _CONTROLLER = "quadruple-tank", "PI, SIMC"
+#: A study writes its report and its trajectories here, as `--json` alone does not.
+_WRITTEN = ("--json", "--output", ".")
 #: Of its steps: enough to identify a model of one loop.
 _RECORD = ("pump_1=3.3V@60s", "pump_1=2.8V@300s", "pump_1=3.1V@500s", "pump_2=3.2V@200s")
 _STEP = 1.05  # of an input, in its value at rest
@@ -75,7 +77,7 @@ def first_commands() -> list[Command]:
     loop = ("--manipulated", "pump_1", "--measured", "level_1")
     fit = ("--process", _ONE, "--parameters", "outlet_1.area,pump_1.gain", "--write", "fit.toml")
     proof = ("verify", _ONE, "--controller", _CONTROLLER, "--json")
-    study = (("new", "mine", "--study"), ("study", "mine.toml", "--json"))
+    study = (("new", "mine", "--study"), ("study", "mine.toml", *_WRITTEN))
     return [
         Command("processes", "", "", (("processes", "--json"),), 9),
         Command("papers", "", "", (("papers", "--json"),), 8),
@@ -120,11 +122,11 @@ def _of_subject(subject: str) -> list[Command]:
         Command("new", subject, "", (("new", "mine", "--from", subject),)),
     ]
     if ":" in subject:
-        study = (new_study, ("study", "mine.toml", "--json"))
+        study = (new_study, ("study", "mine.toml", *_WRITTEN))
         return [*commands, Command("study of a file", subject, "", study, 5)]
     return [
         *commands,
-        Command("study", subject, "", (("study", subject, "--json"),), 6),
+        Command("study", subject, "", (("study", subject, *_WRITTEN),), 6),
         Command("new study", subject, "", (new_study,)),
         Command("export process", subject, "", (("export", subject, "--to", "fmu", "--json"),)),
     ]

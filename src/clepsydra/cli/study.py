@@ -23,9 +23,14 @@ def study(
     ],
     as_json: JsonOption = False,
     folder: Annotated[
-        Path,
-        typer.Option("--output", "-o", metavar="FOLDER", help="Where report and data are written."),
-    ] = Path(),
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FOLDER",
+            help="Where report and data are written: here if left out, with --json nowhere.",
+        ),
+    ] = None,
     every: Annotated[
         bool, typer.Option("--all", help="Show the whole ranking, not only its first five.")
     ] = False,
@@ -58,21 +63,25 @@ def study(
     from clepsydra.interface.study import study as study_of
     from clepsydra.interface.subject import read_subject
 
-    make_folder(folder)
+    here = folder or Path()
+    make_folder(here)
     request = read_subject(subject, seed)
-    report, data = (
-        output_file(folder / f"{request.file_stem}.{kind}") for kind in ("html", "parquet")
-    )
+    named = {"report": "html", "trajectories": "parquet"}
+    files = {
+        what: output_file(here / f"{request.file_stem}.{ending}")
+        for what, ending in ({} if as_json and folder is None else named).items()
+    }
     with shown_progress(so_far, quiet=as_json) as tell:
-        result = study_of(request, seed=seed, accept=accept, progress=tell, folder=folder)
+        result = study_of(request, seed=seed, accept=accept, progress=tell, folder=here)
     if not as_json:
         show(result.shown(every=every, why=why, refused=refused))
-    result.report(report)
-    written = {"report": str(report)}
-    if result.ranking:
-        result.save(data)
-        written["trajectories"] = str(data)
+    if files:
+        result.report(files["report"])
+        if result.ranking:
+            result.save(files["trajectories"])
+        else:
+            del files["trajectories"]
     if as_json:
-        print_json({**result.as_dict(), **written})
+        print_json({**result.as_dict(), **{what: str(path) for what, path in files.items()}})
     else:
-        typer.echo(f"Written: {report}{f' and {data.suffix}' if result.ranking else ''}")
+        typer.echo(f"Written: {files['report']}{' and .parquet' if result.ranking else ''}")
