@@ -30,8 +30,13 @@ def test_a_study_of_every_process_answers_in_a_screen(name):
         lines = screen(found, width)
         assert len(lines) <= 24 and max(map(len, lines)) <= width  # one more says what was written
         start = next(k for k, line in enumerate(lines) if line.lstrip().startswith("controller "))
-        for place, each in enumerate(found.ranking[:5], start=1):  # each in a line of its own
-            assert lines[start + place].startswith(f"{place}  {each.controller.name} ")
+        rows = [*found.ranking[:5]]
+        if found.recommended not in rows:
+            rows[-1] = found.recommended
+        for place, each in enumerate(rows, start=1):  # each in a line of its own
+            assert re.match(
+                rf"{each.rank} +{re.escape(each.controller.name)} ", lines[start + place]
+            )
         assert lines[start + 6].startswith(f"{len(found.ranking) - 5} more: --all")
         assert any(f'--controller "{found.recommended.controller.name}"' in line for line in lines)
 
@@ -113,6 +118,22 @@ def test_the_ranking_is_cut_at_five_and_shown_whole_on_request(result):
     short, whole = "\n".join(screen(many, 80)), "\n".join(screen(many, 80, every=True))
     assert "3 more: --all" in short and not re.search(r"^8 ", short, re.M)
     assert "--all" not in whole and re.search(r"^8 ", whole, re.M)
+
+
+def test_the_recommended_stands_in_the_last_row_where_it_is_not_among_the_first(result):
+    quiet = result.ranking[0]
+    several = [replace(quiet, rank=rank, warnings=("It rings.",)) for rank in range(1, 8)]
+    many = replace(result, ranking=(*several, replace(quiet, rank=8)))
+    rows = [line[:1] for line in screen(many, 80) if re.match(r"\d  ", line)]
+    assert rows == ["1", "2", "3", "4", "8"]
+
+
+def test_a_best_of_the_same_kind_says_what_there_is_to_watch_with_it(result):
+    quiet = replace(result.ranking[0], scores={})
+    first = replace(quiet, warnings=("It rings: slow it down.",), mean_error=1.0)
+    second = replace(quiet, rank=2, mean_error=1.25)
+    said = " ".join(screen(replace(result, ranking=(first, second)), 100))
+    assert f"The best, {first.controller.title}, has 20 % less error; it rings." in said
 
 
 def test_what_does_not_apply_is_counted_and_named_on_request(result):

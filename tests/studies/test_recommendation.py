@@ -7,16 +7,26 @@ import pytest
 import clepsydra as cl
 from clepsydra.studies.recommendation import recommend
 from clepsydra.studies.result import Standing
+from clepsydra.studies.watch import watched
 
 
-def candidates(*kinds, loops=2):
-    """Candidates from (complexity, mean error) or (complexity, mean error, standing)."""
-    run = SimpleNamespace(process=SimpleNamespace(controlled=("a", "b")[:loops]))
+def candidates(*kinds, loops=2, watch=()):
+    """Candidates from (complexity, mean error) or (complexity, mean error, standing).
+
+    With what there is to watch by rank, ("It winds up.",).
+    """
+    run = SimpleNamespace(
+        process=SimpleNamespace(controlled=("a", "b")[:loops], averaging=("drum",))
+    )
     return [
         SimpleNamespace(
             rank=rank,
             run=run,
-            controller=SimpleNamespace(complexity=complexity, setpoints=("a",)),
+            controller=SimpleNamespace(
+                complexity=complexity, setpoints=("a",), slowed=1.0, name=f"number {rank}"
+            ),
+            scores={},
+            warnings=dict(watch).get(rank, ()),
             mean_error=error,
             standing=(*standing, Standing.ROBUST)[0],
         )
@@ -24,8 +34,8 @@ def candidates(*kinds, loops=2):
     ]
 
 
-def rank_of(*kinds, loops=2, **more):
-    return recommend(candidates(*kinds, loops=loops), **more).simplest.rank
+def rank_of(*kinds, loops=2, watch=(), **more):
+    return recommend(candidates(*kinds, loops=loops, watch=watch), **more).simplest.rank
 
 
 PLANT = cl.load("quadruple-tank")
@@ -54,6 +64,37 @@ def test_what_stands_worse_is_not_good_enough():
 def test_a_plant_of_one_loop_gets_its_pi_however_much_better_another_is():
     assert rank_of((MODEL, 1.0), (LOOPS, 9.0), loops=1) == 2
     assert rank_of((MODEL, 1.0), (LOOPS, 9.0, Standing.STABLE), loops=1) == 1
+
+
+def test_of_one_kind_the_one_with_less_to_watch_is_taken_as_long_as_it_is_good_enough():
+    kinds = (MODEL, 1.0), (LOOPS, 1.3), (LOOPS, 1.4), (LOOPS, 1.6)
+    assert rank_of(*kinds, watch={2: ["It rings."]}) == 3
+    assert rank_of(*kinds, watch={2: ["It rings."], 3: ["It rings."]}) == 2
+    assert rank_of(*kinds, watch={2: ["It rings.", "It is slow."], 3: ["It rings."]}) == 3
+    found = recommend(candidates(*kinds, watch={2: ["It rings."]}))
+    assert found.why == "good enough, with less to watch than number 2"
+    assert rank_of((LOOPS, 1.0), (MODEL, 1.1), watch={1: ["It rings."]}) == 1
+
+
+def test_of_one_loop_good_enough_is_beside_the_best_pi_or_pid():
+    kinds = (MODEL, 1.0), (LOOPS, 4.0), (LOOPS, 5.9), (LOOPS, 6.1)
+    assert rank_of(*kinds, loops=1, watch={2: ["It rings."]}) == 3
+    assert rank_of(*kinds, loops=1, watch={2: ["It rings."], 3: ["It rings."]}) == 2
+    assert rank_of(*kinds, loops=1, watch={2: ["It rings."]}, accept=1.2) == 2
+
+
+def test_overshoot_and_slowing_are_watched_but_not_the_overshoot_of_a_level_that_averages():
+    (each,) = candidates((LOOPS, 1.0))
+    each.scores = {"overshoot[a]": 10.0, "overshoot[drum]": 40.0, "iae[a]": 99.0}
+    assert watched(each) == ()
+    each.scores["overshoot[a]"] = 10.6
+    each.controller.slowed = 7.483
+    each.warnings = ("pump stands at a limit: nothing is corrected meanwhile.",)
+    assert watched(each) == (
+        "It overshoots a step of the setpoint by 11 %.",
+        "Its rule was slowed 7.48 times, until it was robust.",
+        "pump stands at a limit.",
+    )
 
 
 @pytest.mark.parametrize(

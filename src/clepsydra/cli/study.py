@@ -45,7 +45,8 @@ def study(
         typer.Option(
             min=1.0,
             metavar="TIMES",
-            help="Good enough is a relative error of so much; that of the best is 1.",
+            help="Good enough is an error of so many times that of the best; on a plant of one "
+            "loop, that of the best PI or PID.",
         ),
     ] = 1.5,
     seed: Annotated[

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from clepsydra.base.section import Line, Mark, Section, Table, marked
+from clepsydra.base.section import Line, Section, Table
 from clepsydra.base.words import time_text
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT
 from clepsydra.process.process import Process
@@ -14,7 +14,7 @@ from clepsydra.report.performance import figures_of, performance_words
 from clepsydra.report.quantities import number_text, time_cell
 from clepsydra.report.score_tables import standing_word
 from clepsydra.report.settings_table import settings_table
-from clepsydra.report.study_answer import better_words, watched
+from clepsydra.report.study_answer import better_words, watch_lines
 from clepsydra.studies.ranking import QUIET
 from clepsydra.studies.recommendation import Recommendation
 from clepsydra.studies.result import Candidate, Standing, StudyResult
@@ -72,8 +72,8 @@ def lead(result: StudyResult, advice: Recommendation | None) -> str:
     """
     if advice is None:
         return ""
-    why = result.verdict.partition(": the ")[2]
-    said = [f"The {why}"] if why else []
+    why = advice.why or f"the {result.verdict.partition(': the ')[2].rstrip('.')}"
+    said = [f"{why[:1].upper()}{why[1:]}."]
     if advice.best is not advice.simplest:
         said.append(better_words(advice))
     return " ".join(said)
@@ -120,8 +120,8 @@ def cards(result: StudyResult, first: Candidate, rival: Candidate | None) -> lis
         _how_good(result.process, first, rival),
         _how_sure(result.process, first),
     ]
-    words = watched(first)
-    return [*found, Section("Watch", marked(Mark.WATCH, words))] if words else found
+    lines = watch_lines(first)
+    return [*found, Section("Watch", lines)] if lines else found
 
 
 def _settings(result: StudyResult, first: Candidate) -> Section:

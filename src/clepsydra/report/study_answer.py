@@ -13,11 +13,10 @@ from clepsydra.report.settings_table import settings_table
 from clepsydra.studies.ranking_words import TIE, trust_sentence
 from clepsydra.studies.recommendation import Recommendation, recommend
 from clepsydra.studies.result import Candidate, StudyResult
+from clepsydra.studies.watch import watched
 
 #: Of the answer: rows of the ranking, of settings, and warnings.
 RANKED, _LOOPS, _WATCHED = 5, 3, 2
-#: An overshoot worth watching [% of the step].
-_OVERSHOOT = 10.0
 _EMPTY = Line("")
 
 
@@ -49,7 +48,7 @@ def study_answer(
     if advice is not None:
         parts += advised(result, advice)
     if result.ranking:
-        parts += [_EMPTY, ranking_glance(result.ranking[: None if every else RANKED])]
+        parts += [_EMPTY, ranking_glance(result.ranking if every else _first(result, advice))]
     rest = _rest(result, every, why, refused)
     parts += [Line(rest)] if rest else []
     if why:
@@ -115,7 +114,7 @@ def advised(result: StudyResult, advice: Recommendation) -> list[Line | Table | 
     settings = settings_table(simplest.controller, process)
     if settings is not None:
         parts += [_EMPTY, _shortened(settings)]
-    parts += marked(Mark.WATCH, watched(simplest))
+    parts += watch_lines(simplest)
     if best is not simplest:
         parts.append(Line(better_words(advice)))
     return parts
@@ -126,38 +125,35 @@ def better_words(advice: Recommendation) -> str:
     controller = advice.best.controller
     if advice.saved < TIE - 1.0:
         return f"{controller.name}, first of the ranking, is no better by more than 2 %."
-    needs = f"it needs {controller.complexity.words}"
     if controller.further_measurements:
         needs = f"it also measures {joined(controller.further_measurements)}"
+    elif controller.complexity is advice.simplest.controller.complexity:
+        needs = re.sub("^It", "it", watched(advice.best)[0].rstrip("."))
+    else:
+        needs = f"it needs {controller.complexity.words}"
     saved = f"has {100.0 * advice.saved:.0f} % less error"
     return f"The best, {controller.title}, {saved}; {needs}."
 
 
-def watched(candidate: Candidate) -> list[str]:
-    """Return what to watch with a controller; what its standing says stands with it."""
-    said = []
-    overshoot = max(
-        (value for key, value in candidate.scores.items() if key.startswith("overshoot[")),
-        default=0.0,
-    )
-    if overshoot > _OVERSHOOT:
-        said.append(f"It overshoots a step of the setpoint by {overshoot:.0f} %.")
-    if candidate.controller.slowed > 1.0:
-        factor = f"{candidate.controller.slowed:.3g}"
-        said.append(f"Its rule was slowed {factor} times, until it was robust.")
-    said += [_first_clause(words) for words in candidate.warnings]
+def watch_lines(candidate: Candidate) -> tuple[Line, ...]:
+    """Return the first of what to watch with a controller, and how much more there is."""
+    said = watched(candidate)
     more = len(said) - _WATCHED
-    return said[:_WATCHED] + ([f"{more} more to watch: --why."] if more > 0 else [])
+    rest = (f"{more} more to watch: --why.",) if more > 0 else ()
+    return marked(Mark.WATCH, (*said[:_WATCHED], *rest))
+
+
+def _first(result: StudyResult, advice: Recommendation | None) -> Sequence[Candidate]:
+    """Return the first of the ranking, with the recommended one in the last row if it is later."""
+    shown = result.ranking[:RANKED]
+    if advice is None or advice.simplest in shown:
+        return shown
+    return (*shown[:-1], advice.simplest)
 
 
 def _slowed(candidate: Candidate) -> str:
     factor = candidate.controller.slowed
     return "" if factor == 1.0 else f"{factor:.3g}×"
-
-
-def _first_clause(words: str) -> str:
-    """Return what a warning is about, without what it means and what to do."""
-    return f"{re.split('[;:] ', words)[0].rstrip('.')}."
 
 
 def _shortened(settings: Table) -> Table:

@@ -190,8 +190,7 @@ def verdict(process: Process, ranking: Sequence[Candidate], accept: float = ACCE
     use = f"Use {advice.simplest.controller.title} on {process.title}"
     if advice.simplest is best:
         return f"{use}: the best{_lead(best, ranking[1:])}."
-    good_enough = advice.simplest.mean_error <= accept * best.mean_error
-    return f"{use}: the {'simplest that is good enough' if good_enough else 'best PI or PID'}."
+    return f"{use}: {advice.why}."
 
 
 def _lead(best: Candidate, others: Sequence[Candidate]) -> str:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from clepsydra.controllers.complexity import Complexity
 from clepsydra.studies.result import ACCEPTED, Candidate, Standing
+from clepsydra.studies.watch import watched
 
 
 @dataclass(frozen=True)
@@ -16,13 +17,16 @@ class Recommendation:
     Parameters
     ----------
     simplest : Candidate
-        The best of the simplest `Complexity` that is good enough.
+        Of the simplest `Complexity` that is good enough, the one with the least to watch.
     best : Candidate
         The first of the ranking.
+    why : str
+        Why the simplest, in words that follow "Use ...: "; empty where it is the best.
     """
 
     simplest: Candidate
     best: Candidate
+    why: str = ""
 
     @property
     def saved(self) -> float:
@@ -34,7 +38,10 @@ def recommend(ranking: Sequence[Candidate], accept: float = ACCEPTED) -> Recomme
     """Return what to use; None where nothing applies, or all is unsafe or leaves a band.
 
     Only what stands as well as the best (robust and quiet, say) is good enough beside it. A
-    plant of one loop gets the best PI or PID that stands so, however much better another is.
+    plant of one loop gets a PI or PID that stands so, however much better another is; its error
+    is compared with that of the best PI or PID. Among those of the simplest kind that are good
+    enough the one with the least to watch is taken, then the first of the ranking: what is a
+    little slower without an overshoot is what an engineer would leave behind.
 
     Parameters
     ----------
@@ -56,25 +63,33 @@ def recommend(ranking: Sequence[Candidate], accept: float = ACCEPTED) -> Recomme
     if not ranking or ranking[0].standing >= Standing.OUTSIDE:
         return None
     best = ranking[0]
-    loops = _loops(ranking)
-    if loops is not None:
-        return Recommendation(loops, best)
+    equals = [each for each in ranking if each.standing is best.standing]
+    tried = _loops(equals) or equals
     good = [
         each
-        for each in ranking
-        if each is best
-        or (each.standing is best.standing and each.mean_error <= accept * best.mean_error)
+        for each in tried
+        if each is tried[0] or each.mean_error <= accept * tried[0].mean_error
     ]
-    return Recommendation(min(good, key=lambda each: (each.controller.complexity, each.rank)), best)
+    kind = min(each.controller.complexity for each in good)
+    simplest = [each for each in good if each.controller.complexity is kind]
+    chosen = min(simplest, key=lambda each: (len(watched(each)), each.rank))
+    if chosen is best:
+        return Recommendation(chosen, best)
+    if chosen is not simplest[0]:
+        why = f"good enough, with less to watch than {simplest[0].controller.name}"
+    elif chosen.mean_error <= accept * best.mean_error:
+        why = "the simplest that is good enough"
+    else:
+        why = "the best PI or PID"
+    return Recommendation(chosen, best, why)
 
 
-def _loops(ranking: Sequence[Candidate]) -> Candidate | None:
-    """Return the best PI or PID of a plant of one loop that stands as well as the best."""
-    if len(ranking[0].run.process.controlled) > 1:
-        return None
-    for each in ranking:
-        controller = each.controller
-        plain = controller.complexity is Complexity.LOOPS and controller.setpoints
-        if plain and each.standing is ranking[0].standing:
-            return each
-    return None
+def _loops(equals: Sequence[Candidate]) -> Sequence[Candidate]:
+    """Return the PI and PID controllers of a plant of one loop; none where it has several."""
+    if len(equals[0].run.process.controlled) > 1:
+        return ()
+    return [
+        each
+        for each in equals
+        if each.controller.complexity is Complexity.LOOPS and each.controller.setpoints
+    ]
