@@ -134,11 +134,11 @@ def basin():
 
 
 def test_the_basin_lets_its_load_use_the_room(basin):
-    (load,) = load_steps(basin.model, "level", "test")
+    (load,) = load_steps(basin.model, "level")
     assert (load.signal, load.size) == ("inflow", 0.12)
     assert load.rate == pytest.approx(0.12 / 1000.0 / 5.0, rel=1e-9)
     level = basin.operating_point.process.signal("level")
-    room = averaging_room(basin.operating_point, level, "test")
+    room = averaging_room(basin.operating_point, level)
     assert room.below == room.above == pytest.approx(0.4, rel=1e-12)
     controller = design_arrest_time(basin.model, basin.pairing)
     # span = e · 0.4/r, λ² + (2θ − span) λ + θ² = 0 with θ half of a minute
@@ -168,7 +168,7 @@ def test_switches_of_pumps_limit_the_room():
     point = analyse(load_process("wet-well")).operating_point
     level = point.process.signal("level")
     # 1.5 m in 4 m: the running duty pump stops at 0.5 m, the standby starts at 2.5 m: 1 m each.
-    share = averaging_room(point, level, "test").above / level.span
+    share = averaging_room(point, level).above / level.span
     assert share == pytest.approx(1.0 / 4.0 - 0.1, rel=1e-9)
 
 
@@ -250,10 +250,10 @@ lower = "1.5 m"
 def test_a_load_that_a_drum_upstream_passes_on_moves_the_next_one_too(tmp_path):
     (tmp_path / "two.toml").write_text(TWO_DRUMS, encoding="utf-8")
     plant = cl.load(tmp_path / "two.toml")
-    passed = load_steps(plant.linear, "lower", "test", ["transfer"])
+    passed = load_steps(plant.linear, "lower", ["transfer"])
     assert [3600.0 * load.rate for load in passed] == pytest.approx([10.0 / 8.0, -15.0 / 8.0])
     with pytest.raises(NotApplicable, match="names no load step that moves lower"):
-        load_steps(plant.linear, "lower", "test")
+        load_steps(plant.linear, "lower")
     run = cl.simulate(plant, cl.design.arrest_time(plant))
     for name in ("upper", "lower"):
         assert run.scores[f"time_outside_band[{name}]"] == 0.0

@@ -191,8 +191,8 @@ def test_outputs_that_cannot_be_held_independently_are_refused(minimum_phase):
         ({"maximum_errors": 0.5}, "LQI, maximum_errors", "0.5"),
         ({"maximum_moves": {"pump_1": math.nan}}, "LQI, maximum_moves, pump_1", "nan"),
         ({"maximum_moves": {"pump_1": None}}, "LQI, maximum_moves, pump_1", "None"),
-        ({"anti_windup": "clamping"}, "LQI law, anti_windup", "clamping"),
-        ({"anti_windup": "off"}, "anti_windup", "off"),
+        ({"anti_windup": "clamping"}, "LQI, anti_windup", "clamping"),
+        ({"anti_windup": "off"}, "LQI, anti_windup", "off"),
     ],
 )
 def test_wrong_deviations_are_refused(minimum_phase, options, place, value):

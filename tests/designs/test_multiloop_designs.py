@@ -295,7 +295,6 @@ def test_detuning_stops_where_the_peak_is_just_allowed():
     found = slow_down(
         lambda factor: slowed_down([PidSettings(9.0, 60.0)], factor),
         lambda settings: 1.0 + settings[0].gain * 60.0 / settings[0].integral_time,
-        "test",
         OF_LOOPS,
     )
     assert found.peak <= 2.0
@@ -318,9 +317,9 @@ def test_detuning_crosses_the_limit_of_stability(edge):
 
     if 2 * edge > 1000.0:
         with pytest.raises(NotApplicable, match="the best sensitivity peak is"):
-            slow_down(settings_at, peak, "test", OF_LOOPS)
+            slow_down(settings_at, peak, OF_LOOPS)
         return
-    found = slow_down(settings_at, peak, "test", OF_LOOPS)
+    found = slow_down(settings_at, peak, OF_LOOPS)
     assert found.peak <= 2.0
     assert found.factor == pytest.approx(2 * edge, rel=1e-5)
     # Four steps an octave, then few: a design is quick.
@@ -401,23 +400,23 @@ def test_signals_without_a_range_are_not_applicable(single_tank):
 @pytest.mark.parametrize(
     ("design", "pairing", "options", "place", "value"),
     [
-        (design_simc, [], {}, "pairing", "[]"),
-        (design_simc, [("level_9", "pump_1")], {}, "linear model, outputs", "level_9"),
+        (design_simc, [], {}, "SIMC, pairing", "[]"),
+        (design_simc, [("level_9", "pump_1")], {}, "SIMC, linear model, outputs", "level_9"),
         (
             design_simc,
             [("level_1", "pump_1"), ("level_2", "pump_1")],
             {},
-            "linear model, inputs",
+            "SIMC, linear model, inputs",
             "pump_1",
         ),
-        (design_simc, 3, {}, "pairing", "3"),
-        (design_simc, "level_1", {}, "pairing", "level_1"),
-        (design_simc, ["level_1", "pump_1"], {}, "pairing", "['level_1', 'pump_1']"),
+        (design_simc, 3, {}, "SIMC, pairing", "3"),
+        (design_simc, "level_1", {}, "SIMC, pairing", "level_1"),
+        (design_simc, ["level_1", "pump_1"], {}, "SIMC, pairing", "['level_1', 'pump_1']"),
         (
             design_simc,
             [("level_1", "pump_1", "pump_2")],
             {},
-            "pairing",
+            "SIMC, pairing",
             "[('level_1', 'pump_1', 'pump_2')]",
         ),
         (design_simc, DIRECT, {"form": "PID"}, "SIMC, form", "PID"),

@@ -287,7 +287,7 @@ def test_a_demanding_design_is_slowed_down_and_says_so(nonminimum_phase):
 
 def test_dead_time_is_estimated_by_what_is_on_its_way():
     model = model_of(DEAD_TIME)
-    seen = observed_process(model, None, "test")
+    seen = observed_process(model, None)
     names = [signal.name for signal in seen.estimated]
     # 5 s in samples of 2 s: tank 1 was one second ago what leaves the channel in part.
     assert names[:2] == ["tank_1.level", "tank_2.level"]

@@ -34,7 +34,7 @@ def chien_hrones_reswick(model, pairing=None, *, form=None, detuning=1.0):
     """
 
     def settings_of(loop, delay, actions):
-        curve = reaction_curve(loop.element, delay, method=METHOD)
+        curve = reaction_curve(loop.element, delay)
         gain, integral, derivative = TABLE[actions]
         gain /= curve.slope * curve.delay * detuning
         return PidSettings(gain, integral * curve.delay, derivative * curve.delay), "its curve"

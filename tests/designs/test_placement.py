@@ -27,7 +27,7 @@ def distance(found, wanted):
 
 @pytest.fixture(scope="module")
 def three_tanks():
-    return observed_process(analyse(load_process("three-tanks")).model, None, "test")
+    return observed_process(analyse(load_process("three-tanks")).model, None)
 
 
 def ackermann(held, moved, poles):
@@ -55,26 +55,26 @@ def by_sylvester(held, moved, poles):
 
 def test_three_methods_give_one_gain(three_tanks):
     held, moved = three_tanks.held, three_tanks.moved
-    found = placed_gain(held, moved, POLES, three_tanks.sizes, np.ones(1), 1.0, "test")[0]
+    found = placed_gain(held, moved, POLES, three_tanks.sizes, np.ones(1), 1.0)[0]
     assert found == pytest.approx(ackermann(held, moved, POLES), rel=1e-7)
     assert found == pytest.approx(by_sylvester(held, moved, POLES), rel=1e-7)
     assert distance(np.linalg.eigvals(held - moved @ found[None]), POLES) < 1e-9
 
 
 def test_with_two_inputs_the_eigenvalues_are_those_asked_for(minimum_phase):
-    seen = observed_process(minimum_phase.model, None, "test")
+    seen = observed_process(minimum_phase.model, None)
     poles = [0.9, 0.92, 0.95 + 0.02j, 0.95 - 0.02j]
     moves = np.array([3.0, 7.0])
-    gain = placed_gain(seen.held, seen.moved, poles, seen.sizes, moves, 1.0, "test")
+    gain = placed_gain(seen.held, seen.moved, poles, seen.sizes, moves, 1.0)
     assert distance(np.linalg.eigvals(seen.held - seen.moved @ gain), poles) < 1e-10
 
 
 @pytest.mark.parametrize("period", [0.01, 1.0, 30.0])
 def test_however_fast_the_sampling_is(minimum_phase, sampled_at, period):
-    seen = observed_process(sampled_at(minimum_phase.model, period), None, "test")
+    seen = observed_process(sampled_at(minimum_phase.model, period), None)
     rates = np.array([-0.05, -0.06, -0.08 + 0.03j, -0.08 - 0.03j])
     gain = placed_gain(
-        seen.held, seen.moved, np.exp(rates * period), seen.sizes, np.full(2, 3.0), period, "test"
+        seen.held, seen.moved, np.exp(rates * period), seen.sizes, np.full(2, 3.0), period
     )
     found = np.log(np.linalg.eigvals(seen.held - seen.moved @ gain)) / period
     assert distance(found, rates) < 1e-8
@@ -103,19 +103,17 @@ def test_fast_modes_stay_and_slow_ones_have_the_pattern(three_tanks):
     rates = np.sort(-np.log(np.linalg.eigvals(held).real) / period)
     # Between the first and the second mode: one is moved.
     bandwidth = math.sqrt(rates[0] * rates[1])
-    gain, count = place_slow_modes(
-        held, moved, bandwidth, three_tanks.sizes, np.ones(1), period, "test"
-    )
+    gain, count = place_slow_modes(held, moved, bandwidth, three_tanks.sizes, np.ones(1), period)
     found = np.sort(-np.log(np.linalg.eigvals(held - moved @ gain).real) / period)
     assert count == 1
     assert found == pytest.approx(np.sort([bandwidth, *rates[1:]]), rel=1e-9)
     # Above all of them: three.
-    gain, count = place_slow_modes(held, moved, 0.2, three_tanks.sizes, np.ones(1), period, "test")
+    gain, count = place_slow_modes(held, moved, 0.2, three_tanks.sizes, np.ones(1), period)
     assert count == 3
     poles = np.linalg.eigvals(held - moved @ gain)
     assert distance(poles, bessel_poles(3, 0.2, period)) < 1e-9
     # Below all of them: none.
-    gain, count = place_slow_modes(held, moved, 1e-4, three_tanks.sizes, np.ones(1), period, "test")
+    gain, count = place_slow_modes(held, moved, 1e-4, three_tanks.sizes, np.ones(1), period)
     assert (count, np.abs(gain).max()) == (0, 0.0)
 
 
@@ -155,6 +153,4 @@ def test_what_is_out_of_reach_is_named():
 )
 def test_wrong_poles_are_refused(three_tanks, poles, words):
     with pytest.raises(InputError, match=words):
-        placed_gain(
-            three_tanks.held, three_tanks.moved, poles, np.ones(3), np.ones(1), 1.0, "placement"
-        )
+        placed_gain(three_tanks.held, three_tanks.moved, poles, np.ones(3), np.ones(1), 1.0)

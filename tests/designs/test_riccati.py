@@ -27,12 +27,12 @@ def analysed(name):
 
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_the_residual_of_the_regulator_is_below_1e_9_of_the_largest_term(name):
-    seen = observed_process(analysed(name).model, None, "test")
+    seen = observed_process(analysed(name).model, None)
     # Weights by range: levels to a tenth, inputs to a quarter of their ranges.
     spans = np.array([seen.model.point.process.signal(each).span for each in seen.model.inputs])
     Q, R = np.diag((0.1 * seen.sizes) ** -2), np.diag((0.25 * spans) ** -2)
     N = np.zeros((len(Q), len(R)))
-    found = optimal_regulator(seen.held, seen.moved, Q, N, R, "test")
+    found = optimal_regulator(seen.held, seen.moved, Q, N, R)
     P, K = found.cost, found.gain
     # The other form: the cost of a sample with this gain and of all that follow is P.
     closed = seen.held - seen.moved @ K
@@ -47,7 +47,7 @@ def test_scalar_regulator_has_the_closed_form():
     middle = R - a * a * R - b * b * Q
     P = (-middle + math.sqrt(middle**2 + 4 * b * b * Q * R)) / (2 * b * b)
     one = np.eye(1)
-    found = optimal_regulator(a * one, b * one, Q * one, 0 * one, R * one, "test")
+    found = optimal_regulator(a * one, b * one, Q * one, 0 * one, R * one)
     assert found.cost[0, 0] == pytest.approx(P, rel=1e-12)
     assert found.gain[0, 0] == pytest.approx(a * b * P / (R + b * b * P), rel=1e-12)
 
@@ -89,7 +89,7 @@ def test_scalar_kalman_gain_by_hand():
 
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_kalman_gain_is_where_the_difference_equation_settles(name):
-    seen = observed_process(analysed(name).model, None, "test")
+    seen = observed_process(analysed(name).model, None)
     noise = process_noise(seen, 60.0 * seen.period)
     found = kalman_gain(seen.held, seen.shown, noise)
     # Doubling: each step stands for twice as many samples as the last.
@@ -107,7 +107,7 @@ def test_kalman_gain_is_where_the_difference_equation_settles(name):
 def test_a_random_walk_of_the_noise_moves_as_the_load_does(single_tank):
     """An integrator ẋ = u: in the horizon noise of the input moves it by 0.1 · 5 V · horizon."""
     model = single_tank([[0.0]], [2e-3], [1.0])
-    seen = observed_process(model, ["level"], "test")
+    seen = observed_process(model, ["level"])
     horizon = 40.0
     noise = process_noise(seen, horizon)
     after_the_horizon = noise.process[0, 0] * horizon / seen.period
@@ -116,13 +116,13 @@ def test_a_random_walk_of_the_noise_moves_as_the_load_does(single_tank):
 
 
 def test_the_noise_that_the_process_gives_is_taken():
-    seen = observed_process(analysed("wet-well").model, None, "test")
+    seen = observed_process(analysed("wet-well").model, None)
     assert process_noise(seen, 60.0).measurement[0, 0] == pytest.approx((0.002 * 0.016) ** 2)
 
 
 def test_load_steps_are_noise_of_their_tank():
     model = analysed("eight-tanks").model
-    seen = observed_process(model, None, "test")
+    seen = observed_process(model, None)
     without = SimpleNamespace(load_steps=dict)
     import dataclasses
 
@@ -141,7 +141,7 @@ def test_what_cannot_be_regulated_or_estimated_is_refused():
     one, none = np.eye(2), np.zeros((2, 1))
     held, moved = np.diag([1.2, 0.5]), np.array([[0.0], [1.0]])
     with pytest.raises(NotApplicable, match="out of reach"):
-        optimal_regulator(held, moved, one, none, np.eye(1), "LQR")
+        optimal_regulator(held, moved, one, none, np.eye(1))
     with pytest.raises(NotApplicable, match="do not show a state"):
         kalman_gain(np.diag([1.0, 0.5]), moved.T, Noise(one, np.eye(1), ""))
 
@@ -185,4 +185,4 @@ def test_what_scipy_cannot_reorder_is_not_applicable(monkeypatch):
     monkeypatch.setattr(scipy.linalg, "solve_discrete_are", refuse)
     one = np.eye(1)
     with pytest.raises(NotApplicable, match="too ill-conditioned to be solved"):
-        optimal_regulator(one, one, one, 0 * one, one, "test")
+        optimal_regulator(one, one, one, 0 * one, one)

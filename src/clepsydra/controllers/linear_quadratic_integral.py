@@ -227,7 +227,7 @@ def varying_lqi(
     if anti_windup == "clamping":
         known = [name for name in get_args(AntiWindup) if name != "clamping"]
         raise InputError(
-            "LQI law, anti_windup",
+            "anti_windup",
             anti_windup,
             f"one of {', '.join(known)}: its integral is not the whole output",
             "choose conditional_integration",

@@ -83,6 +83,7 @@ def amigo_settings(model: FirstOrderDelay, actions: RuleActions = "PI") -> PidSe
     Studied(50, "PI, AMIGO"),
     Studied(140, "PID, AMIGO", {"actions": "PID"}),
     keys=(AS_PUBLISHED,),
+    method=METHOD,
 )
 def design_amigo(
     model: LinearModel,
@@ -137,5 +138,5 @@ def design_amigo(
 
 
 def _rule(loop: PairedLoop, delay: float, actions: RuleActions) -> tuple[PidSettings, str]:
-    model = reaction_curve(loop.element, delay, method=METHOD).model
+    model = reaction_curve(loop.element, delay).model
     return amigo_settings(model, actions), model_words(model, loop.output, loop.input)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from clepsydra.base.errors import ClepsydraError
+from clepsydra.base.errors import ClepsydraError, InputError
 
 
 class NotApplicable(ClepsydraError):
@@ -13,21 +13,21 @@ class NotApplicable(ClepsydraError):
 
     Parameters
     ----------
-    method : str
-        "SIMC"
     reason : str
         In the reader's words.
+    method : str, optional
+        "SIMC"; what a design is made of leaves it out, and the design says it, see `told_by`.
 
     Examples
     --------
-    >>> print(NotApplicable("LQI", "tank_3.level is not measured"))
+    >>> print(NotApplicable("tank_3.level is not measured", "LQI"))
     LQI is not applicable: tank_3.level is not measured.
     """
 
-    def __init__(self, method: str, reason: str) -> None:
+    def __init__(self, reason: str, method: str = "") -> None:
         self.method = method
         self.reason = reason
-        super().__init__(f"{method} is not applicable: {reason}.")
+        super().__init__(f"{method} is not applicable: {reason}." if method else f"{reason}.")
 
 
 @contextmanager
@@ -37,26 +37,25 @@ def reasons_about(what: str) -> Iterator[None]:
     Examples
     --------
     >>> with reasons_about("level_1 by pump_1"):
-    ...     raise NotApplicable("SIMC", "the element has no lag")
+    ...     raise NotApplicable("the element has no lag")
     Traceback (most recent call last):
         ...
-    clepsydra.designs.applicability.NotApplicable: SIMC is not applicable: level_1 by pump_1: the \
-element has no lag.
+    clepsydra.designs.applicability.NotApplicable: level_1 by pump_1: the element has no lag.
     """
     try:
         yield
     except NotApplicable as refusal:
-        raise NotApplicable(refusal.method, f"{what}: {refusal.reason}") from None
+        raise NotApplicable(f"{what}: {refusal.reason}", refusal.method) from None
 
 
 @contextmanager
-def as_reasons_of(method: str) -> Iterator[None]:
-    """Tell why a method does not apply in the name of another, which is built on it.
+def told_by(method: str) -> Iterator[None]:
+    """Let refusals and mistakes within say which method found them; of two, the outer one refuses.
 
     Examples
     --------
-    >>> with as_reasons_of("fuzzy PI"):
-    ...     raise NotApplicable("SIMC", "it has no delay")
+    >>> with told_by("fuzzy PI"), told_by("SIMC"):
+    ...     raise NotApplicable("it has no delay")
     Traceback (most recent call last):
         ...
     clepsydra.designs.applicability.NotApplicable: fuzzy PI is not applicable: it has no delay.
@@ -64,4 +63,8 @@ def as_reasons_of(method: str) -> Iterator[None]:
     try:
         yield
     except NotApplicable as refusal:
-        raise NotApplicable(method, refusal.reason) from None
+        raise NotApplicable(refusal.reason, method) from None
+    except InputError as error:
+        raise InputError(
+            f"{method}, {error.place}", error.value, error.expected, error.remedy
+        ) from None

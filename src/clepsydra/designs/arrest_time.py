@@ -87,9 +87,8 @@ def arrest_time_for(
     inside = doubled**2 - (2.0 * delay) ** 2
     if doubled < 0.0 or inside < 0.0:
         raise NotApplicable(
-            METHOD,
             f"its load uses up the allowed deviation of {deviation:.3g} within "
-            f"{time_text(deviation / load_rate)}, too short beside a delay of {time_text(delay)}",
+            f"{time_text(deviation / load_rate)}, too short beside a delay of {time_text(delay)}"
         )
     return 0.5 * (doubled + math.sqrt(inside)) * turns
 
@@ -136,10 +135,9 @@ def arrest_settings(
     proportional = integral * (2.0 * damping * period + delay) - 1.0 / model.time_constant
     if proportional <= 0.0:
         raise NotApplicable(
-            METHOD,
             "the level does not integrate: it settles by itself with a time constant of "
             f"{time_text(model.time_constant)}, and an arrest time of {time_text(arrest_time)} is "
-            "slower",
+            "slower"
         )
     return PidSettings(proportional / model.slope, proportional / integral)
 
@@ -179,6 +177,7 @@ class _Averaging(NamedTuple):
             example="0.7",
         ),
     ),
+    method=METHOD,
 )
 def design_arrest_time(
     model: LinearModel,
@@ -236,7 +235,7 @@ def design_arrest_time(
     >>> round(math.e * 2.0 / 0.12e-3), controller.notes[0][-22:]
     (45305, 'arrested after 12.6 h.')
     """
-    form = pi_only(form, METHOD)
+    form = pi_only(form)
     _check(arrest_time, deviation, damping)
     together = MultiloopPid(model, pairing, form, METHOD)
     loops = []
@@ -271,8 +270,8 @@ def _averaging(
 ) -> _Averaging:
     process = together.process
     if not is_level(process, loop.output.name):
-        raise NotApplicable(METHOD, f"{loop.output.name} is no level: nobody lets it drift")
-    reduced = half_rule(loop.element, process.sampling_period / 2.0, method=METHOD)
+        raise NotApplicable(f"{loop.output.name} is no level: nobody lets it drift")
+    reduced = half_rule(loop.element, process.sampling_period / 2.0)
     if arrest_time is not None:
         return _Averaging(
             arrest_settings(reduced, arrest_time, damping),
@@ -280,8 +279,8 @@ def _averaging(
         )
     banded = loop.output.name in process.bands
     others = [u for u in model.inputs if u != loop.input.name] if banded else []
-    loads = load_steps(model, loop.output.name, METHOD, others)
-    room = averaging_room(together.point, loop.output, METHOD)
+    loads = load_steps(model, loop.output.name, others)
+    room = averaging_room(together.point, loop.output)
     if deviation is not None:
         room = Room(deviation, deviation)
     back = _swings_back(damping)
@@ -301,20 +300,18 @@ def _averaging(
 
 
 def _check(arrest_time: float | None, deviation: float | None, damping: float) -> None:
-    positive_number(f"{METHOD}, damping", damping, "a damping above 0", "give 1 for no swing")
+    positive_number("damping", damping, "a damping above 0", "give 1 for no swing")
     if damping > 1.0:
-        raise InputError(
-            f"{METHOD}, damping", damping, "a damping of at most 1", "give 1 for no swing"
-        )
+        raise InputError("damping", damping, "a damping of at most 1", "give 1 for no swing")
     if arrest_time is not None:
-        positive_number(f"{METHOD}, arrest_time", arrest_time, "a time above 0 s", "give seconds")
+        positive_number("arrest_time", arrest_time, "a time above 0 s", "give seconds")
     if deviation is not None:
         positive_number(
-            f"{METHOD}, deviation", deviation, "a deviation above 0", "give it in the output's unit"
+            "deviation", deviation, "a deviation above 0", "give it in the output's unit"
         )
     if arrest_time is not None and deviation is not None:
         raise InputError(
-            f"{METHOD}, arrest_time",
+            "arrest_time",
             arrest_time,
             "either an arrest time or a deviation",
             "leave one of them out: each follows from the other",

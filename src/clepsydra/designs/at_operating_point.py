@@ -75,7 +75,6 @@ def controller_at(
     values: Mapping[str, float],
     state: Mapping[str, float] | None = None,
     *,
-    method: str = "",
     design: str = "",
     **more: Any,
 ) -> Controller:
@@ -90,8 +89,6 @@ def controller_at(
         Of all parameters, as they were computed: they are rounded.
     state : mapping, optional
         The initial one; left out where the law finds its rest by tracking the point.
-    method : str
-        For the message; the name if left out.
     **more
         Notes and what else a `Controller` has.
 
@@ -110,7 +107,7 @@ def controller_at(
     >>> found.manipulated, found.initial_state["pump_2.last_output"]
     (('pump_2',), 3.0)
     """
-    values, at = designed_values(law, values, point, method or name), point.as_dict()
+    values, at = designed_values(law, values, point), point.as_dict()
     return Controller(
         name=name,
         family=family,

@@ -18,7 +18,6 @@ from clepsydra.designs.models.transfer_element import (
 )
 from clepsydra.linear.linear_model import LinearModel
 
-METHOD = "inverted decoupling"
 DecouplerKind = Literal["static", "dynamic"]
 #: A lead that no lag of the process goes with gets a lag this much shorter.
 LEAD_OVER_LAG = 10.0
@@ -117,20 +116,20 @@ def inverted_decoupler(
     (22.76, True)
     """
     if kind not in get_args(DecouplerKind):
-        raise InputError(f"{METHOD}, kind", kind, "static or dynamic", "correct the word")
+        raise InputError("decoupling", kind, "static or dynamic", "correct the word")
     outputs, inputs = checked_pairing(pairing, model)
     if len(outputs) < 2:
-        raise NotApplicable(METHOD, "there is one loop only")
+        raise NotApplicable("there is one loop only")
     n = len(outputs)
     gain, lead, lag = np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n))
     exact = np.ones((n, n), bool)
     for i, output in enumerate(outputs):
-        own = moving_element(model, output, inputs[i], METHOD)
+        own = moving_element(model, output, inputs[i])
         for j, other in enumerate(inputs):
             if i == j:
                 continue
             with reasons_about(f"{output} by {inputs[i]} and {other}"):
-                cross = transfer_element(model, output, other, method=METHOD)
+                cross = transfer_element(model, output, other)
                 if cross is not None:
                     found = decoupling_element(own, cross, kind)
                     gain[i, j], lead[i, j], lag[i, j], exact[i, j] = found
@@ -169,7 +168,7 @@ def decoupling_element(
     LeadLag(gain=-0.5, lead=10.0, lag=4.0, exact=True)
     """
     if cross.integrators > own.integrators:
-        raise NotApplicable(METHOD, "the other input integrates and its own does not")
+        raise NotApplicable("the other input integrates and its own does not")
     gain = -cross.gain / own.gain if cross.integrators == own.integrators else 0.0
     if kind == "static" or gain == 0.0:
         return LeadLag(gain, 0.0, 0.0, False)
@@ -199,20 +198,18 @@ def decoupling_element(
 def _check_realisable(own: TransferElement, cross: TransferElement) -> None:
     if own.dead_time > cross.dead_time:
         raise NotApplicable(
-            METHOD,
             f"its own input acts {own.dead_time - cross.dead_time:.3g} s later than the other; "
-            "a static one, or another pairing, is needed",
+            "a static one, or another pairing, is needed"
         )
     if _excess(own) > _excess(cross):
         raise NotApplicable(
-            METHOD,
             f"its own input acts through {_excess(own)} lags in series and the other through "
             f"{_excess(cross)}, so that the other cannot be met in time; a static one, or another "
-            "pairing, is needed",
+            "pairing, is needed"
         )
     if any(complex(root).real >= 0.0 for root in (*own.zeros, *cross.poles)):
         raise NotApplicable(
-            METHOD, "what its own input does at first goes the wrong way, or the other is unstable"
+            "what its own input does at first goes the wrong way, or the other is unstable"
         )
 
 
@@ -241,7 +238,6 @@ def _check_inner_loop(gain: np.ndarray, lead: np.ndarray, lag: np.ndarray) -> No
         radius = float(np.max(np.abs(np.linalg.eigvals(matrix))))
         if not math.isfinite(radius) or radius >= 1.0:
             raise NotApplicable(
-                METHOD,
                 f"the inputs would feed each other with a gain of {radius:.3g} {when}, which must "
-                "be below 1; another pairing is needed",
+                "be below 1; another pairing is needed"
             )

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from clepsydra.base.registry import Registry
+from clepsydra.designs.applicability import told_by
 from clepsydra.designs.arguments.argument import Argument, of_key
 
 if TYPE_CHECKING:
@@ -115,9 +116,15 @@ DESIGNS: Registry[Design] = Registry("clepsydra.designs", order=lambda design: d
 
 
 def design(
-    name: str, words: str, *studied: Studied, keys: tuple[Key | Argument, ...] = ()
+    name: str,
+    words: str,
+    *studied: Studied,
+    keys: tuple[Key | Argument, ...] = (),
+    method: str = "",
 ) -> Callable[[F], F]:
     """Return a decorator that registers a function as a design; all as in `Design`.
+
+    What the function refuses says the method, the words if none is given.
 
     The function takes the linear model of a process at an operating point. Its docstring leaves out
     what designs share: `pairing`, which the relative gains suggest where none is given, and `form`,
@@ -130,7 +137,8 @@ def design(
     """
 
     def register(function: F) -> F:
-        DESIGNS.add(name, Design(name, words, function, studied, keys))
-        return function
+        designed = told_by(method or words)(function)
+        DESIGNS.add(name, Design(name, words, designed, studied, keys))
+        return designed
 
     return register

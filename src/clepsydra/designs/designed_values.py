@@ -24,7 +24,7 @@ _DIGITS = 9
 
 
 def designed_values(
-    law: StepLaw, values: Mapping[str, float], point: OperatingPoint, method: str
+    law: StepLaw, values: Mapping[str, float], point: OperatingPoint
 ) -> dict[str, float]:
     """Return what a design found, rounded: the controller runs with the numbers that are read.
 
@@ -40,8 +40,6 @@ def designed_values(
         Parameter name to value, in the law's units.
     point : OperatingPoint
         That of the design; its process lends the ranges.
-    method : str
-        For the message.
 
     Raises
     ------
@@ -57,18 +55,18 @@ def designed_values(
     >>> law = multiloop_pid_law(["level_1"], ["pump_1"])
     >>> values = {parameter.name: parameter.initial for parameter in law.parameters}
     >>> time = "level_1.integral_time"
-    >>> designed_values(law, values | {time: 200.0 / 3.0}, point, "SIMC")[time]
+    >>> designed_values(law, values | {time: 200.0 / 3.0}, point)[time]
     66.6667
-    >>> designed_values(law, values | {time: 2e-8}, point, "SIMC")
+    >>> designed_values(law, values | {time: 2e-8}, point)
     Traceback (most recent call last):
         ...
-    clepsydra.designs.applicability.NotApplicable: SIMC is not applicable: its \
+    clepsydra.designs.applicability.NotApplicable: its \
 level_1.integral_time would be 2e-08, and a controller takes a number from 1e-06 to 1e+09 s.
     """
-    return applicable_values(law, rounded_values(law, values, point), method)
+    return applicable_values(law, rounded_values(law, values, point))
 
 
-def applicable_values(law: StepLaw, values: Mapping[str, float], method: str) -> dict[str, float]:
+def applicable_values(law: StepLaw, values: Mapping[str, float]) -> dict[str, float]:
     """Return the numbers as they are, for a search, which needs them to change smoothly.
 
     Raises
@@ -81,12 +79,11 @@ def applicable_values(law: StepLaw, values: Mapping[str, float], method: str) ->
     See `designed_values`.
     """
     try:
-        check_parameters(law, values, method)
+        check_parameters(law, values, "design")
     except InputError as error:
         name = error.place.rpartition(", ")[2]
         raise NotApplicable(
-            method,
-            f"its {name} would be {values[name]:.3g}, and a controller takes {error.expected}",
+            f"its {name} would be {values[name]:.3g}, and a controller takes {error.expected}"
         ) from None
     return dict(values)
 

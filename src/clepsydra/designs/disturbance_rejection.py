@@ -38,6 +38,7 @@ _RATIO = number(
     "disturbance_rejection",
     "active disturbance rejection (ADRC)",
     keys=(CLOSED_LOOP_TIME, _RATIO),
+    method=METHOD,
 )
 def design_disturbance_rejection(
     model: LinearModel,
@@ -91,7 +92,7 @@ def design_disturbance_rejection(
     (0.001, 0.005)
     """
     ratio = positive_number(
-        f"{METHOD}, observer_ratio", observer_ratio, "a factor above 0", "3 to 10 are usual"
+        "observer_ratio", observer_ratio, "a factor above 0", "3 to 10 are usual"
     )
     together = MultiloopPid(model, pairing, PidForm(), METHOD)
     reduced = [_reduced(loop, together.process.sampling_period) for loop in together.loops]
@@ -105,7 +106,7 @@ def design_disturbance_rejection(
             for name, share in own.items()
         }
 
-    rejecting = LoopsTogether(_controller(loops, reduced, together.point), model, METHOD, values_of)
+    rejecting = LoopsTogether(_controller(loops, reduced, together.point), model, values_of)
     shortest = [
         max(each.delay, 1.0 / (abs(each.slope) * loop.largest_gain))
         for loop, each in zip(loops, reduced, strict=True)
@@ -125,7 +126,7 @@ def design_disturbance_rejection(
 
 def _reduced(loop: PairedLoop, period: float) -> FirstOrderDelay:
     with reasons_about(loop.pair):
-        return half_rule(loop.element, period / 2.0, method=METHOD)
+        return half_rule(loop.element, period / 2.0)
 
 
 def _controller(
@@ -134,4 +135,4 @@ def _controller(
     """Return the controller without its bandwidths, of which its state at rest does not depend."""
     law = disturbance_rejection_law([x.output for x in loops], [x.input for x in loops])
     values = numbers_at(point, law.parameters, model_gain=[each.slope for each in reduced])
-    return controller_at(point, "ADRC", FAMILY, law, values, method=METHOD)
+    return controller_at(point, "ADRC", FAMILY, law, values)

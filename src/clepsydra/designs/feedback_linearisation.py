@@ -49,7 +49,6 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.relative_degree import VectorRelativeDegree, relative_degree
 
-METHOD = "feedback linearisation"
 NAME = "Feedback linearisation"
 #: No effect is divided by that is less than this share of what it is at the operating point.
 SMALLEST_EFFECT = 1e-3
@@ -133,17 +132,16 @@ every 78.4 s (a zero at +0.0128 rad/s).
     """
     check_virtual_anti_windup(anti_windup, alpha_on)
     process = operating_point_of(model).process
-    check_ranges(process, model.outputs, model.inputs, METHOD)
+    check_ranges(process, model.outputs, model.inputs)
     try:
         linearised = relative_degree(model)
     except NotLinearisable as refusal:
         raise NotApplicable(
-            METHOD,
-            f"{refusal.place} ({refusal.value}): it needs {refusal.expected}; {refusal.remedy}",
+            f"{refusal.place} ({refusal.value}): it needs {refusal.expected}; {refusal.remedy}"
         ) from None
     internal = internal_dynamics(model)
     if not internal.stable and not despite_unstable_internal_dynamics:
-        raise NotApplicable(METHOD, internal.words)
+        raise NotApplicable(internal.words)
     observer, correction = _observer(model, linearised, measurements)
 
     designed = partial(
@@ -158,13 +156,13 @@ every 78.4 s (a zero at +0.0128 rad/s).
     rates, slowed = [1.0] * len(model.outputs), 1.0
     notes: tuple[str, ...] = ()
     if settings is not None:
-        chosen = checked_settings(settings, model.outputs, linearised.degrees, METHOD)
+        chosen = checked_settings(settings, model.outputs, linearised.degrees)
         words = "settings as given"
     else:
         times = _shortest_times(linearised)
         if closed_loop_time_constant is not None:
             time = positive_number(
-                f"{METHOD}, closed_loop_time_constant",
+                "closed_loop_time_constant",
                 closed_loop_time_constant,
                 "a time above 0 s",
                 "give it in seconds",
@@ -176,7 +174,7 @@ every 78.4 s (a zero at +0.0128 rad/s).
                 longer = [factor * time for time in times]
                 return designed(_settings(longer, linearised), rates=rates)
 
-            found = slow_down(slower, lambda each: sensitivity_peak(each, model), METHOD)
+            found = slow_down(slower, lambda each: sensitivity_peak(each, model))
             slowed = found.factor
             times = [slowed * time for time in times]
             notes = note_on_slowing(found, "every output")
@@ -186,7 +184,7 @@ every 78.4 s (a zero at +0.0128 rad/s).
         )
     controller = designed(chosen, rates=rates)
     if internal.stable and math.isinf(sensitivity_peak(controller, model)):
-        raise NotApplicable(METHOD, f"the sampled loop is unstable with {words}")
+        raise NotApplicable(f"the sampled loop is unstable with {words}")
     if anti_windup == "variable_structure":
         rates, said = _rates(chosen, linearised, alpha, alpha_on)
         words += said
@@ -251,7 +249,7 @@ def feedback_linearisation_controller(
         )
     except InputError as refusal:
         raise NotApplicable(
-            METHOD, f"{refusal.value} is neither measured nor estimated; {refusal.remedy}"
+            f"{refusal.value} is neither measured nor estimated; {refusal.remedy}"
         ) from None
     alphas = np.array(rates)
     values = numbers_at(
@@ -267,7 +265,7 @@ def feedback_linearisation_controller(
         tracking_time=1.0 / alphas,
         correction=[] if correction is None else correction[correction != 0.0],
     )
-    values = designed_values(law, values, point, METHOD)
+    values = designed_values(law, values, point)
     # At rest ν is zero: the integral holds what the setpoint weight leaves.
     integrals = [
         values[path(y, "virtual_gain")] * (1.0 - values[path(y, "setpoint_weight")]) * at[y]
@@ -278,7 +276,7 @@ def feedback_linearisation_controller(
         point, law.state, virtual_integral=integrals, was_in_force=1.0, estimate=estimates
     )
     state |= remembered_parameters(law, values)
-    return controller_at(point, NAME, FAMILY, law, values, state, method=METHOD)
+    return controller_at(point, NAME, FAMILY, law, values, state)
 
 
 def _smallest_pivots(linearised: VectorRelativeDegree) -> list[float]:
@@ -322,9 +320,9 @@ def _observer(
             pass
         else:
             return None, None
-    observed = observed_process(model, measurements, METHOD)
+    observed = observed_process(model, measurements)
     noise = process_noise(observed, max(_shortest_times(linearised)))
-    correction = kalman_gain(observed.held, observed.shown, noise, METHOD).gain
+    correction = kalman_gain(observed.held, observed.shown, noise).gain
     names = [signal.name for signal in observed.estimated]
     # States that act on them away from the operating point only run along uncorrected.
     names += [name for name in linearised.equations.acting_on(names) if name not in names]
@@ -350,11 +348,11 @@ def _rates(
     }
     effects, paired = np.abs(linearised.at_point), dict(linearised.order)
     if alpha_on == "virtual":
-        rates = found = saturation_rates(settling, names, alpha, METHOD)
+        rates = found = saturation_rates(settling, names, alpha)
     else:
         # In the virtual input an excess of an input counts by its effect, and so must α.
         scale = [float(effects[j, paired[j]]) for j in range(len(effects))]
-        found = saturation_rates(settling, names, alpha, METHOD, scale)
+        found = saturation_rates(settling, names, alpha, scale)
         rates = tuple(rate * effect for rate, effect in zip(found, scale, strict=True))
     return list(rates), f"; α {rates_in_words(found, settling, names)}"
 

@@ -23,7 +23,6 @@ from clepsydra.controllers.fuzzy.membership import (
 )
 from clepsydra.controllers.fuzzy.rule import All, Is, Rule
 from clepsydra.controllers.fuzzy.system import FuzzySystem, LinguisticVariable
-from clepsydra.designs.applicability import as_reasons_of
 from clepsydra.designs.arguments.argument import number
 from clepsydra.designs.at_operating_point import controller_at, numbers_at
 from clepsydra.designs.design import Studied, design
@@ -34,7 +33,6 @@ from clepsydra.designs.simc import design_simc
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 
-METHOD = "fuzzy PI"
 SETS = ("NL", "NS", "ZO", "PS", "PL")
 #: The error that is "large", as a share of the measurement's range: from the middle to an end.
 _LARGE_ERROR = 0.5
@@ -127,6 +125,7 @@ def slopes_at_rest() -> tuple[float, float]:
         ),
         CLOSED_LOOP_TIME,
     ),
+    method="fuzzy PI",
 )
 def design_fuzzy_pi(
     model: LinearModel,
@@ -178,11 +177,10 @@ def design_fuzzy_pi(
     ('fuzzy', 0.2)
     """
     share = positive_number(
-        f"{METHOD}, largest_error", largest_error, "a share of the range above 0",
+        "largest_error", largest_error, "a share of the range above 0",
         "0.5 is half of the range",
     )  # fmt: skip
-    with as_reasons_of(METHOD):
-        linear = design_simc(model, pairing, closed_loop_time_constant=closed_loop_time_constant)
+    linear = design_simc(model, pairing, closed_loop_time_constant=closed_loop_time_constant)
     point = operating_point_of(model)
     process = point.process
     measured = [process.signal(name) for name in linear.measurements]
@@ -212,7 +210,6 @@ def design_fuzzy_pi(
         FAMILY,
         law,
         values,
-        method=METHOD,
         structure=Complexity.ADVANCED_LOOPS,
         design=(
             "Incremental fuzzy PI by MacVicar-Whelan's table of 25 rules for each loop, an error "

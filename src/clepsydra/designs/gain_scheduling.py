@@ -13,7 +13,7 @@ from clepsydra.controllers.complexity import Complexity
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.gain_scheduling import FAMILY, scheduled_law, scheduled_lqi_law
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.designs.applicability import NotApplicable, as_reasons_of
+from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.arguments.argument import word
 from clepsydra.designs.arguments.of_process import OVER, POINTS
 from clepsydra.designs.at_operating_point import controller_at
@@ -42,8 +42,7 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.program.step_law import StepLaw
 
-PID_METHOD = "gain-scheduled SIMC"
-LQI_METHOD = "gain-scheduled LQI"
+METHOD = "gain-scheduled SIMC"
 #: The scheduling variable is filtered over this share of the shortest time that the gains act in.
 _FILTER = 0.2
 
@@ -59,6 +58,7 @@ _SCHEDULE = (
     "PI or PID whose gains follow the operating point",
     Studied(110, "PI, gain scheduling"),
     keys=_SCHEDULE,
+    method=METHOD,
 )
 def design_gain_scheduled_pid(
     model: LinearModel,
@@ -115,19 +115,19 @@ def design_gain_scheduled_pid(
     >>> [round(controller.values[name], 3) for name in table]
     [1.0, 2.0, 3.0]
     """
-    form, actions = checked_form(form, PID_METHOD)
+    form, actions = checked_form(form)
     outputs, inputs = checked_pairing(pairing, model)
     pairs = list(zip(outputs, inputs, strict=True))
     chosen = form
 
     def loops_at(place: LinearModel) -> MultiloopPid:
-        return MultiloopPid(place, pairs, chosen, PID_METHOD)
+        return MultiloopPid(place, pairs, chosen, METHOD)
 
     together = loops_at(model)
     delay = together.process.sampling_period / 2.0
 
     def timed(place: MultiloopPid) -> list[TimedLoop]:
-        return [simc_loop(loop, delay, actions, PID_METHOD) for loop in place.loops]
+        return [simc_loop(loop, delay, actions) for loop in place.loops]
 
     shortest = [loop.shortest for loop in timed(together)]
 
@@ -146,7 +146,7 @@ def design_gain_scheduled_pid(
         found = {
             path(output, name): value
             for output, setting in zip(outputs, settings, strict=True)
-            for name, value in law_settings(setting, chosen, PID_METHOD).items()
+            for name, value in law_settings(setting, chosen).items()
         }
         return {name: value for name, value in found.items() if name in plain.values}
 
@@ -156,7 +156,7 @@ def design_gain_scheduled_pid(
     )
     return _designed(
         model,
-        ScheduledDesign(plain, values_at, PID_METHOD, f"{actions}, gain scheduling", words),
+        ScheduledDesign(plain, values_at, f"{actions}, gain scheduling", words),
         lambda schedule, names: scheduled_law(plain.law, schedule, names),
         Wish(over, follows, points),
     )
@@ -167,6 +167,7 @@ def design_gain_scheduled_pid(
     "LQI whose gains follow the operating point",
     Studied(190, "LQI, gain scheduling"),
     keys=(*DEVIATIONS, ANTI_WINDUP, *_SCHEDULE),
+    method="gain-scheduled LQI",
 )
 def design_gain_scheduled_lqi(
     model: LinearModel,
@@ -214,15 +215,14 @@ def design_gain_scheduled_lqi(
     >>> [controller.values[name] for name in elements("schedule.point", 2)]
     [4.0, 8.0]
     """
-    with as_reasons_of(LQI_METHOD):
-        plain = design_lqi(
-            model,
-            maximum_errors=maximum_errors,
-            maximum_moves=maximum_moves,
-            anti_windup=anti_windup,
-        )
+    plain = design_lqi(
+        model,
+        maximum_errors=maximum_errors,
+        maximum_moves=maximum_moves,
+        anti_windup=anti_windup,
+    )
     relevant = without_idle_states(model)
-    asked = acceptable_deviations(relevant, maximum_errors, maximum_moves, LQI_METHOD)
+    asked = acceptable_deviations(relevant, maximum_errors, maximum_moves)
     process = operating_point_of(model).process
 
     def values_at(place: LinearModel) -> dict[str, float]:
@@ -233,7 +233,7 @@ def design_gain_scheduled_lqi(
             anti_windup=anti_windup,
         )
         if found.measurements != plain.measurements:
-            raise NotApplicable(LQI_METHOD, "other states act on the outputs at other points")
+            raise NotApplicable("other states act on the outputs at other points")
         kinds = {p.name: kind(p) for p in found.law.parameters}
         scheduled = ("feedback", "integral_gain", "tracking_time")
         return {name: value for name, value in found.values.items() if kinds[name] in scheduled}
@@ -250,7 +250,7 @@ def design_gain_scheduled_lqi(
     return _designed(
         model,
         ScheduledDesign(
-            plain, values_at, LQI_METHOD, "LQI, gain scheduling",
+            plain, values_at, "LQI, gain scheduling",
             f"Bryson's weights, {asked.in_words(process)}",
         ),
         law,
@@ -276,9 +276,7 @@ def _designed(
     """
     plain, process = scheduled.plain, operating_point_of(model).process
     if wish.follows not in ("measurement", "setpoint"):
-        raise InputError(
-            f"{scheduled.method}, follows", wish.follows, "measurement or setpoint", "choose one"
-        )
+        raise InputError("follows", wish.follows, "measurement or setpoint", "choose one")
     over, plan, between = planned_points(model, scheduled, wish)
     signal = process.signal(over)
     followed = path(over, "pv" if wish.follows == "measurement" else "sp")
@@ -300,7 +298,6 @@ def _designed(
         FAMILY,
         law,
         values,
-        method=scheduled.method,
         structure=max(plain.structure, Complexity.ADVANCED_LOOPS),
         design=(
             f"{scheduled.words}; designed at {len(plan)} operating points of {over} and "

@@ -17,7 +17,7 @@ from clepsydra.designs.arguments.argument import number, whole_number
 from clepsydra.designs.at_operating_point import controller_at, numbers_at
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loop_shaping.conditioning import conditioned_matrices
-from clepsydra.designs.loop_shaping.coprime_factors import METHOD, CoprimeFactors, coprime_factors
+from clepsydra.designs.loop_shaping.coprime_factors import CoprimeFactors, coprime_factors
 from clepsydra.designs.loop_shaping.order_reduction import reduced_plant
 from clepsydra.designs.loop_shaping.precompensator import Precompensator, precompensator_of
 from clepsydra.designs.loop_shaping.robust_controller import (
@@ -34,6 +34,7 @@ from clepsydra.designs.states.state_controllers import sensitivity_peak
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 
+METHOD = "Glover-McFarlane"
 #: A loop shape whose γ_min is above this asks for more than the process can do robustly.
 LARGEST_GAMMA = 4.0
 #: What a reduction of the order may cost of the norm that is kept below.
@@ -48,6 +49,7 @@ REDUCTION_COST = 1.02
         number("relaxation", "a factor", "γ as a multiple of its least", above=1.0, example="1.1"),
         whole_number("order", "how many states of the controller are kept"),
     ),
+    method=METHOD,
 )
 def design_glover_mcfarlane(
     model: LinearModel,
@@ -114,20 +116,18 @@ def design_glover_mcfarlane(
     """
     process = operating_point_of(model).process
     if not is_finite_number(relaxation) or relaxation <= 1.0:
-        raise InputError(
-            f"{METHOD}, relaxation", relaxation, "γ/γ_min above 1", "take 1.1, as is usual"
-        )
+        raise InputError("relaxation", relaxation, "γ/γ_min above 1", "take 1.1, as is usual")
     shaping = _precompensator(model, pairing, precompensator)
-    check_ranges(process, shaping.outputs, shaping.inputs, METHOD)
+    check_ranges(process, shaping.outputs, shaping.inputs)
     plant = shaped_plant(model, shaping)
     full = coprime_factors(plant.system)
     controller, achieved = _of_low_order(full, plant, relaxation, order)
     if math.isinf(achieved):
-        raise NotApplicable(METHOD, f"the loop is unstable with a controller of order {order}")
+        raise NotApplicable(f"the loop is unstable with a controller of order {order}")
     found = _controller(model, plant, controller)
     peak = sensitivity_peak(found, model)
     if math.isinf(peak):
-        raise NotApplicable(METHOD, "the sampled loop is unstable")
+        raise NotApplicable("the sampled loop is unstable")
     return _described(found, plant, full, controller, achieved, peak)
 
 
@@ -138,7 +138,7 @@ def _precompensator(
         return asked
     if asked is not None and not isinstance(asked, Controller):
         raise InputError(
-            f"{METHOD}, precompensator",
+            "precompensator",
             type(asked).__name__,
             "a Controller or a Precompensator",
             "design one first, or leave it out for PI control by SIMC",
@@ -148,8 +148,7 @@ def _precompensator(
             asked = design_simc(model, pairing)
         except NotApplicable as refusal:
             raise NotApplicable(
-                METHOD,
-                f"it shapes the loop by {refusal.method}, which does not apply: {refusal.reason}",
+                f"it shapes the loop by {refusal.method}, which does not apply: {refusal.reason}"
             ) from None
     return precompensator_of(asked, model)
 
@@ -162,7 +161,7 @@ def _of_low_order(
     if order is not None:
         if isinstance(order, bool) or not isinstance(order, int) or not 1 <= order <= size:
             raise InputError(
-                f"{METHOD}, order",
+                "order",
                 order,
                 f"a whole number from 1 to {size}, the order of the shaped plant",
                 "leave it out for the lowest order that is as good",
@@ -175,8 +174,7 @@ def _of_low_order(
         if found[1] <= largest:
             return found
     raise NotApplicable(
-        METHOD,
-        f"the shaped plant has {size} states, and no observer of up to {most} states does as well",
+        f"the shaped plant has {size} states, and no observer of up to {most} states does as well"
     )
 
 
@@ -206,7 +204,7 @@ def _controller(model: LinearModel, plant: ShapedPlant, robust: RobustController
     fading = max(1.0 / plant.crossover, plant.period)
     values = numbers_at(point, law.parameters, fading_time=fading, **matrices.numbers())
     name, state = f"{METHOD} on {shaping.name}", numbers_at(point, law.state)
-    found = controller_at(point, name, FAMILY, law, values, state, method=METHOD)
+    found = controller_at(point, name, FAMILY, law, values, state)
     return replace(found, slowed=shaping.slowed)
 
 

@@ -15,7 +15,6 @@ from clepsydra.designs.states.riccati import optimal_regulator
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 
-METHOD = "Kalman filter"
 #: Standard deviation of the noise of a sensor where the process gives none, a share of its range.
 NOISE_SHARE = 0.005
 #: How much of an input's authority it is unsure of.
@@ -68,12 +67,7 @@ class Noise(NamedTuple):
     words: str
 
 
-def kalman_gain(
-    held: np.ndarray,
-    shown: np.ndarray,
-    noise: Noise,
-    method: str = METHOD,
-) -> KalmanGain:
+def kalman_gain(held: np.ndarray, shown: np.ndarray, noise: Noise) -> KalmanGain:
     """Return the stationary Kalman gain of a sampled process.
 
     P = Φ P Φᵀ + W − Φ P Cᵀ (C P Cᵀ + V)⁻¹ C P Φᵀ and M = P Cᵀ (C P Cᵀ + V)⁻¹, the dual of
@@ -84,8 +78,6 @@ def kalman_gain(
     held, shown : ndarray [N, N], [p, N]
         Φ and C.
     noise : Noise
-    method : str
-        For the message.
 
     Raises
     ------
@@ -116,12 +108,11 @@ def kalman_gain(
     dual = (held * sizes / sizes[:, None]).T, (C * sizes).T
     none = np.zeros((len(held), len(shown)))
     try:
-        found = optimal_regulator(*dual, W / np.outer(sizes, sizes), none, scaled, method)
+        found = optimal_regulator(*dual, W / np.outer(sizes, sizes), none, scaled)
     except NotApplicable as refusal:
         raise NotApplicable(
-            method,
             "the measurements do not show a state that does not come to rest by itself, or no "
-            "noise moves it; measure more",
+            "noise moves it; measure more"
         ) from refusal
     P = sizes[:, None] * found.cost * sizes
     # The dual regulator's gain is that of Φ P Cᵀ (…)⁻¹; the current observer takes no Φ.
@@ -154,7 +145,7 @@ def process_noise(observed: ObservedProcess, horizon: float) -> Noise:
     --------
     >>> import clepsydra as cl
     >>> from clepsydra.designs.states.observed_process import observed_process
-    >>> seen = observed_process(cl.load("quadruple-tank").linear, None, METHOD)
+    >>> seen = observed_process(cl.load("quadruple-tank").linear, None)
     >>> noise = process_noise(seen, 30.0)
     >>> [round(float(value), 6) for value in np.sqrt(np.diag(noise.measurement))]  # of 10 V
     [0.05, 0.05]
@@ -182,7 +173,7 @@ def process_noise(observed: ObservedProcess, horizon: float) -> Noise:
     )
     if not np.all(np.isfinite(deviations) & (deviations > 0.0)):
         name = observed.measurements[int(np.argmin(np.isfinite(deviations) & (deviations > 0.0)))]
-        raise NotApplicable(METHOD, f"{name} has neither noise nor a finite range; give it one")
+        raise NotApplicable(f"{name} has neither noise nor a finite range; give it one")
     words = ", ".join(
         f"{name} {in_shown_unit(process.signal(name), value)}"
         for name, value in zip(observed.measurements, deviations, strict=True)
@@ -216,7 +207,7 @@ def input_variances(observed: ObservedProcess) -> np.ndarray:
 
     >>> import clepsydra as cl
     >>> from clepsydra.designs.states.observed_process import observed_process
-    >>> seen = observed_process(cl.load("quadruple-tank").linear, None, METHOD)
+    >>> seen = observed_process(cl.load("quadruple-tank").linear, None)
     >>> input_variances(seen).round(9)
     array([0.09, 0.09])
     """

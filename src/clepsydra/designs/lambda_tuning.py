@@ -70,7 +70,13 @@ def lambda_settings(model: FirstOrderDelay, closed_loop_time_constant: float) ->
     return PidSettings(1.0 / (model.slope * (time + delay)), model.time_constant)
 
 
-@design("lambda", "PI by lambda tuning", Studied(30, "PI, lambda"), keys=(CLOSED_LOOP_TIME,))
+@design(
+    "lambda",
+    "PI by lambda tuning",
+    Studied(30, "PI, lambda"),
+    keys=(CLOSED_LOOP_TIME,),
+    method=METHOD,
+)
 def design_lambda(
     model: LinearModel,
     pairing: Pairing | None = None,
@@ -120,7 +126,7 @@ def design_lambda(
     """
     from clepsydra.designs.loops.multiloop import MultiloopPid, pi_only
 
-    together = MultiloopPid(model, pairing, pi_only(form, METHOD), METHOD)
+    together = MultiloopPid(model, pairing, pi_only(form), METHOD)
     delay = together.process.sampling_period / 2.0
     return design_by_time(
         together,
@@ -133,7 +139,7 @@ def design_lambda(
 
 def _timed(loop: PairedLoop, delay: float, given: float | None) -> TimedLoop:
     with reasons_about(loop.pair):
-        lag = half_rule(loop.element, delay, method=METHOD)
+        lag = half_rule(loop.element, delay)
     integrating = FirstOrderDelay(lag.slope, math.inf, lag.delay)
     shortest = given or _shortest_integrating(integrating, loop.largest_gain)
     slow = lag.time_constant > NEARLY_INTEGRATING * shortest

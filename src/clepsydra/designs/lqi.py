@@ -12,7 +12,7 @@ from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.sampled.sampling_period import check_sampling_period
 from clepsydra.designs.states.bryson_rule import DEVIATIONS, acceptable_deviations
-from clepsydra.designs.states.linear_quadratic import ANTI_WINDUP, METHOD
+from clepsydra.designs.states.linear_quadratic import ANTI_WINDUP
 from clepsydra.designs.states.measured_states import measurements_of_states
 from clepsydra.designs.states.quadratic_weights import QuadraticWeights
 from clepsydra.designs.states.relevant_states import without_idle_states
@@ -28,6 +28,7 @@ NAME = "LQI, Bryson"
     "LQI from measured states, by Bryson's rule",
     Studied(160, NAME),
     keys=(*DEVIATIONS, ANTI_WINDUP),
+    method="LQI",
 )
 def design_lqi(
     model: LinearModel,
@@ -135,16 +136,15 @@ def weighed_lqi(
     array([2500., 2500.,    0.,    0.])
     """
     period = check_sampling_period(model)
-    check_lqi(model, METHOD, model.delays)
+    check_lqi(model, model.delays)
     model = without_idle_states(model)
-    measurements = measurements_of_states(model, METHOD)
-    deviations = acceptable_deviations(model, maximum_errors, maximum_moves, METHOD)
-    lqi = StateLqi(NAME, model, deviations, measurements, anti_windup, method=METHOD)
+    measurements = measurements_of_states(model)
+    deviations = acceptable_deviations(model, maximum_errors, maximum_moves)
+    lqi = StateLqi(NAME, model, deviations, measurements, anti_windup)
     if math.isinf(sensitivity_peak(lqi.slower(1.0)[0], model)):
         raise NotApplicable(
-            METHOD,
             "the sampled loop with its gains is unstable: they cannot be computed well enough "
-            f"at a sampling period of {period:g} s",
+            f"at a sampling period of {period:g} s"
         )
     found = lqi.robust(model)
     controller, asked = found.described(found.controller), found.asked

@@ -16,7 +16,6 @@ from clepsydra.designs.slowing_down import note_on_peak
 from clepsydra.designs.states.bryson_rule import acceptable_deviations
 from clepsydra.designs.states.linear_quadratic import (
     ANTI_WINDUP,
-    METHOD,
     lqi_gains,
     slowest_time_constant,
 )
@@ -35,6 +34,7 @@ from clepsydra.linear.linear_model import LinearModel
     "lqi_by_weights",
     "LQI by given weights",
     keys=(WEIGHTS, ANTI_WINDUP),
+    method="LQI",
 )
 def design_lqi_by_weights(
     model: LinearModel,
@@ -81,7 +81,7 @@ def design_lqi_by_weights(
     ('level_1', 'level_2', 'level_3')
     """
     period = check_sampling_period(model)
-    check_lqi(model, METHOD, model.delays)
+    check_lqi(model, model.delays)
     checked_weights(weights, model)
     if weights.integrals is None:
         raise InputError(
@@ -90,8 +90,8 @@ def design_lqi_by_weights(
             f"weights for the integrals of {', '.join(model.outputs)}",
             f"add integrals, a number above 0 for each, as in {{ {model.outputs[0]} = 1e-4 }}",
         )
-    measurements = measurements_of_states(model, METHOD)
-    usual = acceptable_deviations(model, None, None, METHOD)
+    measurements = measurements_of_states(model)
+    usual = acceptable_deviations(model, None, None)
     gains = by_weights(
         lambda each: lqi_gains(model, each, period, usual.horizon), weights, usual.weights(model)
     )
@@ -107,7 +107,7 @@ def design_lqi_by_weights(
     )
     peak = sensitivity_peak(controller, model)
     if math.isinf(peak):
-        raise NotApplicable(METHOD, "the sampled loop with its gains is unstable")
+        raise NotApplicable("the sampled loop with its gains is unstable")
     return controller.described(
         f"LQI with given weights; slowest closed-loop time constant {time_text(slowest)}, "
         f"sensitivity peak {peak:.2f}.",

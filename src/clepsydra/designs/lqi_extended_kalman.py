@@ -75,11 +75,11 @@ def design_lqi_extended_kalman(
     ('level_1', 'level_2')
     """
     process = operating_point_of(model).process
-    check_lqi(model, NAME, process.motion.delays, "its equations have")
+    check_lqi(model, process.motion.delays, "its equations have")
     equations = process_equations(model)
     acting = acting_model(model, equations)
-    deviations = acceptable_deviations(acting, maximum_errors, maximum_moves, NAME)
-    by = extended_kalman(model, equations, measurements, deviations.horizon, NAME)
+    deviations = acceptable_deviations(acting, maximum_errors, maximum_moves)
+    by = extended_kalman(model, equations, measurements, deviations.horizon)
     measured = by.observer.measurements
     lqi = StateLqi(NAME, acting, deviations, measured, anti_windup, by.estimation)
     found = lqi.robust(model)

@@ -80,10 +80,10 @@ def design_lqi_kalman(
     >>> controller.measurements, len(states)
     (('level_3',), 3)
     """
-    check_lqi(model, NAME)
-    observed = observed_process(model, measurements, NAME)
+    check_lqi(model)
+    observed = observed_process(model, measurements)
     seen = observed.model
-    deviations = acceptable_deviations(seen, maximum_errors, maximum_moves, NAME)
+    deviations = acceptable_deviations(seen, maximum_errors, maximum_moves)
     noise = process_noise(observed, deviations.horizon)
     estimation = Estimation.of(observed, kalman_gain(observed.held, observed.shown, noise).gain)
     lqi = StateLqi(NAME, seen, deviations, observed.measurements, anti_windup, estimation)

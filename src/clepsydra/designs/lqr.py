@@ -34,7 +34,6 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 
 NAME = "LQR with precompensator"
-METHOD = "LQR"
 
 
 @design(
@@ -96,11 +95,11 @@ def design_lqr(
     2.46
     """
     process = operating_point_of(model).process
-    check_ranges(process, model.outputs, model.inputs, METHOD)
-    check_independent(model, METHOD)
-    observed, measured = states_to_feed_back(model, measurements, METHOD)
+    check_ranges(process, model.outputs, model.inputs)
+    check_independent(model)
+    observed, measured = states_to_feed_back(model, measurements)
     seen, period = observed.model, observed.period
-    deviations = acceptable_deviations(seen, maximum_errors, maximum_moves, METHOD)
+    deviations = acceptable_deviations(seen, maximum_errors, maximum_moves)
     usual, (_, moves) = deviations.weights(seen), deviations.sizes()
     basic = usual if weights is None else _given(weights, seen)
     estimation = None if measured else _filter(observed, deviations.horizon)
@@ -108,7 +107,7 @@ def design_lqr(
     def designed(factor: float) -> tuple[Controller, np.ndarray]:
         asked = QuadraticWeights(basic.states, basic.inputs * factor**2)
         found = by_weights(
-            lambda each: lqr_gains(seen, each, period, deviations.horizon, METHOD),
+            lambda each: lqr_gains(seen, each, period, deviations.horizon),
             asked,
             None if weights is None else usual,
         )
@@ -116,7 +115,7 @@ def design_lqr(
         controller = feedback_controller(NAME, observed, found.gain, moves, slowest, estimation)
         return controller, found.eigenvalues
 
-    found = slow_down(designed, lambda design: sensitivity_peak(design[0], model), METHOD)
+    found = slow_down(designed, lambda design: sensitivity_peak(design[0], model))
     controller, eigenvalues = found.design
     slowest = slowest_time_constant(eigenvalues, period)
     by = (

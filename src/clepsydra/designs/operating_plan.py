@@ -78,21 +78,20 @@ class ScheduledDesign(NamedTuple):
         Without a schedule.
     at : callable
         Takes a linear model and returns the parameters that are designed for it.
-    method, name, words : str
-        Of the method, the controller and the design.
+    name, words : str
+        Of the controller and the design.
 
     Examples
     --------
     >>> import clepsydra as cl
     >>> from clepsydra.designs.lqi import design_lqi
     >>> plain = design_lqi(cl.load("quadruple-tank").linear)
-    >>> ScheduledDesign(plain, lambda model: {}, "LQI", "LQI, gain scheduling", "").plain.setpoints
+    >>> ScheduledDesign(plain, lambda model: {}, "LQI, gain scheduling", "").plain.setpoints
     ('level_1', 'level_2')
     """
 
     plain: Controller
     at: Callable[[LinearModel], dict[str, float]]
-    method: str
     name: str
     words: str
 
@@ -129,9 +128,7 @@ class _Along(NamedTuple):
         try:
             return self.designed_at(place)
         except ClepsydraError as refusal:
-            raise NotApplicable(
-                self.scheduled.method, f"at {self.over} {place:g}: {refusal}"
-            ) from None
+            raise NotApplicable(f"at {self.over} {place:g}: {refusal}") from None
 
     def end(self, high: bool) -> list[PlannedPoint]:
         """Return the design nearest to an end of the range at which there is one, if any."""
@@ -161,7 +158,7 @@ class _Along(NamedTuple):
         return found
 
     def checked(self, points: Sequence[float]) -> list[float]:
-        over, signal, place = self.over, self.signal, f"{self.scheduled.method}, points"
+        over, signal, place = self.over, self.signal, "points"
         numbers = isinstance(points, (list, tuple, np.ndarray)) and all(
             is_finite_number(value) for value in points
         )
@@ -202,21 +199,20 @@ def planned_points(
     >>> from clepsydra.designs.lqi import design_lqi
     >>> model = cl.load("quadruple-tank").linear
     >>> design = ScheduledDesign(
-    ...     design_lqi(model), lambda place: design_lqi(place).values, "LQI", "LQI", "")
+    ...     design_lqi(model), lambda place: design_lqi(place).values, "LQI", "")
     >>> over, points, between = planned_points(
     ...     model, design, Wish("level_1", "measurement", [4.0, 8.0]))
     >>> over, [point.place for point in points], len(between)
     ('level_1', [4.0, 8.0], 1)
     """
-    method, outputs = scheduled.method, scheduled.plain.setpoints
+    outputs = scheduled.plain.setpoints
     if len(model.inputs) != len(model.outputs):
         raise NotApplicable(
-            method,
             f"{len(model.inputs)} inputs for {len(model.outputs)} controlled outputs leave other "
-            "operating points open",
+            "operating points open"
         )
     if wish.over is not None:
-        check_choice(f"{method}, over", wish.over, outputs)
+        check_choice("over", wish.over, outputs)
     if wish.points is not None:
         along = _Along(model, scheduled, wish.over or outputs[0])
         plan = [along.needed_at(place) for place in along.checked(wish.points)]
@@ -229,15 +225,12 @@ def planned_points(
         if len(plan := along.outermost()) >= FEWEST_POINTS
     ]
     if not changes:
-        raise NotApplicable(
-            method, f"there is no other operating point along {' or '.join(candidates)}"
-        )
+        raise NotApplicable(f"there is no other operating point along {' or '.join(candidates)}")
     change, along, plan = max(changes, key=lambda each: each[0])
     if change < _LEAST_CHANGE:
         raise NotApplicable(
-            method,
             f"its gains change by less than {100.0 * _LEAST_CHANGE:g} % over the range of "
-            f"{' or '.join(candidates)}: fixed gains do as well",
+            f"{' or '.join(candidates)}: fixed gains do as well"
         )
     pairs = itertools.pairwise(plan)
     halfway = [along.needed_at(0.5 * (low.place + high.place)) for low, high in pairs]
@@ -312,7 +305,7 @@ def peaks_elsewhere(
     >>> import clepsydra as cl
     >>> from clepsydra.designs.lqi import design_lqi
     >>> model = cl.load("averaging-tank").linear
-    >>> design = ScheduledDesign(design_lqi(model), lambda place: {}, "LQI", "LQI", "")
+    >>> design = ScheduledDesign(design_lqi(model), lambda place: {}, "LQI", "")
     >>> peaks_elsewhere(model, design, "volume", [PlannedPoint(2.0, {}, 1.0)])[0].split(", ")
     ['With concentration at 2.5 kmol/m^3', 'over which nothing is scheduled', \
 'the sensitivity peak is 1.04.']

@@ -14,7 +14,6 @@ from clepsydra.designs.applicability import NotApplicable, reasons_about
 from clepsydra.designs.arguments.frequency import angle, angular_frequency
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loops.margin_settings import (
-    METHOD,
     lag_needed,
     margin_of,
     pi_for_margin,
@@ -28,6 +27,7 @@ from clepsydra.designs.request import positive_number
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT, note_on_peak
 from clepsydra.linear.linear_model import LinearModel
 
+METHOD = "phase margin"
 #: The lag of the PI at the default crossover is at least this, which makes ω Ti at most 3.
 SMALLEST_LAG = math.atan(1.0 / 3.0)
 #: The lead of the PID at the default crossover is at most this [rad].
@@ -98,15 +98,15 @@ def default_crossover(
         f"a {actions} cannot give a margin of {math.degrees(phase_margin):.0f}° with {within}"
     )
     if first is None:
-        raise NotApplicable(METHOD, "nothing bounds the crossover from above: give one")
+        raise NotApplicable("nothing bounds the crossover from above: give one")
     if first == 0:
-        raise NotApplicable(METHOD, impossible)
+        raise NotApplicable(impossible)
     low, high = grid[first - 1], grid[first]
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
         low, high = (low, middle) if too_fast(middle) else (middle, high)
     if lag_needed(element, delay, phase_margin, low) >= math.pi / 2.0:
-        raise NotApplicable(METHOD, impossible)
+        raise NotApplicable(impossible)
     return low
 
 
@@ -119,6 +119,7 @@ def default_crossover(
         angle("phase_margin", 'the phase margin of each loop, `"60 deg"`'),
         angular_frequency("crossover", "where the loops cross over"),
     ),
+    method=METHOD,
 )
 def design_phase_margin(
     model: LinearModel,
@@ -165,12 +166,12 @@ def design_phase_margin(
     3.0
     """
     _check(phase_margin, crossover)
-    asked, actions = checked_form(form, METHOD)
+    asked, actions = checked_form(form)
     together = MultiloopPid(model, pairing, asked, METHOD)
     delay = together.process.sampling_period / 2.0
     for loop in together.loops:
         with reasons_about(loop.pair):
-            loop.element.check(METHOD, math.inf)
+            loop.element.check(math.inf)
     if form is None and crossover is not None:
         lags = [lag_needed(loop.element, delay, phase_margin, crossover) for loop in together.loops]
         if min(lags) <= 0.0:
@@ -202,13 +203,13 @@ def design_phase_margin(
 def _check(phase_margin: float, crossover: float | None) -> None:
     if not is_finite_number(phase_margin) or not 0.0 < phase_margin < math.pi:
         raise InputError(
-            f"{METHOD}, phase_margin",
+            "phase_margin",
             phase_margin,
             "an angle between 0 and π rad",
             "give it in radians, as math.radians(60)",
         )
     if crossover is not None:
-        place = f"{METHOD}, crossover"
+        place = "crossover"
         positive_number(place, crossover, "a frequency above 0 rad/s", "give it in rad/s")
 
 

@@ -37,7 +37,6 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 
 NAME = "State feedback, pole placement"
-METHOD = "pole placement"
 #: The observer is at most this much faster than the regulator.
 OBSERVER_RATIO = 4.0
 #: However noisy the sensors are, it is not slower than this.
@@ -149,16 +148,15 @@ def design_pole_placement(
     2.779
     """
     process = operating_point_of(model).process
-    refuse_feedthrough(model, METHOD)
+    refuse_feedthrough(model)
     if model.delays is not None:
         raise NotApplicable(
-            METHOD,
             "the process has dead time, and the poles of what is on its way cannot be chosen; "
-            "LQI with a Kalman filter takes dead time",
+            "LQI with a Kalman filter takes dead time"
         )
-    check_ranges(process, model.outputs, model.inputs, METHOD)
-    check_independent(model, METHOD)
-    observed, measured = states_to_feed_back(model, measurements, METHOD)
+    check_ranges(process, model.outputs, model.inputs)
+    check_independent(model)
+    observed, measured = states_to_feed_back(model, measurements)
     _check_request(poles, bandwidth, observer_poles, observed, measured)
     moves = control_authorities(operating_point_of(model), model.inputs)
     request = PolePattern(poles, observer_poles, bandwidth or 0.0, OBSERVER_RATIO)
@@ -179,9 +177,9 @@ def design_pole_placement(
         design = designed(1.0)
         found = SlowedDown(design, 1.0, sensitivity_peak(design[0], model))
         if math.isinf(found.peak):
-            raise NotApplicable(METHOD, "the sampled loop is unstable with these poles")
+            raise NotApplicable("the sampled loop is unstable with these poles")
     else:
-        found = slow_down(designed, lambda each: sensitivity_peak(each[0], model), METHOD)
+        found = slow_down(designed, lambda each: sensitivity_peak(each[0], model))
     controller, regulator_poles, estimation = found.design
     slowed = note_on_slowing(
         found, "the regulator with its observer" if estimation else "the regulator"
@@ -201,14 +199,14 @@ def _check_request(
 ) -> None:
     n, m = observed.moved.shape
     if bandwidth is not None:
-        place = f"{METHOD}, bandwidth"
+        place = "bandwidth"
         positive_number(place, bandwidth, "a bandwidth above 0 rad/s", "give it in rad/s")
         if poles is not None:
             raise InputError(place, bandwidth, "poles or a bandwidth", "give one of the two")
     if poles is not None:
-        checked_poles(poles, n, f"{METHOD}, poles")
+        checked_poles(poles, n, "poles")
     if observer_poles is not None:
-        place = f"{METHOD}, observer_poles"
+        place = "observer_poles"
         if measured:
             raise InputError(
                 place,
@@ -224,7 +222,7 @@ def _feedback(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return F and the poles of the regulator."""
     held, moved, period = observed.held, observed.moved, observed.period
-    scales = observed.sizes, moves, period, METHOD
+    scales = observed.sizes, moves, period
     if asked.poles is None:
         feedback = place_slow_modes(held, moved, asked.bandwidth, *scales).gain
     else:
@@ -259,9 +257,7 @@ def _largest_bandwidth(observed: ObservedProcess, moves: np.ndarray) -> float:
 
     def demand(bandwidth: float) -> float:
         feedback, _ = _feedback(observed, PolePattern(None, None, bandwidth, OBSERVER_RATIO), moves)
-        ahead = precompensator(
-            observed.held, observed.moved, observed.shown[rows], feedback, moves, METHOD
-        )
+        ahead = precompensator(observed.held, observed.moved, observed.shown[rows], feedback, moves)
         return float(np.max(np.abs(ahead) * steps / moves[:, None]))
 
     high = 1.0 / (_SAMPLES * observed.period)
@@ -273,7 +269,7 @@ def _largest_bandwidth(observed: ObservedProcess, moves: np.ndarray) -> float:
         if demand(low) <= 1.0:
             break
     else:
-        raise NotApplicable(METHOD, "a setpoint step saturates an input however slow the loop is")
+        raise NotApplicable("a setpoint step saturates an input however slow the loop is")
     while high / low > 1.0 + _ACCURACY:
         middle = math.sqrt(low * high)
         low, high = (middle, high) if demand(middle) <= 1.0 else (low, middle)

@@ -23,7 +23,6 @@ from clepsydra.designs.polynomial.sampled_model import SampledModel
 from clepsydra.designs.polynomial.two_degree_of_freedom import two_degree_of_freedom
 from clepsydra.linear.linear_model import LinearModel
 
-METHOD = "2DOF polynomial control"
 #: A delay of more samples is left to the Smith predictor: P would have a gain for each.
 LONGEST_DELAY = 24
 
@@ -87,14 +86,13 @@ def design_polynomial(
     >>> controller.name, controller.law.name
     ('2DOF polynomial, LQ', 'polynomial_control')
     """
-    request = checked_request(penalty, assigned_poles, METHOD)
-    point, pairs = modelled_pairs(model, pairing, models, METHOD)
+    request = checked_request(penalty, assigned_poles)
+    point, pairs = modelled_pairs(model, pairing, models)
     for pair in pairs:
         if pair.model.delay > LONGEST_DELAY:
             raise NotApplicable(
-                METHOD,
                 f"{pair.words}: its delay of {pair.model.delay} samples would need as many gains; "
-                "a Smith predictor keeps it in a ring",
+                "a Smith predictor keeps it in a ring"
             )
 
     def gains_at(factor: float) -> list[LoopGains]:
@@ -105,9 +103,7 @@ def design_polynomial(
         [pair.input for pair in pairs],
         [loop.shape for loop in gains_at(1.0)],
     )
-    design = PairedDesign(
-        "2DOF polynomial, LQ", FAMILY, METHOD, model, point, pairs, law, {}, gains_at
-    )
+    design = PairedDesign("2DOF polynomial, LQ", FAMILY, model, point, pairs, law, {}, gains_at)
     return design.controller(
         "Diophantine equation with an LQ spectral factor and assigned poles",
         [models_note(pairs)],
@@ -137,7 +133,7 @@ def _gains(pair: ModelledPair, request: Request, factor: float) -> LoopGains:
         found = two_degree_of_freedom(tuple(sampled.A), B, D)
     except InputError as refusal:
         raise InputError(
-            f"{METHOD}, {pair.words}, {refusal.place}",
+            f"{pair.words}, {refusal.place}",
             refusal.value, refusal.expected, refusal.remedy,
         ) from None  # fmt: skip
     return of_two_degrees(found, settings_words(penalty, poles))

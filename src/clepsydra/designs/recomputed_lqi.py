@@ -120,17 +120,17 @@ def design_recomputed_lqi(
     """
     process = operating_point_of(model).process
     _check_steps(steps)
-    check_lqi(model, NAME, process.motion.delays, "its equations have")
-    refuse_feedthrough(model, NAME)
-    check_independent(model, NAME)
+    check_lqi(model, process.motion.delays, "its equations have")
+    refuse_feedthrough(model)
+    check_independent(model)
     equations = process_equations(model)
     _check_size(equations)
     if change_over_ranges(equations) < _LEAST_CHANGE:
         raise NotApplicable(
-            NAME, "the linear model is the same in every state, so that its gains never change"
+            "the linear model is the same in every state, so that its gains never change"
         )
     acting = acting_model(model, equations)
-    deviations = acceptable_deviations(acting, maximum_errors, maximum_moves, NAME)
+    deviations = acceptable_deviations(acting, maximum_errors, maximum_moves)
     source, by = _source(model, equations, measurements, deviations.horizon)
     estimation = None if by is None else by.estimation
     lqi = StateLqi(NAME, acting, deviations, source.measurements, anti_windup, estimation)
@@ -202,7 +202,7 @@ def recomputed_lqi_controller(
     ('concentration', 'volume')
     """
     equations = source.equations
-    _, doublings = steps_in_a_sample(equations, NAME)
+    _, doublings = steps_in_a_sample(equations)
     law = recomputed_lqi_law(source, anti_windup, doublings=doublings, steps=steps)
     cost = rounded_symmetric(gains.cost)
     state = {
@@ -255,28 +255,26 @@ def _source(
             return MeasuredState(equations), None
         except InputError:
             pass
-    found = extended_kalman(model, equations, measurements, horizon, NAME)
+    found = extended_kalman(model, equations, measurements, horizon)
     return found.observer, found
 
 
 def _check_steps(steps: int) -> None:
     if isinstance(steps, bool) or not isinstance(steps, int) or not 1 <= steps <= 20:
         raise InputError(
-            f"{NAME}, steps", steps, "a whole number from 1 to 20", "one step is enough in most"
+            "steps", steps, "a whole number from 1 to 20", "one step is enough in most"
         )
 
 
 def _check_size(equations: ProcessEquations) -> None:
     if len(equations.inputs) > MOST_INPUTS:
         raise NotApplicable(
-            NAME,
             f"it solves for {len(equations.inputs)} inputs in every sample, and takes at most "
-            f"{MOST_INPUTS}",
+            f"{MOST_INPUTS}"
         )
     size = len(equations.states) + len(equations.outputs)
     if size > MOST_STATES:
         raise NotApplicable(
-            NAME,
             f"{size} states and integrals make {size * (size + 1) // 2} numbers of the Riccati "
-            f"equation, and it takes {MOST_STATES} at most; schedule the gains by tables",
+            f"equation, and it takes {MOST_STATES} at most; schedule the gains by tables"
         )

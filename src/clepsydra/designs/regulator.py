@@ -17,7 +17,7 @@ from clepsydra.base.units import to_si
 from clepsydra.controllers.conditioned_linear import conditioned_linear_law
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.wiring import check_signals
-from clepsydra.designs.applicability import as_reasons_of
+from clepsydra.designs.applicability import told_by
 from clepsydra.designs.at_operating_point import controller_at, numbers_at
 from clepsydra.designs.loop_shaping.conditioning import told_by_own_observer
 from clepsydra.designs.loop_shaping.precompensator import Precompensator, sampled_precompensator
@@ -116,7 +116,7 @@ def regulator_controller(
         _sampled(given, process), _scales(measured, moved, units), acts_on.startswith("measurement")
     )
     shaping = Precompensator(name, _acting_on_errors(system), _names(measured), _names(moved))
-    with as_reasons_of(METHOD):
+    with told_by(METHOD):
         plant = shaped_plant(model, shaping)
         spans = np.array([each.span if math.isfinite(each.span) else 1.0 for each in moved])
         matrices = told_by_own_observer(system, plant.sizes, spans)
@@ -125,9 +125,7 @@ def regulator_controller(
     law = conditioned_linear_law(measured, moved, matrices)
     fading = max(1.0 / plant.crossover, plant.period)
     values = numbers_at(point, law.parameters, fading_time=fading, **matrices.numbers())
-    found = controller_at(
-        point, name, FAMILY, law, values, numbers_at(point, law.state), method=METHOD
-    )
+    found = controller_at(point, name, FAMILY, law, values, numbers_at(point, law.state))
     peak = sensitivity_peak(found, model)
     return found.described(
         _words(given, process, peak, anti_windup), _notes(given, plant.period, peak, anti_windup)

@@ -75,7 +75,6 @@ def saturation_rates(
     settling: Mapping[str, float],
     names: Sequence[str],
     given: float | Sequence[float] | None,
-    method: str,
     effects: Sequence[float] | None = None,
 ) -> tuple[float, ...]:
     """Return α of each loop by the rule, or the user's if they keep to it.
@@ -91,8 +90,6 @@ def saturation_rates(
         The controlled measurements in the order of the loops.
     given : float or sequence of float or None
         α of all loops or of each [1/s].
-    method : str
-        For the message.
     effects : sequence of float, optional
         Where a given α counts the excess of an input: the effect of each input on its output,
         over which α is a rate.
@@ -106,16 +103,16 @@ def saturation_rates(
 
     Examples
     --------
-    >>> saturation_rates({"level": 100.0}, ["level"], 0.5, "variable-structure PID")
+    >>> saturation_rates({"level": 100.0}, ["level"], 0.5)
     Traceback (most recent call last):
         ...
-    clepsydra.base.errors.InputError: variable-structure PID, alpha of level: got 0.5, expected \
+    clepsydra.base.errors.InputError: alpha of level: got 0.5, expected \
 0.0782 to 0.196 1/s, 2 to 5 times as fast as the loop settles (100 s); choose α within, or leave \
 it out for 3 times.
     """
     for name in names:
         if not math.isfinite(settling[name]):
-            raise NotApplicable(method, f"{name} does not settle at its setpoint")
+            raise NotApplicable(f"{name} does not settle at its setpoint")
     unit = "1/s" if effects is None else "per second and unit of the input"
     remedy = f"give it {'in ' if effects is None else ''}{unit}"
     if given is None:
@@ -123,12 +120,10 @@ it out for 3 times.
     listed = isinstance(given, (list, tuple, np.ndarray))
     every: list[Any] = list(given) if listed else [given] * len(names)  # type: ignore[arg-type]
     if len(every) != len(names):
-        raise InputError(
-            f"{method}, alpha", every, f"{len(names)} rates", "give one for each loop, or one"
-        )
+        raise InputError("alpha", every, f"{len(names)} rates", "give one for each loop, or one")
     found = []
     for name, value, effect in zip(names, every, effects or [1.0] * len(names), strict=True):
-        place = f"{method}, alpha of {name}"
+        place = f"alpha of {name}"
         alpha = positive_number(place, value, f"a rate above 0 {unit}", remedy)
         low, high = (rate_for(settling[name], times) * effect for times in (SLOWEST, FASTEST))
         if not low * 0.999 <= alpha <= high * 1.001:

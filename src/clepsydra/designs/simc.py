@@ -96,6 +96,7 @@ def simc_pid_settings(model: SecondOrderDelay, closed_loop_time_constant: float)
         CLOSED_LOOP_TIME,
         word("decoupling", "each loop also answers to what the others move", Decoupling),
     ),
+    method=METHOD,
 )
 def design_simc(
     model: LinearModel,
@@ -149,12 +150,12 @@ def design_simc(
     """
     from clepsydra.designs.loops.multiloop import MultiloopPid, checked_form
 
-    form, actions = checked_form(form, METHOD)
+    form, actions = checked_form(form)
     together = MultiloopPid(model, pairing, form, METHOD, decoupling)
     delay = together.process.sampling_period / 2.0
     loops = [simc_loop(loop, delay, actions) for loop in together.loops]
     if actions == "PID" and not any(loop.settings_at(1.0).derivative_time for loop in loops):
-        raise NotApplicable(METHOD, "no element has a second lag, so that its PID would be the PI")
+        raise NotApplicable("no element has a second lag, so that its PID would be the PI")
     order = "First" if actions == "PI" else "Second"
     return design_by_time(
         together,
@@ -165,9 +166,7 @@ def design_simc(
     )
 
 
-def simc_loop(
-    loop: PairedLoop, delay: float, actions: RuleActions, method: str = METHOD
-) -> TimedLoop:
+def simc_loop(loop: PairedLoop, delay: float, actions: RuleActions) -> TimedLoop:
     """Return a loop by the half rule, its model of first order for PI and of second for PID.
 
     Its shortest closed-loop time constant is what delay and input allow.
@@ -178,8 +177,6 @@ def simc_loop(
     delay : float
         Of the loop outside the element: half a sampling period [s].
     actions : {"PI", "PID"}
-    method : str
-        For the message.
 
     Raises
     ------
@@ -189,10 +186,10 @@ def simc_loop(
     model: FirstOrderDelay | SecondOrderDelay
     with reasons_about(loop.pair):
         if actions == "PI":
-            model = first = half_rule(loop.element, delay, method=method)
+            model = first = half_rule(loop.element, delay)
             settings_at, more = partial(simc_settings, first), ""
         else:
-            model = second = half_rule_of_second_order(loop.element, delay, method=method)
+            model = second = half_rule_of_second_order(loop.element, delay)
             settings_at = partial(simc_pid_settings, second)
             more = f", second time constant {time_text(second.second_time_constant)}"
     shortest = max(model.delay, 1.0 / (abs(model.slope) * loop.largest_gain) - model.delay)

@@ -80,7 +80,6 @@ OF_LOOPS = Search(
 def slow_down(
     design_at: Callable[[float], T],
     peak: Callable[[T], float],
-    method: str,
     search: Search = OF_STATE_FEEDBACK,
 ) -> SlowedDown[T]:
     """Return the fastest design whose loops have a sensitivity peak of 2 or less.
@@ -97,8 +96,6 @@ def slow_down(
         Takes F and returns a design that is slower by F.
     peak : callable
         Takes a design and returns the peak of its sensitivity, infinite where it is unstable.
-    method : str
-        For the message.
     search : Search
 
     Raises
@@ -117,7 +114,7 @@ def slow_down(
     --------
     Where the peak is 1 + K, a gain of 3 has to be divided by 3:
 
-    >>> found = slow_down(lambda factor: 3.0 / factor, lambda gain: 1.0 + gain, "by hand", OF_LOOPS)
+    >>> found = slow_down(lambda factor: 3.0 / factor, lambda gain: 1.0 + gain, OF_LOOPS)
     >>> round(found.factor, 3), round(found.peak, 3)
     (3.0, 2.0)
     """
@@ -129,7 +126,7 @@ def slow_down(
     tried = [at(1.0)]
     while tried[-1].peak > SENSITIVITY_LIMIT:
         if tried[-1].factor >= LARGEST_FACTOR:
-            raise NotApplicable(method, _hopeless(min(each.peak for each in tried), search))
+            raise NotApplicable(_hopeless(min(each.peak for each in tried), search))
         tried.append(at(min(tried[-1].factor * search.step, LARGEST_FACTOR)))
     return _brought_back(tried[-2], tried[-1], at, search) if len(tried) > 1 else tried[0]
 
@@ -168,7 +165,7 @@ def _brought_back(
     return slow
 
 
-def as_given(design: T, peak: Callable[[T], float], method: str, choice: str) -> SlowedDown[T]:
+def as_given(design: T, peak: Callable[[T], float], choice: str) -> SlowedDown[T]:
     """Return a design that the user chose, as it is, with the peak that it has.
 
     Parameters
@@ -176,7 +173,7 @@ def as_given(design: T, peak: Callable[[T], float], method: str, choice: str) ->
     design : object
     peak : callable
         As for `slow_down`.
-    method, choice : str
+    choice : str
         For the message: "a closed-loop time constant of 10 s".
 
     Raises
@@ -186,12 +183,12 @@ def as_given(design: T, peak: Callable[[T], float], method: str, choice: str) ->
 
     Examples
     --------
-    >>> as_given(3.0, lambda gain: 2.5, "by hand", "your gain").peak
+    >>> as_given(3.0, lambda gain: 2.5, "your gain").peak
     2.5
     """
     found = SlowedDown(design, 1.0, peak(design))
     if math.isinf(found.peak):
-        raise NotApplicable(method, f"the loops together are unstable at {choice}")
+        raise NotApplicable(f"the loops together are unstable at {choice}")
     return found
 
 

@@ -36,7 +36,6 @@ from clepsydra.designs.request import positive_number
 from clepsydra.designs.simc import simc_settings
 from clepsydra.linear.linear_model import LinearModel
 
-METHOD = "Smith predictor"
 Primary = Literal["polynomial", "PI"]
 #: Phase margin of the loop that keeps an integrating model with its process, as Mataušek and
 #: Micić's rule κ = 1/(2 k L) has it [rad].
@@ -128,17 +127,16 @@ def design_smith_predictor(
     0.2232
     """
     if primary not in get_args(Primary):
-        raise InputError(f"{METHOD}, primary", primary, "polynomial or PI", "choose one of the two")
-    request = checked_request(penalty, assigned_poles, METHOD)
+        raise InputError("primary", primary, "polynomial or PI", "choose one of the two")
+    request = checked_request(penalty, assigned_poles)
     _refuse_other_settings(primary, request, closed_loop_time_constant)
-    point, pairs = modelled_pairs(model, pairing, models, METHOD)
+    point, pairs = modelled_pairs(model, pairing, models)
     for pair in pairs:
         _check(pair, models is not None)
     if not any(pair.model.delay for pair in pairs):
         raise NotApplicable(
-            METHOD,
             "no pair has a delay of a sampling period, so that there is nothing to predict; "
-            "2DOF polynomial control is the same without a predictor",
+            "2DOF polynomial control is the same without a predictor"
         )
 
     def gains_at(factor: float) -> list[LoopGains]:
@@ -161,9 +159,15 @@ def design_smith_predictor(
     if closed_loop_time_constant is not None:
         given = f"a closed-loop time constant of {closed_loop_time_constant:g} s"
     design = PairedDesign(
-        f"{METHOD}, {kind}", f"{FAMILY} with {'polynomial' if kind == 'LQ' else kind} control",
-        METHOD, model, point, pairs, law, _fixed(pairs, feedback), gains_at,
-    )  # fmt: skip
+        f"Smith predictor, {kind}",
+        f"{FAMILY} with {'polynomial' if kind == 'LQ' else kind} control",
+        model,
+        point,
+        pairs,
+        law,
+        _fixed(pairs, feedback),
+        gains_at,
+    )
     source = (
         "Diophantine equation with an LQ spectral factor and assigned poles"
         if primary == "polynomial"
@@ -177,18 +181,18 @@ def _refuse_other_settings(
 ) -> None:
     if primary == "PI" and not request.is_open:
         raise InputError(
-            f"{METHOD}, penalty and assigned_poles", request.in_words(), "none for a PI controller",
+            "penalty and assigned_poles", request.in_words(), "none for a PI controller",
             "give closed_loop_time_constant, or primary = polynomial",
         )  # fmt: skip
     if closed_loop_time_constant is None:
         return
     if primary == "polynomial":
         raise InputError(
-            f"{METHOD}, closed_loop_time_constant", closed_loop_time_constant,
+            "closed_loop_time_constant", closed_loop_time_constant,
             "none for a polynomial controller", "give penalty or assigned_poles, or primary = PI",
         )  # fmt: skip
     positive_number(
-        f"{METHOD}, closed_loop_time_constant", closed_loop_time_constant, "a time above 0 s",
+        "closed_loop_time_constant", closed_loop_time_constant, "a time above 0 s",
         "give it in seconds",
     )  # fmt: skip
 
@@ -201,14 +205,14 @@ def _check(pair: ModelledPair, given: bool) -> None:
         words = f"{pair.words}: the model is unstable without control, or integrates twice"
         if given:
             raise InputError(
-                f"{METHOD}, models", model.in_words(),
+                "models", model.in_words(),
                 "a stable model, or one that integrates once",
                 "use 2DOF polynomial control, which holds unstable processes",
             )  # fmt: skip
-        raise NotApplicable(METHOD, f"{words}; 2DOF polynomial control can hold it")
+        raise NotApplicable(f"{words}; 2DOF polynomial control can hold it")
     total = float(np.sum(np.abs(model.B)))
     if abs(math.fsum(model.B)) <= 1e-9 * total:
-        raise NotApplicable(METHOD, f"{pair.words}: the input cannot hold the output")
+        raise NotApplicable(f"{pair.words}: the input cannot hold the output")
 
 
 def _polynomial(pair: ModelledPair, request: Request, factor: float) -> LoopGains:
@@ -221,7 +225,7 @@ def _simc(pair: ModelledPair, given: float | None, factor: float) -> LoopGains:
     """Return the gains of a PI controller for the model without its delay."""
     model = pair.model
     with reasons_about(pair.words):
-        lags = half_rule(_without_delay(model), model.period / 2.0, method=METHOD)
+        lags = half_rule(_without_delay(model), model.period / 2.0)
     if given is None:
         room = 1.0 / math.sqrt(pair.usual_penalty)
         shortest = max(lags.delay, 1.0 / (abs(lags.slope) * room) - lags.delay)
@@ -248,10 +252,10 @@ def _without_delay(model: SampledModel) -> TransferElement:
             integrators += 1
             continue
         if abs(pole) < 1e-12 or (pole.imag == 0.0 and pole.real < 0.0):
-            raise NotApplicable(METHOD, f"the pole {pole.real:.3g} of its model is that of no lag")
+            raise NotApplicable(f"the pole {pole.real:.3g} of its model is that of no lag")
         rate = complex(np.log(pole)) / model.period
         if rate.imag and -rate.real < _DAMPED * abs(rate):
-            raise NotApplicable(METHOD, "its model oscillates; choose the polynomial controller")
+            raise NotApplicable("its model oscillates; choose the polynomial controller")
         poles.append(rate if not rate.imag else complex(-abs(rate)))
     gain = model.static_gain
     if integrators:

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from clepsydra.process.process import Process
     from clepsydra.process.table_reader import TableReader
 
-METHOD = "start/stop levels"
 #: Shares of the tank's height that the levels keep to.
 LOWEST, HIGHEST = 0.2, 0.8
 _HOUR = 3600.0
@@ -52,6 +51,7 @@ _STARTS_PER_HOUR = argument(
     "pumps by start and stop levels",
     Studied(280, "Start/stop levels"),
     keys=(_STARTS_PER_HOUR,),
+    method="start/stop levels",
 )
 def design_start_stop_levels(model: LinearModel, *, starts_per_hour: float = 10.0) -> Controller:
     """Return levels at which pumps start and stop, with duty and standby.
@@ -104,7 +104,7 @@ def design_start_stop_levels(model: LinearModel, *, starts_per_hour: float = 10.
     """
     if not is_finite_number(starts_per_hour) or starts_per_hour <= 0.0:
         raise InputError(
-            f"{METHOD}, starts_per_hour", starts_per_hour, "a number above 0",
+            "starts_per_hour", starts_per_hour, "a number above 0",
             "give how often the motor may be started in an hour, often 6 to 15",
         )  # fmt: skip
     return _Station(operating_point_of(model)).controller(starts_per_hour)
@@ -140,7 +140,7 @@ class _Station:
         for pump in self.pumps:
             values |= {path(pump.name, what): pump.high for what in ("running_value", "high_limit")}
             values |= {path(pump.name, what): pump.low for what in ("stopped_value", "low_limit")}
-        values = designed_values(law, values, self.point, METHOD)
+        values = designed_values(law, values, self.point)
         resting = {path(pump.name, "tracking"): pump.low for pump in self.pumps}
         resting[path(measured, "pv")] = self.point.as_dict()[self.level]
         return Controller(
@@ -166,14 +166,14 @@ class _Station:
         process = self.process
         if len(process.controlled) != 1:
             raise NotApplicable(
-                METHOD, f"it keeps one level, and {process.name} has {len(process.controlled)}"
+                f"it keeps one level, and {process.name} has {len(process.controlled)}"
             )
         (level,) = process.controlled
         if not process.measured_state.get(level, "").endswith(".level"):
-            raise NotApplicable(METHOD, f"{level} does not show the level of a tank")
+            raise NotApplicable(f"{level} does not show the level of a tank")
         if level in process.averaging:
             raise NotApplicable(
-                METHOD, f"the tank of {level} is to smooth a flow, which pumps would send in bursts"
+                f"the tank of {level} is to smooth a flow, which pumps would send in bursts"
             )
         return level
 
@@ -183,14 +183,14 @@ class _Station:
         for signal in self.process.inputs:
             element = by_name.get(signal.name)
             if not isinstance(element, Pump):
-                raise NotApplicable(METHOD, f"{signal.name} is no pump")
+                raise NotApplicable(f"{signal.name} is no pump")
             if element.starter is not None:
-                raise NotApplicable(METHOD, f"{signal.name} has level switches of its own")
+                raise NotApplicable(f"{signal.name} has level switches of its own")
             if self.tank not in (element.source, element.destination):
-                raise NotApplicable(METHOD, f"{signal.name} neither empties nor fills {self.tank}")
+                raise NotApplicable(f"{signal.name} neither empties nor fills {self.tank}")
             found.append(element)
         if len({pump.source == self.tank for pump in found}) > 1:
-            raise NotApplicable(METHOD, f"some pumps empty {self.tank} and others fill it")
+            raise NotApplicable(f"some pumps empty {self.tank} and others fill it")
         return tuple(found)
 
     def _check_mastered(self) -> None:
@@ -200,9 +200,8 @@ class _Station:
         rises, falls = (off, on) if self.empties else (on, off)
         if not (rises > 0.0 and falls < 0.0):
             raise NotApplicable(
-                METHOD,
                 f"at the nominal flows the level of {self.tank} does not go up and down as all "
-                "pumps stop and start",
+                "pumps stop and start"
             )
 
     def _rate(self, level: float, running: Sequence[Pump]) -> float:
@@ -242,10 +241,9 @@ class _Station:
         count = len(self.pumps)
         if volume >= room:
             raise NotApplicable(
-                METHOD,
                 f"{starts_per_hour:g} starts an hour of a pump of {_litres(capacity)} need "
                 f"{volume:.3g} m³ between start and stop, and {self.tank} has {room:.3g} m³ from "
-                f"{LOWEST:.0%} to {HIGHEST:.0%} of its height",
+                f"{LOWEST:.0%} to {HIGHEST:.0%} of its height"
             )
         shares = [(room - volume) * j / count for j in range(count)]
         return [

@@ -57,6 +57,7 @@ def tyreus_luyben_settings(point: UltimatePoint, actions: RuleActions = "PI") ->
     "PI or PID by Tyreus and Luyben",
     Studied(70, "PI, Tyreus-Luyben"),
     keys=(AS_PUBLISHED,),
+    method=METHOD,
 )
 def design_tyreus_luyben(
     model: LinearModel,
@@ -109,5 +110,5 @@ def design_tyreus_luyben(
 
 
 def _rule(loop: PairedLoop, delay: float, actions: RuleActions) -> tuple[PidSettings, str]:
-    point = ultimate_point(loop.element, delay, method=METHOD)
+    point = ultimate_point(loop.element, delay)
     return tyreus_luyben_settings(point, actions), words_on_ultimate(point, loop.output, loop.input)

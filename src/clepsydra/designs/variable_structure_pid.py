@@ -36,6 +36,7 @@ METHOD = "variable-structure PID"
     "PI or PID with variable structure",
     Studied(100, "PI, variable structure"),
     keys=(ALPHA,),
+    method=METHOD,
 )
 def design_variable_structure_pid(
     model: LinearModel,
@@ -82,14 +83,14 @@ def design_variable_structure_pid(
     >>> controller.name, round(controller.values["level_1.saturation_rate"], 3)
     ('PI, variable structure', 0.245)
     """
-    chosen, _ = checked_form(form, METHOD)
+    chosen, _ = checked_form(form)
     plain = PidForm(**vars(variable_structure_form(chosen)))
     if settings is None:
         base = design_simc(model, pairing, form=plain)
     else:
         base = _as_given(model, pairing, plain, settings)
     settling = settling_times(base, model)
-    rates = saturation_rates(settling, base.setpoints, alpha, METHOD)
+    rates = saturation_rates(settling, base.setpoints, alpha)
     found = with_variable_structure(base, plain, rates, model)
     words = rates_in_words(rates, settling, base.setpoints)
     return dataclasses.replace(found, design=f"{base.design} α {words}.")
@@ -135,7 +136,7 @@ def with_variable_structure(
         path(measured, "saturation_rate"): float(rate)
         for measured, rate in zip(base.measurements, rates, strict=True)
     }
-    values = designed_values(law, values, operating_point_of(model), METHOD)
+    values = designed_values(law, values, operating_point_of(model))
     return dataclasses.replace(
         base,
         name=f"{form.actions}, variable structure",
@@ -151,12 +152,12 @@ def _as_given(
 ) -> Controller:
     together = MultiloopPid(model, pairing, form, METHOD)
     settings = sequence_of(
-        settings, PidSettings, f"{METHOD}, settings", "a list of PidSettings",
+        settings, PidSettings, "settings", "a list of PidSettings",
         "write as in [PidSettings(3.0, 30.0)]",
     )  # fmt: skip
     if len(settings) != len(together.loops):
         raise InputError(
-            f"{METHOD}, settings",
+            "settings",
             len(settings),
             f"{len(together.loops)} settings",
             "give one for each pair",
@@ -166,7 +167,7 @@ def _as_given(
         if not integral_gain * loop.element.sign > 0.0:
             direction = "above" if loop.element.sign > 0.0 else "below"
             raise InputError(
-                f"{METHOD}, integral gain K/Ti of {loop.pair}",
+                f"integral gain K/Ti of {loop.pair}",
                 integral_gain,
                 f"a number {direction} zero, the direction in which {loop.input.name} moves "
                 f"{loop.output.name}",

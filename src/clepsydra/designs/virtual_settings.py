@@ -120,10 +120,7 @@ def settling_time(settings: VirtualSettings, degree: int) -> float:
 
 
 def checked_settings(
-    settings: Sequence[VirtualSettings],
-    names: Sequence[str],
-    degrees: Sequence[int],
-    method: str,
+    settings: Sequence[VirtualSettings], names: Sequence[str], degrees: Sequence[int]
 ) -> list[VirtualSettings]:
     """Refuse settings with which an output would not come to rest at its setpoint.
 
@@ -134,8 +131,6 @@ def checked_settings(
         The outputs.
     degrees : sequence of int
         Their relative degrees.
-    method : str
-        For the message.
 
     Raises
     ------
@@ -143,22 +138,20 @@ def checked_settings(
 
     Examples
     --------
-    >>> checked_settings([VirtualSettings(0.1, 0.0)], ["level"], [1], "linearisation")
+    >>> checked_settings([VirtualSettings(0.1, 0.0)], ["level"], [1])
     Traceback (most recent call last):
         ...
-    clepsydra.base.errors.InputError: linearisation, settings of level, integral gain: got 0.0, \
+    clepsydra.base.errors.InputError: settings of level, integral gain: got 0.0, \
 expected a number above zero; give Ki above zero: without it a load leaves an offset.
     """
     settings = sequence_of(
-        settings, VirtualSettings, f"{method}, settings", "a list of VirtualSettings",
+        settings, VirtualSettings, "settings", "a list of VirtualSettings",
         "write as in [VirtualSettings(0.2, 0.01)]",
     )  # fmt: skip
     if len(settings) != len(names):
-        raise InputError(
-            f"{method}, settings", len(settings), f"{len(names)} settings", "give one an output"
-        )
+        raise InputError("settings", len(settings), f"{len(names)} settings", "give one an output")
     for setting, degree, name in zip(settings, degrees, names, strict=True):
-        place = f"{method}, settings of {name}"
+        place = f"settings of {name}"
         positive_number(
             f"{place}, integral gain",
             setting.integral_gain,

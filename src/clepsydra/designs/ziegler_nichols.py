@@ -91,6 +91,7 @@ def ziegler_nichols_step_settings(
         word("experiment", "the experiment that the settings follow from", Experiment),
         AS_PUBLISHED,
     ),
+    method=METHOD,
 )
 def design_ziegler_nichols(
     model: LinearModel,
@@ -135,7 +136,7 @@ def design_ziegler_nichols(
     >>> round(controller.values["level.integral_time"], 6)
     100.0
     """
-    check_choice(f"{METHOD}, experiment", experiment, get_args(Experiment))
+    check_choice("experiment", experiment, get_args(Experiment))
     rule = _from_ultimate_point if experiment == "ultimate_point" else _from_step_response
     return design_by_rule(
         model,
@@ -155,7 +156,7 @@ _ADVICE = (
 def _from_ultimate_point(
     loop: PairedLoop, delay: float, actions: RuleActions
 ) -> tuple[PidSettings, str]:
-    point = ultimate_point(loop.element, delay, method=METHOD)
+    point = ultimate_point(loop.element, delay)
     return ziegler_nichols_settings(point, actions), words_on_ultimate(
         point, loop.output, loop.input
     )
@@ -164,7 +165,7 @@ def _from_ultimate_point(
 def _from_step_response(
     loop: PairedLoop, delay: float, actions: RuleActions
 ) -> tuple[PidSettings, str]:
-    curve = reaction_curve(loop.element, delay, method=METHOD)
+    curve = reaction_curve(loop.element, delay)
     steepest = slope(curve.slope, loop.output, loop.input)
     words = f"steepest {steepest}, delay {time_text(curve.delay)}"
     return ziegler_nichols_step_settings(curve.slope, curve.delay, actions), words

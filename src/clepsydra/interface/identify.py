@@ -60,7 +60,7 @@ class Identification(_Page, inner.Identification):
         """
         model = self.for_control
         if model is None or model.settings is None:
-            raise NotApplicable("SIMC", self.verdict)
+            raise NotApplicable(self.verdict, "SIMC")
         return model.settings.as_values()
 
 

@@ -178,7 +178,7 @@ def segment_samples(model: LinearModel) -> tuple[int, int]:
     slowest = max(
         _slowest(process, controlled),
         DEAD_TIMES * late,
-        ARREST_TIMES * longest_arrest(model, "default scenario"),
+        ARREST_TIMES * longest_arrest(model),
     )
     length = _pretty_above(SLOWEST_TIMES * slowest)
     each = math.ceil(length / process.sampling_period * (1.0 - 1e-12))

@@ -14,6 +14,7 @@ from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.status import STATUS_BITS
 from clepsydra.controllers.controller import Controller
+from clepsydra.designs.applicability import told_by
 from clepsydra.designs.loops.control_authority import check_ranges, control_authority
 from clepsydra.designs.models.transfer_element import moving_element
 from clepsydra.designs.models.ultimate_point import ultimate_point
@@ -23,7 +24,6 @@ from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 
-METHOD = "relay experiment"
 #: The relay takes this share of the way from the operating point to the nearer limit.
 SHARE = 0.2
 #: How many ultimate periods of the linear model it lasts.
@@ -107,6 +107,7 @@ def relay_law(measured: Signal, manipulated: Signal) -> StepLaw:
     )
 
 
+@told_by("relay experiment")
 def relay_experiment(
     model: LinearModel,
     output: str,
@@ -156,29 +157,27 @@ def relay_experiment(
     >>> record = relay_experiment(plant.linear, "level_1", "pump_2")
     >>> found = ultimate_point_of_relay(record)
     >>> element = transfer_element(plant.linear, "level_1", "pump_2")
-    >>> exact = ultimate_point(element, 0.5, method="by hand")
+    >>> exact = ultimate_point(element, 0.5)
     >>> bool(abs(found.period / exact.period - 1.0) < 0.15)
     True
     """
     point = operating_point_of(model)
     process, at = point.process, point.as_dict()
-    element = moving_element(model, output, input_name, METHOD)
-    check_ranges(process, [output], [input_name], METHOD)
+    element = moving_element(model, output, input_name)
+    check_ranges(process, [output], [input_name])
     measured, manipulated = process.signal(output), process.signal(input_name)
     bias, period = at[input_name], process.sampling_period
     size = SHARE * control_authority(manipulated, bias) if amplitude is None else amplitude
     _check(size, bias, manipulated, hysteresis)
     length = duration
     if length is None:
-        length = PERIODS * ultimate_point(element, period / 2.0, method=METHOD).period
+        length = PERIODS * ultimate_point(element, period / 2.0).period
     elif not is_finite_number(length) or length < 10.0 * period:
-        raise InputError(
-            f"{METHOD}, duration", length, f"at least {10.0 * period:g} s", "give a longer time"
-        )
+        raise InputError("duration", length, f"at least {10.0 * period:g} s", "give a longer time")
     samples = math.ceil(length / period)
     if samples > _MOST_SAMPLES:
         raise InputError(
-            f"{METHOD}, duration",
+            "duration",
             f"{samples} samples",
             f"at most {_MOST_SAMPLES}",
             "shorten it, or lengthen the sampling period",
@@ -220,17 +219,15 @@ def relay_experiment(
 
 def _check(size: float, bias: float, manipulated: Signal, hysteresis: float) -> None:
     if not is_finite_number(size) or size <= 0.0:
-        raise InputError(
-            f"{METHOD}, amplitude", size, "a number above 0", "give it in the input's unit"
-        )
+        raise InputError("amplitude", size, "a number above 0", "give it in the input's unit")
     if bias - size < manipulated.low or bias + size > manipulated.high:
         raise InputError(
-            f"{METHOD}, amplitude",
+            "amplitude",
             f"{bias:.4g} ± {size:.4g} {manipulated.unit}",
             f"values from {manipulated.low:g} to {manipulated.high:g} {manipulated.unit}",
             "reduce the amplitude, or move the operating point away from the limit",
         )
     if not is_finite_number(hysteresis) or hysteresis < 0.0:
         raise InputError(
-            f"{METHOD}, hysteresis", hysteresis, "a number from 0", "give it in the output's unit"
+            "hysteresis", hysteresis, "a number from 0", "give it in the output's unit"
         )

@@ -34,7 +34,6 @@ def _differentiated(controller: Controller, analysis: Analysis) -> Controller:
     times = [values[p.name] for p in law.parameters if p.part == "derivative_time"]
     if max(times) < period:
         raise NotApplicable(
-            controller.name,
             f"its longest derivative time of {max(times):.3g} s is shorter than the sampling "
             f"period of {period:g} s; sample faster, or use PI control",
         )

@@ -264,7 +264,7 @@ class _Study:
         """Return what PI control is tuned from and for, with hardly more wear, and as quiet."""
         start = next((t for t in self.trials if t.controller.name == first), None)
         if start is None:
-            raise NotApplicable(tuned, f"it starts from {first}, which does not apply")
+            raise NotApplicable(f"it starts from {first}, which does not apply")
         noise = max(start.noise_movement, 1e-9)
         more = max(1.0, min(_WEAR, _OF_QUIET * QUIET / noise))
         wear = {
@@ -291,10 +291,10 @@ class _Study:
             RunningScores(self.process, tuple(names)).inputs_of(self.scenario)
         except InputError as refusal:
             raise NotApplicable(
-                tuned, f"what averaging is judged by is not known of {refusal.value}"
+                f"what averaging is judged by is not known of {refusal.value}"
             ) from None
         if not names:
-            raise NotApplicable(tuned, f"{', '.join(averaging)} leave nothing to lessen")
+            raise NotApplicable(f"{', '.join(averaging)} leave nothing to lessen")
         return weighted_sum(dict.fromkeys(names, 1.0))
 
     @contextmanager

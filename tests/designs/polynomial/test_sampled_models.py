@@ -32,7 +32,7 @@ def test_the_held_transfer_function_is_that_of_python_control(above, below):
 def test_a_part_of_a_sample_of_dead_time_is_exact(poles, late):
     """Against the differential equation under a random staircase that comes late."""
     element = TransferElement(1.7, poles, (-0.9,) if len(poles) == 2 else (), 0, late)
-    model = sampled_element(element, 1.0, method="test")
+    model = sampled_element(element, 1.0)
     u = np.random.default_rng(4).normal(size=25)
     below = np.real(np.poly(poles))
     above = 1.7 * np.prod([-p for p in poles]).real * (
@@ -59,7 +59,7 @@ def test_a_part_of_a_sample_of_dead_time_is_exact(poles, late):
 def test_a_long_chain_is_reduced_to_its_moments():
     """Mean and spread of the impulse response of the reduced model are those of the chain."""
     element = TransferElement(3.0, (-0.5,) * 6 + (-0.2,), (-1.1,), 0, 2.3)
-    reduced = with_two_lags(element, 1.0, method="test")
+    reduced = with_two_lags(element, 1.0)
 
     def moments(g):
         mean = g.dead_time + sum(-1 / p for p in g.poles) - sum(-1 / z for z in g.zeros)
@@ -79,7 +79,7 @@ def test_a_long_chain_is_reduced_to_its_moments():
 
 
 def test_an_integrating_chain_keeps_its_integrator():
-    reduced = with_two_lags(TransferElement(0.2, (-0.5,) * 4, (), 1), 1.0, method="test")
+    reduced = with_two_lags(TransferElement(0.2, (-0.5,) * 4, (), 1), 1.0)
     assert reduced.integrators == 1 and reduced.dead_time == 4.0
     assert complex(reduced.poles[0]).real == pytest.approx(-0.25)
 
@@ -97,7 +97,7 @@ def test_an_integrating_chain_keeps_its_integrator():
 )
 def test_what_cannot_be_reduced_is_refused(element, words):
     with pytest.raises(NotApplicable, match=words):
-        sampled_element(element, 1.0, method="test")
+        sampled_element(element, 1.0)
 
 
 def test_slow_lags_sampled_fast_do_not_integrate():

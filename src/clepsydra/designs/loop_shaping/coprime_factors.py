@@ -12,7 +12,6 @@ from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.sampled.sampled_system import SampledSystem
 from clepsydra.designs.states.riccati import optimal_regulator
 
-METHOD = "Glover-McFarlane"
 #: The smallest difference of a Hankel norm from one that can be told from rounding.
 _SMALLEST_MARGIN = 1e-6
 
@@ -129,15 +128,15 @@ def coprime_factors(plant: SampledSystem) -> CoprimeFactors:
     A, B, C = plant.A, plant.B, plant.C
     q, m = C.shape[0], B.shape[1]
     inputs, outputs = np.eye(m), np.eye(q)
-    X = optimal_regulator(A, B, C.T @ C, np.zeros((len(A), m)), inputs, METHOD).cost
-    Z = optimal_regulator(A.T, C.T, B @ B.T, np.zeros((len(A), q)), outputs, METHOD).cost
+    X = optimal_regulator(A, B, C.T @ C, np.zeros((len(A), m)), inputs).cost
+    Z = optimal_regulator(A.T, C.T, B @ B.T, np.zeros((len(A), q)), outputs).cost
     X, Z = (X + X.T) / 2.0, (Z + Z.T) / 2.0
     spread = outputs + C @ Z @ C.T
     injection = -np.linalg.solve(spread, C @ Z @ A.T).T
     found = CoprimeFactors(plant, X, Z, injection, np.linalg.cholesky(spread))
     if not 1.0 / found.smallest_gamma >= _SMALLEST_MARGIN:
         raise NotApplicable(
-            METHOD, "no controller bears a difference of one part in a million of this plant"
+            "no controller bears a difference of one part in a million of this plant"
         )
     return found
 

@@ -9,7 +9,6 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.linear_step_law import StepLawDerivatives
-from clepsydra.designs.loop_shaping.coprime_factors import METHOD
 from clepsydra.designs.sampled.sampled_loop import inputs_at_rest
 from clepsydra.designs.sampled.sampled_system import SampledSystem
 from clepsydra.linear.linear_model import LinearModel
@@ -57,7 +56,7 @@ class Precompensator:
         shape, names = self.system.D.shape, (len(self.inputs), len(self.outputs))
         if shape != names:
             raise InputError(
-                f"{METHOD}, precompensator",
+                "precompensator",
                 f"{shape[0]} outputs and {shape[1]} inputs",
                 f"{names[0]} and {names[1]}, one for each input and output of the process",
                 "name the signals of the pre-compensator",
@@ -115,7 +114,7 @@ def sampled_precompensator(
     shapes = [matrix.shape for matrix in (A, B, C, D)]
     if shapes != [(n, n), (n, q), (m, n), (m, q)]:
         raise InputError(
-            f"{METHOD}, precompensator",
+            "precompensator",
             ", ".join(f"{rows} × {columns}" for rows, columns in shapes),
             f"A {n} × {n}, B {n} × {q}, C {m} × {n} and D {m} × {q}",
             "give the four matrices of one state space",
@@ -124,7 +123,7 @@ def sampled_precompensator(
     left = identity - half * A
     if n and np.linalg.cond(left) > _SINGULAR:
         raise InputError(
-            f"{METHOD}, precompensator",
+            "precompensator",
             f"a pole at {2.0 / period:.3g} rad/s",
             "no pole at 2/T",
             "slow it down or sample faster",
@@ -167,7 +166,7 @@ def precompensator_of(controller: Controller, model: LinearModel) -> Precompensa
     """
     given = inputs_at_rest(controller, model)
     law = StepLawDerivatives(controller.law).at(controller.values, controller.initial_state, given)
-    place = f"{METHOD}, precompensator"
+    place = "precompensator"
     if sorted(controller.measurements) != sorted(controller.setpoints):
         raise InputError(
             place,

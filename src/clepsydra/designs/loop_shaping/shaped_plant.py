@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.designs.loop_shaping.coprime_factors import METHOD
 from clepsydra.designs.loop_shaping.precompensator import Precompensator
 from clepsydra.designs.sampled.sampled_process import refusing, sampled_process
 from clepsydra.designs.sampled.sampled_system import SampledSystem
@@ -84,15 +83,14 @@ def shaped_plant(model: LinearModel, precompensator: Precompensator) -> ShapedPl
     period = check_sampling_period(model)
     chosen = without_idle_states(model.select(precompensator.outputs, precompensator.inputs))
     if np.any(chosen.D != 0.0):
-        raise NotApplicable(METHOD, "an input acts on an output at once, before it can be sampled")
-    with refusing(METHOD, "its sampled process needs"):
+        raise NotApplicable("an input acts on an output at once, before it can be sampled")
+    with refusing("its sampled process needs"):
         held, moved = sampled_process(chosen, period)
     count = len(held) + len(precompensator.system.A)
     if count > MOST_STATES:
         raise NotApplicable(
-            METHOD,
             f"process and pre-compensator have {count} states, with what is on its way in dead "
-            f"times, and its equations can be solved for {MOST_STATES}; sample more slowly",
+            f"times, and its equations can be solved for {MOST_STATES}; sample more slowly"
         )
     spans = np.array([point.process.signal(name).span for name in chosen.outputs])
     sizes = np.where(np.isfinite(spans), spans, 1.0)

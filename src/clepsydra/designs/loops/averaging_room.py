@@ -77,9 +77,7 @@ class Load(NamedTuple):
     rate: float
 
 
-def load_steps(
-    model: LinearModel, output: str, method: str, others: Sequence[str] = ()
-) -> list[Load]:
+def load_steps(model: LinearModel, output: str, others: Sequence[str] = ()) -> list[Load]:
     """Return the load steps of the process that move a measurement.
 
     One that an averaging tank upstream passes on arrives through the inputs of other loops. It is
@@ -91,8 +89,6 @@ def load_steps(
     model : LinearModel
         Of a process at an operating point.
     output : str
-    method : str
-        For the message.
     others : sequence of str
         The inputs of other loops.
 
@@ -106,7 +102,7 @@ def load_steps(
     A basin of 1000 m² whose sensor shows 5 m as 100 %:
 
     >>> import clepsydra as cl
-    >>> (load,) = load_steps(cl.load("equalisation-tank").linear, "level", "by hand")
+    >>> (load,) = load_steps(cl.load("equalisation-tank").linear, "level")
     >>> load.signal, round(load.rate, 9)
     ('inflow', 2.4e-05)
     """
@@ -116,23 +112,23 @@ def load_steps(
         for name, sizes in element.load_steps().items():
             if name not in model.disturbances:
                 continue
-            slope = _slope(as_input(model, name), output, name, method)
+            slope = _slope(as_input(model, name), output, name)
             if others:
                 moves = _moves_at_rest(model, name)
-                slope += sum(moves[u] * _slope(model, output, u, method) for u in others)
+                slope += sum(moves[u] * _slope(model, output, u) for u in others)
             unit = process.signal(name).unit
             loads += [Load(name, unit, size, slope * size) for size in sizes if slope]
     if not loads:
         raise NotApplicable(
-            method, f"the process names no load step that moves {output}; give an arrest time"
+            f"the process names no load step that moves {output}; give an arrest time"
         )
     return loads
 
 
-def _slope(model: LinearModel, output: str, input_name: str, method: str) -> float:
+def _slope(model: LinearModel, output: str, input_name: str) -> float:
     """Return how fast a unit of an input moves an output at first; 0 where it does not."""
-    found = transfer_element(model, output, input_name, method=method)
-    return half_rule(found, method=method).slope if found is not None else 0.0
+    found = transfer_element(model, output, input_name)
+    return half_rule(found).slope if found is not None else 0.0
 
 
 def _moves_at_rest(model: LinearModel, disturbance: str) -> dict[str, float]:
@@ -171,7 +167,7 @@ def as_input(model: LinearModel, disturbance: str) -> LinearModel:
     )
 
 
-def averaging_room(point: OperatingPoint, output: Signal, method: str) -> Room:
+def averaging_room(point: OperatingPoint, output: Signal) -> Room:
     """Return how far a level may move [output unit].
 
     With a band, to its ends but for a twentieth of the way. Else as far either way as the nearest
@@ -188,7 +184,7 @@ def averaging_room(point: OperatingPoint, output: Signal, method: str) -> Room:
     >>> from clepsydra.linear.equilibrium import find_equilibrium
     >>> from clepsydra.process.reader import load_process
     >>> point = find_equilibrium(load_process("equalisation-tank"))
-    >>> round(averaging_room(point, point.process.signal("level"), "by hand").above, 9)
+    >>> round(averaging_room(point, point.process.signal("level")).above, 9)
     0.4
     """
     here = point.as_dict()[output.name]
@@ -197,21 +193,20 @@ def averaging_room(point: OperatingPoint, output: Signal, method: str) -> Room:
         free = 1.0 - BAND_MARGIN
         room = Room(free * (here - band[0]), free * (band[1] - here))
         if min(room) <= 0.0:
-            raise NotApplicable(method, f"{output.name} rests at the end of its band")
+            raise NotApplicable(f"{output.name} rests at the end of its band")
         return room
     limits = [output.low, output.high, *_vessel_limits(point, output.name)]
     way = min(abs(limit - here) for limit in limits)
     left = way - MARGIN * output.span
     if left <= 0.0:
         raise NotApplicable(
-            method,
             f"{output.name} stands {100.0 * way / output.span:.2g} % of its range from a limit, "
-            f"and {100.0 * MARGIN:g} % are kept free",
+            f"and {100.0 * MARGIN:g} % are kept free"
         )
     return Room(left, left)
 
 
-def longest_arrest(model: LinearModel, method: str) -> float:
+def longest_arrest(model: LinearModel) -> float:
     """Return the longest arrest time of the levels with a band, under their worst load step [s].
 
     That of damping 1 on the linear model, e · room / rate; 0 where no load moves a level with a
@@ -220,16 +215,16 @@ def longest_arrest(model: LinearModel, method: str) -> float:
     Examples
     --------
     >>> import clepsydra as cl
-    >>> longest_arrest(cl.load("equalisation-tank").linear, "by hand")
+    >>> longest_arrest(cl.load("equalisation-tank").linear)
     0.0
     """
     point = operating_point_of(model)
     times = [0.0]
     for name in point.process.bands:
         with suppress(NotApplicable):
-            room = averaging_room(point, point.process.signal(name), method)
+            room = averaging_room(point, point.process.signal(name))
             leaving, _ = averaged_flows(point.process, name)
-            loads = load_steps(model, name, method, [u for u in model.inputs if u not in leaving])
+            loads = load_steps(model, name, [u for u in model.inputs if u not in leaving])
             times.append(math.e * min(room.against(each.rate) / abs(each.rate) for each in loads))
     return max(times)
 

@@ -51,9 +51,7 @@ def control_authorities(point: OperatingPoint, inputs: Iterable[str]) -> np.ndar
     return np.array([control_authority(signal(name), at[name]) for name in inputs])
 
 
-def check_ranges(
-    process: Process, outputs: Iterable[str], inputs: Iterable[str], method: str
-) -> None:
+def check_ranges(process: Process, outputs: Iterable[str], inputs: Iterable[str]) -> None:
     """Refuse signals with an open range: limits and design steps are read off the ranges.
 
     Raises
@@ -65,15 +63,14 @@ def check_ranges(
     --------
     >>> from types import SimpleNamespace
     >>> process = SimpleNamespace(signal={"level": Signal("level", "V")}.__getitem__)
-    >>> check_ranges(process, ["level"], [], "SIMC")
+    >>> check_ranges(process, ["level"], [])
     Traceback (most recent call last):
         ...
-    clepsydra.designs.applicability.NotApplicable: SIMC is not applicable: level has no finite \
-range; give it one.
+    clepsydra.designs.applicability.NotApplicable: level has no finite range; give it one.
     """
     for name in (*outputs, *inputs):
         if not math.isfinite(process.signal(name).span):
-            raise NotApplicable(method, f"{name} has no finite range; give it one")
+            raise NotApplicable(f"{name} has no finite range; give it one")
 
 
 def largest_proportional_gain(measurement: Signal, manipulated: Signal, at: float) -> float:

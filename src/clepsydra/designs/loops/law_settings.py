@@ -13,7 +13,7 @@ DERIVATIVE_FILTER = 10.0
 _NEVER = 1e9
 
 
-def law_settings(settings: PidSettings, form: PidForm, place: str) -> dict[str, float]:
+def law_settings(settings: PidSettings, form: PidForm) -> dict[str, float]:
     """Return the settings in ISA form as parameters of a loop in any form, names without i.
 
     The derivative's filter has the time constant Td/10. The tracking time is Ti, or √(Ti Td)
@@ -38,7 +38,7 @@ def law_settings(settings: PidSettings, form: PidForm, place: str) -> dict[str, 
 
     Examples
     --------
-    >>> law_settings(PidSettings(2.5, 12.5, 2.0), PidForm("PID", "series"), "SIMC")["integral_time"]
+    >>> law_settings(PidSettings(2.5, 12.5, 2.0), PidForm("PID", "series"))["integral_time"]
     10.0
     """
     gain, integral_time, derivative_time = settings
@@ -55,7 +55,7 @@ def law_settings(settings: PidSettings, form: PidForm, place: str) -> dict[str, 
             "tracking_time": tracking,
         }
     if form.algorithm == "series":
-        gain, integral_time, derivative_time = to_series(settings, f"{place}, series form")
+        gain, integral_time, derivative_time = to_series(settings)
     return {
         "proportional_gain": gain,
         "integral_time": min(integral_time, _NEVER),

@@ -28,8 +28,6 @@ class LoopsTogether(Generic[T]):
         With the values that no setting changes.
     model : LinearModel
         Of a process at an operating point.
-    method : str
-        Of the design, for messages.
     values_of : callable
         Settings to the parameters that they make.
     search : Search
@@ -44,13 +42,12 @@ class LoopsTogether(Generic[T]):
         self,
         blank: Controller,
         model: LinearModel,
-        method: str,
         values_of: Callable[[T], Mapping[str, float]],
         search: Search = OF_LOOPS,
     ) -> None:
-        self.blank, self.method, self.point = blank, method, operating_point_of(model)
+        self.blank, self.point = blank, operating_point_of(model)
         self._values_of, self._search = values_of, search
-        with refusing(method, "its sampled loops need"):
+        with refusing("its sampled loops need"):
             self._sampled = SampledLoops(blank, model)
 
     def peak(self, settings: T) -> float:
@@ -59,11 +56,11 @@ class LoopsTogether(Generic[T]):
 
     def slowed_down(self, settings_at: Callable[[float], T]) -> SlowedDown[T]:
         """Return the fastest settings that the loops bear together; all as in `slow_down`."""
-        return slow_down(settings_at, self.peak, self.method, self._search)
+        return slow_down(settings_at, self.peak, self._search)
 
     def as_given(self, settings: T, choice: str) -> SlowedDown[T]:
         """Return settings that the user chose as they are; all as in `slowing_down.as_given`."""
-        return as_given(settings, self.peak, self.method, choice)
+        return as_given(settings, self.peak, choice)
 
     def timed(
         self, settings_at: Callable[[list[float]], T], shortest: Sequence[float], time: float | None
@@ -89,7 +86,7 @@ class LoopsTogether(Generic[T]):
         if time is None:
             found = self.slowed_down(lambda factor: settings_at([factor * t for t in shortest]))
             return found, [found.factor * t for t in shortest]
-        place = f"{self.method}, closed_loop_time_constant"
+        place = "closed_loop_time_constant"
         time = positive_number(place, time, "a time above 0 s", "give it in seconds")
         times = [time] * len(shortest)
         choice = f"a closed-loop time constant of {time:g} s"
@@ -111,7 +108,7 @@ class LoopsTogether(Generic[T]):
             A setting is outside of what a controller takes.
         """
         law = self.blank.law
-        values = applicable_values(law, self._values(found.design), self.method)
+        values = applicable_values(law, self._values(found.design))
         words = f"{design}; sensitivity peak of all loops together {found.peak:.2f}."
         state = state_at_rest(law, values, self.point.as_dict())
         made = replace(self.blank, values=values, initial_state=state)

@@ -9,7 +9,6 @@ from clepsydra.designs.loops.law_settings import DERIVATIVE_FILTER
 from clepsydra.designs.loops.pid_settings import PidSettings
 from clepsydra.designs.models.transfer_element import TransferElement
 
-METHOD = "phase margin"
 _BISECTIONS = 100
 
 
@@ -55,11 +54,10 @@ def pi_for_margin(
     if not 0.0 < lag < math.pi / 2.0:
         needed = "lead by" if lag <= 0.0 else "lag by"
         raise NotApplicable(
-            METHOD,
             f"at {crossover:.3g} rad/s the controller would have to {needed} "
             f"{abs(math.degrees(lag)):.0f}° for a margin of {math.degrees(phase_margin):.0f}°, and "
             f"a PI lags by 0° to 90°; choose a {'lower' if lag <= 0.0 else 'higher'} crossover"
-            + (" or a PID" if lag <= 0.0 else ""),
+            + (" or a PID" if lag <= 0.0 else "")
         )
     gain = element.sign * math.cos(lag) / element.magnitude(crossover)
     return PidSettings(gain, 1.0 / (crossover * math.tan(lag)))
@@ -114,12 +112,11 @@ def pid_for_margin(
     low, high = 1e-9, _LARGEST_LEAD_AT
     if not -0.5 * math.pi < lead < phase_of_pid(high):
         raise NotApplicable(
-            METHOD,
             f"at {crossover:.3g} rad/s the controller would have to "
             f"{'lead' if lead > 0.0 else 'lag'} by {abs(math.degrees(lead)):.0f}° for a margin of "
             f"{math.degrees(phase_margin):.0f}°, and a PID leads by "
             f"{math.degrees(phase_of_pid(high)):.0f}° at most and lags by less than 90°; choose a "
-            f"{'lower' if lead > 0.0 else 'higher'} crossover",
+            f"{'lower' if lead > 0.0 else 'higher'} crossover"
         )
     for _ in range(_BISECTIONS):
         middle = math.sqrt(low * high)

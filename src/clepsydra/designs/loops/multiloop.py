@@ -14,7 +14,7 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.decoupling import Decoupling
 from clepsydra.controllers.multiloop_pid import family, multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.designs.applicability import as_reasons_of
+from clepsydra.designs.applicability import reasons_about
 from clepsydra.designs.at_operating_point import controller_at, numbers_at
 from clepsydra.designs.decoupling import inverted_decoupler
 from clepsydra.designs.loops.control_authority import check_ranges, largest_proportional_gain
@@ -109,14 +109,14 @@ class MultiloopPid(LoopsTogether[Sequence[PidSettings]]):
         self.point = operating_point_of(model)
         self.process = self.point.process
         outputs, inputs = checked_pairing(pairing, model)
-        check_ranges(self.process, outputs, inputs, method)
+        check_ranges(self.process, outputs, inputs)
         at = self.point.as_dict()
         self.loops: list[PairedLoop] = []
         for output, input_name in zip(outputs, inputs, strict=True):
-            found = moving_element(model, output, input_name, method)
+            found = moving_element(model, output, input_name)
             signals = self.process.signal(output), self.process.signal(input_name)
             self.loops.append(PairedLoop(*signals, found, at[input_name]))
-        super().__init__(self._blank(model), model, method, self._settings)
+        super().__init__(self._blank(model), model, self._settings)
 
     def controller(self, found: Detuned, design: str, notes: Sequence[str]) -> Controller:
         """Return the controller with these settings, at rest at the operating point.
@@ -150,7 +150,6 @@ class MultiloopPid(LoopsTogether[Sequence[PidSettings]]):
             family(self.form) + self._decoupled(" with "),
             law,
             numbers_at(self.point, law.parameters) | self._fixed_values(model),
-            method=self.method,
             structure=Complexity.ADVANCED_LOOPS if self.decoupling else Complexity.LOOPS,
             free_inputs=self._remote_setpoints(),
         )
@@ -174,7 +173,7 @@ class MultiloopPid(LoopsTogether[Sequence[PidSettings]]):
         if self.decoupling is None:
             return values
         pairs = [(loop.output.name, loop.input.name) for loop in self.loops]
-        with as_reasons_of(f"{self.method} with decoupling"):
+        with reasons_about("decoupling"):
             found = inverted_decoupler(model, pairs, kind=self.decoupling)
         for i, loop in enumerate(self.loops):
             for j, other in enumerate(self.loops):
@@ -191,7 +190,7 @@ class MultiloopPid(LoopsTogether[Sequence[PidSettings]]):
     def _settings(self, settings: Sequence[PidSettings]) -> dict[str, float]:
         values: dict[str, float] = {}
         for loop, setting in zip(self.loops, settings, strict=True):
-            own = law_settings(setting, self.form, self.method) | {"setpoint_weight": 1.0}
+            own = law_settings(setting, self.form) | {"setpoint_weight": 1.0}
             values |= {path(loop.output, name): value for name, value in own.items()}
         return {name: value for name, value in values.items() if name in self.blank.values}
 
@@ -204,7 +203,7 @@ class MultiloopPid(LoopsTogether[Sequence[PidSettings]]):
         )
 
 
-def checked_form(form: PidForm | None, method: str) -> tuple[PidForm, Literal["PI", "PID"]]:
+def checked_form(form: PidForm | None) -> tuple[PidForm, Literal["PI", "PID"]]:
     """Return the form asked for, PI where none is, and its actions.
 
     Raises
@@ -214,13 +213,13 @@ def checked_form(form: PidForm | None, method: str) -> tuple[PidForm, Literal["P
 
     Examples
     --------
-    >>> checked_form(None, "SIMC")[1], checked_form(PidForm("PID"), "SIMC")[1]
+    >>> checked_form(None)[1], checked_form(PidForm("PID"))[1]
     ('PI', 'PID')
     """
     form = PidForm() if form is None else form
     if not isinstance(form, PidForm) or form.actions not in ("PI", "PID"):
         raise InputError(
-            f"{method}, form",
+            "form",
             getattr(form, "actions", form),
             "a PidForm with the actions PI or PID",
             "choose one of the two",
@@ -228,7 +227,7 @@ def checked_form(form: PidForm | None, method: str) -> tuple[PidForm, Literal["P
     return form, form.actions
 
 
-def pi_only(form: PidForm | None, method: str) -> PidForm:
+def pi_only(form: PidForm | None) -> PidForm:
     """Return the form asked for, which must have the actions PI.
 
     Raises
@@ -237,10 +236,10 @@ def pi_only(form: PidForm | None, method: str) -> PidForm:
 
     Examples
     --------
-    >>> pi_only(None, "lambda").actions
+    >>> pi_only(None).actions
     'PI'
     """
-    form, actions = checked_form(form, method)
+    form, actions = checked_form(form)
     if actions != "PI":
-        raise InputError(f"{method}, form", actions, "PI: it has no rule for Td", "ask for PI")
+        raise InputError("form", actions, "PI: it has no rule for Td", "ask for PI")
     return form

@@ -95,7 +95,7 @@ def design_by_rule(
     """
     from clepsydra.designs.loops.multiloop import MultiloopPid, checked_form
 
-    form, actions = checked_form(form, rule.method)
+    form, actions = checked_form(form)
     together = MultiloopPid(model, pairing, form, rule.method)
     delay = together.process.sampling_period / 2.0
     settings, origins = [], []

@@ -48,9 +48,7 @@ class FirstOrderDelay:
         return self.slope * self.time_constant
 
 
-def half_rule(
-    element: TransferElement, delay: float = 0.0, *, method: str = "SIMC"
-) -> FirstOrderDelay:
+def half_rule(element: TransferElement, delay: float = 0.0) -> FirstOrderDelay:
     """Reduce an element to first order with delay by Skogestad's rules.
 
     Positive numerator time constants are paired with a denominator time constant and replaced
@@ -65,8 +63,6 @@ def half_rule(
         Its dead time counts as delay.
     delay : float
         Delay of the loop outside the element: half a sampling period [s].
-    method : str
-        For the message.
 
     Raises
     ------
@@ -88,12 +84,12 @@ def half_rule(
     >>> model.time_constant, model.delay
     (1.1, 0.1)
     """
-    slope, (lag,), effective = reduced_lags(element, delay, 1, method)
+    slope, (lag,), effective = reduced_lags(element, delay, 1)
     return FirstOrderDelay(slope, lag, effective)
 
 
 def reduced_lags(
-    element: TransferElement, delay: float, order: int, method: str
+    element: TransferElement, delay: float, order: int
 ) -> tuple[float, list[float], float]:
     """Return the slope, the lags that the half rule keeps, and the effective delay.
 
@@ -104,8 +100,6 @@ def reduced_lags(
         Of the loop outside the element [s].
     order : int
         How many lags are kept; there may be fewer.
-    method : str
-        For the message.
 
     Raises
     ------
@@ -117,10 +111,10 @@ def reduced_lags(
     Four lags of 1 s as two: 1 s and 1.5 s, with 1.5 s of delay.
 
     >>> from clepsydra.designs.models.transfer_element import TransferElement
-    >>> reduced_lags(TransferElement(1.0, (-1.0,) * 4, (), 0), 0.0, 2, "SIMC")
+    >>> reduced_lags(TransferElement(1.0, (-1.0,) * 4, (), 0), 0.0, 2)
     (1.0, [1.0, 1.5], 1.5)
     """
-    _check(element, method)
+    _check(element)
     lags = sorted((-1.0 / root.real for root in element.poles), reverse=True)
     leads = sorted((-1.0 / root.real for root in element.zeros if root.real < 0.0), reverse=True)
     inverse = sum(1.0 / root.real for root in element.zeros if root.real > 0.0)
@@ -131,7 +125,7 @@ def reduced_lags(
     for _ in range(_ROUNDS):
         factor, left = _without_leads(lags, leads, effective)
         if not left:
-            raise NotApplicable(method, "no lag is left once its zeros are accounted for")
+            raise NotApplicable("no lag is left once its zeros are accounted for")
         shared = left[order] if len(left) > order else 0.0
         new = fixed + shared / 2.0 + sum(left[order + 1 :])
         if new == effective:
@@ -178,9 +172,9 @@ def _partner(lead: float, lags: list[float]) -> float:
     return larger
 
 
-def _check(element: TransferElement, method: str) -> None:
-    element.check(method)
+def _check(element: TransferElement) -> None:
+    element.check()
     if any(abs(root.imag) > _REAL * abs(root) for root in (*element.poles, *element.zeros)):
-        raise NotApplicable(method, "the element oscillates, the half rule needs real roots")
+        raise NotApplicable("the element oscillates, the half rule needs real roots")
     if not element.poles and element.integrators == 0:
-        raise NotApplicable(method, "the element answers at once, it has no lag")
+        raise NotApplicable("the element answers at once, it has no lag")

@@ -53,7 +53,7 @@ class ReactionCurve(NamedTuple):
         return FirstOrderDelay(self.gain / self.time_constant, self.time_constant, self.delay)
 
 
-def reaction_curve(element: TransferElement, delay: float, *, method: str) -> ReactionCurve:
+def reaction_curve(element: TransferElement, delay: float) -> ReactionCurve:
     """Return the reaction curve of an element, from its exact step response.
 
     Of an integrating element the steepest tangent is the line that the response runs into.
@@ -64,8 +64,6 @@ def reaction_curve(element: TransferElement, delay: float, *, method: str) -> Re
         Stable, or integrating once, and no jump at the start of its response.
     delay : float
         Of the loop outside the element: half a sampling period [s].
-    method : str
-        For the message.
 
     Raises
     ------
@@ -82,13 +80,13 @@ def reaction_curve(element: TransferElement, delay: float, *, method: str) -> Re
     1/(s + 1)³ is steepest at 2 s, with a slope of 2/e²:
 
     >>> from clepsydra.designs.models.transfer_element import TransferElement
-    >>> curve = reaction_curve(TransferElement(1.0, (-1.0, -1.0, -1.0), (), 0), 0.0, method="ZN")
+    >>> curve = reaction_curve(TransferElement(1.0, (-1.0, -1.0, -1.0), (), 0), 0.0)
     >>> round(curve.slope * math.exp(2.0), 6), round(curve.delay, 3)
     (2.0, 0.805)
     """
-    element.check(method)
+    element.check()
     if len(element.poles) + element.integrators <= len(element.zeros):
-        raise NotApplicable(method, "the element answers at once, it has no lag")
+        raise NotApplicable("the element answers at once, it has no lag")
     late = delay + element.dead_time
     if element.integrators:
         lag = sum((-1.0 / root).real for root in map(complex, element.poles))
@@ -97,7 +95,7 @@ def reaction_curve(element: TransferElement, delay: float, *, method: str) -> Re
     else:
         found = _of_lags(element, late)
     if found.delay <= 0.0:
-        raise NotApplicable(method, "its step response has no delay to go by")
+        raise NotApplicable("its step response has no delay to go by")
     return found
 
 

@@ -38,9 +38,7 @@ class SecondOrderDelay:
     delay: float
 
 
-def half_rule_of_second_order(
-    element: TransferElement, delay: float = 0.0, *, method: str = "SIMC"
-) -> SecondOrderDelay:
+def half_rule_of_second_order(element: TransferElement, delay: float = 0.0) -> SecondOrderDelay:
     """Reduce an element to second order with delay by Skogestad's rules.
 
     As `first_order_delay.half_rule`, but the two largest lags are kept, and half of the third
@@ -51,8 +49,6 @@ def half_rule_of_second_order(
     element : TransferElement
     delay : float
         Of the loop outside the element: half a sampling period [s].
-    method : str
-        For the message.
 
     Raises
     ------
@@ -71,5 +67,5 @@ def half_rule_of_second_order(
     >>> model.second_time_constant, model.delay
     (1.5, 1.5)
     """
-    slope, lags, effective = reduced_lags(element, delay, 2, method)
+    slope, lags, effective = reduced_lags(element, delay, 2)
     return SecondOrderDelay(slope, lags[0], lags[1] if len(lags) > 1 else 0.0, effective)

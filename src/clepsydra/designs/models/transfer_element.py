@@ -50,7 +50,7 @@ class TransferElement:
         """The direction in which the output finally moves: 1 or −1."""
         return math.copysign(1.0, self.gain)
 
-    def check(self, method: str, integrators: float = 1) -> None:
+    def check(self, integrators: float = 1) -> None:
         """Refuse what no rule for single loops is for.
 
         Raises
@@ -59,11 +59,11 @@ class TransferElement:
             It is unstable, holds no output, or integrates more often than this.
         """
         if any(root.real >= 0.0 for root in self.poles):
-            raise NotApplicable(method, "the element is unstable without control")
+            raise NotApplicable("the element is unstable without control")
         if self.integrators < 0:
-            raise NotApplicable(method, "the input cannot hold the output: its static gain is zero")
+            raise NotApplicable("the input cannot hold the output: its static gain is zero")
         if self.integrators > integrators:
-            raise NotApplicable(method, f"the element integrates {self.integrators} times")
+            raise NotApplicable(f"the element integrates {self.integrators} times")
 
     def magnitude(self, omega: float) -> float:
         """Return |g(jω)| at ω [rad/s]."""
@@ -86,9 +86,7 @@ class TransferElement:
         return angle
 
 
-def transfer_element(
-    model: LinearModel, output: str, input_name: str, *, method: str = "transfer function"
-) -> TransferElement | None:
+def transfer_element(model: LinearModel, output: str, input_name: str) -> TransferElement | None:
     """Return the element from an input to an output; None where the input does not move it.
 
     Dead time is exact where all ways from the input to the output take the same.
@@ -97,8 +95,6 @@ def transfer_element(
     ----------
     model : LinearModel
     output, input_name : str
-    method : str
-        For the message.
 
     Raises
     ------
@@ -119,16 +115,13 @@ def transfer_element(
     lags = lags_of(chosen)
     if lags is None:
         raise NotApplicable(
-            method,
             f"{input_name} acts on {output} by ways of different dead time, or by a loop with "
-            "dead time in it, so that one dead time and a rational function do not describe it",
+            "dead time in it, so that one dead time and a rational function do not describe it"
         )
     return _element(model, output, input_name, float(lags.outputs[0] - lags.inputs[0]))
 
 
-def moving_element(
-    model: LinearModel, output: str, input_name: str, method: str
-) -> TransferElement:
+def moving_element(model: LinearModel, output: str, input_name: str) -> TransferElement:
     """Return the transfer function of a pair whose input moves its output.
 
     Raises
@@ -136,9 +129,9 @@ def moving_element(
     NotApplicable
         It does not, or as for `transfer_element`.
     """
-    found = transfer_element(model, output, input_name, method=method)
+    found = transfer_element(model, output, input_name)
     if found is None:
-        raise NotApplicable(method, f"{input_name} does not move {output}")
+        raise NotApplicable(f"{input_name} does not move {output}")
     return found
 
 

@@ -37,7 +37,7 @@ class UltimatePoint(NamedTuple):
     period: float
 
 
-def ultimate_point(element: TransferElement, delay: float, *, method: str) -> UltimatePoint:
+def ultimate_point(element: TransferElement, delay: float) -> UltimatePoint:
     """Return the ultimate gain and period of an element, exact with its dead time.
 
     At the ultimate frequency ω the loop is delayed by half a turn, arg g(jω) − ω θ = −π
@@ -50,8 +50,6 @@ def ultimate_point(element: TransferElement, delay: float, *, method: str) -> Ul
         Stable, or integrating.
     delay : float
         θ of the loop outside the element: half a sampling period [s].
-    method : str
-        For the message.
 
     Raises
     ------
@@ -69,15 +67,15 @@ def ultimate_point(element: TransferElement, delay: float, *, method: str) -> Ul
 
     >>> from clepsydra.designs.models.transfer_element import TransferElement
     >>> lags = TransferElement(1.0, (-1.0, -1.0, -1.0), (), 0)
-    >>> found = ultimate_point(lags, 0.0, method="by hand")
+    >>> found = ultimate_point(lags, 0.0)
     >>> round(found.gain, 9), round(found.period * math.sqrt(3.0) / math.tau, 9)
     (8.0, 1.0)
     """
-    element.check(method)
+    element.check()
     found = _found(element, delay)
     if found is None:
         raise NotApplicable(
-            method, "the element is never late by half a turn, so no gain is too large for it"
+            "the element is never late by half a turn, so no gain is too large for it"
         )
     return found
 

@@ -80,7 +80,7 @@ def sampled_transfer(
     return SampledModel(tuple(b), tuple(a), samples, period)
 
 
-def sampled_element(element: TransferElement, period: float, *, method: str) -> SampledModel:
+def sampled_element(element: TransferElement, period: float) -> SampledModel:
     """Return the sampled model of an element, of second order at most.
 
     An element of one or two poles is sampled exactly, with a dead time of any length: a part of
@@ -92,8 +92,6 @@ def sampled_element(element: TransferElement, period: float, *, method: str) -> 
     element : TransferElement
     period : float
         [s]
-    method : str
-        For the message.
 
     Raises
     ------
@@ -103,24 +101,23 @@ def sampled_element(element: TransferElement, period: float, *, method: str) -> 
 
     Examples
     --------
-    >>> model = sampled_element(TransferElement(2.0, (-0.1,), (), 0, 1.5), 1.0, method="by hand")
+    >>> model = sampled_element(TransferElement(2.0, (-0.1,), (), 0, 1.5), 1.0)
     >>> model.delay, len(model.numerator), round(model.static_gain, 9)
     (1, 2, 2.0)
     """
     order = len(element.poles) + max(element.integrators, 0)
     if element.integrators < 0:
-        raise NotApplicable(method, "the input cannot hold the output: its static gain is zero")
+        raise NotApplicable("the input cannot hold the output: its static gain is zero")
     if len(element.zeros) >= order:
-        raise NotApplicable(method, "the output answers at once, without a lag")
+        raise NotApplicable("the output answers at once, without a lag")
     if order > HIGHEST_ORDER:
-        element = with_two_lags(element, period, method=method)
+        element = with_two_lags(element, period)
     steps = math.floor(element.dead_time / period + _NOTHING)
     late = max(element.dead_time / period - steps, 0.0)
     if steps > LONGEST_DELAY:
         raise NotApplicable(
-            method,
             f"its delay of {element.dead_time:.3g} s is longer than {LONGEST_DELAY} sampling "
-            f"periods of {period:g} s; sample more slowly",
+            f"periods of {period:g} s; sample more slowly"
         )
     above, below = _polynomials(element)
     b, a = _held(above, below, late if late > _NOTHING else 0.0, period)

@@ -79,7 +79,7 @@ class PairedDesign(NamedTuple):
 
     Parameters
     ----------
-    name, family, method : str
+    name, family : str
     model : LinearModel
     point : OperatingPoint
     pairs : sequence of ModelledPair
@@ -92,7 +92,6 @@ class PairedDesign(NamedTuple):
 
     name: str
     family: str
-    method: str
     model: LinearModel
     point: OperatingPoint
     pairs: Sequence[ModelledPair]
@@ -123,10 +122,8 @@ class PairedDesign(NamedTuple):
         first = self.gains_at(1.0)
         fixed = {**numbers_at(self.point, self.law.parameters), **self.fixed}
         values = fixed | self._values(first)
-        blank = controller_at(
-            self.point, self.name, self.family, self.law, values, method=self.method
-        )
-        loops = LoopsTogether(blank, self.model, self.method, self._values, OF_STATE_FEEDBACK)
+        blank = controller_at(self.point, self.name, self.family, self.law, values)
+        loops = LoopsTogether(blank, self.model, self._values, OF_STATE_FEEDBACK)
         if given:
             found = loops.as_given(first, f"{given}; ask for less")
             more = note_on_peak(found.peak, "choose a larger q_u or slower assigned poles")

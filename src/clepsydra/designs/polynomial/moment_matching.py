@@ -10,7 +10,7 @@ from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.models.transfer_element import TransferElement
 
 
-def with_two_lags(element: TransferElement, period: float, *, method: str) -> TransferElement:
+def with_two_lags(element: TransferElement, period: float) -> TransferElement:
     """Return two lags, real or as a pair, and a delay of whole samples for a stable element.
 
     ln g(s) = ln k − m1 s + m2 s²/2 − m3 s³/3 + …, where every lag τ and the delay count in
@@ -27,8 +27,6 @@ def with_two_lags(element: TransferElement, period: float, *, method: str) -> Tr
     element : TransferElement
     period : float
         [s]
-    method : str
-        For the message.
 
     Raises
     ------
@@ -46,14 +44,14 @@ def with_two_lags(element: TransferElement, period: float, *, method: str) -> Tr
     Eight lags of 2 s become a pair of natural frequency 0.2 rad/s and seven samples of delay:
 
     >>> chain = TransferElement(3.08, (-0.5,) * 8, (), 0)
-    >>> reduced = with_two_lags(chain, 1.0, method="by hand")
+    >>> reduced = with_two_lags(chain, 1.0)
     >>> reduced.dead_time, round(float(abs(reduced.poles[0])), 3)
     (7.0, 0.202)
     """
     if any(pole.real >= 0.0 for pole in map(complex, element.poles)):
-        raise NotApplicable(method, "the element is unstable without control")
+        raise NotApplicable("the element is unstable without control")
     if element.integrators > 1:
-        raise NotApplicable(method, f"the element integrates {element.integrators} times")
+        raise NotApplicable(f"the element integrates {element.integrators} times")
     first, second, third = (_moment(element, power) for power in (1, 2, 3))
     first += element.dead_time
     if element.integrators == 1:
@@ -62,7 +60,7 @@ def with_two_lags(element: TransferElement, period: float, *, method: str) -> Tr
         lags, samples = _two(first, second, third, period)
     if not lags:
         raise NotApplicable(
-            method, "the zeros of the element outweigh its lags: no lags and delay stand for it"
+            "the zeros of the element outweigh its lags: no lags and delay stand for it"
         )
     return TransferElement(
         element.gain,

@@ -54,7 +54,7 @@ class ModelledPair(NamedTuple):
 
 
 def modelled_pairs(
-    model: LinearModel, pairing: Pairing | None, given: Sequence[SampledModel] | None, method: str
+    model: LinearModel, pairing: Pairing | None, given: Sequence[SampledModel] | None
 ) -> tuple[OperatingPoint, list[ModelledPair]]:
     """Return the operating point and the pairs with their sampled models.
 
@@ -67,8 +67,6 @@ def modelled_pairs(
     given : sequence of SampledModel, optional
         One for each pair, an identified one say; without them the paired elements are sampled
         (`designs.polynomial.element_sampling`).
-    method : str
-        For the message.
 
     Raises
     ------
@@ -83,7 +81,7 @@ def modelled_pairs(
     --------
     >>> import clepsydra as cl
     >>> analysis = cl.load("eight-tanks").analysis
-    >>> _, (pair,) = modelled_pairs(analysis.model, analysis.pairing, None, "by hand")
+    >>> _, (pair,) = modelled_pairs(analysis.model, analysis.pairing, None)
     >>> pair.model.delay, round(pair.model.static_gain / 60, 4)
     (7, 3.08)
     """
@@ -91,17 +89,17 @@ def modelled_pairs(
     point = operating_point_of(model)
     outputs, inputs = checked_pairing(pairing, model)
     process, at = point.process, point.as_dict()
-    check_ranges(process, outputs, inputs, method)
-    models = _sampled(model, outputs, inputs, period, method) if given is None else list(given)
+    check_ranges(process, outputs, inputs)
+    models = _sampled(model, outputs, inputs, period) if given is None else list(given)
     if len(models) != len(outputs):
         raise InputError(
-            f"{method}, models", len(models), f"{len(outputs)} models, one for each pair",
+            "models", len(models), f"{len(outputs)} models, one for each pair",
             "give them in the order of the pairing",
         )  # fmt: skip
     for each in models:
         if not isinstance(each, SampledModel) or abs(each.period / period - 1.0) > 1e-9:
             raise InputError(
-                f"{method}, models", getattr(each, "period", each),
+                "models", getattr(each, "period", each),
                 f"sampled models of the process's sampling period of {period:g} s",
                 "identify or sample with this period",
             )  # fmt: skip
@@ -112,17 +110,13 @@ def modelled_pairs(
 
 
 def _sampled(
-    model: LinearModel,
-    outputs: Sequence[str],
-    inputs: Sequence[str],
-    period: float,
-    method: str,
+    model: LinearModel, outputs: Sequence[str], inputs: Sequence[str], period: float
 ) -> list[SampledModel]:
     found = []
     for output, name in zip(outputs, inputs, strict=True):
-        element = moving_element(model, output, name, method)
+        element = moving_element(model, output, name)
         with reasons_about(f"{output} by {name}"):
-            found.append(sampled_element(element, period, method=method))
+            found.append(sampled_element(element, period))
     return found
 
 
@@ -151,9 +145,7 @@ class Request(NamedTuple):
         return " and ".join(words)
 
 
-def checked_request(
-    penalty: float | None, assigned_poles: Sequence[float] | None, method: str
-) -> Request:
+def checked_request(penalty: float | None, assigned_poles: Sequence[float] | None) -> Request:
     """Return what was asked for.
 
     Raises
@@ -163,12 +155,12 @@ def checked_request(
 
     Examples
     --------
-    >>> checked_request(10, [0.5], "Smith predictor")
+    >>> checked_request(10, [0.5])
     Request(penalty=10.0, assigned_poles=(0.5,))
     """
     if penalty is not None and (not is_finite_number(penalty) or penalty <= 0.0):
         raise InputError(
-            f"{method}, penalty",
+            "penalty",
             penalty,
             "a number above 0",
             "give q_u in (output unit/input unit)²",
@@ -177,7 +169,7 @@ def checked_request(
     for pole in poles or ():
         if not is_finite_number(pole) or not 0.0 <= pole < 1.0:
             raise InputError(
-                f"{method}, assigned_poles", pole, "real poles from 0 to below 1",
+                "assigned_poles", pole, "real poles from 0 to below 1",
                 "a smaller one is faster",
             )  # fmt: skip
     poles = poles and tuple(map(float, poles))

@@ -30,22 +30,22 @@ class NotSampled(InputError):
 
 
 @contextmanager
-def refusing(method: str, what: str) -> Iterator[None]:
+def refusing(what: str) -> Iterator[None]:
     """Say that a design does not apply where what it needs cannot be sampled.
 
     Examples
     --------
-    >>> with refusing("LQI", "its process needs"):
+    >>> with refusing("its process needs"):
     ...     raise NotSampled("linear model, delays", "30 s", "whole samples", "sample faster")
     Traceback (most recent call last):
         ...
-    clepsydra.designs.applicability.NotApplicable: LQI is not applicable: its process needs whole \
-samples; sample faster.
+    clepsydra.designs.applicability.NotApplicable: its process needs whole samples; sample \
+faster.
     """
     try:
         yield
     except NotSampled as refusal:
-        raise NotApplicable(method, f"{what} {refusal.expected}; {refusal.remedy}") from None
+        raise NotApplicable(f"{what} {refusal.expected}; {refusal.remedy}") from None
 
 
 class SampledProcess(NamedTuple):

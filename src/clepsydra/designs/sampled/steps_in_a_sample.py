@@ -77,7 +77,7 @@ def at_share(share: float, signals: Sequence[Signal], rest: np.ndarray) -> np.nd
     return np.array(found, float)
 
 
-def steps_in_a_sample(equations: ProcessEquations, method: str) -> tuple[int, int]:
+def steps_in_a_sample(equations: ProcessEquations) -> tuple[int, int]:
     """Return the steps of the Runge-Kutta method in a sample, and the doublings of a series.
 
     Raises
@@ -89,7 +89,7 @@ def steps_in_a_sample(equations: ProcessEquations, method: str) -> tuple[int, in
     --------
     >>> import clepsydra as cl
     >>> from clepsydra.controllers.process_equations import process_equations
-    >>> steps_in_a_sample(process_equations(cl.load("averaging-tank").linear), "LQI")
+    >>> steps_in_a_sample(process_equations(cl.load("averaging-tank").linear))
     (3, 3)
     """
     period = equations.point.process.sampling_period
@@ -97,8 +97,7 @@ def steps_in_a_sample(equations: ProcessEquations, method: str) -> tuple[int, in
     substeps, doublings = max(1, math.ceil(covered / _FINE)), doublings_for(covered)
     if substeps > MOST_SUBSTEPS:
         raise NotApplicable(
-            method,
             f"its equations would need {substeps} steps in a sample of {period:g} s, and a "
-            f"controller takes at most {MOST_SUBSTEPS}; sample faster",
+            f"controller takes at most {MOST_SUBSTEPS}; sample faster"
         )
     return substeps, doublings

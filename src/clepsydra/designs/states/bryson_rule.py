@@ -83,7 +83,6 @@ def acceptable_deviations(
     model: LinearModel,
     maximum_errors: Mapping[str, float] | None,
     maximum_moves: Mapping[str, float] | None,
-    method: str,
 ) -> Deviations:
     """Return Bryson's deviations: the default ones, with those that were given in their place.
 
@@ -91,8 +90,6 @@ def acceptable_deviations(
     ----------
     model, maximum_errors, maximum_moves
         As for `design_lqi`.
-    method : str
-        For the message.
 
     Raises
     ------
@@ -105,17 +102,17 @@ def acceptable_deviations(
     --------
     >>> import clepsydra as cl
     >>> model = cl.load("quadruple-tank").linear
-    >>> acceptable_deviations(model, {"level_1": 0.5}, None, "LQI").errors
+    >>> acceptable_deviations(model, {"level_1": 0.5}, None).errors
     {'level_1': 0.5, 'level_2': 1.0}
     """
     point = operating_point_of(model)
     usual = {name: DESIGN_STEP * point.process.signal(name).span for name in model.outputs}
-    errors = _given(f"{method}, maximum_errors", maximum_errors, usual)
+    errors = _given("maximum_errors", maximum_errors, usual)
     rooms = control_authorities(point, model.inputs).tolist()
     usual = dict(zip(model.inputs, rooms, strict=True))
-    moves = _given(f"{method}, maximum_moves", maximum_moves, usual)
+    moves = _given("maximum_moves", maximum_moves, usual)
     sizes = np.array(list(errors.values())), np.array(list(moves.values()))
-    return Deviations(errors, moves, _horizon(model, *sizes, method))
+    return Deviations(errors, moves, _horizon(model, *sizes))
 
 
 def bryson_weights(
@@ -159,7 +156,7 @@ def bryson_weights(
     )
 
 
-def _horizon(model: LinearModel, errors: np.ndarray, moves: np.ndarray, method: str) -> float:
+def _horizon(model: LinearModel, errors: np.ndarray, moves: np.ndarray) -> float:
     """Return the time for which a largest error may last [s]."""
     late = float(model.times.sum())
     model = at_rest(model)
@@ -170,7 +167,7 @@ def _horizon(model: LinearModel, errors: np.ndarray, moves: np.ndarray, method: 
         return max(max(times, default=0.0) / 3.0, max(inverse, default=0.0), late)
     rates = np.abs(model.C @ model.B) @ moves
     if not np.all(rates > 0.0):
-        raise NotApplicable(method, "the model has no time constant to scale the weights with")
+        raise NotApplicable("the model has no time constant to scale the weights with")
     return float(np.max(errors / rates))
 
 

@@ -79,7 +79,7 @@ def with_loads(observed: ObservedProcess) -> ObservedProcess:
     --------
     >>> import clepsydra as cl
     >>> from clepsydra.designs.states.observed_process import observed_process
-    >>> seen = observed_process(cl.load("wet-well").linear, None, "observer")
+    >>> seen = observed_process(cl.load("wet-well").linear, None)
     >>> [signal.name for signal in with_loads(seen).estimated]
     ['well.level', 'duty.actual', 'duty.load']
     """

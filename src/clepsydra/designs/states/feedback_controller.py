@@ -25,7 +25,7 @@ _NOTE_ON_LOADS = (
 
 
 def states_to_feed_back(
-    model: LinearModel, measurements: Sequence[str] | None, method: str
+    model: LinearModel, measurements: Sequence[str] | None
 ) -> tuple[ObservedProcess, bool]:
     """Return the process by its relevant states, and whether sensors show them all.
 
@@ -35,8 +35,6 @@ def states_to_feed_back(
         Of a process at an operating point; its outputs are controlled.
     measurements : sequence of str or None
         Naming them asks for an observer.
-    method : str
-        For the message.
 
     Raises
     ------
@@ -49,14 +47,14 @@ def states_to_feed_back(
     Examples
     --------
     >>> import clepsydra as cl
-    >>> observed, measured = states_to_feed_back(cl.load("three-tanks").linear, None, "LQR")
+    >>> observed, measured = states_to_feed_back(cl.load("three-tanks").linear, None)
     >>> observed.measurements, measured
     (('level_1', 'level_2', 'level_3'), True)
     """
     relevant = without_idle_states(model)
     if measurements is None and all_states_are_measured(relevant):
-        return observed_process(model, measurements_of_states(relevant, method), method), True
-    return observed_process(model, measurements, method), False
+        return observed_process(model, measurements_of_states(relevant)), True
+    return observed_process(model, measurements), False
 
 
 def feedback_controller(
@@ -92,7 +90,7 @@ def feedback_controller(
     Examples
     --------
     >>> import clepsydra as cl
-    >>> seen = observed_process(cl.load("equalisation-tank").linear, None, "by hand")
+    >>> seen = observed_process(cl.load("equalisation-tank").linear, None)
     >>> gain = np.array([[-0.5]])  # a higher level asks for more outflow
     >>> controller = feedback_controller("by hand", seen, gain, np.ones(1), 60.0, None)
     >>> found = controller.values
@@ -101,7 +99,7 @@ def feedback_controller(
     """
     model = observed.model
     ahead = precompensator(
-        observed.held, observed.moved, observed.shown[observed.controlled], feedback, moves, name
+        observed.held, observed.moved, observed.shown[observed.controlled], feedback, moves
     )
     if estimation is None:
         # The law sees measurements: F x = (F C⁻¹) y where y = C x.

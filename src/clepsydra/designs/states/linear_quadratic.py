@@ -17,7 +17,6 @@ from clepsydra.designs.states.riccati import Regulator, optimal_regulator
 from clepsydra.linear.dead_time import at_rest
 from clepsydra.linear.linear_model import LinearModel
 
-METHOD = "LQI"
 ANTI_WINDUP = word("anti_windup", "what integrals do while an output is at a limit", AntiWindup)
 _SINGULAR = 1e-10
 
@@ -54,11 +53,7 @@ class LqiGains(NamedTuple):
 
 
 def lqi_gains(
-    model: LinearModel,
-    weights: QuadraticWeights,
-    sampling_period: float,
-    horizon: float,
-    method: str = METHOD,
+    model: LinearModel, weights: QuadraticWeights, sampling_period: float, horizon: float
 ) -> LqiGains:
     """Return the gains that minimise the quadratic cost of the sampled model with integrators.
 
@@ -79,8 +74,6 @@ def lqi_gains(
         Δt [s]
     horizon : float
         About how long a response takes [s]: it scales the numbers, not the result.
-    method : str
-        For the message.
 
     Raises
     ------
@@ -104,8 +97,8 @@ def lqi_gains(
     >>> round(float(gains.feedback[0, 0]), 4)
     1.732
     """
-    refuse_feedthrough(model, method)
-    check_independent(model, method)
+    refuse_feedthrough(model)
+    check_independent(model)
     assert weights.integrals is not None
     q = len(model.outputs)
     cost, sizes, moves = scaled_cost(model, weights, sampling_period, horizon)
@@ -120,24 +113,20 @@ def lqi_gains(
     Q = np.zeros((n + q, n + q))
     Q[:n, :n], Q[n:, n:] = cost.Q, sums[:, None] * weights.integrals * sums
     N = np.vstack([cost.N, np.zeros((q, len(moves)))])
-    found = optimal_regulator(held, moved, Q, N, cost.R, method)
+    found = optimal_regulator(held, moved, Q, N, cost.R)
     gain = moves[:, None] * found.gain
     F, G = gain[:, :n] / sizes, gain[:, n:] / sums
     return LqiGains(F, G, found.eigenvalues, found.cost, sizes)
 
 
 def lqr_gains(
-    model: LinearModel,
-    weights: QuadraticWeights,
-    sampling_period: float,
-    horizon: float,
-    method: str = "LQR",
+    model: LinearModel, weights: QuadraticWeights, sampling_period: float, horizon: float
 ) -> Regulator:
     """Return the regulator u(k) = −F x(k) that minimises the quadratic cost without integrals.
 
     Parameters
     ----------
-    model, weights, sampling_period, horizon, method
+    model, weights, sampling_period, horizon
         As for `lqi_gains`; the weights of integrals do not count.
 
     Returns
@@ -162,9 +151,9 @@ def lqr_gains(
     >>> round(float(lqr_gains(tank, QuadraticWeights(one, one), 1e-5, 1.0).gain[0, 0]), 4)
     1.0
     """
-    refuse_feedthrough(model, method)
+    refuse_feedthrough(model)
     cost, sizes, moves = scaled_cost(model, weights, sampling_period, horizon)
-    found = optimal_regulator(cost.held, cost.moved, cost.Q, cost.N, cost.R, method)
+    found = optimal_regulator(cost.held, cost.moved, cost.Q, cost.N, cost.R)
     return found._replace(gain=moves[:, None] * found.gain / sizes)
 
 
@@ -209,7 +198,7 @@ def scaled_cost(
     return scaled, sizes, moves
 
 
-def refuse_feedthrough(model: LinearModel, method: str) -> None:
+def refuse_feedthrough(model: LinearModel) -> None:
     """Refuse a model in which an input acts on a controlled output at once.
 
     Raises
@@ -219,18 +208,17 @@ def refuse_feedthrough(model: LinearModel, method: str) -> None:
     Examples
     --------
     >>> one = np.eye(1)
-    >>> refuse_feedthrough(LinearModel(-one, one, one[:, :0], one, one, ("x",), ("u",), (), ("y",)),
-    ...                    "LQR")
+    >>> refuse_feedthrough(LinearModel(-one, one, one[:, :0], one, one, ("x",), ("u",), (), ("y",)))
     Traceback (most recent call last):
         ...
-    clepsydra.designs.applicability.NotApplicable: LQR is not applicable: an input acts on a \
-controlled output at once.
+    clepsydra.designs.applicability.NotApplicable: an input acts on a controlled output \
+at once.
     """
     if np.any(model.D != 0.0):
-        raise NotApplicable(method, "an input acts on a controlled output at once")
+        raise NotApplicable("an input acts on a controlled output at once")
 
 
-def check_independent(model: LinearModel, method: str) -> None:
+def check_independent(model: LinearModel) -> None:
     """Refuse outputs that cannot all be held: it takes full row rank of [A B; C 0].
 
     Raises
@@ -242,20 +230,20 @@ def check_independent(model: LinearModel, method: str) -> None:
     --------
     >>> one = np.eye(1)
     >>> check_independent(LinearModel(-one, one, one[:, :0], one, 0 * one,
-    ...                               ("x",), ("u",), (), ("y",)), "LQI")
+    ...                               ("x",), ("u",), (), ("y",)))
     """
     model = at_rest(model)
     n, q = len(model.states), len(model.outputs)
     if len(model.inputs) < q:
         raise NotApplicable(
-            method, f"{len(model.inputs)} inputs cannot hold {q} outputs at their setpoints"
+            f"{len(model.inputs)} inputs cannot hold {q} outputs at their setpoints"
         )
     system = np.block([[model.A, model.B], [model.C, np.zeros((q, len(model.inputs)))]])
     system = system / np.linalg.norm(system, axis=1, keepdims=True)
     system = system / np.maximum(np.linalg.norm(system, axis=0), np.finfo(float).tiny)
     if np.linalg.svd(system, compute_uv=False)[n + q - 1] < _SINGULAR:
         raise NotApplicable(
-            method, "the outputs cannot be held independently: there is a zero at the origin"
+            "the outputs cannot be held independently: there is a zero at the origin"
         )
 
 

@@ -11,15 +11,13 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise, operating_point_of
 
 
-def measurements_of_states(model: LinearModel, method: str) -> tuple[str, ...]:
+def measurements_of_states(model: LinearModel) -> tuple[str, ...]:
     """Return a measurement for each state of a model, in the order of the states.
 
     Parameters
     ----------
     model : LinearModel
         Of a process at an operating point.
-    method : str
-        For the message.
 
     Raises
     ------
@@ -29,7 +27,7 @@ def measurements_of_states(model: LinearModel, method: str) -> tuple[str, ...]:
     Examples
     --------
     >>> import clepsydra as cl
-    >>> measurements_of_states(cl.load("quadruple-tank").linear, "LQI")
+    >>> measurements_of_states(cl.load("quadruple-tank").linear)
     ('level_1', 'level_2', 'level_3', 'level_4')
     """
     process = operating_point_of(model).process
@@ -38,11 +36,11 @@ def measurements_of_states(model: LinearModel, method: str) -> tuple[str, ...]:
         # Where two sensors show a state, the one that is controlled is meant.
         showing = [name for name, shown in process.measured_state.items() if shown == state]
         if not showing:
-            raise NotApplicable(method, f"{state} is not measured, and it needs every state")
+            raise NotApplicable(f"{state} is not measured, and it needs every state")
         chosen.append(next((name for name in showing if name in model.outputs), showing[0]))
     for name in model.outputs:
         if name not in chosen:
-            raise NotApplicable(method, f"{name} shows a state that another sensor shows too")
+            raise NotApplicable(f"{name} shows a state that another sensor shows too")
     return tuple(chosen)
 
 

@@ -44,7 +44,7 @@ class ObservedProcess:
     Examples
     --------
     >>> import clepsydra as cl
-    >>> seen = observed_process(cl.load("eight-tanks").linear, None, "Kalman filter")
+    >>> seen = observed_process(cl.load("eight-tanks").linear, None)
     >>> len(seen.estimated), seen.measurements, seen.controlled
     (8, ('level_8',), [0])
     """
@@ -69,9 +69,7 @@ class ObservedProcess:
         return np.where(np.isfinite(spans) & (spans > 0.0), spans, 1.0)
 
 
-def observed_process(
-    model: LinearModel, measurements: Sequence[str] | None, method: str
-) -> ObservedProcess:
+def observed_process(model: LinearModel, measurements: Sequence[str] | None) -> ObservedProcess:
     """Return the process as an observer of these measurements sees it.
 
     Parameters
@@ -82,8 +80,6 @@ def observed_process(
         None for the controlled outputs alone where sensors show every state, since then a
         controller without an observer has use for the others; else for all sensors that show
         a state which acts on the controlled outputs.
-    method : str
-        For the message.
 
     Raises
     ------
@@ -96,21 +92,20 @@ def observed_process(
     --------
     >>> import clepsydra as cl
     >>> model = cl.load("quadruple-tank").linear
-    >>> observed_process(model, None, "Kalman filter").measurements
+    >>> observed_process(model, None).measurements
     ('level_1', 'level_2')
     """
     period = check_sampling_period(model)
     process = operating_point_of(model).process
-    chosen = _chosen(model, measurements, method)
+    chosen = _chosen(model, measurements)
     seen = without_idle_states(with_outputs(model, chosen))
-    with refusing(method, "its sampled model needs"):
+    with refusing("its sampled model needs"):
         held, moved = sampled_process(seen, period)
         ages = sampled_states(seen, period)
     if len(held) > MOST_ESTIMATES:
         raise NotApplicable(
-            method,
             f"{len(held)} quantities would have to be estimated, and a law takes at most "
-            f"{MOST_ESTIMATES}; with dead time a longer sampling period makes them fewer",
+            f"{MOST_ESTIMATES}; with dead time a longer sampling period makes them fewer"
         )
     estimated = tuple(_aged(process.signal(name), age) for name, age in ages)
     shown = np.zeros((len(chosen), len(held)))
@@ -132,7 +127,7 @@ def observed_process(
     )
 
 
-def _chosen(model: LinearModel, measurements: Sequence[str] | None, method: str) -> tuple[str, ...]:
+def _chosen(model: LinearModel, measurements: Sequence[str] | None) -> tuple[str, ...]:
     process = operating_point_of(model).process
     if measurements is None:
         relevant = without_idle_states(model)
@@ -144,7 +139,7 @@ def _chosen(model: LinearModel, measurements: Sequence[str] | None, method: str)
             if state in relevant.states and name not in model.outputs
         ]
         return (*model.outputs, *others)
-    place, known = f"{method}, measurements", [signal.name for signal in process.measurements]
+    place, known = "measurements", [signal.name for signal in process.measurements]
     listed = isinstance(measurements, (list, tuple))
     if not listed or any(name not in known for name in measurements):
         raise InputError(place, measurements, f"some of {', '.join(known)}", "correct the names")

@@ -10,8 +10,6 @@ from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.states.placement import placed_gain
 from clepsydra.designs.states.slow_modes import place_slow_modes
 
-METHOD = "Luenberger observer"
-
 
 def placed_correction(
     held: np.ndarray,
@@ -60,7 +58,7 @@ def placed_correction(
     """
 
     def dual(A: np.ndarray, B: np.ndarray, s: np.ndarray, m: np.ndarray) -> np.ndarray:
-        return placed_gain(A, B, poles, s, m, period, METHOD)
+        return placed_gain(A, B, poles, s, m, period, "observer_poles")
 
     return _corrected(held, shown, sizes, spans, dual)
 
@@ -98,7 +96,7 @@ def bessel_correction(
     """
 
     def dual(A: np.ndarray, B: np.ndarray, s: np.ndarray, m: np.ndarray) -> np.ndarray:
-        return place_slow_modes(A, B, bandwidth, s, m, period, METHOD).gain
+        return place_slow_modes(A, B, bandwidth, s, m, period).gain
 
     return _corrected(held, shown, sizes, spans, dual)
 
@@ -116,6 +114,6 @@ def _corrected(
     except NotApplicable as refusal:
         # What the placement says of the inputs of the dual process is said of the measurements.
         reason = refusal.reason.replace("out of reach", "not shown by the measurements")
-        raise NotApplicable(METHOD, reason) from refusal
+        raise NotApplicable(reason) from refusal
     correction: np.ndarray = dual.T / spans
     return correction

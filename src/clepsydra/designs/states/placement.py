@@ -24,7 +24,7 @@ def placed_gain(
     sizes: np.ndarray,
     moves: np.ndarray,
     period: float,
-    method: str,
+    place: str = "poles",
 ) -> np.ndarray:
     """Return F with which Φ − Γ F has the given eigenvalues.
 
@@ -42,8 +42,8 @@ def placed_gain(
         Ranges of the states and of the inputs, in which they are compared.
     period : float
         T, the sampling period [s].
-    method : str
-        For the message.
+    place : str
+        What the poles were asked for as.
 
     Raises
     ------
@@ -62,27 +62,27 @@ def placed_gain(
     Examples
     --------
     >>> one = np.eye(1)
-    >>> float(placed_gain(one, 0.5 * one, [0.8], one[0], one[0], 1.0, "by hand")[0, 0].round(9))
+    >>> float(placed_gain(one, 0.5 * one, [0.8], one[0], one[0], 1.0)[0, 0].round(9))
     0.4
     """
     from scipy.signal import place_poles
 
-    wanted = checked_poles(poles, len(held), f"{method}, poles")
+    wanted = checked_poles(poles, len(held), place)
     A = (held - np.eye(len(held))) / period * sizes / sizes[:, None]
     B = moved / period * moves / sizes[:, None]
-    _check_reached(A, B, period, method)
+    _check_reached(A, B, period)
     rank = int(np.linalg.matrix_rank(B))
     rates = (wanted - 1.0) / period
-    _check_multiplicity(rates, rank, f"{method}, poles")
+    _check_multiplicity(rates, rank, place)
     with warnings.catch_warnings():
         # That the eigenvectors could be more orthogonal still is no fault; the poles are checked.
         warnings.simplefilter("ignore", UserWarning)
         try:
             gain = place_poles(A, B, rates).gain_matrix
         except ValueError as error:
-            raise NotApplicable(method, f"the poles cannot be placed: {error}") from error
+            raise NotApplicable(f"the poles cannot be placed: {error}") from error
     if _distance(np.linalg.eigvals(A - B @ gain), rates) > _ACCURACY * np.abs(rates).max():
-        raise NotApplicable(method, "the poles cannot be placed accurately")
+        raise NotApplicable("the poles cannot be placed accurately")
     placed: np.ndarray = moves[:, None] * gain / sizes
     return placed
 
@@ -123,7 +123,7 @@ with its conjugate; add what is missing.
     return values
 
 
-def _check_reached(A: np.ndarray, B: np.ndarray, period: float, method: str) -> None:
+def _check_reached(A: np.ndarray, B: np.ndarray, period: float) -> None:
     """Refuse a mode that no input moves, by Popov, Belevitch and Hautus."""
     n = len(A)
     for rate in np.linalg.eigvals(A):
@@ -134,7 +134,7 @@ def _check_reached(A: np.ndarray, B: np.ndarray, period: float, method: str) -> 
             near = abs(pole - 1.0) < 1e-9
             time = np.inf if near or abs(pole) == 0.0 else -period / np.log(abs(pole))
             lasting = "that integrates" if np.isinf(time) else f"of {time:.3g} s"
-            raise NotApplicable(method, f"a mode {lasting} is out of reach, so that its pole stays")
+            raise NotApplicable(f"a mode {lasting} is out of reach, so that its pole stays")
 
 
 def _check_multiplicity(rates: np.ndarray, rank: int, place: str) -> None:

@@ -15,7 +15,6 @@ def precompensator(
     controlled: np.ndarray,
     feedback: np.ndarray,
     moves: np.ndarray,
-    method: str,
 ) -> np.ndarray:
     """Return N of u = −F x + N r with which y = r at rest.
 
@@ -31,8 +30,6 @@ def precompensator(
         F, stabilising.
     moves : ndarray [m]
         Largest acceptable moves [input unit].
-    method : str
-        For the message.
 
     Raises
     ------
@@ -44,17 +41,17 @@ def precompensator(
     x⁺ = 0.5 x + u, y = 2 x and F = 0.25: at rest y = 2 N r / 0.75.
 
     >>> one = np.eye(1)
-    >>> float(precompensator(0.5 * one, one, 2 * one, 0.25 * one, np.ones(1), "LQR")[0, 0])
+    >>> float(precompensator(0.5 * one, one, 2 * one, 0.25 * one, np.ones(1))[0, 0])
     0.375
     """
     closed = np.eye(len(held)) - held + moved @ feedback
     gain = (controlled @ np.linalg.solve(closed, moved)) * moves
     lengths = np.linalg.norm(gain, axis=1, keepdims=True)
     if not np.all(lengths > 0.0) or len(moves) < len(gain):
-        raise NotApplicable(method, "an output does not follow any input")
+        raise NotApplicable("an output does not follow any input")
     if np.linalg.svd(gain / lengths, compute_uv=False)[-1] < _SINGULAR:
         raise NotApplicable(
-            method, "the outputs cannot be held independently: there is a zero at the origin"
+            "the outputs cannot be held independently: there is a zero at the origin"
         )
     inverse: np.ndarray = moves[:, None] * np.linalg.pinv(gain / lengths) / lengths.T
     return inverse

@@ -50,7 +50,7 @@ class FoundFilter(NamedTuple):
     >>> import clepsydra as cl
     >>> from clepsydra.controllers.process_equations import process_equations
     >>> model = cl.load("quadruple-tank").linear
-    >>> found = extended_kalman(model, process_equations(model), None, 30.0, "by hand")
+    >>> found = extended_kalman(model, process_equations(model), None, 30.0)
     >>> found.noises["sensor_noise"].round(6)  # [V]
     array([0.05, 0.05])
     >>> found.notes[1]
@@ -79,7 +79,6 @@ def extended_kalman(
     equations: ProcessEquations,
     measurements: Sequence[str] | None,
     horizon: float,
-    method: str,
 ) -> FoundFilter:
     """Return an extended Kalman filter with the noise of `designs.kalman.process_noise`.
 
@@ -92,8 +91,6 @@ def extended_kalman(
         As for `designs.states.observed_process.observed_process`.
     horizon : float
         About the time that a response takes [s].
-    method : str
-        For the message.
 
     Raises
     ------
@@ -106,20 +103,20 @@ def extended_kalman(
     >>> import clepsydra as cl
     >>> from clepsydra.controllers.process_equations import process_equations
     >>> model = cl.load("three-tanks").linear
-    >>> found = extended_kalman(model, process_equations(model), ["level_3"], 60.0, "by hand")
+    >>> found = extended_kalman(model, process_equations(model), ["level_3"], 60.0)
     >>> len(found.memory["estimate"]), len(found.memory["covariance"])
     (3, 6)
     """
-    observed = observed_process(model, measurements, method)
+    observed = observed_process(model, measurements)
     states, inputs, outputs = equations.states, equations.inputs, observed.measurements
     noise, steps = process_noise(observed, horizon), load_steps(model)
     loads = [name for name in steps if equations.by_constant([name]).nnz()]
-    substeps, doublings = steps_in_a_sample(equations, method)
+    substeps, doublings = steps_in_a_sample(equations)
     try:
         observer = ExtendedKalman(equations, outputs, tuple(loads), substeps, doublings)
     except InputError as refusal:
         raise NotApplicable(
-            method, f"{refusal.value} states would have to be estimated; {refusal.remedy}"
+            f"{refusal.value} states would have to be estimated; {refusal.remedy}"
         ) from None
     root = math.sqrt(horizon)
     moves = np.sqrt(input_variances(observed)) * root

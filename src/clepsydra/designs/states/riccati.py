@@ -34,12 +34,7 @@ class Regulator(NamedTuple):
 
 
 def optimal_regulator(
-    held: np.ndarray,
-    moved: np.ndarray,
-    Q: np.ndarray,
-    N: np.ndarray,
-    R: np.ndarray,
-    method: str,
+    held: np.ndarray, moved: np.ndarray, Q: np.ndarray, N: np.ndarray, R: np.ndarray
 ) -> Regulator:
     """Return the regulator of x(k+1) = Φ x + Γ u that minimises Σ xᵀ Q x + 2 xᵀ N u + uᵀ R u.
 
@@ -50,8 +45,6 @@ def optimal_regulator(
     held, moved : ndarray [n, n], [n, m]
         Φ and Γ.
     Q, N, R : ndarray [n, n], [n, m], [m, m]
-    method : str
-        For the message.
 
     Raises
     ------
@@ -69,31 +62,29 @@ def optimal_regulator(
     x⁺ = x + u with Q = R = 1: P is the golden ratio, and K = P/(1 + P) = 1/P.
 
     >>> one = np.eye(1)
-    >>> found = optimal_regulator(one, one, one, 0.0 * one, one, "LQR")
+    >>> found = optimal_regulator(one, one, one, 0.0 * one, one)
     >>> round(float(found.cost[0, 0]), 6), round(float(found.gain[0, 0]), 6)
     (1.618034, 0.618034)
     """
     from scipy.linalg import solve_discrete_are
 
     if not all(np.all(np.isfinite(matrix)) for matrix in (held, moved, Q, N, R)):
-        raise NotApplicable(method, "the cost of a sample is beyond what numbers can hold")
+        raise NotApplicable("the cost of a sample is beyond what numbers can hold")
     try:
         P = solve_discrete_are(held, moved, Q, R, s=N)
     except np.linalg.LinAlgError as error:
         raise NotApplicable(
-            method, "the Riccati equation has no stabilising solution: a mode is out of reach"
+            "the Riccati equation has no stabilising solution: a mode is out of reach"
         ) from error
     except ValueError as error:  # of a pair of matrices that cannot be reordered
-        raise NotApplicable(
-            method, "the Riccati equation is too ill-conditioned to be solved"
-        ) from error
+        raise NotApplicable("the Riccati equation is too ill-conditioned to be solved") from error
     P = _refined(held, moved, Q, N, R, P)
     if riccati_residual(held, moved, Q, N, R, P) > LARGEST_RESIDUAL:
-        raise NotApplicable(method, "the Riccati equation cannot be solved to nine digits")
+        raise NotApplicable("the Riccati equation cannot be solved to nine digits")
     gain = np.linalg.solve(R + moved.T @ P @ moved, moved.T @ P @ held + N.T)
     eigenvalues = np.linalg.eigvals(held - moved @ gain)
     if not np.all(np.abs(eigenvalues) < 1.0):
-        raise NotApplicable(method, "the Riccati solution does not stabilise the model")
+        raise NotApplicable("the Riccati solution does not stabilise the model")
     return Regulator(gain, P, eigenvalues)
 
 

@@ -42,8 +42,6 @@ class StateLqi(NamedTuple):
     anti_windup : AntiWindup
     estimation : Estimation or None
         None where the measurements show the state.
-    method : str
-        For the messages; the name if empty.
 
     Examples
     --------
@@ -51,7 +49,7 @@ class StateLqi(NamedTuple):
     >>> from clepsydra.designs.states.bryson_rule import acceptable_deviations
     >>> model = cl.load("three-tanks").linear
     >>> levels = ("level_1", "level_2", "level_3")
-    >>> asked = acceptable_deviations(model, None, None, "LQI")
+    >>> asked = acceptable_deviations(model, None, None)
     >>> lqi = StateLqi("LQI, by hand", model, asked, levels, "none")
     >>> controller, gains = lqi.slower(2.0)
     >>> controller.measurements, gains.feedback.shape
@@ -64,7 +62,6 @@ class StateLqi(NamedTuple):
     measurements: tuple[str, ...]
     anti_windup: AntiWindup
     estimation: Estimation | None = None
-    method: str = ""
 
     @property
     def process(self) -> Process:
@@ -74,8 +71,8 @@ class StateLqi(NamedTuple):
     def slower(self, factor: float) -> tuple[Controller, LqiGains]:
         """Return controller and gains with moves that are smaller and a horizon that is longer."""
         asked, model, shown = self.deviations.slower(factor), self.model, self.measurements
-        period, method = self.process.sampling_period, self.method or self.name
-        gains = lqi_gains(model, asked.weights(model), period, asked.horizon, method)
+        period = self.process.sampling_period
+        gains = lqi_gains(model, asked.weights(model), period, asked.horizon)
         feedback, integral = gains.feedback, gains.integral
         times = [asked.horizon] * len(model.inputs)
         if self.estimation is None:
@@ -93,9 +90,7 @@ class StateLqi(NamedTuple):
         NotApplicable
             There are no stabilising gains, or no slowing down makes the loop robust.
         """
-        found = slow_down(
-            self.slower, lambda each: sensitivity_peak(each[0], model), self.method or self.name
-        )
+        found = slow_down(self.slower, lambda each: sensitivity_peak(each[0], model))
         controller, gains = found.design
         return RobustLqi(self, controller, gains, self.deviations.slower(found.factor), found)
 
@@ -157,16 +152,12 @@ class RobustLqi(NamedTuple):
         return time_text(slowest_time_constant(eigenvalues, self.of.process.sampling_period))
 
 
-def check_lqi(
-    model: LinearModel, method: str, delays: object = None, states: str = "its law has"
-) -> Process:
+def check_lqi(model: LinearModel, delays: object = None, states: str = "its law has") -> Process:
     """Return the process of a model, refused where an LQI law cannot control it.
 
     Parameters
     ----------
     model : LinearModel
-    method : str
-        For the message.
     delays : object
         Dead times of which the law would have to know, if any.
     states : str
@@ -181,23 +172,21 @@ def check_lqi(
     Examples
     --------
     >>> import clepsydra as cl
-    >>> check_lqi(cl.load("quadruple-tank").linear, "LQI").sampling_period
+    >>> check_lqi(cl.load("quadruple-tank").linear).sampling_period
     1.0
     """
     process = operating_point_of(model).process
     if delays:
         raise NotApplicable(
-            method,
             f"the process has dead time, and {states} no states for what is on its way; LQI with a "
-            "Kalman filter has them",
+            "Kalman filter has them"
         )
     if len(model.inputs) > len(model.outputs):
         raise NotApplicable(
-            method,
             f"{len(model.inputs)} inputs move {len(model.outputs)} controlled outputs, and it "
-            "integrates one error for each input",
+            "integrates one error for each input"
         )
-    check_ranges(process, model.outputs, model.inputs, method)
+    check_ranges(process, model.outputs, model.inputs)
     return process
 
 

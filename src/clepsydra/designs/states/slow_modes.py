@@ -33,7 +33,6 @@ def place_slow_modes(
     sizes: np.ndarray,
     moves: np.ndarray,
     period: float,
-    method: str,
 ) -> PlacedModes:
     """Return F with which the slow eigenvalues of Φ − Γ F have Bessel's pattern.
 
@@ -52,8 +51,6 @@ def place_slow_modes(
         Ranges of the states and of the inputs, in which they are compared.
     period : float
         The sampling period [s].
-    method : str
-        For the message.
 
     Raises
     ------
@@ -66,7 +63,7 @@ def place_slow_modes(
 
     >>> held = np.diag(np.exp([-0.01, -1.0]))
     >>> sizes = np.ones(2), np.ones(1)
-    >>> gain, count = place_slow_modes(held, np.ones((2, 1)), 0.1, *sizes, 1.0, "by hand")
+    >>> gain, count = place_slow_modes(held, np.ones((2, 1)), 0.1, *sizes, 1.0)
     >>> np.sort(np.log(np.linalg.eigvals(held - np.ones((2, 1)) @ gain))).round(9), count
     (array([-1. , -0.1]), 1)
     """
@@ -95,7 +92,7 @@ def place_slow_modes(
     poles = bessel_poles(found, bandwidth, period)
     reduced = Z.T @ (moved / sizes[:, None])
     part, ones = form[:found, :found].T, np.ones(found)
-    gain = placed_gain(part, reduced, poles, ones, moves, period, method)
+    gain = placed_gain(part, reduced, poles, ones, moves, period)
     return PlacedModes(gain @ Z.T / sizes, found)
 
 

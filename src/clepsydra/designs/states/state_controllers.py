@@ -142,7 +142,7 @@ def sensitivity_peak(controller: Controller, model: LinearModel) -> float:
     >>> round(sensitivity_peak(design_lqi(model), model), 2)
     1.07
     """
-    with refusing(controller.name, "its sampled loop needs"):
+    with refusing("its sampled loop needs"):
         loop = sampled_loop(controller, with_outputs(model, controller.measurements))
     return loop.maximum_sensitivity
 

@@ -163,7 +163,7 @@ def _designed(name: str, analysis: Analysis) -> Controller:
     if name not in _LOOPS:
         return design(analysis.model)
     if not analysis.pairing:
-        raise NotApplicable(_LOOPS[name], "the relative gains suggest no pairing")
+        raise NotApplicable("the relative gains suggest no pairing")
     return design(analysis.model, analysis.pairing)
 
 

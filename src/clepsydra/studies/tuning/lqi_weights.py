@@ -135,7 +135,7 @@ class LqiWeights:
             for u, time in zip(moved, times, strict=True)
             if (name := path(u, "tracking_time")) in own
         }
-        applicable_values(controller.law, {**own, **found}, controller.name)
+        applicable_values(controller.law, {**own, **found})
         return found
 
     @property

@@ -79,10 +79,7 @@ def outcome(
     start = space.controller
     words = space.words
     values = designed_values(
-        start.law,
-        space.controller_values(best.point),
-        operating_point_of(problem.batch.loop.model),
-        start.name,
+        start.law, space.controller_values(best.point), operating_point_of(problem.batch.loop.model)
     )
     judged = problem.judge(values)
     binding = _binding(problem, best.point, judged, words)

@@ -179,5 +179,5 @@ def gains_and_times(controller: Controller) -> tuple[TunedParameter, ...]:
         if parameter.part in _TUNED and controller.values[parameter.name] != 0.0
     ]
     if not names:
-        raise NotApplicable(METHOD, f"{controller.name} has no gain and no integral time to tune")
+        raise NotApplicable(f"{controller.name} has no gain and no integral time to tune", METHOD)
     return around(controller, names)

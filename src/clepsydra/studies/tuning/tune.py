@@ -186,7 +186,7 @@ def tune(space: SearchSpace, goal: Goal, search: Search | None = None) -> Tuning
         if file is not None:
             problem.memory.save(file)
     if problem.best is None:
-        raise NotApplicable(METHOD, why_none(problem))
+        raise NotApplicable(why_none(problem), METHOD)
     return outcome(problem, front, search.seed, interrupted)
 
 

@@ -11,7 +11,7 @@ from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.designs.lqi import weighed_lqi
 from clepsydra.designs.lqi_by_weights import design_lqi_by_weights
 from clepsydra.designs.states.bryson_rule import acceptable_deviations
-from clepsydra.designs.states.linear_quadratic import METHOD, LqiGains, slowest_time_constant
+from clepsydra.designs.states.linear_quadratic import LqiGains, slowest_time_constant
 from clepsydra.designs.states.quadratic_weights import QuadraticWeights
 from clepsydra.designs.states.robust_lqi import tracking_times
 from clepsydra.linear.linear_model import LinearModel
@@ -57,7 +57,7 @@ def lqi_of_weights(
     'LQI, weights'
     """
     controller = design_lqi_by_weights(model, weights, anti_windup=anti_windup)
-    horizon = acceptable_deviations(model, None, None, METHOD).horizon
+    horizon = acceptable_deviations(model, None, None).horizon
     period = operating_point_of(model).process.sampling_period
     times = partial(_slowest, period, len(model.inputs))
     return WeightedDesign(controller, model, weights, horizon, times)
