@@ -16,8 +16,8 @@ from clepsydra.program.variants import told_apart
 
 #: The input at which an instance begins anew.
 RESTART = "restart"
-#: The values of a restart and of what a state then starts with.
-Start = tuple[int, int]
+#: The values of a restart and of what a state then starts with; None where nothing restarts it.
+Start = tuple[int, int] | None
 
 
 def with_owned_state(program: Program) -> Program:
@@ -25,8 +25,9 @@ def with_owned_state(program: Program) -> Program:
 
     An instance owns a state that nothing else reads or writes; a choice between it and a
     constant, in a cold start, goes with it. Where its input `restart` holds, the state counts as
-    its input start_NAME, and a whole number or truth value as its initial value; it has to hold
-    in the first scan too. Any other state stays with the caller, as an input of the block and an
+    its input start_NAME, and a whole number or truth value as its initial value. Where it has such
+    an input it has to hold in the first scan too; one without, which nothing restarts, has no such
+    input either. Any other state stays with the caller, as an input of the block and an
     output next_NAME, where no output has that value already; instances of a block that own
     different states are told apart by its name, see `clepsydra.program.variants`.
 
@@ -177,10 +178,10 @@ class _Writer:
         """Append the program's block."""
         given = list(arguments)
         passed = {kept.state for owned in self.owned.values() for kept in owned.values()}
-        for state, (restart, start) in (self.starts or {}).items():
-            if state not in passed:
+        for state, begun in (self.starts or {}).items():
+            if state not in passed and begun is not None:
                 entry = signal_of(self.program.state[state])
-                given[state] = _begun(builder, entry, restart, start, given[state])
+                given[state] = _begun(builder, entry, *begun, given[state])
         return append(builder, self.program.block, given, self._called)
 
     def _called(self, builder: BlockBuilder, call: Call, place: Mapping[int, int]) -> list[int]:
@@ -191,12 +192,15 @@ class _Writer:
         arguments = [place[kept.state] for kept in owned.values()]
         arguments += [place[value] for value in call.arguments[count:]]
         arguments += [place[call.arguments[k]] for k in others]
-        begun = [self._start(builder, kept, place) for kept in owned.values()]
-        if begun:
-            arguments.append(begun[0][0])
-        for k, (_, start) in zip(owned, begun, strict=True):
+        begun: list[Start] = []
+        told = any(kept.condition is not None for kept in owned.values())
+        if told or self.starts is not None or any(_has_start(program.state[k]) for k in owned):
+            begun = [self._start(builder, kept, place) for kept in owned.values()]
+        starts = [start for start in begun if start is not None]
+        arguments += [restart for restart, _ in starts[:1]]
+        for k, (_, start) in zip(owned, starts, strict=False):
             arguments += [start] if _has_start(program.state[k]) else []
-        called, places = _owning(program, list(owned))
+        called, places = _owning(program, list(owned), restarts=bool(starts))
         targets = builder.call(called, call.instance, arguments)
         return [targets[place] for place in places]
 
@@ -222,7 +226,19 @@ def _begun(builder: BlockBuilder, entry: Signal, restart: int, start: int, kept:
     return builder.operation("number", builder.operation("and", runs_on, kept))
 
 
-def _owning(program: Program, owned: Sequence[int]) -> tuple[Program, list[int]]:
+def has_starts(block: Program) -> bool:
+    """Return whether an instance of a block is told what some of its own states begin with.
+
+    Examples
+    --------
+    >>> from clepsydra.program.program import Block
+    >>> has_starts(Program("count", (Signal("n", kind="integer"),), (), (), (), Block(1, (), (0,))))
+    False
+    """
+    return any(map(_has_start, block.state))
+
+
+def _owning(program: Program, owned: Sequence[int], *, restarts: bool) -> tuple[Program, list[int]]:
     """Return a block whose instances own some of its states; its caller keeps the others.
 
     Also returned is where the block's results, next state and outputs, stand among its own.
@@ -231,9 +247,8 @@ def _owning(program: Program, owned: Sequence[int]) -> tuple[Program, list[int]]
     state = tuple(program.state[k] for k in owned)
     kept = tuple(map(signal_of, (program.state[k] for k in others)))
     starts = [_start(program.state[k]) for k in owned if _has_start(program.state[k])]
-    begins = (
-        (Signal(RESTART, kind="boolean", description="it begins anew"), *starts) if owned else ()
-    )
+    again = Signal(RESTART, kind="boolean", description="it begins anew")
+    begins = (again, *starts) if restarts else ()
     inputs = (*program.inputs, *kept, *begins)
     builder = BlockBuilder(len(state) + len(inputs))
     first = len(state) + len(program.inputs)
@@ -244,7 +259,9 @@ def _owning(program: Program, owned: Sequence[int]) -> tuple[Program, list[int]]
     port = restart
     begun: dict[int, Start] = {}
     for k in owned:
-        if _has_start(program.state[k]):
+        if not restarts:
+            begun[k] = None
+        elif _has_start(program.state[k]):
             port += 1
             begun[k] = restart, port
         else:

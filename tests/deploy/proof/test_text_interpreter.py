@@ -205,7 +205,10 @@ def test_a_wrong_text_is_refused_with_its_line(body):
         ("inner(b := 1.0);", "b is no input of half"),
         ("inner(a := TRUE);", "a is LREAL, the value BOOL"),
         ("inner(1.0);", "inputs are given by name"),
-        ("inner(a := 1.0, y => y);", "inputs are given by name"),
+        ("inner(a := 1.0, held => y);", "held is no output of half"),
+        ("inner(a => y);", "a is no output of half"),
+        ("inner(a := 1.0, y => n);", "n takes no LREAL"),
+        ("inner(a := 1.0, y => z);", "z is not declared"),
         ("y := inner.held;", "held is no output of half"),
         ("inner.a := 1.0;", "no meaning for a value of inner.a"),
     ],
@@ -214,10 +217,26 @@ def test_a_wrong_call_is_refused(call, message):
     text = (
         "FUNCTION_BLOCK half VAR_INPUT a : LREAL; END_VAR VAR_OUTPUT y : LREAL; END_VAR "
         "VAR held : LREAL; END_VAR held := a; y := 0.5 * a; END_FUNCTION_BLOCK\n"
-        f"PROGRAM main VAR inner : half; y : LREAL; END_VAR {call} END_PROGRAM"
+        f"PROGRAM main VAR inner : half; y : LREAL; n : DINT; END_VAR {call} END_PROGRAM"
     )
     with pytest.raises(StructuredTextError, match=message):
         StructuredText(text).instance("main").run()
+
+
+def test_a_call_hands_over_its_outputs():
+    """A value and a structure, as they are behind the call; a structure is copied."""
+    text = (
+        "TYPE pair : STRUCT low : LREAL; high : LREAL; END_STRUCT; END_TYPE\n"
+        "FUNCTION_BLOCK span VAR_INPUT a : LREAL; END_VAR "
+        "VAR_OUTPUT ends : pair; wide : LREAL; END_VAR "
+        "ends.low := -a; ends.high := a; wide := 2.0 * a; END_FUNCTION_BLOCK\n"
+        "PROGRAM main VAR inner : span; kept : pair; low, high, wide : LREAL; END_VAR "
+        "inner(a := 3.0, ends => kept, wide => wide); inner(a := 5.0); "
+        "low := kept.low; high := kept.high; END_PROGRAM"
+    )
+    main = StructuredText(text).instance("main")
+    main.run()
+    assert [main.state[name] for name in ("low", "high", "wide")] == [-3.0, 3.0, 6.0]
 
 
 def test_the_type_of_a_literal_is_that_of_what_stands_beside_it():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Container, Mapping, Sequence
+from dataclasses import replace
 from itertools import count
 
 from clepsydra.base.signal import Signal
@@ -12,7 +13,13 @@ from clepsydra.deploy.printing.folding import FoldedBlock
 from clepsydra.deploy.printing.heading import harmless
 from clepsydra.deploy.printing.identifiers import Identifiers
 from clepsydra.deploy.printing.lines import explained, in_place, mentions
-from clepsydra.deploy.printing.listing import Assignment, Compound, ListingStatement, touched
+from clepsydra.deploy.printing.listing import (
+    Assignment,
+    BlockCall,
+    Compound,
+    ListingStatement,
+    touched,
+)
 from clepsydra.deploy.printing.statements import Language, ring_place
 from clepsydra.deploy.printing.whole_numbers import whole_ranges
 from clepsydra.program.entries import is_ring, signal_of
@@ -108,8 +115,11 @@ class Body:
                 stores.append(Assignment(place, result))
         told = zip(program.outputs, places["outputs"], results[len(program.state) :], strict=True)
         shown = [Assignment(place, self._plain(output, result)) for output, place, result in told]
+        groups = [_whole(shown, program), stores]
+        if language.syntax.told:
+            self._tell_at_calls(groups)
         lines = language.statements(self._statements)
-        for group in (_whole(shown, program), stores):
+        for group in groups:
             moved = [each for each in group if each.expression.text != each.name]
             lines += language.statements(moved)
         known = {*places["outputs"], *places["state"]}
@@ -210,6 +220,24 @@ class Body:
             kept.append(result)
             overwritten.add(ring_place(place, length))
         return kept
+
+    def _tell_at_calls(self, groups: Sequence[list[Assignment]]) -> None:
+        """Let calls hand over what a result only takes from them, if nothing reads it later."""
+        at = {f"{each.instance}.": k for k, each in enumerate(self._statements)
+              if isinstance(each, BlockCall)}  # fmt: skip
+        read = [each for group in groups for each in group]
+        for group in groups:
+            for each in [*group]:
+                instance, _, port = each.expression.text.rpartition(".")
+                k = at.get(f"{instance}.", -1)
+                later = [*self._statements[k + 1 :], *(a for a in read if a != each)]
+                if k < 0 or any(each.name in touched(s) for s in later):
+                    continue
+                call = self._statements[k]
+                assert isinstance(call, BlockCall)
+                if port not in dict(call.told):
+                    self._statements[k] = replace(call, told=(*call.told, (port, each.name)))
+                    group.remove(each)
 
     def _plain(self, signal: Signal, result: Expression) -> Expression:
         """Return a result in the type of its signal."""

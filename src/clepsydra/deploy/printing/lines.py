@@ -44,7 +44,7 @@ def folded(line: str, longest: int = LINE) -> Iterator[str]:
             # A comma and an assignment stay where they are, an operator goes to the next line.
             at = found.end() + 1 if sign in (",", ":=") else found.start("sign")
             # What a line begins with is no place to break it.
-            if at <= start or at >= len(line) or (sign == ":=" and depth):
+            if at <= start or at >= len(line) or (sign in (":=", "=>") and depth):
                 continue
             far = len(line[:at].rstrip()) > longest
             # Where nothing is near enough, the next place is taken.

@@ -100,6 +100,8 @@ class BlockCall:
         One for each of its inputs, as a number.
     kept : str
         The name of what it keeps.
+    told : tuple of tuple
+        Output or structure of outputs, and the variable that takes it at the call.
 
     Examples
     --------
@@ -116,6 +118,7 @@ class BlockCall:
     program: Program
     arguments: tuple[Expression, ...]
     kept: str
+    told: tuple[tuple[str, str], ...] = ()
 
     def given(self) -> Iterator[tuple[Signal, Expression]]:
         """Yield each input with its value, in its own type."""
@@ -140,7 +143,7 @@ def touched(statement: ListingStatement) -> set[str]:
     if isinstance(statement, Assignment):
         found, given = {statement.name}, [statement.expression]
     elif isinstance(statement, BlockCall):
-        given = [*statement.arguments]
+        found, given = {place for _, place in statement.told}, [*statement.arguments]
     else:
         found = found.union(*map(touched, (*statement.start, *statement.body, *statement.update)))
         given = [turn.written for turn in statement.rings]

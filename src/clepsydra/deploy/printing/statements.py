@@ -33,6 +33,8 @@ class Syntax:
         The place behind a place in a ring of a length.
     states : str
         What stands before the name of a state.
+    told : str
+        How a call hands an output to a variable; empty where it cannot.
 
     Examples
     --------
@@ -51,6 +53,7 @@ class Syntax:
     loop_closed: str
     advanced: str
     states: str = ""
+    told: str = ""
 
 
 class Language(ABC):

@@ -10,7 +10,7 @@ from clepsydra.deploy.printing.identifiers import Identifiers
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.entries import signal_of
 from clepsydra.program.inlined import append, renamed
-from clepsydra.program.owned_state import RESTART
+from clepsydra.program.owned_state import RESTART, has_starts
 from clepsydra.program.program import Call, Program, Statement
 
 #: The state that tells the first scan from the others.
@@ -65,7 +65,7 @@ def with_block_names(program: Program, words: frozenset[str]) -> Program:
 
 
 def beginning(program: Program) -> Program:
-    """Return a program whose instances begin anew in its first scan.
+    """Return a program whose instances begin in its first scan with what they are told.
 
     Their start values are inputs: a retained state of the program says whether it has run.
 
@@ -74,8 +74,7 @@ def beginning(program: Program) -> Program:
     See `clepsydra.deploy.structured_text.printer.function_blocks`.
     """
     block, states = program.block, len(program.state)
-    ports = {signal.name for call in program.calls for signal in call.program.inputs}
-    if RESTART not in ports:
+    if not any(has_starts(call.program) for call in program.calls):
         return program
     entries = (*program.state, *program.inputs, *program.parameters, *program.outputs)
     taken = [signal_of(entry).identifier for entry in entries]
@@ -88,7 +87,7 @@ def beginning(program: Program) -> Program:
     def called(builder: BlockBuilder, call: Call, place: Mapping[int, int]) -> Sequence[int]:
         given = [place[value] for value in call.arguments]
         for k, signal in enumerate(call.program.inputs, len(call.program.state)):
-            if signal.name == RESTART:
+            if signal.name == RESTART and has_starts(call.program):
                 first = builder.operation("not", states)
                 given[k] = builder.operation("or", first, given[k])
         return builder.call(call.program, call.instance, given)

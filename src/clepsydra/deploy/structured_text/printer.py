@@ -112,7 +112,7 @@ def function_blocks(
     >>> law = Program("law", (Signal("x"),), (Signal("u"),), (), (Signal("y"),), calls)
     >>> units = function_blocks(law, dialect_of("codesys"), "double")
     >>> [unit.name for unit in units], units[-1].body[0]
-    (['FB_FlowTotal', 'law'], 'feed(u := u, restart := NOT begun);')
+    (['FB_FlowTotal', 'law'], 'feed(u := u, restart := NOT begun, y => y);')
     """
     printed = printed_form(program, precision)
     main = with_block_names(beginning(printed), dialect.all_words)

@@ -33,6 +33,7 @@ _SYNTAX = Syntax(
     loop_opened="FOR {0} := 0 TO {2} DO",
     loop_closed="END_FOR;",
     advanced="({0} + 1) MOD {1}",
+    told="{} => {}",
 )
 #: The largest power of two that every system reads as a number, whatever the type.
 _FACTOR_EXPONENT = 120
@@ -141,6 +142,7 @@ class StructuredText(Language):
             text = self.expression(value)
             text = f"({text})" if value.code in COMPARISONS else text
             given.append(f"{signal.identifier} := {text}")
+        given += [self.syntax.told.format(*each) for each in entry.told]
         return [f"{entry.instance}({', '.join(given)});"]
 
     def number(self, value: float, place: str = "a number") -> str:
@@ -178,8 +180,8 @@ class StructuredText(Language):
 
         def written(found: re.Match[str]) -> str:
             name, before, after = found[0], line[: found.start()], line[found.end() :]
-            # In a call that is the name of the block's own input.
-            given = after.startswith(" :=") and before.endswith(("(", ", "))
+            # In a call that is the name of the block's own port.
+            given = after.startswith((" :=", " =>")) and before.endswith(("(", ", "))
             return mark + name if name.lower() in local and not given else name
 
         return _NAME.sub(written, line)

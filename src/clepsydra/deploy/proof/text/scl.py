@@ -18,7 +18,7 @@ _TOKENS = re.compile(
     |(?P<marked>\#[A-Za-z_]\w*)
     |(?P<word>[A-Za-z_]\w*)
     |(?P<space>\s+)
-    |(?P<assigned>:=)
+    |(?P<assigned>:=|=>)
     |(?P<sign>.)
     """,
     re.VERBOSE | re.DOTALL,

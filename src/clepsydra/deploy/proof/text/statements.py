@@ -120,21 +120,22 @@ class _Body:
         declared = self._writable(node, name)
         value = self._expressions.of_type(right, declared.type, name)
         if single:
-            if self._expressions.is_record(declared):
-                state = ast.Attribute(self._expressions.variable(name), "state", _LOAD)
-                copied = ast.Call(
-                    ast.Attribute(ast.Attribute(value, "state", _LOAD), "copy", _LOAD), [], []
-                )
-                update = ast.Call(ast.Attribute(state, "update", _LOAD), [copied], [])
-                return [ast.Expr(update)]
-            if declared.length or declared.is_instance:
-                raise wrong(node, f"{name} is no single value")
-            self._written.add(name)
-            return [ast.Assign([ast.Name(f"v_{name}", _STORE)], value)]
+            return self._to_variable(node, name, declared, value)
         _, index = self._expressions.index(left, name)
         array = self._expressions.variable(name)
         place = self._expressions.called("checked", array, index)
         return [ast.Assign([ast.Subscript(array, place, _STORE)], value)]
+
+    def _to_variable(
+        self, node: Node, name: str, declared: Declared, value: ast.expr
+    ) -> list[ast.stmt]:
+        """Translate what assigns a whole variable of this unit."""
+        if self._expressions.is_record(declared):
+            return [_copied(self._expressions.variable(name), value)]
+        if declared.length or declared.is_instance:
+            raise wrong(node, f"{name} is no single value")
+        self._written.add(name)
+        return [ast.Assign([ast.Name(f"v_{name}", _STORE)], value)]
 
     def _to_member(self, node: Node, left: Node, right: Node) -> list[ast.stmt]:
         """Translate what assigns a member of a structure of this unit."""
@@ -191,16 +192,33 @@ class _Body:
         unit = self._expressions.unit_of(node, name)
         instance = self._expressions.variable(name)
         memory = ast.Attribute(instance, "state", _LOAD)
-        statements: list[ast.stmt] = []
+        before, after = list[ast.stmt](), list[ast.stmt]()
         for argument in part(call, "arguments").named_children:
-            if argument.type != "named_argument" or b"=>" in (argument.text or b""):
-                raise wrong(argument, "inputs are given by name, outputs read behind the call")
+            if argument.type != "named_argument":
+                raise wrong(argument, "inputs are given by name")
             given = content(part(argument, "name")).lower()
+            told = b"=>" in (argument.text or b"")
+            port = "output" if told else "input"
             declared = unit.declared.get(given)
-            if declared is None or declared.section != "VAR_INPUT":
-                raise wrong(argument, f"{given} is no input of {unit.name}")
-            value = self._expressions.of_type(part(argument, "value"), declared.type, given)
-            place = ast.Subscript(memory, ast.Constant(given), _STORE)
-            statements.append(ast.Assign([place], value))
+            if declared is None or declared.section != f"VAR_{port.upper()}":
+                raise wrong(argument, f"{given} is no {port} of {unit.name}")
+            place = ast.Subscript(memory, ast.Constant(given), _LOAD if told else _STORE)
+            value = part(argument, "value")
+            if told:
+                target = content(value).lower()
+                taken = self._writable(argument, target)
+                if value.type != "identifier" or taken.type != declared.type:
+                    raise wrong(argument, f"{content(value)} takes no {declared.type}")
+                after += self._to_variable(argument, target, taken, place)
+            else:
+                code = self._expressions.of_type(value, declared.type, given)
+                before.append(ast.Assign([place], code))
         run = ast.Call(ast.Attribute(instance, "run", _LOAD), [], [])
-        return [*statements, ast.Expr(run)]
+        return [*before, ast.Expr(run), *after]
+
+
+def _copied(record: ast.expr, value: ast.expr) -> ast.stmt:
+    """Return what copies the members of a structure."""
+    state = ast.Attribute(record, "state", _LOAD)
+    given = ast.Attribute(value, "state", _LOAD)
+    return ast.Expr(ast.Call(ast.Attribute(state, "update", _LOAD), [given], []))
