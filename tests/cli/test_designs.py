@@ -57,9 +57,19 @@ def test_what_applies_is_answered_in_a_screen(command, monkeypatch, columns):
     assert lines[0].startswith(f"{len(applying)} of ")
     assert ", ".join(applying) in " ".join(said.split())
     assert "regulator (regulator)" in " ".join(said.split())
+
+
+@pytest.mark.parametrize("columns", ["80", "100"])
+def test_the_usual_designs_come_first_and_the_rest_is_counted(command, monkeypatch, columns):
+    monkeypatch.setenv("COLUMNS", columns)
     _, said, _ = command("designs")
-    names = [line.split()[0] for line in said.splitlines()[1:-1] if not line.startswith(" ")]
-    assert names == [name.rstrip("_") for name in dir(cl.design) if name not in _OF_FILES]
+    head, *rows, more, _ = said.splitlines()
+    assert len(rows) <= 22 and max(map(len, said.splitlines())) <= int(columns)
+    names = [row.split()[0] for row in rows]
+    known = [name.rstrip("_") for name in dir(cl.design) if name not in _OF_FILES]
+    assert head.split()[0] == "design" and set(names) < set(known)
+    assert names.index("simc") < names.index("lqi") < names.index("feedback_linearisation")
+    assert more.startswith(f"{len(known) - len(names)} more, ") and more.endswith("--all")
 
 
 def test_no_process_is_refused(command):

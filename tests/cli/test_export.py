@@ -108,10 +108,16 @@ def test_a_process_and_a_controller_become_fmus(command, version):
 
 
 @pytest.mark.thorough
-def test_the_tuning_goes_to_screen_and_file(command):
+@pytest.mark.parametrize("columns", ["80", "100"])
+def test_the_loops_stand_on_the_screen_and_the_blocks_in_the_file(command, monkeypatch, columns):
+    monkeypatch.setenv("COLUMNS", columns)
     status, out, _ = command("export", *PI, "--to", "tuning")
     assert status == 0 and "KP = 3 %/%" in Path(f"{NAME}_tuning.md").read_text("utf-8")
-    assert all(len(line) <= 100 for line in out.splitlines()) and out.count("Next: ") == 1
+    lines = out.splitlines()
+    assert len(lines) <= 25 and max(map(len, lines)) <= int(columns)
+    assert out.count("Next: ") == 1 and "Siemens" in out
+    said = " ".join(out.split())
+    assert "level_2 (0 to 10 V) by pump_2 (0 to 10 V), reverse acting: K = 3 V/V" in said
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from clepsydra.base.section import Section
     from clepsydra.interface.plant import Plant
 
+#: Of the designs, so that they and the lines around them fit a screen.
+_SHOWN = 21
+
 
 @verb(55)
 def designs(
@@ -49,11 +52,18 @@ def designs(
 def _glance(found: list[dict[str, Any]], process: str | None) -> Section:
     """Return the names of designs with what they are, or with which apply to a process."""
     from clepsydra.base.section import Line, Mark, Section, Table, marked
+    from clepsydra.interface.design_words import design_words
 
     if process is None:
-        rows = tuple((each["name"], _what(each["words"])) for each in found)
-        next_step = Line("Next: clepsydra designs PROCESS says which apply; --all has the sources.")
-        return Section("", (Table("", ("design", "what it makes"), rows, names=2), next_step))
+        designs = design_words()
+        return Section(
+            "",
+            (
+                Table("", ("design", "what it makes"), designs[:_SHOWN], names=2),
+                Line(f"{len(found) - _SHOWN} more, and arguments and sources: --all"),
+                Line("Next: clepsydra designs PROCESS says which apply."),
+            ),
+        )
     names = [each["name"] for each in found if each["applies"]]
     own = [f"{each['name']} ({', '.join(each['needs'])})" for each in found if each["needs"]]
     return Section(
@@ -71,11 +81,6 @@ def _glance(found: list[dict[str, Any]], process: str | None) -> Section:
             Line("Next: name one in a study file: clepsydra new --study; --all has the sources."),
         ),
     )
-
-
-def _what(words: str) -> str:
-    """Return what a design makes, in a line: the first clause without its verb."""
-    return words.partition(" ")[2].partition(",")[0].rstrip(".")
 
 
 def _whole(found: list[dict[str, Any]], process: str | None) -> Section:

@@ -15,7 +15,7 @@ def _controller(delivery: Delivery, options: Options) -> ExportedFiles:
     return ExportedFiles(
         {name: found.as_markdown().encode()},
         found.as_dict(),
-        "enter the numbers; the file has switches, differences, scaling and source of each block.",
+        "enter the numbers of your block, with its switches, from the file.",
         found.answer(),
     )
 

@@ -94,7 +94,7 @@ class Translation:
         raise KeyError((loop, key))
 
     def answer(self, *, every: bool = False) -> Section:
-        """Return the numbers of every block, and on request what stands behind them."""
+        """Return the loops and the blocks, and on request all numbers and what stands behind."""
         from clepsydra.deploy.vendor_tuning.answer import tuning_answer
 
         return tuning_answer(self, every=every)

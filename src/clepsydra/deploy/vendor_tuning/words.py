@@ -33,7 +33,7 @@ def loop_words(tuning: StandardTuning) -> str:
     """
     numbers, signals = tuning.settings, (tuning.measurement, tuning.moved)
     gain = f"{printed_number(numbers.gain * tuning.engineering_factor)} {tuning.engineering_unit}"
-    if all(signal.has_range for signal in signals):
+    if all(signal.has_range for signal in signals) and tuning.engineering_unit != "%/%":
         gain += f" = {printed_number(percent_gain(numbers.gain, *signals))} %/%"
     shown = [f"K = {gain}"]
     if tuning.has_integral:
