@@ -299,4 +299,4 @@ def _has_start(entry: Signal | DelayRing) -> bool:
 
 def _start(entry: Signal | DelayRing) -> Signal:
     signal = signal_of(entry)
-    return replace(signal, name=f"start_{signal.name}", description="what it begins with")
+    return replace(signal, name=f"start_{signal.name}", description="")

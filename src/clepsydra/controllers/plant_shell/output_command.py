@@ -9,6 +9,7 @@ import casadi as ca
 
 from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal
+from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.limits import limit
 from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.controllers.blocks.ports import truth, words_for
@@ -38,11 +39,8 @@ RATE_LIMIT = Key(
 #: Who limits the rate of an output.
 Rate = Literal["shell", "law", "none"]
 
-MODE = count("mode", float(max(Mode)), "0 manual, 1 automatic, 2 tracking")
-LIMITS = (
-    Signal("low_limit", description="low limit of the output"),
-    Signal("high_limit", description="high limit of the output"),
-)
+MODE = signals.MODE.port
+LIMITS = (signals.LOW_LIMIT.port, signals.HIGH_LIMIT.port)
 #: Between which values an output may stand: given to a law as its own limits, so that its
 #: anti-windup heeds the rate limit.
 REACH = (
@@ -97,14 +95,14 @@ def output_command(*, limited: bool, rate: Rate) -> Block:
         f"output_command{'' if limited else '_without_limits'}{name}",
         (
             MODE,
-            Signal("tracking", description="value in tracking"),
+            signals.TRACKING.port,
             truth("good", "all sensors are good that the output needs"),
             truth("failed", "one of them has been faulty for longer than its delay"),
             ACKNOWLEDGED,
             WARM,
             ELAPSED,
             TAKE_UP_SCANS.port,
-            Signal("last_output", description="the output of the last scan"),
+            signals.LAST_OUTPUT.port,
             FAIL_SAFE.port,
             *(LIMITS if limited else ()),
             *(() if rate == "none" else (RATE_LIMIT.port,)),

@@ -12,7 +12,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.ports import truth
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.validity import is_time_step
-from clepsydra.controllers.signals import LARGEST_PARAMETER, SHORTEST_TIME
+from clepsydra.controllers.signals import LARGEST_PARAMETER, SHORTEST_TIME, TIME_STEP
 from clepsydra.program.block import Block
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.step_law import Equations, Symbols
@@ -93,7 +93,7 @@ def scan_start(*, delays: bool) -> Block:
         f"scan_start{'_with_delays' if delays else ''}",
         (
             *ASKED,
-            Signal("time_step", "s", description="time since the last scan"),
+            TIME_STEP.port,
             SAMPLING_PERIOD.port,
             SCAN_TOLERANCE.port,
             *([longest] if delays else []),

@@ -10,7 +10,7 @@ from clepsydra.controllers.blocks.limits import limit
 from clepsydra.controllers.blocks.ports import truth
 from clepsydra.controllers.blocks.validity import is_number
 from clepsydra.controllers.plant_shell.scan import ELAPSED, FIRST
-from clepsydra.controllers.plant_shell.signal_check import GOOD, PV
+from clepsydra.controllers.plant_shell.signal_check import GOOD, PV, RANGE
 from clepsydra.controllers.signals import LARGEST_PARAMETER
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
@@ -62,8 +62,7 @@ RAMP = Block(
     "setpoint_ramp",
     (
         Signal("asked", description="what is asked for, in the unit of the measurement"),
-        Signal("range_low", description="one end of the range"),
-        Signal("range_high", description="the other end"),
+        *(key.port for key in RANGE),
         SETPOINT_RATE.port,
         ELAPSED,
         PV,

@@ -29,7 +29,7 @@ SENSOR_DELAY = Key(
     0.0, LARGEST_PARAMETER, 4.0,
 )  # fmt: skip
 _CURRENTS = [
-    Signal(f"current_{name}", "mA", initial=value, description=f"{words}; NAMUR NE 43")
+    Signal(name, "mA", initial=value, description=f"{words}; NAMUR NE 43")
     for name, value, words in (
         ("fault_low", FAULT_BELOW, "below it a transmitter tells a fault"),
         ("uncertain_low", UNCERTAIN_BELOW, "below it the measurement is uncertain"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -67,6 +68,7 @@ class Unit:
 
 
 _WIDTH = 98
+_COMMENT = re.compile(r"\(\* (.*?) \*\)", re.DOTALL)
 
 
 def unit_text(unit: Unit, dialect: Dialect) -> list[str]:
@@ -152,12 +154,14 @@ def _section(section: Section, dialect: Dialect) -> list[str]:
                 lines += [*above, *([line] if about and dialect.line_comments else rows)]
             else:
                 lines += [row for entry in entries for row in _declaration(entry, dialect)]
-    if len(lines) == 1:
-        # A comment belongs to what it stands behind, and one of a line ends with it.
-        declared, mark, about = lines[0].partition(" (*")
-        whole = f"{head} {declared} {end}{mark}{about}"
-        if len(whole) <= _WIDTH and "//" not in whole:
-            return [whole]
+    text = "\n".join(lines)
+    bare = _COMMENT.sub("", text).split("\n")
+    bare = [line.strip() for line in bare if line.strip()]
+    whole = f"{head} {' '.join(bare)} {end}"
+    if len(bare) == 1 and "//" not in text and len(whole) <= _WIDTH:
+        # What is declared in one line stands in one with its section.
+        about = " ".join(found[1] for found in _COMMENT.finditer(text))
+        return commented(whole, " ".join(about.split()), "(*", "*)", _WIDTH)
     return [head, *(f"  {line}" for line in lines), end] if lines else []
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from clepsydra.deploy.printing.declarations import Variable, declared, records_of
@@ -117,9 +118,16 @@ def function_blocks(
     printed = printed_form(program, precision)
     main = with_block_names(beginning(printed), dialect.all_words)
     library = []
-    # What the program itself says of its inputs is not said again.
-    own = declared((*main.inputs, *main.parameters), StructuredText(dialect, precision))
-    told = {replace(each, initial=()) for each in own}
+    # What the program says of its inputs, and structures of their members, is not said again.
+    wording = StructuredText(dialect, precision)
+    own = [
+        *main.inputs,
+        *main.parameters,
+        *(signal.port for signal in (*main.inputs, *main.parameters)),
+    ]
+    types = records_of((*called_blocks(main), main), wording)
+    told = {replace(each, initial=()) for each in declared(own, wording)}
+    told.update(*types.values())
     for block in called_blocks(main):
         name = block_type(block)
         head = (f"{name}:", *block.description)
@@ -133,24 +141,21 @@ def function_blocks(
     about = heading(in_precision(program, precision), "IEC 61131-3 Structured Text", notes, origin)
     blocks = (*library, function_block(main, dialect, precision, about, origin))
     return (
-        *_records(main, dialect, precision),
+        *(_structure(name, members) for name, members in types.items()),
         *called_functions(blocks, dialect, precision),
         *blocks,
     )
 
 
-def _records(program: Program, dialect: Dialect, precision: Precision) -> list[Unit]:
-    """Return the types of the structures that a program and its blocks give."""
-    wording = StructuredText(dialect, precision)
-    found = records_of((*called_blocks(program), program), wording)
-    return [
-        Unit("TYPE", name, (), (Section("STRUCT", "", (("members", tuple(members)),)),), ())
-        for name, members in found.items()
-    ]
+def _structure(name: str, members: Sequence[Variable]) -> Unit:
+    """Return the type of a structure that a program or its blocks give."""
+    return Unit("TYPE", name, (), (Section("STRUCT", "", (("members", tuple(members)),)),), ())
 
 
 #: What a variable is that is declared without a value.
 _ZEROS = (("0.0",), ("0",), ("FALSE",))
+#: What is said of a number that has neither unit nor words.
+_NO_WORDS = "[1]"
 
 
 def _told_once(section: Section, told: set[Variable]) -> Section:
@@ -163,7 +168,8 @@ def _told_once(section: Section, told: set[Variable]) -> Section:
         found = []
         for each in variables:
             each = replace(each, initial=() if each.initial in _ZEROS else each.initial)
-            found.append(replace(each, comment="") if each in told else each)
+            silent = each in told or each.comment == _NO_WORDS
+            found.append(replace(each, comment="") if silent else each)
             told.add(each)
         found.sort(key=lambda each: "" if each.comment else each.type)
         groups.append((title, tuple(found)))
