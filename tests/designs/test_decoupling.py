@@ -9,6 +9,7 @@ from refusals import refused
 from clepsydra import NotApplicable
 from clepsydra.designs.decoupling import decoupling_element, inverted_decoupler
 from clepsydra.designs.models.transfer_element import TransferElement
+from clepsydra.designs.simc import design_simc
 from clepsydra.linear.response import frequency_response
 
 DIRECT = [("level_1", "pump_1"), ("level_2", "pump_2")]
@@ -146,8 +147,8 @@ def test_a_static_one_is_the_gain_alone(kind):
 def test_wrong_requests_are_refused(minimum_phase):
     with pytest.raises(NotApplicable, match="one loop only"):
         inverted_decoupler(minimum_phase.model, DIRECT[:1])
-    with refused(expected="static or dynamic"):
-        inverted_decoupler(minimum_phase.model, DIRECT, kind="perfect")
+    with refused(place="SIMC, decoupling", expected="one of static, dynamic"):
+        design_simc(minimum_phase.model, DIRECT, decoupling="perfect")
     with refused(value="level_1", expected="each name once"):
         inverted_decoupler(minimum_phase.model, [("level_1", "pump_1")] * 2)
     assert math.isfinite(inverted_decoupler(minimum_phase.model, DIRECT).gain.sum())

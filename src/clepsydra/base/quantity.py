@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any
 
+from clepsydra.base.arguments import is_finite_number
+from clepsydra.base.errors import InputError
 from clepsydra.base.key import ROLE, Key, with_units
 from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import text_pattern
@@ -88,6 +90,28 @@ class Quantity(Key):
         kind: Any = ["string", "number"] if may_be_bare else "string"
         told = {"description": words, "type": kind, "pattern": pattern}
         return told | bounds if may_be_bare else told
+
+    def check(self, value: Any) -> None:
+        """Refuse what is no number [its unit] within its bounds.
+
+        Raises
+        ------
+        InputError
+
+        Examples
+        --------
+        >>> Quantity("share", low=0.0, high=1.0, expected="a share", remedy="give 1").check(2.0)
+        Traceback (most recent call last):
+            ...
+        clepsydra.base.errors.InputError: share: got 2.0, expected a share from 0 to 1; give 1.
+        """
+        inside = is_finite_number(value) and self.low <= value <= self.high
+        if not inside or (self.strict and value == self.low):
+            above, to = ("above", ", at most") if self.strict else ("from", " to")
+            words = f"{self.expected} {above} {self.low:g}"
+            words += "" if self.high == math.inf else f"{to} {self.high:g}"
+            words += "" if self.unit == "1" else f" {self.unit}"
+            raise InputError(self.name, value, words, self.remedy)
 
     def parameter(self, owner: Any, display_unit: str = "") -> Signal | None:
         """Return the parameter that it is of its owner, "pump_1.lag"; None where it is none."""

@@ -25,7 +25,7 @@ from clepsydra.designs.loops.multiloop import MultiloopPid, PairedLoop, pi_only
 from clepsydra.designs.loops.pairing import Pairing
 from clepsydra.designs.loops.pid_settings import PidSettings, slowed_down
 from clepsydra.designs.models.first_order_delay import FirstOrderDelay, half_rule
-from clepsydra.designs.request import in_shown_unit, positive_number
+from clepsydra.designs.request import in_shown_unit
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT, note_on_peak
 from clepsydra.linear.linear_model import LinearModel
 
@@ -173,7 +173,8 @@ class _Averaging(NamedTuple):
         number(
             "damping",
             "a damping",
-            "ζ of the loop, at most 1, which it is if left out",
+            "ζ of the loop, 1 if left out",
+            high=1.0,
             example="0.7",
         ),
     ),
@@ -236,7 +237,13 @@ def design_arrest_time(
     (45305, 'arrested after 12.6 h.')
     """
     form = pi_only(form)
-    _check(arrest_time, deviation, damping)
+    if arrest_time is not None and deviation is not None:
+        raise InputError(
+            "arrest_time",
+            arrest_time,
+            "either an arrest time or a deviation",
+            "leave one of them out: each follows from the other",
+        )
     together = MultiloopPid(model, pairing, form, METHOD)
     loops = []
     for loop in together.loops:
@@ -297,22 +304,3 @@ def _averaging(
         f"{in_shown_unit(process.signal(load.signal), load.size)} may move it by "
         f"{in_shown_unit(loop.output, allowed)} and is arrested after {time_text(time)}",
     )
-
-
-def _check(arrest_time: float | None, deviation: float | None, damping: float) -> None:
-    positive_number("damping", damping, "a damping above 0", "give 1 for no swing")
-    if damping > 1.0:
-        raise InputError("damping", damping, "a damping of at most 1", "give 1 for no swing")
-    if arrest_time is not None:
-        positive_number("arrest_time", arrest_time, "a time above 0 s", "give seconds")
-    if deviation is not None:
-        positive_number(
-            "deviation", deviation, "a deviation above 0", "give it in the output's unit"
-        )
-    if arrest_time is not None and deviation is not None:
-        raise InputError(
-            "arrest_time",
-            arrest_time,
-            "either an arrest time or a deviation",
-            "leave one of them out: each follows from the other",
-        )

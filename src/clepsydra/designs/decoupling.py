@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, get_args
+from typing import Literal, NamedTuple
 
 import numpy as np
 
-from clepsydra.base.errors import InputError
 from clepsydra.designs.applicability import NotApplicable, reasons_about
 from clepsydra.designs.loops.pairing import Pairing, checked_pairing
 from clepsydra.designs.models.transfer_element import (
@@ -115,8 +114,6 @@ def inverted_decoupler(
     >>> round(float(found.lag[0, 1]), 2), bool(found.exact.all())
     (22.76, True)
     """
-    if kind not in get_args(DecouplerKind):
-        raise InputError("decoupling", kind, "static or dynamic", "correct the word")
     outputs, inputs = checked_pairing(pairing, model)
     if len(outputs) < 2:
         raise NotApplicable("there is one loop only")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeVar
+from functools import wraps
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from clepsydra.base.registry import Registry
 from clepsydra.designs.applicability import told_by
@@ -52,17 +53,17 @@ class Design:
         study file.
     studied : tuple of Studied
         As what a study of all controllers tries it.
-    keys : tuple of Key or Argument
-        Its arguments, as study files, calls and editors take them; a key is a quantity above its
-        low bound. Pairing and form are the same of every design, and need no mention; what only
-        a program can give, a controller or a sampled model, is not among them.
+    keys : tuple of Argument
+        Its arguments, as study files, calls and editors take them. Pairing and form are the same
+        of every design, and need no mention; what only a program can give, a controller or a
+        sampled model, is not among them.
     """
 
     name: str
     words: str
     function: Callable[..., Controller]
     studied: tuple[Studied, ...] = ()
-    keys: tuple[Key | Argument, ...] = ()
+    keys: tuple[Argument, ...] = ()
 
     @property
     def declared(self) -> dict[str, Argument]:
@@ -74,8 +75,7 @@ class Design:
         from clepsydra.designs.arguments.of_process import PAIRING  # with all that reads a table
         from clepsydra.designs.arguments.pid_form import FORM
 
-        own = [each if isinstance(each, Argument) else of_key(each) for each in self.keys]
-        known = {each.name: each for each in (PAIRING, FORM, *own)}
+        known = {each.name: each for each in (PAIRING, FORM, *self.keys)}
         return {name: known[name] for name in self.arguments if name in known}
 
     @property
@@ -124,7 +124,8 @@ def design(
 ) -> Callable[[F], F]:
     """Return a decorator that registers a function as a design; all as in `Design`.
 
-    What the function refuses says the method, the words if none is given.
+    What it refuses says the method, the words if none is given. A key among `keys` is a quantity
+    above its low bound. Before the function is called its arguments are checked as declared.
 
     The function takes the linear model of a process at an operating point. Its docstring leaves out
     what designs share: `pairing`, which the relative gains suggest where none is given, and `form`,
@@ -136,9 +137,21 @@ def design(
     ('PI or PID by SIMC', ['PI, SIMC', 'PI, SIMC, static decoupling'])
     """
 
+    declared = tuple(each if isinstance(each, Argument) else of_key(each) for each in keys)
+
     def register(function: F) -> F:
-        designed = told_by(method or words)(function)
-        DESIGNS.add(name, Design(name, words, designed, studied, keys))
-        return designed
+        signature = inspect.signature(function)
+
+        @wraps(function)
+        def designed(*args: Any, **kwargs: Any) -> Controller:
+            given = signature.bind(*args, **kwargs).arguments
+            with told_by(method or words):
+                for each in declared:
+                    if given.get(each.name) is not None:
+                        each.check(given[each.name])
+                return function(*args, **kwargs)
+
+        DESIGNS.add(name, Design(name, words, designed, studied, declared))
+        return cast(F, designed)
 
     return register

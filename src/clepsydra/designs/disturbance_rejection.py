@@ -18,7 +18,6 @@ from clepsydra.designs.loops.multiloop import MultiloopPid, PairedLoop
 from clepsydra.designs.loops.pairing import Pairing
 from clepsydra.designs.loops.words import model_words
 from clepsydra.designs.models.first_order_delay import FirstOrderDelay, half_rule
-from clepsydra.designs.request import positive_number
 from clepsydra.designs.slowing_down import note_on_peak
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.operating_point import OperatingPoint
@@ -91,15 +90,12 @@ def design_disturbance_rejection(
     >>> found.values["level.bandwidth"], found.values["level.observer_bandwidth"]
     (0.001, 0.005)
     """
-    ratio = positive_number(
-        "observer_ratio", observer_ratio, "a factor above 0", "3 to 10 are usual"
-    )
     together = MultiloopPid(model, pairing, PidForm(), METHOD)
     reduced = [_reduced(loop, together.process.sampling_period) for loop in together.loops]
     loops = together.loops
 
     def values_of(times: Sequence[float]) -> dict[str, float]:
-        own = {"bandwidth": 1.0, "observer_bandwidth": ratio}
+        own = {"bandwidth": 1.0, "observer_bandwidth": observer_ratio}
         return {
             path(loop.output, name): share / time
             for loop, time in zip(loops, times, strict=True)
@@ -115,8 +111,8 @@ def design_disturbance_rejection(
     models = [model_words(each, x.output, x.input) for each, x in zip(reduced, loops, strict=True)]
     return rejecting.made(
         found,
-        f"Active disturbance rejection (Gao 2003), the observer {ratio:g} times as fast as its "
-        "loop",
+        "Active disturbance rejection (Gao 2003), the observer "
+        f"{observer_ratio:g} times as fast as its loop",
         [
             f"First-order models by the half rule: {in_words(loops, models, times)}.",
             *note_on_peak(found.peak, "choose a longer closed-loop time constant"),

@@ -19,7 +19,6 @@ from clepsydra.controllers.parameters import remembered_parameters
 from clepsydra.controllers.virtual_input import (
     AlphaOn,
     VirtualAntiWindup,
-    check_virtual_anti_windup,
 )
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.at_operating_point import controller_at, numbers_at
@@ -31,7 +30,6 @@ from clepsydra.designs.loops.control_authority import (
     check_ranges,
     control_authorities,
 )
-from clepsydra.designs.request import positive_number
 from clepsydra.designs.saturation_rate import rates_in_words, saturation_rates
 from clepsydra.designs.slowing_down import note_on_slowing, slow_down
 from clepsydra.designs.states.observed_process import observed_process
@@ -130,7 +128,6 @@ def design_feedback_linearisation(
 while level_1 and level_2 are held, tank_3.level and tank_4.level run away, e times as far \
 every 78.4 s (a zero at +0.0128 rad/s).
     """
-    check_virtual_anti_windup(anti_windup, alpha_on)
     process = operating_point_of(model).process
     check_ranges(process, model.outputs, model.inputs)
     try:
@@ -161,13 +158,7 @@ every 78.4 s (a zero at +0.0128 rad/s).
     else:
         times = _shortest_times(linearised)
         if closed_loop_time_constant is not None:
-            time = positive_number(
-                "closed_loop_time_constant",
-                closed_loop_time_constant,
-                "a time above 0 s",
-                "give it in seconds",
-            )
-            times = [time] * len(times)
+            times = [float(closed_loop_time_constant)] * len(times)
         elif internal.stable:
 
             def slower(factor: float) -> Controller:

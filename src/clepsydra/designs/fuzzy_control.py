@@ -28,7 +28,7 @@ from clepsydra.designs.at_operating_point import controller_at, numbers_at
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loops.closed_loop_time import CLOSED_LOOP_TIME
 from clepsydra.designs.loops.pairing import Pairing
-from clepsydra.designs.request import in_shown_unit, positive_number
+from clepsydra.designs.request import in_shown_unit
 from clepsydra.designs.simc import design_simc
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
@@ -176,10 +176,6 @@ def design_fuzzy_pi(
     >>> controller.family, controller.values["level_1.error.gain"]
     ('fuzzy', 0.2)
     """
-    share = positive_number(
-        "largest_error", largest_error, "a share of the range above 0",
-        "0.5 is half of the range",
-    )  # fmt: skip
     linear = design_simc(model, pairing, closed_loop_time_constant=closed_loop_time_constant)
     point = operating_point_of(model)
     process = point.process
@@ -197,13 +193,13 @@ def design_fuzzy_pi(
     for y, u in zip(measured, moved, strict=True):
         gain = linear.values[path(y, "proportional_gain")]
         time = linear.values[path(y, "integral_time")]
-        scale = 1.0 / (share * y.span)
+        scale = 1.0 / (largest_error * y.span)
         values |= {
             path(y, "error.gain"): scale,
             path(y, "change.gain"): -scale * time * by_error / by_change,
             path(u, "output_gain"): gain / (time * scale * by_error),
         }
-    large = ", ".join(f"{in_shown_unit(y, share * y.span)} of {y.name}" for y in measured)
+    large = ", ".join(f"{in_shown_unit(y, largest_error * y.span)} of {y.name}" for y in measured)
     return controller_at(
         point,
         "Fuzzy PI",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-from clepsydra.base.errors import InputError
 from clepsydra.base.signal import path
 from clepsydra.base.words import listed, time_text
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
@@ -275,8 +274,6 @@ def _designed(
         Whether parameters that are the same everywhere have tables too.
     """
     plain, process = scheduled.plain, operating_point_of(model).process
-    if wish.follows not in ("measurement", "setpoint"):
-        raise InputError("follows", wish.follows, "measurement or setpoint", "choose one")
     over, plan, between = planned_points(model, scheduled, wish)
     signal = process.signal(over)
     followed = path(over, "pv" if wish.follows == "measurement" else "sp")

@@ -6,8 +6,6 @@ import math
 from dataclasses import replace
 from typing import Literal
 
-from clepsydra.base.arguments import is_finite_number
-from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.designs.applicability import NotApplicable, reasons_about
@@ -23,7 +21,6 @@ from clepsydra.designs.loops.multiloop import Detuned, MultiloopPid, PairedLoop,
 from clepsydra.designs.loops.pairing import Pairing
 from clepsydra.designs.loops.pid_settings import slowed_down
 from clepsydra.designs.models.transfer_element import TransferElement
-from clepsydra.designs.request import positive_number
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT, note_on_peak
 from clepsydra.linear.linear_model import LinearModel
 
@@ -165,7 +162,6 @@ def design_phase_margin(
     >>> round(controller.values["level_1.proportional_gain"], 6)
     3.0
     """
-    _check(phase_margin, crossover)
     asked, actions = checked_form(form)
     together = MultiloopPid(model, pairing, asked, METHOD)
     delay = together.process.sampling_period / 2.0
@@ -198,19 +194,6 @@ def design_phase_margin(
         + (f", slowed down {found.factor:.3g} times" if found.factor > 1.0 else ""),
         _notes(found, together.loops, delay),
     )
-
-
-def _check(phase_margin: float, crossover: float | None) -> None:
-    if not is_finite_number(phase_margin) or not 0.0 < phase_margin < math.pi:
-        raise InputError(
-            "phase_margin",
-            phase_margin,
-            "an angle between 0 and π rad",
-            "give it in radians, as math.radians(60)",
-        )
-    if crossover is not None:
-        place = "crossover"
-        positive_number(place, crossover, "a frequency above 0 rad/s", "give it in rad/s")
 
 
 def _notes(found: Detuned, loops: list[PairedLoop], delay: float) -> list[str]:

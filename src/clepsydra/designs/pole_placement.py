@@ -18,7 +18,6 @@ from clepsydra.designs.arguments.of_process import MEASUREMENTS
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.kalman import process_noise
 from clepsydra.designs.loops.control_authority import DESIGN_STEP, check_ranges, control_authorities
-from clepsydra.designs.request import positive_number
 from clepsydra.designs.slowing_down import SlowedDown, note_on_peak, note_on_slowing, slow_down
 from clepsydra.designs.states.estimation import Estimation, input_noise, with_loads
 from clepsydra.designs.states.feedback_controller import feedback_controller, states_to_feed_back
@@ -198,11 +197,8 @@ def _check_request(
     measured: bool,
 ) -> None:
     n, m = observed.moved.shape
-    if bandwidth is not None:
-        place = "bandwidth"
-        positive_number(place, bandwidth, "a bandwidth above 0 rad/s", "give it in rad/s")
-        if poles is not None:
-            raise InputError(place, bandwidth, "poles or a bandwidth", "give one of the two")
+    if bandwidth is not None and poles is not None:
+        raise InputError("bandwidth", bandwidth, "poles or a bandwidth", "give one of the two")
     if poles is not None:
         checked_poles(poles, n, "poles")
     if observer_poles is not None:

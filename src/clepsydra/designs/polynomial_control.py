@@ -16,7 +16,6 @@ from clepsydra.designs.polynomial.paired_models import (
     ModelledPair,
     Request,
     characteristic,
-    checked_request,
     modelled_pairs,
 )
 from clepsydra.designs.polynomial.sampled_model import SampledModel
@@ -86,7 +85,7 @@ def design_polynomial(
     >>> controller.name, controller.law.name
     ('2DOF polynomial, LQ', 'polynomial_control')
     """
-    request = checked_request(penalty, assigned_poles)
+    request = Request(penalty, assigned_poles)
     point, pairs = modelled_pairs(model, pairing, models)
     for pair in pairs:
         if pair.model.delay > LONGEST_DELAY:

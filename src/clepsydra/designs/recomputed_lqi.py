@@ -59,7 +59,7 @@ _SHARES = (0.1, 0.3, 0.7, 0.9)
         MEASUREMENTS,
         *DEVIATIONS,
         ANTI_WINDUP,
-        whole_number("steps", "steps of the Riccati equation in a sample"),
+        whole_number("steps", "steps of the Riccati equation in a sample", 20),
     ),
 )
 def design_recomputed_lqi(
@@ -119,7 +119,6 @@ def design_recomputed_lqi(
     [0.144569, 0.144569]
     """
     process = operating_point_of(model).process
-    _check_steps(steps)
     check_lqi(model, process.motion.delays, "its equations have")
     refuse_feedthrough(model)
     check_independent(model)
@@ -257,13 +256,6 @@ def _source(
             pass
     found = extended_kalman(model, equations, measurements, horizon)
     return found.observer, found
-
-
-def _check_steps(steps: int) -> None:
-    if isinstance(steps, bool) or not isinstance(steps, int) or not 1 <= steps <= 20:
-        raise InputError(
-            "steps", steps, "a whole number from 1 to 20", "one step is enough in most"
-        )
 
 
 def _check_size(equations: ProcessEquations) -> None:

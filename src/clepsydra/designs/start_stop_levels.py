@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
-from clepsydra.base.arguments import is_finite_number
-from clepsydra.base.errors import InputError
 from clepsydra.base.signal import elements, path
 from clepsydra.base.units import from_si
 from clepsydra.controllers.at_rest import state_at_rest
@@ -17,6 +16,7 @@ from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.arguments.argument import argument
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.designed_values import designed_values
+from clepsydra.designs.request import positive_number
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
@@ -29,12 +29,13 @@ if TYPE_CHECKING:
 #: Shares of the tank's height that the levels keep to.
 LOWEST, HIGHEST = 0.2, 0.8
 _HOUR = 3600.0
+_REMEDY = 'write as in 6 or "6 1/h", how often a motor may be started in an hour'
 
 
 def _starts(table: TableReader, key: str, process: Process) -> float:
     """Read how often a pump may start in an hour; a bare number will do."""
     unit = "1/h" if isinstance(table.raw(key), str) else "1"
-    return table.quantity(key, unit, "a number of starts", 'write as in 6 or "6 1/h"', above=0.0)
+    return table.quantity(key, unit, "a number of starts", _REMEDY, above=0.0)
 
 
 _STARTS_PER_HOUR = argument(
@@ -43,6 +44,7 @@ _STARTS_PER_HOUR = argument(
     'of one pump, `10` or `"10 1/h"`, above 0',
     {"type": ["number", "string"]},
     "quantity",
+    partial(positive_number, "starts_per_hour", expected="a number above 0", remedy=_REMEDY),
 )
 
 
@@ -102,11 +104,6 @@ def design_start_stop_levels(model: LinearModel, *, starts_per_hour: float = 10.
     stage 1 starts at 1.11 m and stops at 0.8 m
     stage 2 starts at 2.15 m and stops at 1.85 m.
     """
-    if not is_finite_number(starts_per_hour) or starts_per_hour <= 0.0:
-        raise InputError(
-            "starts_per_hour", starts_per_hour, "a number above 0",
-            "give how often the motor may be started in an hour, often 6 to 15",
-        )  # fmt: skip
     return _Station(operating_point_of(model)).controller(starts_per_hour)
 
 

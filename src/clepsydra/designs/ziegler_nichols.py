@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, Literal
 
-from clepsydra.base.arguments import check_choice
 from clepsydra.base.signal import Signal
 from clepsydra.base.words import time_text
 from clepsydra.designs.arguments.argument import word
@@ -136,7 +135,6 @@ def design_ziegler_nichols(
     >>> round(controller.values["level.integral_time"], 6)
     100.0
     """
-    check_choice("experiment", experiment, get_args(Experiment))
     rule = _from_ultimate_point if experiment == "ultimate_point" else _from_step_response
     return design_by_rule(
         model,

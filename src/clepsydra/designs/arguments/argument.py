@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, cast, get_args
 
+from clepsydra.base.arguments import check_choice
+from clepsydra.base.errors import InputError
 from clepsydra.base.key import Key
 from clepsydra.base.quantity import Quantity
 
@@ -35,6 +37,8 @@ class Argument:
     given : {"", "quantity", "of signals", "table"}
         What a call of `cl.design` may give: what the design takes; also text with a unit; text or
         a number in the unit that people see of a signal; or tables as a study file has them.
+    check : callable
+        Refuses a value that the design cannot take, from wherever it comes.
 
     Examples
     --------
@@ -46,6 +50,7 @@ class Argument:
     read: Read
     properties: Mapping[str, Mapping[str, Any]]
     given: Given = ""
+    check: Callable[[Any], None] = lambda value: None
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -53,11 +58,9 @@ class Argument:
         return tuple(self.properties)
 
 
-def argument(
-    name: str, read: Read, words: str, schema: Mapping[str, Any], given: Given = ""
-) -> Argument:
-    """Return an argument that one key of its own name makes."""
-    return Argument(name, read, {name: {"description": words, **schema}}, given)
+def argument(name: str, read: Read, words: str, schema: Mapping[str, Any], *more: Any) -> Argument:
+    """Return an argument that one key of its own name makes; more as in `Argument`."""
+    return Argument(name, read, {name: {"description": words, **schema}}, *more)
 
 
 def of_quantity(declared: Quantity, words: str = "") -> Argument:
@@ -80,7 +83,7 @@ def of_quantity(declared: Quantity, words: str = "") -> Argument:
         return float(table.declared(declared, {}, MISSING))
 
     schema = declared.schema(words=words)
-    return Argument(declared.name, read, {declared.name: schema}, "quantity")
+    return Argument(declared.name, read, {declared.name: schema}, "quantity", declared.check)
 
 
 def of_key(key: Key) -> Argument:
@@ -100,11 +103,12 @@ def of_key(key: Key) -> Argument:
 
 
 def number(
-    name: str, expected: str, words: str, *, unit: str = "1", above: float = 0.0, example: str
+    name: str, expected: str, words: str, *, example: str, above: float = 0.0, **more: Any
 ) -> Argument:
-    """Return an argument that is a quantity above a bound, written as in the example."""
-    remedy = f"write as in {example}"
-    declared = Quantity(name, unit, low=above, strict=True, expected=expected, remedy=remedy)
+    """Return an argument that is a `Quantity` above a bound, written as in the example."""
+    declared = Quantity(
+        name, low=above, strict=True, expected=expected, remedy=f"write as in {example}", **more
+    )
     return of_quantity(declared, words)
 
 
@@ -119,7 +123,7 @@ def word(name: str, words: str, choices: Any) -> Argument:
     known = literal_words(choices)
     return argument(
         name, lambda table, key, process: table.choice(key, known, known[0]), words,
-        {"enum": list(known)},
+        {"enum": list(known)}, "", lambda value: check_choice(name, value, known),
     )  # fmt: skip
 
 
@@ -145,13 +149,22 @@ def flag(name: str, words: str) -> Argument:
     )
 
 
-def whole_number(name: str, words: str) -> Argument:
+def whole_number(name: str, words: str, most: int | None = None) -> Argument:
     """Return an argument that is a whole number from 1."""
+    bounds = {"minimum": 1} if most is None else {"minimum": 1, "maximum": most}
+    expected = f"a whole number from 1{'' if most is None else f' to {most}'}"
+
+    def check(value: Any) -> None:
+        whole = isinstance(value, int) and not isinstance(value, bool)
+        if not whole or value < 1 or (most is not None and value > most):
+            raise InputError(name, value, expected, "write as in 6")
 
     def read(table: TableReader, key: str, process: Process) -> int:
         written = table.raw(key)
-        if isinstance(written, bool) or not isinstance(written, int) or written < 1:
-            raise table.refused(key, table.written(key), "a whole number from 1", "write as in 6")
-        return written
+        try:
+            check(written)
+        except InputError as error:
+            raise table.refused(key, table.written(key), expected, error.remedy) from None
+        return cast(int, written)
 
-    return argument(name, read, words, {"type": "integer", "minimum": 1})
+    return argument(name, read, words, {"type": "integer", **bounds}, "", check)

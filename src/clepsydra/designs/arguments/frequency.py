@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import math
 import re
-from typing import TYPE_CHECKING
+from dataclasses import MISSING
+from typing import TYPE_CHECKING, Any
 
+from clepsydra.base.arguments import is_finite_number
+from clepsydra.base.errors import InputError
+from clepsydra.base.quantity import Quantity
 from clepsydra.base.units import split_quantity
 from clepsydra.designs.arguments.argument import Argument, argument
 
@@ -19,6 +23,11 @@ _ANGLES = ("deg", "degree", "degrees", "°", "rad", "radian", "radians")
 def angle(name: str, words: str) -> Argument:
     """Return an argument that is an angle above zero and below half a turn [rad]."""
 
+    def check(value: Any) -> None:
+        if not is_finite_number(value) or not 0.0 < value < math.pi:
+            remedy = "give it in radians, as math.radians(60)"
+            raise InputError(name, value, "an angle between 0 and π rad", remedy)
+
     def read(table: TableReader, key: str, process: Process) -> float:
         remedy = 'write as in "60 deg"'
         parts = split_quantity(table.raw(key))
@@ -30,14 +39,15 @@ def angle(name: str, words: str) -> Argument:
             raise table.refused(key, table.written(key), "an angle below 180 deg", remedy)
         return math.radians(degrees)
 
-    return argument(name, read, words, {"type": "string"}, "quantity")
+    return argument(name, read, words, {"type": "string"}, "quantity", check)
 
 
 def angular_frequency(name: str, words: str) -> Argument:
     """Return an argument that is an angular frequency above zero [rad/s]."""
+    remedy = 'write as in "0.01 rad/s"'
+    declared = Quantity(name, "rad/s", low=0.0, strict=True, expected="a frequency", remedy=remedy)
 
     def read(table: TableReader, key: str, process: Process) -> float:
-        remedy = 'write as in "0.01 rad/s"'
         parts = split_quantity(table.raw(key))
         # Units of an angle are numbers, so that a hertz would be taken for one radian a second.
         if parts is not None and re.search("hz|hertz", parts[1], re.IGNORECASE):
@@ -47,6 +57,8 @@ def angular_frequency(name: str, words: str) -> Argument:
                 "an angular frequency in rad/s",
                 "multiply hertz by 2 pi, which is 6.283",
             )
-        return table.quantity(key, "rad/s", "a frequency", remedy, above=0.0)
+        return float(table.declared(declared, {}, MISSING))
 
-    return argument(name, read, f"{words} [rad/s], above 0", {"type": "string"}, "quantity")
+    return argument(
+        name, read, f"{words} [rad/s], above 0", {"type": "string"}, "quantity", declared.check
+    )

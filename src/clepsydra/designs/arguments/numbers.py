@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from clepsydra.base.arguments import is_finite_number
+from clepsydra.base.errors import InputError
 from clepsydra.designs.arguments.argument import Argument, argument, number
 
 if TYPE_CHECKING:
@@ -69,11 +72,22 @@ def _rates(table: TableReader, key: str, process: Process) -> float | list[float
     ]
 
 
+def _check_assigned(poles: Sequence[float]) -> None:
+    for pole in poles:
+        if not is_finite_number(pole) or not 0.0 <= pole < 1.0:
+            raise InputError(
+                "assigned_poles", pole, "real poles from 0 to below 1",
+                "a smaller one is faster",
+            )  # fmt: skip
+
+
 ASSIGNED_POLES = argument(
     "assigned_poles",
     _real_numbers,
     "list of poles beside those that `penalty` gives",
     {"type": ["array", "number"], "items": {"type": "number"}, "minItems": 1},
+    "",
+    _check_assigned,
 )
 ALPHA = argument(
     "alpha",

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.signal import Signal
 from clepsydra.designs.arguments.argument import Argument, argument
+from clepsydra.designs.request import positive_number
 from clepsydra.process.known_names import known_name, known_names
 from clepsydra.process.signal_values import read_value
 
@@ -71,7 +72,11 @@ def one_deviation(name: str, words: str) -> Argument:
             )
         return _positive(table, key, signals[0], 'write as in "20 %" of the range')
 
-    return argument(name, read, words, {"type": ["string", "number"]}, "of signals")
+    def check(value: Any) -> None:
+        positive_number(name, value, "a deviation above 0", "give it in the output's unit")
+
+    kind = {"type": ["string", "number"]}
+    return argument(name, read, words, kind, "of signals", check)
 
 
 def _positive(table: TableReader, key: str, signal: Signal, remedy: str) -> float:

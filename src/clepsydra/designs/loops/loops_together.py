@@ -9,7 +9,6 @@ from typing import Generic, TypeVar
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.designed_values import applicable_values, rounded_values
-from clepsydra.designs.request import positive_number
 from clepsydra.designs.sampled.sampled_loop import SampledLoops
 from clepsydra.designs.sampled.sampled_process import refusing
 from clepsydra.designs.slowing_down import OF_LOOPS, Search, SlowedDown, as_given, slow_down
@@ -80,15 +79,11 @@ class LoopsTogether(Generic[T]):
         ------
         NotApplicable
             The loops together are unstable, or cannot be made robust.
-        InputError
-            The time is not above zero.
         """
         if time is None:
             found = self.slowed_down(lambda factor: settings_at([factor * t for t in shortest]))
             return found, [found.factor * t for t in shortest]
-        place = "closed_loop_time_constant"
-        time = positive_number(place, time, "a time above 0 s", "give it in seconds")
-        times = [time] * len(shortest)
+        times = [float(time)] * len(shortest)
         choice = f"a closed-loop time constant of {time:g} s"
         return self.as_given(settings_at(times), choice), times
 

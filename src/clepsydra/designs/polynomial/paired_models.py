@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.designs.applicability import reasons_about
@@ -130,7 +129,7 @@ class Request(NamedTuple):
     """
 
     penalty: float | None
-    assigned_poles: tuple[float, ...] | None
+    assigned_poles: Sequence[float] | None
 
     @property
     def is_open(self) -> bool:
@@ -143,37 +142,6 @@ class Request(NamedTuple):
         if self.assigned_poles is not None:
             words.append("γ = " + ", ".join(f"{pole:.4g}" for pole in self.assigned_poles))
         return " and ".join(words)
-
-
-def checked_request(penalty: float | None, assigned_poles: Sequence[float] | None) -> Request:
-    """Return what was asked for.
-
-    Raises
-    ------
-    InputError
-        The penalty is no number above zero, or an assigned pole none from 0 to below 1.
-
-    Examples
-    --------
-    >>> checked_request(10, [0.5])
-    Request(penalty=10.0, assigned_poles=(0.5,))
-    """
-    if penalty is not None and (not is_finite_number(penalty) or penalty <= 0.0):
-        raise InputError(
-            "penalty",
-            penalty,
-            "a number above 0",
-            "give q_u in (output unit/input unit)²",
-        )
-    poles = None if assigned_poles is None else tuple(assigned_poles)
-    for pole in poles or ():
-        if not is_finite_number(pole) or not 0.0 <= pole < 1.0:
-            raise InputError(
-                "assigned_poles", pole, "real poles from 0 to below 1",
-                "a smaller one is faster",
-            )  # fmt: skip
-    poles = poles and tuple(map(float, poles))
-    return Request(None if penalty is None else float(penalty), poles)
 
 
 def characteristic(
