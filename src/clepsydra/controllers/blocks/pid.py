@@ -130,6 +130,7 @@ def pid_state(
         # After nonsense at run time the integral is still the one before it.
         state["integral"] = ca.if_else(is_number(following), following, s["integral"])
         heard = ca.logic_or(applied.in_force, ca.logic_and(applied.follows, known))
+        named = {**named, "heard": heard}
     for parameter in form.remembered:
         taken = ca.logic_and(heard, is_number(s[parameter]))
         state[f"last_{parameter}"] = ca.if_else(taken, s[parameter], s[f"last_{parameter}"])

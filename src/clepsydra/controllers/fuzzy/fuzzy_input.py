@@ -107,12 +107,15 @@ def _block(quantity: str, is_rate: bool, is_of_error: bool) -> Block:
         if measured:
             value = value - measured[0]
         named = {"valid": valid}
+        if measured and not is_rate:
+            named["error"] = value
         if is_rate:
             time_step, good = time_step_of(s)
             value, filtered = filtered_derivative(value, s["filtered"], s["filter_time"], time_step)
             sound = all_of([valid, s["good"], good, is_number(filtered)])
             state["filtered"] = ca.if_else(sound, filtered, s["filtered"])
-            named |= {"time_step_good": good, "time_step_used": time_step, "rate": value}
+            named |= {"time_step_good": good, "time_step_used": time_step}
+            named |= {"rate": value, "next_filtered": filtered}
         outside = gap_error(value, s["dead_zone"], ca.SX(0))
         product = s["gain"] * outside
         numbers = ca.logic_and(valid, is_number(product))

@@ -121,6 +121,7 @@ def _block(is_position: bool, rate_limited: bool) -> Block:
                 "conditional_integration", moves, applied, known=usable, last_applied=last
             )
             named |= {"offset_moved": on_the_way["integral_moved"], "offset_kept": state["offset"]}
+            named["fades"] = fades
         named |= {"wish": wish, "asked": asked, "usable": usable}
         return Equations(state, results, named, words_for(_WORDS, state, results, named))
 

@@ -167,6 +167,7 @@ class PidLoop:
         sensors = sound if remote is None else ca.logic_and(sound, remote.sensors)
         # What cannot be computed asks for what stands.
         wish = Asked(terms["unlimited"], ca.logic_and(known, time_step_good), numbers, sensors)
+        used["numbers"] = numbers
         return wish, {**terms, **used, "setpoint_is_remote": setpoint.remote}
 
     def told(

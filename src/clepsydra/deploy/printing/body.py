@@ -168,7 +168,10 @@ class Body:
             whole = value in made and value in ranges
             if output.kind == "real" and value >= first and unnamed and not whole:
                 labels.setdefault(value, place)
+        scaled = self._scaled_for_a_call(made, used)
         for value, name in program.names.items():
+            if value in scaled and name not in program.words:
+                continue
             own = value in results and results[value].name == name
             if value >= first and value in used and value not in labels and not own:
                 clashes = name.replace(".", "_") in instances
@@ -179,6 +182,21 @@ class Body:
             if value not in labels and value not in results
         }
         return labels, preferred
+
+    def _scaled_for_a_call(
+        self, made: Mapping[int, Operation], uses: Mapping[int, int]
+    ) -> set[int]:
+        """Return what is given, in another unit, to one port alone: the port names it."""
+        program = self._program
+        return {
+            value
+            for call in program.calls
+            for value in call.arguments
+            if uses[value] == 1
+            and value in made
+            and made[value].code in ("multiply", "divide")
+            and min(made[value].arguments) < program.block.arguments
+        }
 
     def _begun(self, made: Mapping[int, Operation], uses: Mapping[int, int]) -> dict[int, str]:
         """Return the values that a state is set to where it begins anew, before it is read."""

@@ -136,6 +136,9 @@ class FoldedBlock:
                 name = signal.identifier if free else f"{each.identifier}_{signal.identifier}"
                 self._preferred.setdefault(value, name)
                 self._as_number.update(() if signal.kind == "integer" else [value])
+        for each in (s for s in block.statements if isinstance(s, Operation)):
+            if each.code in _CONVERTED and each.target in self._preferred:
+                self._preferred.setdefault(each.arguments[0], self._preferred[each.target])
 
     def _assign(self, value: int, name: str = "") -> Expression:
         """Give a value a variable, and return the expression that reads it."""
