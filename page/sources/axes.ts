@@ -33,14 +33,14 @@ export function decades(low: number, high: number, factors: number[]): number[] 
   return found.filter((each) => each >= 0.999 * low && each <= 1.001 * high);
 }
 
-/** Draw a limit across the chart at a value of an axis. */
+/** Draw a limit across the chart at a value of an axis, in a colour that no curve has. */
 export function limitLine(chart: uPlot, axis: "x" | "y", limit: number): void {
   const { ctx, bbox } = chart;
-  const place = chart.valToPos(limit, axis, true);
+  const place = Math.floor(chart.valToPos(limit, axis, true)) + 0.5;
   const start = axis === "x" ? bbox.left : bbox.top;
   if (place < start || place > start + (axis === "x" ? bbox.width : bbox.height)) return;
   ctx.save();
-  ctx.strokeStyle = colour("--alarm");
+  ctx.strokeStyle = colour("--ink");
   ctx.beginPath();
   if (axis === "x") {
     ctx.moveTo(place, bbox.top);

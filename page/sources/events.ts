@@ -110,8 +110,9 @@ function legend(data: PageData, shown: Shown): HTMLElement {
     });
     const hint = document.createElement("span");
     hint.className = "hint";
+    const bands = data.signals.some(({ band }) => band) ? ", ends of the band solid" : "";
     hint.textContent =
-      "Setpoints dashed, limits shaded. Drag to zoom, double click to go back, click to measure from there.";
+      `Setpoints dashed, limits shaded${bands}. Drag to zoom, double click to go back, click to measure from there.`;
     line.replaceChildren(...entries, hint);
   };
   draw();

@@ -5,13 +5,16 @@ import uPlot from "uplot";
 import { decades, limitLine, logAxis } from "./axes";
 import type { Controller } from "./data";
 import { onLook } from "./look";
-import type { Shown } from "./shown";
+import { colour, type Shown } from "./shown";
 import { numberText } from "./words";
 
 const HEIGHT = 300;
 const LIMIT = 2;
 /** Beyond these a controller is out of the question, and stands at the edge. */
 const [WORST_PEAK, WORST_ERROR] = [10, 100];
+
+/** From left and top [px]. */
+type Place = [number, number];
 
 interface Point {
   controller: number;
@@ -39,8 +42,13 @@ export function drawMap(place: HTMLElement, controllers: Controller[], shown: Sh
   title.textContent = "Error against robustness";
   const words = document.createElement("p");
   words.className = "note";
-  words.textContent =
-    "Each number is a controller at its rank; to the left of the line it is robust, the lower, the smaller its error. A click shows it in all pictures.";
+  const hint = document.createElement("span");
+  hint.className = "hint";
+  hint.textContent = " A click shows it in all pictures.";
+  words.append(
+    "Each number is a controller at its rank; to the left of the line it is robust, the lower, the smaller its error.",
+    hint,
+  );
   const canvas = document.createElement("div");
   place.append(title, words, canvas);
   const draw = () => {
@@ -59,12 +67,22 @@ function drawn(canvas: HTMLElement, points: Point[]): void {
     1.15 * Math.max(2.2, ...numbers),
   ];
   const place = (chart: uPlot) => {
-    const taken: [number, number][] = [];
+    limitLine(chart, "x", LIMIT);
+    const { ctx, bbox, over } = chart;
+    const wall = chart.valToPos(LIMIT, "x");
+    const taken: Place[] = [];
+    ctx.strokeStyle = colour("--muted");
     for (const { x, y, button } of points) {
-      const [left, top] = freePlace(chart.valToPos(x, "x"), chart.valToPos(y, "y"), taken, chart.over);
-      taken.push([left, top]);
-      Object.assign(button.style, { left: `${left}px`, top: `${top}px` });
-      chart.over.append(button);
+      const own: Place = [chart.valToPos(x, "x"), chart.valToPos(y, "y")];
+      const room: Place = x > LIMIT ? [wall, over.clientWidth] : [0, wall + 1];
+      const found = freePlace(own, taken, room, over.clientHeight);
+      taken.push(found);
+      Object.assign(button.style, { left: `${found[0]}px`, top: `${found[1]}px` });
+      over.append(button);
+      ctx.beginPath();
+      for (const [left, top] of [own, found])
+        ctx.lineTo(bbox.left + left * devicePixelRatio, bbox.top + top * devicePixelRatio);
+      ctx.stroke();
     }
   };
   const xs = sorted.map(({ x }) => x);
@@ -83,7 +101,7 @@ function drawn(canvas: HTMLElement, points: Point[]): void {
         logAxis("max|S|, smaller is more robust", 24, near),
         logAxis("relative error", 42, near),
       ],
-      hooks: { drawAxes: [(chart) => limitLine(chart, "x", LIMIT)], ready: [place] },
+      hooks: { drawAxes: [place] },
       series: [{}, { show: true, paths: () => null, points: { show: false } }],
     },
     [xs, ys],
@@ -98,17 +116,17 @@ function near(low: number, high: number): number[] {
   return decades(low, high, size > 0.8 ? [1, 2, 5] : [1, 1.2, 1.5, 2, 3, 4, 5, 7]);
 }
 
-/** Return the place nearest to a point where its number covers no other. */
-function freePlace(x: number, y: number, taken: [number, number][], over: HTMLElement): [number, number] {
+/** Return the place nearest to a point where its number covers no other, on its side of the limit. */
+function freePlace(own: Place, taken: Place[], [first, last]: Place, height: number): Place {
   const ROOM = 20;
   for (let radius = 0; radius < 150; radius += 4)
     for (let turn = 0; turn < 16; turn += 1) {
-      const left = x + radius * Math.cos((turn * Math.PI) / 8);
-      const top = y - radius * Math.sin((turn * Math.PI) / 8);
-      const inside = left > 8 && top > 8 && left < over.clientWidth - 8 && top < over.clientHeight - 8;
+      const left = own[0] + radius * Math.cos((turn * Math.PI) / 8);
+      const top = own[1] - radius * Math.sin((turn * Math.PI) / 8);
+      const inside = left >= first && left <= last && top > 8 && top < height - 8;
       if (inside && taken.every(([a, b]) => Math.hypot(left - a, top - b) >= ROOM)) return [left, top];
     }
-  return [x, y];
+  return own;
 }
 
 function pointButton(each: Controller, controller: number, shown: Shown): HTMLButtonElement {

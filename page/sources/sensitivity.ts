@@ -20,7 +20,7 @@ export function drawSensitivity(place: HTMLElement, data: PageData, shown: Shown
   title.textContent = "Sensitivity";
   const words = document.createElement("p");
   words.className = "note";
-  const explained = "Largest singular value of S: how much of a disturbance is left at each frequency; above 1 it is amplified.";
+  const explained = "Largest singular value of S: how much of a disturbance is left at each frequency; above 1 it is amplified, and the line is the limit.";
   const canvas = document.createElement("div");
   place.append(title, words, canvas);
   let chart: uPlot | undefined;

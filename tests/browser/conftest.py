@@ -3,12 +3,12 @@
 A test takes `report`, the page of a study of a process, written once a session, and `opened`,
 which opens a page; `look` makes it run at three widths, light and dark. Each page that a test
 opened has to have come from its file alone and to have said nothing in the console. `findings`
-are those of axe-core, `printed` the sheets on paper:
+are those of axe-core, `printed` the words of each sheet on paper:
 
     def test_the_first_screen_is_for_everyone(report, opened, look, findings, printed):
         page = opened(report("three-tanks"), **look)
         assert findings(page) == []
-        assert printed(page) <= 6
+        assert len(printed(page)) <= 6
 """
 
 import fcntl
@@ -151,8 +151,12 @@ def findings(packages):
 
 @pytest.fixture
 def printed():
-    """Return how many sheets of A4 a page takes."""
+    """Return the words of each sheet of A4 that a page takes."""
     need("pypdf")
     from pypdf import PdfReader
 
-    return lambda page: len(PdfReader(BytesIO(page.pdf(prefer_css_page_size=True))).pages)
+    def sheets(page):
+        paper = BytesIO(page.pdf(prefer_css_page_size=True))
+        return [sheet.extract_text() for sheet in PdfReader(paper).pages]
+
+    return sheets

@@ -9,6 +9,30 @@ from clepsydra.process.catalogue_names import catalogue_names
 
 pytestmark = pytest.mark.browser
 PROCESS = "quadruple-tank"
+#: Dark pixels in each column of a canvas, and those that have the colour of a curve.
+COLUMNS = """place => {
+    const canvas = place.querySelector("canvas");
+    const { data, width } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    const style = getComputedStyle(document.documentElement);
+    const rgb = name => style.getPropertyValue(name).match(/[0-9a-f]{2}/g).map(each => `0x${each}`);
+    const ink = rgb("--ink"), curves = [0, 1, 2, 3, 4, 5, 6, 7].map(each => rgb(`--curve-${each}`));
+    const near = (at, colour) => colour.every((each, n) => Math.abs(data[at + n] - each) < 24);
+    const columns = new Array(width).fill(0);
+    let coloured = 0;
+    for (let at = 0; at < data.length; at += 4) {
+        if (data[at + 3] < 100) continue;
+        if (near(at, ink)) columns[(at / 4) % width] += 1;
+        if (curves.some(each => near(at, each))) coloured += 1;
+    }
+    return [columns, coloured];
+}"""
+
+
+#: When something was painted first [ms].
+PAINTED = """() => new Promise(done => new PerformanceObserver(list => {
+    for (const { name, startTime } of list.getEntries())
+        if (name === "first-contentful-paint") done(startTime);
+}).observe({ type: "paint", buffered: true }))"""
 
 
 @pytest.fixture
@@ -33,33 +57,68 @@ def readout(page, event, signal):
     return section.locator(".chart").filter(has_text=signal).locator(".readout")
 
 
+def hidden(page, what):
+    """Return what of a kind is cut off at its side."""
+    cut = "found => found.filter(each => each.scrollWidth > each.clientWidth)"
+    return page.locator(what).evaluate_all(f"{cut}.map(each => each.innerText)")
+
+
 def beyond(page):
     """Return by how much a page is wider than its window [px]."""
     return page.evaluate("document.documentElement.scrollWidth - window.innerWidth")
 
 
 @pytest.mark.parametrize("process", catalogue_names())
-def test_each_process_has_a_page_that_is_whole_at_each_width(report, opened, look, process):
+def test_everyone_can_read_the_page_of_each_process_at_each_width(
+    report, opened, look, findings, process
+):
     page = opened(report(process), **look)
     assert page.locator("h1").inner_text().startswith("Use ")
     assert page.locator(".chart canvas").first.is_visible()
     assert beyond(page) <= 0
+    assert findings(page) == []
+    assert hidden(page, ".card .wide") == []
+    paper, drawn = page.evaluate(
+        """() => [
+            getComputedStyle(document.body).backgroundColor,
+            getComputedStyle(document.querySelector(".drawing rect.paper")).fill,
+        ]"""
+    )
+    assert drawn == paper
 
 
 @pytest.mark.parametrize("process", catalogue_names())
-def test_a_page_is_small_and_prints_on_six_sheets_at_most(report, opened, printed, process):
+def test_a_page_is_small_unfolds_within_bounds_and_prints_on_six_sheets(
+    report, opened, printed, process
+):
     path = report(process)
     assert path.stat().st_size < 1e6
-    assert printed(opened(path)) <= 6
+    page = opened(path)
+    folded = "[...document.querySelectorAll('#details template')].map(each => each.innerHTML)"
+    texts = page.evaluate(folded)
+    assert sum(len(text.encode()) for text in texts) < 300e3
+    words = re.sub(r"<[^>]*>", " ", " ".join(texts)).split()
+    assert 3_000 < len(words) < 20_000
+    sheets = printed(page)
+    assert 2 <= len(sheets) <= 6
+    for sheet in sheets:  # a ranking that goes on has its head again
+        rows = re.search(r"^ *\d+ .*(robust|nervous|thin margins) ", sheet, re.MULTILINE)
+        assert not rows or "standing" in sheet
 
 
-def test_everyone_can_read_it(report, opened, look, findings):
+def test_everyone_can_read_what_is_unfolded(report, opened, look, findings):
     page = opened(report(PROCESS), **look)
-    assert findings(page) == []
-    for fold in page.locator("#details > details > summary").all()[:2]:
+    for fold in page.locator("#details > details > summary").all():
         fold.click()
+    assert page.locator("#details > details template").count() == 1  # a fold within a fold
     assert findings(page) == []
     assert beyond(page) <= 0
+
+
+def test_the_first_screen_is_painted_within_300_ms(report, opened):
+    """The largest page, the best of five: what a busy machine adds is not the page's."""
+    path = max(map(report, catalogue_names()), key=lambda path: path.stat().st_size)
+    assert min(opened(path).evaluate(PAINTED) for _ in range(5)) < 300.0
 
 
 def test_the_first_screen_shows_the_recommended_and_its_rival(page):
@@ -99,6 +158,33 @@ def test_a_tick_shows_a_controller_in_all_pictures_and_takes_it_away(page):
     ).count() == 3  # fmt: skip
     point.click()
     assert not tick.is_checked() and name not in legend(page)
+
+
+def test_a_tick_shows_a_curve_in_each_chart(page):
+    row(page, "PI, AMIGO").get_by_role("checkbox").check()
+    for chart in page.locator("#overlay > .events .chart").all():
+        chart.locator(".u-over").hover()
+        assert chart.locator(".readout span:not(.when)").count() == 3
+    page.locator("#sensitivity .u-over").hover()
+    assert "PI, AMIGO" in page.locator("#sensitivity .note").inner_text()
+
+
+@pytest.mark.parametrize("process", ["quadruple-tank-nonminimum-phase", "equalisation-tank"])
+def test_the_map_keeps_controllers_on_their_side_of_the_limit(report, opened, process):
+    page = opened(report(process))
+    peaks = [each["peak"] for each in data_of(page)["controllers"]]
+    shares = page.locator(".point").evaluate_all(
+        "found => found.map(each => [Number(each.textContent), parseFloat(each.style.left)])"
+    )
+    columns, curves = page.locator("#map").evaluate(COLUMNS)
+    limit = columns.index(max(columns)) / page.evaluate("devicePixelRatio")
+    inset = page.evaluate(
+        """() => document.querySelector("#map .u-over").getBoundingClientRect().left
+        - document.querySelector("#map canvas").getBoundingClientRect().left"""
+    )
+    assert max(columns) > 100 and curves == 0  # the limit is drawn, in the colour of no curve
+    for number, left in shares:
+        assert (left + inset <= limit + 2.0) is (peaks[number - 1] <= 2.0), number
 
 
 def test_one_cursor_stands_in_all_charts(page):
@@ -180,6 +266,37 @@ def test_the_keyboard_moves_the_cursor_marks_and_zooms(page):
     assert "(" not in when.inner_text()
 
 
+def test_all_that_the_mouse_does_the_keyboard_does(page):
+    def press(place, key):
+        place.focus()
+        page.keyboard.press(key)
+
+    head = page.get_by_role("columnheader", name="settles")
+    press(head.get_by_role("button"), "Enter")
+    assert head.get_attribute("aria-sort") == "ascending"
+    tick = row(page, "PI, AMIGO").get_by_role("checkbox")
+    press(tick, "Space")
+    assert legend(page)[-1] == "PI, AMIGO"
+    press(page.locator(".point[title*='. PI, AMIGO:']"), "Enter")
+    assert not tick.is_checked()
+    fold = page.locator("#details > details").first
+    press(fold.locator("summary").first, "Enter")
+    fold.locator("table").first.wait_for()
+    press(page.get_by_role("button", name="Copy the settings"), "Enter")
+    page.get_by_text("Copied").wait_for()
+    chart = page.locator(".chart [role=img]").first
+    press(chart, "Shift+ArrowRight")
+    when = page.locator(".when").first
+    whole = float(when.inner_text().split(" ")[0])
+    press(chart, "+")
+    page.keyboard.press("Shift+ArrowRight")
+    near = float(when.inner_text().split(" ")[0])
+    assert 0.0 < near - whole < whole + 0.1
+    page.keyboard.press("Escape")
+    page.keyboard.press("Shift+ArrowRight")
+    assert float(when.inner_text().split(" ")[0]) > near
+
+
 def test_the_settings_are_copied_as_a_table(page):
     page.get_by_role("button", name="Copy the settings").click()
     page.get_by_text("Copied").wait_for()
@@ -197,17 +314,13 @@ def test_what_is_folded_is_filled_when_it_is_opened(page):
     assert page.locator("details[open]").count() == 1
 
 
-def test_folded_parts_have_at_most_20_000_words_and_300_kb(page):
-    folded = "[...document.querySelectorAll('#details template')].map(each => each.innerHTML)"
-    texts = page.evaluate(folded)
-    assert sum(map(len, texts)) < 300e3
-    words = re.sub(r"<[^>]*>", " ", " ".join(texts)).split()
-    assert 5_000 < len(words) < 20_000
-
-
-def test_without_script_first_screen_and_ranking_are_there_with_a_still_picture(report, opened):
-    page = opened(report(PROCESS), script=False)
+@pytest.mark.parametrize("process", catalogue_names())
+def test_without_script_first_screen_and_ranking_are_there_with_a_still_picture(
+    report, opened, process
+):
+    page = opened(report(process), script=False)
     assert page.locator(".cards").is_visible()
     assert page.locator(".still svg").is_visible()
-    assert page.locator(".ranking tbody tr").count() > 20
+    assert page.locator(".ranking tbody tr").count() >= 19
+    assert page.locator(".ranking .shown").count() == 2
     assert page.locator(".uplot").count() == 0

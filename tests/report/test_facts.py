@@ -18,6 +18,7 @@ from clepsydra.controllers.structure.split_range_block import Leg, SplitRangeBlo
 from clepsydra.report.law_tables import law_facts, law_grids, law_words
 from clepsydra.report.pid_tables import equation, loop_settings
 from clepsydra.report.scheme_tables import scheme_blocks
+from clepsydra.report.settings_table import settings_table
 
 
 @pytest.fixture(scope="module")
@@ -53,6 +54,10 @@ def test_gains_are_in_the_units_of_the_displays(wet_well):
     )
     # -125 per A are -12.5 % per mA; of 16 mA that is 200 %, so 2 %/% and a band of 50 %.
     assert facts["gain K"] == "−12.50 %/mA, that is 2.000 %/% with direct action"
+    (row,) = settings_table(
+        by_hand(point, PidForm(), proportional_gain=-125.0, integral_time=120.0), point.process
+    ).rows
+    assert row[1:3] == ("−12.5 %/mA", "2.00, direct")
     assert facts["proportional band"] == "50.00 %"
     assert facts["integral time Ti"] == "120.0 s = 2.000 min/repeat = 0.5000 repeats/min"
     assert facts["action"].startswith("direct: the output falls when the measurement falls")

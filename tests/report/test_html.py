@@ -150,7 +150,7 @@ def test_the_reader_finds_reasons_warnings_numbers_and_how_they_came_about(resul
         assert candidate.controller.design in words
         assert all(warning in words for warning in candidate.warnings)
     assert "the process has no dead time" in words
-    assert "error 3.2e-09 of the state's range" in words
+    assert "error at most 3.2e-09 of the state's range" in words
     assert f"samples {result.scenario.samples}" in words
     assert "seed of the noise 7" in words
     assert "Python 3." in words

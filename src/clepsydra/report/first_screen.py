@@ -23,6 +23,8 @@ from clepsydra.studies.result import Candidate, Standing, StudyResult
 _LOOPS = 8
 #: So many loops stand side by side, a setting a row.
 _SIDE_BY_SIDE = 2
+#: A larger gain margin is told as this.
+_MANY = 100.0
 
 
 @dataclass(frozen=True)
@@ -170,7 +172,8 @@ def _how_sure(process: Process, first: Candidate) -> Section:
             for what in ("delay margin [s]", "gain margin", "phase margin [deg]")
         )
         rows.append(("extra delay bearable", time_cell(delay), ""))
-        rows.append(("gain may rise", f"{number_text(gain, 2)} times", ""))
+        times = f"{number_text(gain, 2)} times" if gain < _MANY else f"over {_MANY:g} times"
+        rows.append(("gain may rise", times, ""))
         if math.isfinite(phase):
             rows.append(("phase margin", f"{phase:.0f}°", ""))
     noise = next(each for each in figures_of(process) if each.score == "noise_movement")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import platform
+from collections.abc import Sequence
 from importlib import metadata
 from pathlib import Path
 
@@ -191,20 +192,35 @@ def _computation(result: StudyResult) -> list[tuple[str, str]]:
         ("samples", str(scenario.samples)),
         ("seed of the noise", str(scenario.seed)),
     ]
-    solvers: dict[str, list[str]] = {}
-    for candidate in result.ranking:
-        run = candidate.run
-        solver = "reference solver"
-        if run.substeps:
-            solver = f"Runge-Kutta of order 4, steps in a sample: {run.substeps}"
-        error = "not estimated"
-        if run.error_estimate is not None:
-            error = f"{run.error_estimate:.1e} of the state's range, by step halving"
-        solvers.setdefault(f"{solver}; error {error}", []).append(str(candidate.rank))
-    for words, ranks in solvers.items():
-        rows.append((f"integration, controller {', '.join(ranks)}", words))
+    solvers: dict[int, list[Candidate]] = {}
+    for each in result.ranking:
+        solvers.setdefault(each.run.substeps, []).append(each)
+    for substeps, group in solvers.items():
+        ranks = ", ".join(str(each.rank) for each in group)
+        what = f"integration, controller {ranks}" if len(solvers) > 1 else "integration"
+        errors = [each.run.error_estimate for each in group]
+        rows.append((what, integration_words(substeps, errors)))
     rows.append(("versions", versions_text()))
     return rows
+
+
+def integration_words(substeps: int, errors: Sequence[float | None]) -> str:
+    """Return how runs were integrated, and how large their errors are at most.
+
+    Examples
+    --------
+    >>> integration_words(4, [1e-9, 3e-9, None])
+    "Runge-Kutta of order 4, steps in a sample: 4; error at most 3.0e-09 of the state's range, \
+by step halving"
+    >>> integration_words(0, [None])
+    'reference solver to a relative tolerance of 1e−10; error not estimated'
+    """
+    known = [error for error in errors if error is not None]
+    error = f"at most {max(known):.1e} of the state's range, by step halving" if known else ""
+    solver = "reference solver to a relative tolerance of 1e−10"
+    if substeps:
+        solver = f"Runge-Kutta of order 4, steps in a sample: {substeps}"
+    return f"{solver}; error {error or 'not estimated'}"
 
 
 def address_text(process: Process) -> str:

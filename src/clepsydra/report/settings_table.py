@@ -20,7 +20,8 @@ def settings_table(controller: Controller, process: Process) -> Table | None:
     """Return gain, times and setpoint weight of each loop in ISA form; None where it has no loop.
 
     The gain K stands in the units of the process file and in % of the output's range per % of the
-    measurement's, the times in the unit that suits them.
+    measurement's, positive, with "direct" where the output rises with the measurement; the times
+    stand in the unit that suits them.
 
     Examples
     --------
@@ -57,7 +58,9 @@ def _row(block: PidBlock, controller: Controller, process: Process) -> tuple[str
     return (
         name,
         gain_text(settings.gain, measurement, moved, _DIGITS),
-        number_text(percent, _DIGITS) if percent else "",
+        number_text(percent, _DIGITS) + (", direct" if settings.gain < 0.0 else "")
+        if percent
+        else "",
         time_cell(settings.integral_time) if math.isfinite(settings.integral_time) else "none",
         time_cell(settings.derivative_time) if settings.derivative_time else "",
         "" if weight is None else f"{weight:.2g}",

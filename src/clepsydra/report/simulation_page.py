@@ -10,7 +10,7 @@ from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.open_loop_plan import Plan
 from clepsydra.report.drawing.plant import process_drawing
 from clepsydra.report.facts import facts_table
-from clepsydra.report.html import address_text, versions_text
+from clepsydra.report.html import address_text, integration_words, versions_text
 from clepsydra.report.page import page_text, write_page
 from clepsydra.report.panels import all_panels
 from clepsydra.report.simulation_tables import (
@@ -123,19 +123,12 @@ def _changes_grid(plan: Plan) -> Table:
 def _computation(plan: Plan, run: Simulation) -> list[tuple[str, str]]:
     """Return how the numbers came about, as (what, how)."""
     process = plan.process
-    solver = "reference solver, relative tolerance 1e−10"
-    if run.substeps:
-        solver = f"Runge-Kutta of order 4, steps in a sample: {run.substeps}"
-    error = "kept to the tolerance of the solver, not estimated"
-    if run.error_estimate is not None:
-        error = f"{run.error_estimate:.1e} of the state's range, by step halving"
     return [
         ("process file", address_text(process)),
         ("source of the numbers", process.source),
         ("start", plan.begins),
         ("sampling period", time_text(process.sampling_period, 4)),
         ("samples", str(plan.samples)),
-        ("integration", solver),
-        ("error", error),
+        ("integration", integration_words(run.substeps, [run.error_estimate])),
         ("versions", versions_text()),
     ]
