@@ -13,10 +13,10 @@ from clepsydra.deploy.c99.statements import C99, arithmetic_check
 from clepsydra.deploy.c99.step import BlockFunction, StepFunction
 from clepsydra.deploy.c99.structures import WIDTH, remarked
 from clepsydra.deploy.printing.heading import number_comment, table_comment
+from clepsydra.deploy.printing.lines import indented
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision, in_precision
 from clepsydra.deploy.printing.printed_form import printed_form
-from clepsydra.deploy.printing.statements import indented
 from clepsydra.program.called_blocks import called_blocks
 from clepsydra.program.entries import Entry, is_ring, signal_of
 from clepsydra.program.owned_state import state_paths

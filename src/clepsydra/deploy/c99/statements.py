@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.printing.expressions import OPERATORS, Notation
+from clepsydra.deploy.printing.for_loop import IN_C
 from clepsydra.deploy.printing.listing import BlockCall
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.printing.statements import Language, Syntax
@@ -28,8 +29,7 @@ SYNTAX = Syntax(
     another="}} else if ({}) {{",
     otherwise="} else {",
     closed="}",
-    loop_opened="for (int32_t {0} = 0; {0} < {1}; ++{0}) {{",
-    loop_closed="}",
+    loop=IN_C,
     advanced="{0} + 1 < {1} ? {0} + 1 : 0",
     states="state->",
 )

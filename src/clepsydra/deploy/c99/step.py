@@ -15,8 +15,7 @@ from clepsydra.deploy.printing.body import Body, places_of
 from clepsydra.deploy.printing.declarations import declared
 from clepsydra.deploy.printing.heading import comment, enclosed, harmless
 from clepsydra.deploy.printing.identifiers import Identifiers
-from clepsydra.deploy.printing.lines import folded
-from clepsydra.deploy.printing.statements import indented
+from clepsydra.deploy.printing.lines import folded, indented
 from clepsydra.program.program import Program
 
 _ASSIGNED = re.compile(r"( *)(\w+) = ")

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Iterator
 from clepsydra.deploy.c99.statements import C99
 from clepsydra.deploy.printing.declarations import Variable, declared
 from clepsydra.deploy.printing.heading import commented
+from clepsydra.deploy.printing.lines import indented
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
-from clepsydra.deploy.printing.statements import indented
 from clepsydra.program.entries import is_ring, signal_of
 from clepsydra.program.owned_state import own_state, state_paths, with_owned_state
 from clepsydra.program.program import Call, Program

@@ -62,6 +62,15 @@ def folded(line: str, longest: int = LINE) -> Iterator[str]:
     yield line
 
 
+def indented(lines: Iterable[str]) -> list[str]:
+    """Return lines a step further in.
+
+    >>> indented(["u := 0.0;"])
+    ['  u := 0.0;']
+    """
+    return [f"  {line}" for line in lines]
+
+
 def dense(lines: Sequence[str]) -> list[str]:
     """Return statements with what a branch of an IF does beside its condition, if that is short.
 

@@ -10,6 +10,8 @@ from typing import Self
 
 from clepsydra.base.signal import Kind, Signal
 from clepsydra.deploy.printing.expressions import Expression, Notation, constant, variable
+from clepsydra.deploy.printing.for_loop import ForLoop
+from clepsydra.deploy.printing.lines import indented
 from clepsydra.deploy.printing.listing import Assignment, BlockCall, Compound, ListingStatement
 from clepsydra.program.entries import is_ring
 from clepsydra.program.operation import COMPARISONS
@@ -27,8 +29,7 @@ class Syntax:
     comment, assignment : str
     opened, another, otherwise, closed : str
         A conditional: its first branch, each next one, the last one, its end.
-    loop_opened, loop_closed : str
-        A loop: its beginning, with the index, the number of turns and one less, and its end.
+    loop : ForLoop
     advanced : str
         The place behind a place in a ring of a length.
     states : str
@@ -49,8 +50,7 @@ class Syntax:
     another: str
     otherwise: str
     closed: str
-    loop_opened: str
-    loop_closed: str
+    loop: ForLoop
     advanced: str
     states: str = ""
     told: str = ""
@@ -193,18 +193,10 @@ class Language(ABC):
         title, lines = entry.label, self._assigned(entry.start)
         if entry.condition is None:
             title += f": {entry.count} turn{'s' if entry.count > 1 else ''}"
-            lines += self._loop(entry)
+            lines += self.syntax.loop.lines(entry.index, entry.count, self._body(entry))
         else:
             lines += self._decided([(self.expression(entry.condition), self._body(entry))])
         return [self.syntax.comment.format(title), *lines]
-
-    def _loop(self, entry: Compound) -> list[str]:
-        """Write a FOR loop; what runs once needs none."""
-        syntax, count, body = self.syntax, entry.count, self._body(entry)
-        if count == 1:
-            return body
-        head = syntax.loop_opened.format(entry.index, count, count - 1)
-        return [head, *indented(body), syntax.loop_closed]
 
     def _assigned(self, entries: Iterable[Assignment]) -> list[str]:
         return [line for each in entries for line in self.assign(each.name, each.expression)]
@@ -297,15 +289,6 @@ class Language(ABC):
             if condition.reads(each.name):
                 break
         return found
-
-
-def indented(lines: Iterable[str]) -> list[str]:
-    """Return lines a step further in.
-
-    >>> indented(["u := 0.0;"])
-    ['  u := 0.0;']
-    """
-    return [f"  {line}" for line in lines]
 
 
 def ring_place(name: str, length: int = 0) -> str:

@@ -16,6 +16,7 @@ from clepsydra.deploy.printing.expressions import (
     constant,
     variable,
 )
+from clepsydra.deploy.printing.for_loop import IN_STRUCTURED_TEXT
 from clepsydra.deploy.printing.identifiers import Identifiers
 from clepsydra.deploy.printing.listing import BlockCall
 from clepsydra.deploy.printing.precision import Precision
@@ -30,8 +31,7 @@ _SYNTAX = Syntax(
     another="ELSIF {} THEN",
     otherwise="ELSE",
     closed="END_IF;",
-    loop_opened="FOR {0} := 0 TO {2} DO",
-    loop_closed="END_FOR;",
+    loop=IN_STRUCTURED_TEXT,
     advanced="({0} + 1) MOD {1}",
     told="{} => {}",
 )
