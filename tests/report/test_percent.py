@@ -9,8 +9,8 @@ from clepsydra.loop.scenario import Scenario
 from clepsydra.report.analysis_tables import operating_point_grid
 from clepsydra.report.drawing.plant import process_drawing
 from clepsydra.report.nyquist import nyquist_figure
-from clepsydra.report.panel_content import panel_content
 from clepsydra.report.panels import all_panels
+from clepsydra.report.plot import plot
 from clepsydra.report.quantities import percent_scale
 from clepsydra.report.recording import recording_of
 
@@ -59,6 +59,13 @@ range = ["0 %", "120 %"]
 AT_REST = (0.4825 - 0.1) / 0.5 * 100.0
 
 
+def line_through(places, values):
+    """Two points far out on the line through two others."""
+    slope = (values[1] - values[0]) / (places[1] - places[0])
+    far = (places[0] - 1000.0, places[0] + 1000.0)
+    return far, (values[0] - 1000.0 * slope, values[0] + 1000.0 * slope)
+
+
 @pytest.fixture
 def made(tmp_path):
     """Return a function that makes the plant with these sensors and roles of its signals."""
@@ -90,18 +97,23 @@ def test_a_table_says_the_percent_of_the_sensor(plant):
 def test_an_axis_and_its_limits_are_those_of_the_sensor(plant):
     more = [cl.step("brine", to="160 l/min", at="60 s")]
     run = cl.simulate(plant, None, more, duration="6 min")
-    panels = {panel.signal.name: panel for panel in all_panels(run)}
+    figure = plot(run)
+    figure.draw_without_rendering()
+    panels = {
+        each.signal.name: axes for each, axes in zip(all_panels(run), figure.axes, strict=True)
+    }
 
-    def content(name):
-        return panel_content(panels[name], recording_of(run), run.time, "#0072B2")
+    def percent(name):
+        """The values at 0 and 100 % of the axis on the right."""
+        own, (other,) = panels[name].get_ylim(), panels[name].child_axes
+        return np.interp((0.0, 100.0), *line_through(other.get_ylim(), own))
 
     for name in ("tank.salt", "salinity.lagged"):
-        assert content(name).percent == pytest.approx((0.0, 50.0))
-        assert content(name).beyond == ("top of range 50 g/l ↑",)
-    level = content("tank.level")
-    assert level.percent == pytest.approx((0.1, 0.6))  # [m]
-    assert level.beyond == ("rim 1 m ↑",)
-    low, high = level.percent
+        assert percent(name) == pytest.approx((0.0, 50.0), abs=1e-9)
+        assert [words.get_text() for words in panels[name].texts] == ["top of range 50 g/l ↑"]
+    low, high = percent("tank.level")
+    assert (low, high) == pytest.approx((0.1, 0.6))  # [m]
+    assert [words.get_text() for words in panels["tank.level"].texts] == ["rim 1 m ↑"]
     axis = 100.0 * (run.values["tank.level"] - low) / (high - low)
     within = axis < 120.0
     assert np.allclose(axis[within], 100.0 * run.values["level"][within])

@@ -11,6 +11,7 @@ from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.run import Run
 from clepsydra.process.averaging import averaged_flows
 from clepsydra.process.process import Process
+from clepsydra.report.recording import recorded_inner_setpoints
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,8 @@ def _outflows(process: Process, name: str) -> list[Panel]:
 def all_panels(run: Run | Simulation) -> list[Panel]:
     """Return the panels of a whole run: states, manipulated variables, disturbances that act.
 
-    Volumes spilt are shown where something was spilt.
+    Volumes spilt are shown where something was spilt. What an inner loop measures has a panel
+    too; the state of its sensor, where that has a lag, gives way to it.
 
     Examples
     --------
@@ -100,6 +102,11 @@ def all_panels(run: Run | Simulation) -> list[Panel]:
         for signal in process.state
         if signal.name not in shown
     ]
+    inner = [] if isinstance(run, Simulation) else recorded_inner_setpoints(run)
+    for name in dict.fromkeys(each.measurement for each in inner):
+        others = [panel for panel in others if panel.signal.name != f"{name}.lagged"]
+        if all(panel.measurement != name for panel in (*controlled, *others)):
+            others.append(Panel("state", process.signal(name), 0.85))
     inputs = [Panel("input", u, 0.85) for u in process.inputs if u.name not in shown]
     disturbances = [
         Panel("disturbance", signal, 0.45)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from clepsydra.base.arguments import require_type
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.run import Run
-from clepsydra.report.inner_setpoint_curves import with_inner_panels
 from clepsydra.report.panels import all_panels
 from clepsydra.report.trends import trend_figure
 from clepsydra.studies.result import Candidate, StudyResult
@@ -48,5 +47,4 @@ def plot(run: Run | Simulation) -> Figure:
     elif isinstance(run, Candidate):
         remedy = "give candidate.run"
     require_type(run, (Run, Simulation), "plot", "a Run or a Simulation", remedy)
-    panels = all_panels(run)
-    return trend_figure(run, with_inner_panels(panels, run) if isinstance(run, Run) else panels)
+    return trend_figure(run, all_panels(run))

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from clepsydra.loop.events import events_of
+from clepsydra.loop.inner_setpoints import InnerSetpoint, inner_setpoints
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Segment
@@ -37,6 +38,8 @@ class Recording:
         Of the scenario.
     marks : tuple of EventMark
         Of the events, in order of time.
+    inner : tuple of InnerSetpoint
+        What outer loops ask of inner ones.
     limits : mapping
         Input to the limits that hold it [SI], where they may be narrower than its range.
 
@@ -55,7 +58,23 @@ class Recording:
     noise: Mapping[str, np.ndarray] = field(default_factory=dict)
     segments: tuple[Segment, ...] = ()
     marks: tuple[EventMark, ...] = ()
+    inner: tuple[InnerSetpoint, ...] = ()
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+
+def recorded_inner_setpoints(run: Run) -> tuple[InnerSetpoint, ...]:
+    """Return the inner setpoints of a run's controller that the run has.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> run = cl.simulate(plant, cl.design.simc(plant), duration="1 min")
+    >>> recorded_inner_setpoints(run)  # no cascade
+    ()
+    """
+    found = inner_setpoints(run.controller, run.process)
+    return tuple(each for each in found if each.name in run.values)
 
 
 def recording_of(run: Run | Simulation) -> Recording:
@@ -85,5 +104,6 @@ def recording_of(run: Run | Simulation) -> Recording:
         {signal.name: column for signal, column in columns if np.any(column)},
         scenario.segments,
         event_marks(events_of(process, run.values)) if recorded else (),
+        recorded_inner_setpoints(run),
         {signal.name: run.limits(signal.name) for signal in process.inputs},
     )

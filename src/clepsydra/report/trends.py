@@ -13,9 +13,7 @@ from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Segment
 from clepsydra.process.process import Process
 from clepsydra.report.colours import INK, MUTED, signal_colours
-from clepsydra.report.inner_setpoint_curves import with_inner_setpoints
 from clepsydra.report.panel_axes import draw_panel
-from clepsydra.report.panel_content import panel_content
 from clepsydra.report.panels import Panel
 from clepsydra.report.quantities import display_factor, sensor_scale, short_text, unit_text
 from clepsydra.report.recording import Recording, recording_of
@@ -119,8 +117,7 @@ def trend_figure(run: Run | Simulation, panels: Sequence[Panel]) -> Figure:
             axes = figure.add_axes(_box(top, panel.height, height), sharex=first)
             first = first or axes
             colour = colours.get(panel.signal.name, INK)
-            content = panel_content(panel, recording, time, colour)
-            draw_panel(axes, with_inner_setpoints(content, panel, run, time))
+            draw_panel(axes, panel, recording, time, colour)
             for segment in recording.segments:
                 axes.axvline(segment.start / seconds, color=MUTED, linewidth=0.5, alpha=0.6)
             _draw_hairlines(axes, recording, seconds)
