@@ -66,7 +66,7 @@ def test_bode_phase_counts_the_dead_time(late):
     expected = -5.0 * omegas + sum(np.arctan2(-omegas, -pole.real) for pole in late.poles)
     assert angles == pytest.approx(expected, abs=1e-8)
     assert omegas[-1] * 5.0 > 2 * np.pi  # far enough to be seen
-    assert magnitude.get_ylabel() == "cm per l/min"
+    assert magnitude.get_ylabel() == "cm/(l/min)"
     # At the lowest frequency the gain is the static one, in cm per l/min.
     gain = line(magnitude).get_ydata()[0]
     assert gain == pytest.approx(100 / 6e4 * late.static_gain[0, 0], rel=1e-2)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.frequency_grid import frequency_grid
 from clepsydra.report.colours import MUTED
-from clepsydra.report.quantities import display_factor, fitted, unit_text
+from clepsydra.report.quantities import fitted
 from clepsydra.report.trends import STYLE
 
 if TYPE_CHECKING:
@@ -76,23 +77,6 @@ def in_shares(analysis: Analysis, gains: np.ndarray) -> np.ndarray:
     return np.asarray(gains / spans[0][:, None] * spans[1])
 
 
-def without_effect(shares: np.ndarray) -> np.ndarray:
-    """Return which channels [q, m] are nothing but rounding beside the strongest one.
-
-    Parameters
-    ----------
-    shares : ndarray [l, q, m]
-        Frequency responses or step responses, in ranges.
-
-    Examples
-    --------
-    >>> without_effect(np.array([[[1.0, 1e-17], [0.5, 1.0]]])).tolist()
-    [[False, True], [False, False]]
-    """
-    largest = np.abs(shares).max(axis=0)
-    return np.asarray(largest <= _ROUNDING * largest.max(initial=0.0))
-
-
 def power_of_ten(value: float, _: object = None) -> str:
     """Return a tick of a logarithmic axis with either sign as text.
 
@@ -105,54 +89,98 @@ def power_of_ten(value: float, _: object = None) -> str:
     return f"{'−' if value < 0.0 else ''}10{exponent}"
 
 
-def gain_factor(output: Signal, manipulated: Signal) -> float:
-    """Return what turns a gain in SI into one in display units.
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """What one manipulated variable does to one output, and the axes that show it.
 
-    Examples
-    --------
-    >>> gain_factor(Signal("level", "m", display_unit="cm"), Signal("pump", "V"))
-    100.0
+    Parameters
+    ----------
+    output, moved : Signal
+    row, column : int
+        Of the output and of what is moved, in the linear model.
+    axes : tuple of matplotlib.axes.Axes
+        Above each other.
     """
-    return display_factor(output) / display_factor(manipulated)
 
-
-def ratio_text(output: Signal, manipulated: Signal) -> str:
-    """Return the unit of a gain as it is printed.
-
-    Examples
-    --------
-    >>> ratio_text(Signal("level", "m", display_unit="cm"), Signal("pump", "V"))
-    'cm per V'
-    """
-    above, below = (unit_text(signal.shown_unit) or "1" for signal in (output, manipulated))
-    return "1" if above == below == "1" else f"{above} per {below}"
+    output: Signal
+    moved: Signal
+    row: int
+    column: int
+    axes: tuple[Axes, ...]
 
 
 @contextmanager
-def picture(rows: int, columns: int, height: float, **options: Any) -> Iterator[_Picture]:
+def picture(
+    rows: int, columns: int, height: float, **options: Any
+) -> Iterator[tuple[Figure, np.ndarray]]:
     """Give a figure with a grid of axes [rows, columns], each row of a height [inch].
 
     Examples
     --------
-    >>> with picture(2, 1, 1.0) as drawn:
-    ...     len(drawn.figure.axes)
-    2
+    >>> with picture(2, 1, 1.0) as (figure, grid):
+    ...     len(figure.axes), grid.shape
+    (2, (2, 1))
     """
     import matplotlib
     from matplotlib.figure import Figure
 
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(WIDTH, rows * height + 0.75), layout="constrained")
-        axes = figure.subplots(rows, columns, squeeze=False, **options)
-        yield _Picture(figure, axes)
+        yield figure, figure.subplots(rows, columns, squeeze=False, **options)
 
 
-class _Picture:
-    """A figure and its axes [rows, columns]."""
+@contextmanager
+def channel_picture(
+    analysis: Analysis,
+    shares: np.ndarray,
+    height: float,
+    *,
+    each: int = 1,
+    cause: Callable[[Signal], str] = lambda moved: f"by {moved.name}",
+    **options: Any,
+) -> Iterator[tuple[Figure, np.ndarray, list[Channel]]]:
+    """Give a figure with axes from each input (columns) to each output (rows), titled.
 
-    def __init__(self, figure: Figure, axes: np.ndarray) -> None:
-        self.figure = figure
-        self.axes = axes
+    Channels that are nothing but rounding beside the strongest say so, and are not given.
+
+    Parameters
+    ----------
+    analysis : Analysis
+    shares : ndarray [points, outputs, inputs]
+        What is drawn, in ranges.
+    height : float
+        Of a row [inch].
+    each : int
+        Rows to an output.
+    cause : callable
+        What is done, of what is moved.
+    **options
+        Of Matplotlib's ``subplots``.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("quadruple-tank").analysis
+    >>> with channel_picture(analysis, np.ones((1, 2, 2)), 1.0, each=2) as (figure, _, channels):
+    ...     len(channels), channels[0].axes[0].get_title(loc="left")
+    (4, 'level_1 by pump_1')
+    """
+    model, process = analysis.model, analysis.operating_point.process
+    largest = np.abs(shares).max(axis=0)
+    silent = largest <= _ROUNDING * largest.max(initial=0.0)
+    found, columns = [], len(model.inputs)
+    with picture(each * len(model.outputs), columns, height, **options) as (figure, grid):
+        for row, output in enumerate(map(process.signal, model.outputs)):
+            for column, moved in enumerate(map(process.signal, model.inputs)):
+                own = tuple(grid[each * row : each * (row + 1), column])
+                title(own[0], output.name, cause(moved), columns)
+                if silent[row, column]:
+                    for axes in own:
+                        axes.text(0.5, 0.5, "no effect", transform=axes.transAxes, ha="center")
+                        axes.set_yticks([])
+                else:
+                    found.append(Channel(output, moved, row, column, own))
+        yield figure, grid, found
 
 
 def title(axes: Axes, output: str, cause: str, columns: int) -> None:
@@ -173,22 +201,7 @@ def title(axes: Axes, output: str, cause: str, columns: int) -> None:
     axes.set_title(words, loc="left", fontsize=7.5)
 
 
-def say_no_effect(axes: Axes) -> None:
-    """Write into axes that the input does nothing to the output.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> axes = Figure().add_subplot()
-    >>> say_no_effect(axes)
-    >>> axes.texts[0].get_text(), len(axes.get_yticks())
-    ('no effect', 0)
-    """
-    axes.text(0.5, 0.5, "no effect", transform=axes.transAxes, ha="center")
-    axes.set_yticks([])
-
-
-def mark_frequencies(axes: Sequence[Axes] | np.ndarray, label: bool = True) -> None:
+def mark_frequencies(axes: Sequence[Axes] | np.ndarray) -> None:
     """Give axes a logarithmic frequency axis, named below the last of them.
 
     Examples
@@ -202,5 +215,4 @@ def mark_frequencies(axes: Sequence[Axes] | np.ndarray, label: bool = True) -> N
     for entry in axes:
         entry.set_xscale("log")
         entry.tick_params(which="minor", color=MUTED)
-    if label:
-        axes[-1].set_xlabel("frequency [rad/s]")
+    axes[-1].set_xlabel("frequency [rad/s]")

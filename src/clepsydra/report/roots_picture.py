@@ -42,8 +42,8 @@ def roots_figure(analysis: Analysis) -> Figure:
     roots = np.concatenate([poles, zeros])
     rates = np.abs(roots[np.abs(roots) > 0.0])
     slowest, fastest = (rates.min(), rates.max()) if rates.size else (1.0, 1.0)
-    with picture(1, 1, _HEIGHT) as drawn:
-        axes = drawn.axes[0, 0]
+    with picture(1, 1, _HEIGHT) as (figure, grid):
+        axes = grid[0, 0]
         right = 1.25 * max(float(roots.real.max(initial=0.0)), 0.2 * fastest)
         left = 1.25 * min(float(roots.real.min(initial=0.0)), -0.2 * fastest)
         high = 1.25 * max(float(np.abs(roots.imag).max(initial=0.0)), 0.2 * fastest)
@@ -67,4 +67,4 @@ def roots_figure(analysis: Analysis) -> Figure:
         axes.set_xlabel("real part [rad/s]")
         axes.set_ylabel("imaginary part [rad/s]")
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
-    return drawn.figure
+    return figure

@@ -50,11 +50,11 @@ def directionality_figure(analysis: Analysis) -> Figure:
         panels.append(_draw_condition)
     if several or not panels:
         panels.append(_draw_relative_gains)
-    with picture(len(panels), 1, _HEIGHT, sharex=True) as drawn:
-        for axes, draw in zip(drawn.axes[:, 0], panels, strict=True):
+    with picture(len(panels), 1, _HEIGHT, sharex=True) as (figure, grid):
+        for axes, draw in zip(grid[:, 0], panels, strict=True):
             draw(axes, omegas, found, analysis)
-        mark_frequencies(drawn.axes[:, 0])
-    return drawn.figure
+        mark_frequencies(grid[:, 0])
+    return figure
 
 
 def _draw_singular_values(

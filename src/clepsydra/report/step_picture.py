@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
 from clepsydra.base.words import time_text, time_unit
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.dead_time import without_dead_time
@@ -15,13 +16,7 @@ from clepsydra.linear.roots import PADE_ORDER
 from clepsydra.linear.step_response import step_response
 from clepsydra.report.colours import MUTED, signal_colours
 from clepsydra.report.quantities import display_factor, short_text, unit_text
-from clepsydra.report.response_axes import (
-    in_shares,
-    picture,
-    say_no_effect,
-    title,
-    without_effect,
-)
+from clepsydra.report.response_axes import channel_picture, in_shares
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -58,51 +53,48 @@ def step_figure(analysis: Analysis) -> Figure:
     >>> figure.axes[0].get_title(loc="left")
     'level_1 after pump_1 +1 V'
     """
-    model, process = analysis.model, analysis.operating_point.process
-    colours = signal_colours(process)
+    colours = signal_colours(analysis.operating_point.process)
     times = _times(analysis)
     try:
-        values = step_response(model, times)
+        values = step_response(analysis.model, times)
     except InputError:  # dead times without a common measure
-        values = step_response(without_dead_time(model, PADE_ORDER), times)
-    silent = without_effect(in_shares(analysis, values))
+        values = step_response(without_dead_time(analysis.model, PADE_ORDER), times)
     unit, seconds = time_unit(float(times[-1]))
-    rows, columns = len(model.outputs), len(model.inputs)
-    with picture(rows, columns, _HEIGHT, sharex=True) as drawn:
-        for column, name in enumerate(model.inputs):
-            manipulated = process.signal(name)
-            factor = display_factor(manipulated)
-            size = STEP * manipulated.span if math.isfinite(manipulated.span) else 1.0 / factor
-            step = f"+{short_text(size * factor)} {unit_text(manipulated.shown_unit)}".strip()
-            for place, output in enumerate(model.outputs):
-                axes = drawn.axes[place, column]
-                shown = process.signal(output)
-                response = size * values[:, place, column] * display_factor(shown)
-                title(axes, output, f"after {name} {step}", columns)
-                axes.set_ylabel(unit_text(shown.shown_unit) or "–")
-                if silent[place, column]:
-                    say_no_effect(axes)
-                    continue
-                axes.axhline(0.0, color=MUTED, linewidth=0.5)
-                axes.plot(times / seconds, response, color=colours[output], linewidth=1.4)
-                late = analysis.dead_times[place, column]
-                if late > 0.0:
-                    if late < _HARDLY_SEEN * times[-1]:
-                        _draw_start(axes, times, response, late, colours[output])
-                    axes.axvline(late / seconds, color=MUTED, linewidth=0.8, linestyle=":")
-                    axes.annotate(
-                        f"dead time {time_text(late)}",
-                        (late / seconds, 0.92),
-                        xycoords=("data", "axes fraction"),
-                        xytext=(3, 0),
-                        textcoords="offset points",
-                        va="top",
-                        fontsize=6.5,
-                        color=MUTED,
-                    )
-            drawn.axes[-1, column].set_xlabel(f"time [{unit}]")
-            drawn.axes[-1, column].set_xlim(0.0, times[-1] / seconds)
-    return drawn.figure
+    shares = in_shares(analysis, values)
+    with channel_picture(analysis, shares, _HEIGHT, cause=_step_words, sharex=True) as drawn:
+        figure, grid, found = drawn
+        for each in found:
+            (axes,) = each.axes
+            response = _size(each.moved) * values[:, each.row, each.column]
+            response *= display_factor(each.output)
+            axes.set_ylabel(unit_text(each.output.shown_unit) or "–")
+            axes.axhline(0.0, color=MUTED, linewidth=0.5)
+            colour = colours[each.output.name]
+            axes.plot(times / seconds, response, color=colour, linewidth=1.4)
+            late = analysis.dead_times[each.row, each.column]
+            if late > 0.0:
+                if late < _HARDLY_SEEN * times[-1]:
+                    _draw_start(axes, times, response, late, colour)
+                axes.axvline(late / seconds, color=MUTED, linewidth=0.8, linestyle=":")
+                axes.annotate(
+                    f"dead time {time_text(late)}", (late / seconds, 0.92), (3, 0),
+                    ("data", "axes fraction"), "offset points",
+                    va="top", fontsize=6.5, color=MUTED,
+                )  # fmt: skip
+        for axes in grid[-1]:
+            axes.set_xlabel(f"time [{unit}]")
+            axes.set_xlim(0.0, times[-1] / seconds)
+    return figure
+
+
+def _size(moved: Signal) -> float:
+    """Return the size of the step of a manipulated variable [SI]."""
+    return STEP * moved.span if math.isfinite(moved.span) else 1.0 / display_factor(moved)
+
+
+def _step_words(moved: Signal) -> str:
+    size = short_text(_size(moved) * display_factor(moved))
+    return f"after {moved.name} +{size} {unit_text(moved.shown_unit)}".strip()
 
 
 def _draw_start(
