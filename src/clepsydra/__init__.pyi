@@ -11,6 +11,7 @@ from clepsydra.controllers.pid_form import PidForm as PidForm
 from clepsydra.controllers.python_law import PythonLaw as PythonLaw
 from clepsydra.controllers.python_law import python_law as python_law
 from clepsydra.designs.applicability import NotApplicable as NotApplicable
+from clepsydra.designs.relay_autotune import ultimate_point_of_relay as ultimate_point_of_relay
 from clepsydra.designs.virtual_settings import VirtualSettings as VirtualSettings
 from clepsydra.engine.kernel import Kernel as Kernel
 from clepsydra.interface import design as design
@@ -38,6 +39,7 @@ from clepsydra.interface.papers import Audit as Audit
 from clepsydra.interface.papers import audit as audit
 from clepsydra.interface.plant import Plant as Plant
 from clepsydra.interface.plant import load as load
+from clepsydra.interface.relay import relay_experiment as relay_experiment
 from clepsydra.interface.run import OpenLoopRun as OpenLoopRun
 from clepsydra.interface.run import Run as Run
 from clepsydra.interface.scores import Scores as Scores

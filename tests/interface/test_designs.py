@@ -2,7 +2,9 @@
 
 import inspect
 
+import numpy as np
 import pytest
+from refusals import refused
 
 import clepsydra as cl
 
@@ -107,3 +109,25 @@ def test_an_argument_that_there_is_not_is_python_s_own_error(plant):
 def test_too_many_arguments_are_python_s_own_error_too(plant):
     with pytest.raises(TypeError, match="too many"):
         cl.design.simc(plant, None, "PID")
+
+
+def test_a_relay_takes_what_people_write_and_leads_to_the_ultimate_point():
+    plant = cl.load("three-tanks")
+    record = cl.relay_experiment(plant, "level_3", "feed", amplitude="10 cm^3/s", hysteresis="1 mm")
+    assert np.ptp(record.manipulated) == pytest.approx(20e-6) and record.hysteresis == 1e-3
+    found = cl.ultimate_point_of_relay(record)
+    swing = np.ptp(record.measured[len(record.measured) // 2 :]) / 2
+    size = 4 * 10e-6 / (np.pi * np.sqrt(swing**2 - 1e-6))
+    assert found.gain == pytest.approx(size, rel=0.02)
+    for options in ({"amplitude": "1 m"}, {"duration": "-1 s"}, {"hysteresis": "wide"}):
+        with refused(place=f"relay experiment, {next(iter(options))}"):
+            cl.relay_experiment(plant, "level_3", "feed", **options)
+    with refused(place="relay experiment", value="level_9"):
+        cl.relay_experiment(plant, "level_9", "feed")
+
+
+def test_relative_gains_at_a_frequency_go_on_from_those_at_rest():
+    plant = cl.load("quadruple-tank")
+    at_rest, slow, fast = (cl.relative_gains(plant, w).to_numpy() for w in (0.0, 1e-6, 10.0))
+    np.testing.assert_allclose(slow, at_rest, atol=1e-4)
+    np.testing.assert_allclose(fast, np.eye(2), atol=1e-2)  # other pumps are a tank farther away

@@ -1,4 +1,4 @@
-"""Zeros and poles with their directions, singular values, and signals in their ranges."""
+"""Zeros with their directions, singular values, and signals in their ranges."""
 
 from __future__ import annotations
 
@@ -10,11 +10,10 @@ from models_by_hand import late_feedback, pure_delay, rational
 from refusals import refused
 
 from clepsydra.linear.directionality import condition_numbers, singular_values
-from clepsydra.linear.directions import pole_directions, zero_directions
+from clepsydra.linear.directions import zero_directions
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.interconnection import series
 from clepsydra.linear.linearise import linearise
-from clepsydra.linear.poles import poles
 from clepsydra.linear.ranges import in_ranges
 from clepsydra.linear.response import evaluate_transfer, frequency_response
 from clepsydra.linear.zeros import zeros
@@ -75,31 +74,9 @@ def test_a_zero_that_stands_twice_has_two_directions(rounded, monkeypatch):
     assert abs(np.vdot(found[0].input_direction, found[1].input_direction)) < 1e-9
 
 
-def test_pole_directions(random_system):
-    system = random_system(2, 4, 2, 3)
-    model = rational(system.A, system.B, system.C, system.D)
-    found = pole_directions(model)
-    np.testing.assert_allclose([item.pole for item in found], poles(model))
-    for pole, mode, inputs, outputs in found:
-        np.testing.assert_allclose(system.A @ mode, pole * mode, atol=1e-10)
-        # Near the pole G is its residue: of rank one, with these directions.
-        gain = evaluate_transfer(model.A, model.B, model.C, model.D, np.array([pole + 1e-7]))[0]
-        left, _, right = np.linalg.svd(gain)
-        assert abs(np.vdot(left[:, 0], outputs)) == pytest.approx(1.0, abs=1e-6)
-        assert abs(np.vdot(right[0].conj(), inputs)) == pytest.approx(1.0, abs=1e-6)
-
-
-def test_directions_of_hidden_modes_are_zero():
-    found = pole_directions(rational(np.diag([-1.0, -2.0]), [[1.0], [0.0]], [[0.0, 1.0]], 0.0))
-    np.testing.assert_array_equal(found[0].output_direction, [0.0])
-    np.testing.assert_array_equal(found[1].input_direction, [0.0])
-    assert found[0].input_direction == found[1].output_direction == 1.0
-
-
-@pytest.mark.parametrize("function", [zero_directions, pole_directions])
-def test_dead_time_is_refused(function):
+def test_dead_time_is_refused():
     with refused(remedy="without_dead_time"):
-        function(late_feedback(1.0, 0.5))
+        zero_directions(late_feedback(1.0, 0.5))
 
 
 def test_singular_values_and_condition_number(johansson):

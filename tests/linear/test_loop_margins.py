@@ -198,5 +198,5 @@ def test_no_pole_stands_on_the_grid():
 
 
 def test_several_loops_are_refused():
-    with refused(remedy="multivariable_margins"):
+    with refused(remedy="select the channel"):
         loop_margins(pure_delay(1.0, 2.0))

@@ -166,53 +166,6 @@ def gain_from_percent(percent: float, measurement: Signal, manipulated: Signal) 
     return float(gain * above / below)
 
 
-def gain_from_band(band: float, action: Action, measurement: Signal, manipulated: Signal) -> float:
-    """Return the gain in engineering units of a proportional band [%] and an action.
-
-    Raises
-    ------
-    InputError
-        The band is not above zero, the action is unknown, or a range is not finite.
-
-    Examples
-    --------
-    >>> level = Signal("level", "m", low=0.0, high=5.0)
-    >>> gain_from_band(50.0, "direct", level, Signal("pump", "V", low=0.0, high=10.0))
-    -4.0
-    """
-    if not is_finite_number(band) or band <= 0.0:
-        raise InputError(
-            "proportional band", band, "a share above 0 %", "give 100 divided by the gain in %/%"
-        )
-    signs = {"reverse": 1.0, "direct": -1.0}
-    if action not in signs:
-        raise InputError("action", action, "reverse or direct", "correct the word")
-    return gain_from_percent(signs[action] * 100.0 / band, measurement, manipulated)
-
-
-def integral_time_from_repeats(repeats_per_minute: float) -> float:
-    """Return Ti [s] of an integral action in repeats per minute; infinite for none.
-
-    Raises
-    ------
-    InputError
-        The number is negative.
-
-    Examples
-    --------
-    >>> integral_time_from_repeats(0.5), integral_time_from_repeats(0.0)
-    (120.0, inf)
-    """
-    if not is_finite_number(repeats_per_minute) or repeats_per_minute < 0.0:
-        raise InputError(
-            "repeats per minute",
-            repeats_per_minute,
-            "a number from 0 on",
-            "give 60 s divided by the integral time",
-        )
-    return 60.0 / repeats_per_minute if repeats_per_minute else math.inf
-
-
 def _check(settings: PidSettings) -> None:
     require_type(
         settings, PidSettings, "settings", "PidSettings", "make them: PidSettings(gain, Ti, Td)"

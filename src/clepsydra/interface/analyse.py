@@ -11,6 +11,7 @@ from clepsydra.interface.analysis import Analysis
 from clepsydra.interface.controller import of_plant
 from clepsydra.interface.plant import Plant, require_plant
 from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.relative_gain_array import relative_gain_response
 from clepsydra.linear.relative_gain_array import relative_gains as relative_gains_of
 from clepsydra.linear.roots import roots_of
 from clepsydra.report.margin_tables import margin_table
@@ -71,8 +72,16 @@ def poles(system: Plant | LinearModel | control.StateSpace) -> np.ndarray:
     return roots_of(_linear(system)).poles
 
 
-def relative_gains(system: Plant | LinearModel | control.StateSpace) -> pandas.DataFrame:
+def relative_gains(
+    system: Plant | LinearModel | control.StateSpace, frequency: float = 0.0
+) -> pandas.DataFrame:
     """Return the relative gain array, a row for each output and a column for each input.
+
+    Parameters
+    ----------
+    system : Plant, LinearModel or control.StateSpace
+    frequency : float
+        That of the response there, complex [rad/s]; at rest if left out.
 
     Examples
     --------
@@ -85,9 +94,8 @@ def relative_gains(system: Plant | LinearModel | control.StateSpace) -> pandas.D
     import pandas
 
     model = _linear(system)
-    return pandas.DataFrame(
-        relative_gains_of(model), index=list(model.outputs), columns=list(model.inputs)
-    )
+    found = relative_gain_response(model, frequency)[0] if frequency else relative_gains_of(model)
+    return pandas.DataFrame(found, index=list(model.outputs), columns=list(model.inputs))
 
 
 def margins(controller: inner.Controller, plant: Plant) -> pandas.DataFrame:

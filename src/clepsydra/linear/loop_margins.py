@@ -117,8 +117,7 @@ def loop_margins(loop: LinearModel) -> LoopMargins:
     Raises
     ------
     InputError
-        L has several channels (see `multivariable_margins`) or is not well posed, or its
-        stability cannot be decided.
+        L has several channels or is not well posed, or its stability cannot be decided.
 
     Examples
     --------
@@ -138,7 +137,7 @@ def loop_margins(loop: LinearModel) -> LoopMargins:
             "loop margins",
             f"{len(loop.outputs)} outputs and {len(loop.inputs)} inputs",
             "one input and one output",
-            "use multivariable_margins for several loops",
+            "select the channel, the others closed by feedback",
         )
     closed = feedback(loop)
     stable = asymptotically_stable(closed)

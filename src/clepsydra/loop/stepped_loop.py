@@ -11,7 +11,7 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.engine.kernel import Kernel
-from clepsydra.engine.reference import LawEvaluation
+from clepsydra.engine.law_evaluation import LawEvaluation
 from clepsydra.engine.stepping import SteppedKernel
 from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.inner_setpoints import inner_setpoints

@@ -12,7 +12,7 @@ from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.signals import owners
 from clepsydra.controllers.wiring import wired_setpoints
-from clepsydra.engine.reference import LawEvaluation
+from clepsydra.engine.law_evaluation import LawEvaluation
 
 #: A move of an output below this share of its range is none that an actuator could follow.
 _NO_MOVE = 1e-5
