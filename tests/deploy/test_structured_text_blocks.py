@@ -16,6 +16,7 @@ from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.deploy.structured_text.project import Project, print_test_project
 from clepsydra.engine.kernel import Kernel
 from clepsydra.program.block import Block
+from clepsydra.program.counted_loop import Table, counted_loop
 from clepsydra.program.reader import program_of, structured_program_of
 from clepsydra.program.step_law import Equations, step_law
 
@@ -182,3 +183,33 @@ def test_named_constants_change_no_bit(dialect, precision):
 def test_words_of_what_is_not_computed_are_refused():
     with pytest.raises(ValueError, match=r"words for \['z'\]"):
         structured_program_of(law_of_blocks(graded({"z": "the last letter"})))
+
+
+def test_loops_read_stretches_of_named_tables():
+    """Two loops over parts of a named table and one over other numbers, in every precision."""
+    need_grammar()
+    share = Table("share", (0.1, 0.2, 0.7, 1.3, 2.9), 3, "share of each tank")
+
+    def weighed(s):
+        row, total, u = (ca.SX.sym(name) for name in ("row", "total", "u"))
+        turn = ca.Function("turn", [row, total, u], [total + row * u])
+        found = ca.SX(0)
+        for name, numbers in (("low", (0.2, 0.7)), ("high", (1.3, 2.9)), ("other", (0.7, 0.2))):
+            found = counted_loop(name, 2, turn, carried=found, tables=[numbers], invariants=s["u"])
+        return Equations({}, {"y": found})
+
+    block = Block("weigh", (Signal("u"),), (), (Signal("y"),), weighed, tables=(share,))
+    ports = {"inputs": block.inputs, "outputs": block.outputs, "parameters": (), "state": ()}
+    law = step_law("law", **ports, equations=lambda s: block("scale", s, {}))
+    program, inputs = structured_program_of(law), {"u": scans()["u"]}
+    text = print_structured_text(program)
+    assert "share : ARRAY[0..4] OF LREAL := [0.1, 0.2, 0.7, 1.3, 2.9]; (* share of each" in text
+    assert "other_table : ARRAY[0..1] OF LREAL := [0.7, 0.2];" in text
+    for turns, entry in (("4 TO 5", "share[i - 3]"), ("6 TO 7", "share[i - 3]"), ("0 TO 1", "i]")):
+        body = text[text.index(f"FOR i := {turns} DO") :]
+        assert entry in body[: body.index("END_FOR")]
+    expected = Kernel(program_of(law)).run(SCANS, inputs=inputs).output("y")[0]
+    np.testing.assert_array_equal(InterpretedText(program).run(inputs)[:, 0], expected)
+    single = InterpretedText(program, "single").run(inputs)[:, 0]
+    assert np.ptp(single - expected) > 0.0
+    np.testing.assert_allclose(single, expected, rtol=1e-5, atol=1e-5)

@@ -11,6 +11,7 @@ import casadi as ca
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
+from clepsydra.program.counted_loop import Table
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.step_law import Equations, Symbols, is_scalar
 
@@ -36,6 +37,8 @@ class Block:
     constants : tuple of Signal
         Numbers of its equations that are printed by their names: value (`initial`), unit, and
         what they are and where they come from. Each stands for every such number in the block.
+    tables : tuple of Table
+        Numbers that its loops read, printed by their names.
 
     Examples
     --------
@@ -52,6 +55,7 @@ class Block:
     equations: Callable[[Symbols], Equations]
     description: tuple[str, ...] = ()
     constants: tuple[Signal, ...] = ()
+    tables: tuple[Table, ...] = ()
 
     def __call__(self, instance: str, inputs: Symbols, state: Symbols) -> Equations:
         """Return the results of one instance.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -73,6 +73,44 @@ def _kept_as_call(body: ca.Function) -> ca.Function:
     return ca.Function(
         body.name(), arguments, [ca.densify(body(*arguments))], {"never_inline": True}
     )
+
+
+@dataclass(frozen=True)
+class Table:
+    """Numbers that loops of a block read, printed by their name: each loop reads a stretch of them.
+
+    Parameters
+    ----------
+    name : str
+    values : tuple of float
+    first : int
+        What the first of them is the entry for.
+    description : str
+
+    Examples
+    --------
+    Where loops over other numbers begin, if these are a stretch of it:
+
+    >>> table = Table("share", (0.0, 0.5, 1.0, 0.5), 10)
+    >>> [*table.stretches((0.5,))], [*table.stretches((1.0, 0.5))]
+    ([11, 13], [12])
+    """
+
+    name: str
+    values: tuple[float, ...]
+    first: int = 0
+    description: str = ""
+
+    def like(self, other: Table) -> bool:
+        """Whether another table has the same entries; by their texts, since zeros have signs."""
+        return (self.first, repr(self.values)) == (other.first, repr(other.values))
+
+    def stretches(self, values: tuple[float, ...]) -> Iterator[int]:
+        """Yield what the first of some numbers may be the entry for."""
+        for k in range(len(self.values) - len(values) + 1):
+            # By their texts: equal numbers may be zeros of different sign.
+            if repr(self.values[k : k + len(values)]) == repr(values):
+                yield self.first + k
 
 
 @dataclass(frozen=True)

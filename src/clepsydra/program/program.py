@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from clepsydra.base.signal import Signal, identifier
+from clepsydra.program.counted_loop import Table
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.operation import Operation
 
@@ -285,6 +286,7 @@ class Program:
     description : tuple of str
         What a block does, a line each.
     constants : tuple of Signal
+    tables : tuple of Table
         Numbers of the block that are printed by their names.
     words : mapping
         Of names, outputs and states what a reader is told above the step that computes one.
@@ -314,6 +316,7 @@ class Program:
     description: tuple[str, ...] = ()
     constants: tuple[Signal, ...] = ()
     words: Mapping[str, str] = field(default_factory=dict)
+    tables: tuple[Table, ...] = ()
 
     def __post_init__(self) -> None:
         taken = [entry.name for entry in (*self.state, *self.rings)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 import casadi as ca
 
@@ -311,11 +312,17 @@ def _program(
         if value >= size:
             named.setdefault(value, name)
     block = builder.finish(values[:results])
-    constants = whole.constants if isinstance(whole, Block) else ()
     program = Program(
-        whole.name, whole.state, whole.inputs, parameters, whole.outputs, block, named,
-        whole.description if isinstance(whole, Block) else (), constants, words or {},
-    )  # fmt: skip
+        whole.name, whole.state, whole.inputs, parameters, whole.outputs, block, named
+    )
+    if isinstance(whole, Block):
+        program = replace(
+            program,
+            description=whole.description,
+            constants=whole.constants,
+            words=words or {},
+            tables=whole.tables,
+        )
     instances = [call.identifier for call in program.calls]
     for name in instances:
         if instances.count(name) > 1:

@@ -18,7 +18,7 @@ from clepsydra.controllers.blocks.ports import truth, words_for
 from clepsydra.controllers.fuzzy.rule import firing
 from clepsydra.controllers.fuzzy.system import FuzzySystem, LinguisticVariable
 from clepsydra.program.block import Block
-from clepsydra.program.counted_loop import counted_loop
+from clepsydra.program.counted_loop import Table, counted_loop
 from clepsydra.program.step_law import Equations, Symbols
 
 #: Way of a difference quotient, as a share of an input's range; the cube root of rounding.
@@ -117,10 +117,19 @@ def _inferred(
 def _centroid(name: str, output: LinguisticVariable, points: np.ndarray) -> Block:
     """Return the block from the heights of an output's sets to its centroid."""
     degrees = output.degrees(points)
+    stretches = [*_stretches(np.array(list(degrees.values())) > 0.0)]
+    tables = [Table("point", tuple(points.tolist()), 0, "points of the range of the output")]
+    for each, degree in degrees.items():
+        varying = [place for place in stretches if np.ptp(degree[slice(*place)]) > 0.0]
+        if varying:
+            first, stop = varying[0][0], varying[-1][1]
+            words = f"how far the points from {first} on are {each}"
+            values = tuple(degree[first:stop].tolist())
+            tables.append(Table(path("degree", each), values, first, words))
 
     def equations(heights: Symbols) -> Equations:
         sums, named = ca.SX.zeros(2), dict[str, ca.SX]()
-        for first, stop in _stretches(np.array(list(degrees.values())) > 0.0):
+        for first, stop in stretches:
             here = {name: d[first:stop] for name, d in degrees.items() if d[first:stop].any()}
             if here:
                 sums = _summed(f"from_{first}", points[first:stop], here, heights, sums)
@@ -139,6 +148,7 @@ def _centroid(name: str, output: LinguisticVariable, points: np.ndarray) -> Bloc
         (Signal("centroid", description="crisp output"), truth("fires", "some rule fires")),
         equations,
         ("The centroid of the largest of the sets, each clipped at its height.",),
+        tables=tuple(tables),
     )
 
 

@@ -140,11 +140,11 @@ class _Source:
 
     def _tables(self, function: StepFunction) -> list[str]:
         lines, language = [], self._language
-        for table, values in function.tables.items():
-            texts = ", ".join(map(language.number, values))
+        for name, table in function.tables.items():
+            texts = ", ".join(map(language.number, table.values))
             lines += [
-                f"/* {table_comment(self._origin)} */",
-                f"static const {language.types['real']} {table}[{len(values)}] = {{",
+                f"/* {table.description or table_comment(self._origin)} */",
+                f"static const {language.types['real']} {name}[{len(table.values)}] = {{",
                 *indented(textwrap.wrap(f"{texts},", WIDTH - 2, break_on_hyphens=False)),
                 "};",
                 "",

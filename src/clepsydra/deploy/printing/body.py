@@ -100,7 +100,7 @@ class Body:
         entries += [*program.inputs, *program.parameters]
         given = [reading(entry.kind, place) for entry, place in zip(entries, at, strict=True)]
         read = program.block, given, language.notation, names
-        folded = FoldedBlock(*read, labels, preferred, ranges)
+        folded = FoldedBlock(*read, labels, preferred, ranges, program.tables)
         #: Tables of the loops by name.
         self.tables, results = folded.tables, folded.results
         begun = [*map(_begun, folded.statements)]
@@ -336,7 +336,7 @@ def _declared(statements: Sequence[ListingStatement]) -> list[tuple[str, str]]:
         if isinstance(entry, Assignment):
             found.append((entry.name, entry.expression.kind))
         elif isinstance(entry, Compound):
-            found += [(entry.index, "integer")] if entry.count > 1 else []
+            found += [(entry.index, "integer")] if len(entry.turns) > 1 else []
             found += [(turn.oldest, "real") for turn in entry.rings if turn.oldest]
             found += _declared(entry.start) + _declared(entry.body)
     return found

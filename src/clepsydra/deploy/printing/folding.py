@@ -23,6 +23,7 @@ from clepsydra.deploy.printing.listing import (
 )
 from clepsydra.deploy.printing.typed_values import in_own_type
 from clepsydra.deploy.printing.whole_numbers import INTEGERS, WholeRange
+from clepsydra.program.counted_loop import Table
 from clepsydra.program.needed import needed_body, needed_part, needed_values
 from clepsydra.program.operation import COMPARISONS, Operation
 from clepsydra.program.program import Block, Call, Conditional, Loop, read_by
@@ -66,6 +67,8 @@ class FoldedBlock:
         Value to the name that it gets if it needs a variable.
     ranges : mapping, optional
         Bounds of the values that are whole numbers, which are computed as integers.
+    tables : sequence of Table, optional
+        Numbers that its loops read by a name.
     around : FoldedBlock, optional
         The block whose loop or branch this one is.
 
@@ -90,6 +93,7 @@ class FoldedBlock:
         labels: Mapping[int, str] | None = None,
         preferred: Mapping[int, str] | None = None,
         ranges: Mapping[int, WholeRange] | None = None,
+        tables: Sequence[Table] = (),
         around: FoldedBlock | None = None,
     ) -> None:
         self._notation, self._names = notation, names
@@ -101,7 +105,8 @@ class FoldedBlock:
         #: Variables of loops and branches, which a later one may go on with.
         self._carried: set[str] = set()
         #: Tables of the loops by name, and the indices of the loops, by how deep these stand.
-        self.tables: dict[str, tuple[float, ...]] = around.tables if around else {}
+        self.tables: dict[str, Table] = around.tables if around else {}
+        self._named: Sequence[Table] = around._named if around else tables
         self._indices: list[str] = around._indices if around else []
         self._depth: int = around._depth if around else 0
         self.statements: list[ListingStatement] = []
@@ -265,7 +270,8 @@ class FoldedBlock:
         needed, read = needed_body(statement, live)
         loop = statement if isinstance(statement, Loop) else None
         index, rings = self._index() if loop else "", loop.rings if loop else ()
-        inside = self._entries(loop, index, read) if loop else []
+        turns, named = self._turns(loop, read) if loop else (range(1), {})
+        inside = self._entries(loop, index, read, named) if loop else []
         first, of_rings = len(inside), len(inside) + len(statement.targets)
         carried = self._carry(statement, live)
         starts = (Assignment(name, before[statement.carried[k]]) for k, name in carried.items())
@@ -292,23 +298,40 @@ class FoldedBlock:
             self.statements += start
             return
         condition = None if isinstance(statement, Loop) else self._values[statement.condition]
-        turned = index, loop.count if loop else 1
-        turns = tuple(map(RingTurn, rings, oldest, results[len(live) :]))
+        turned = tuple(map(RingTurn, rings, oldest, results[len(live) :]))
         inner = tuple(body), update
-        self.statements.append(Compound(statement.name, start, *inner, condition, *turned, turns))
+        self.statements.append(
+            Compound(statement.name, start, *inner, condition, index, turns, turned)
+        )
 
-    def _entries(self, loop: Loop, index: str, read: Container[int]) -> list[Expression]:
+    def _turns(self, loop: Loop, read: Container[int]) -> tuple[range, dict[int, Table]]:
+        """Return the index of a loop, and the named tables of which its own are a stretch there."""
+        found = [
+            {first: table for table in self._named for first in table.stretches(values)}
+            for number, values in enumerate(loop.tables)
+            if number in read and loop.count > 1
+        ]
+        common = set(found[0]).intersection(*found[1:]) if found else set()
+        first = min(common, default=0)
+        numbers = (number for number in range(len(loop.tables)) if number in read)
+        named = (each[first] for each in found if common)
+        return range(first, first + loop.count), dict(zip(numbers, named, strict=False))
+
+    def _entries(
+        self, loop: Loop, index: str, read: Container[int], named: Mapping[int, Table]
+    ) -> list[Expression]:
         """Return what reads the tables of a loop in a turn, and keep those that it reads."""
         entries = []
-        for number, table in enumerate(loop.tables):
+        for number, values in enumerate(loop.tables):
             if number not in read or loop.count == 1:
-                entries.append(constant(table[0]))
+                entries.append(constant(values[0]))
                 continue
-            # By their texts: equal numbers may be zeros of different sign.
-            known = (name for name, other in self.tables.items() if repr(other) == repr(table))
-            name = next(known, "") or self._names.new(f"{loop.name}_table")
+            table = named.get(number) or Table(f"{loop.name}_table", values)
+            known = (name for name, other in self.tables.items() if table.like(other))
+            name = next(known, "") or self._names.new(table.name)
             self.tables[name] = table
-            entries.append(variable(f"{name}[{index}]"))
+            behind = f" - {table.first}" if table.first else ""
+            entries.append(variable(f"{name}[{index}{behind}]"))
         return entries
 
     def _index(self) -> str:

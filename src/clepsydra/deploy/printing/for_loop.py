@@ -10,22 +10,22 @@ from clepsydra.deploy.printing.lines import indented
 
 @dataclass(frozen=True)
 class ForLoop:
-    """How a language writes a loop of so many turns; its index counts them from 0.
+    """How a language writes a loop of so many turns, which its index counts.
 
     Parameters
     ----------
     begin : str
-        Its first line, with {index}, the number of {turns}, and the {last} value of the index.
+        Its first line, with {index}, its {first} and its {last} value, and the one {behind} that.
     end : str
         Its last line.
 
     Examples
     --------
-    >>> print("\\n".join(IN_STRUCTURED_TEXT.lines("i", 3, ["total := total + flow[i];"])))
+    >>> print("\\n".join(IN_STRUCTURED_TEXT.lines("i", range(3), ["total := total + flow[i];"])))
     FOR i := 0 TO 2 DO
       total := total + flow[i];
     END_FOR;
-    >>> print("\\n".join(IN_C.lines("i", 3, ["total = total + flow[i];"])))
+    >>> print("\\n".join(IN_C.lines("i", range(3), ["total = total + flow[i];"])))
     for (int32_t i = 0; i < 3; ++i) {
       total = total + flow[i];
     }
@@ -34,13 +34,14 @@ class ForLoop:
     begin: str
     end: str
 
-    def lines(self, index: str, turns: int, body: Iterable[str]) -> list[str]:
+    def lines(self, index: str, turns: range, body: Iterable[str]) -> list[str]:
         """Return the lines of a loop around those of a turn; what runs once needs none."""
-        if turns == 1:
+        if len(turns) == 1:
             return [*body]
-        first = self.begin.format(index=index, turns=turns, last=turns - 1)
-        return [first, *indented(body), self.end]
+        first, behind = turns.start, turns.stop
+        begin = self.begin.format(index=index, first=first, last=behind - 1, behind=behind)
+        return [begin, *indented(body), self.end]
 
 
-IN_STRUCTURED_TEXT = ForLoop("FOR {index} := 0 TO {last} DO", "END_FOR;")
-IN_C = ForLoop("for (int32_t {index} = 0; {index} < {turns}; ++{index}) {{", "}")
+IN_STRUCTURED_TEXT = ForLoop("FOR {index} := {first} TO {last} DO", "END_FOR;")
+IN_C = ForLoop("for (int32_t {index} = {first}; {index} < {behind}; ++{index}) {{", "}")

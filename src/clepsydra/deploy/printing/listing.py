@@ -63,8 +63,8 @@ class Compound:
     condition : Expression or None
         None for a loop.
     index : str
-        Counts the turns from 0.
-    count : int
+    turns : range
+        The index in each turn.
     rings : tuple of RingTurn
 
     Examples
@@ -72,8 +72,9 @@ class Compound:
     >>> from clepsydra.deploy.printing.expressions import variable
     >>> zero, row = Expression("constant"), variable("table[i]")
     >>> update = Assignment("total", Expression("add", (variable("total"), row)))
-    >>> Compound("sum", (Assignment("total", zero),), (), (update,), index="i", count=3).count
-    3
+    >>> total = Assignment("total", zero)
+    >>> Compound("sum", (total,), (), (update,), index="i", turns=range(3)).turns
+    range(0, 3)
     """
 
     label: str
@@ -82,7 +83,7 @@ class Compound:
     update: tuple[Assignment, ...]
     condition: Expression | None = None
     index: str = ""
-    count: int = 1
+    turns: range = range(1)
     rings: tuple[RingTurn, ...] = ()
 
 

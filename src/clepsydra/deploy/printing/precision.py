@@ -71,7 +71,12 @@ def in_precision(program: Program, precision: Precision) -> Program:
         return program
     block = _block(program.block, f"program {program.name}")
     rounded = program.with_signals(partial(_signal, place=f"program {program.name}"))
-    return replace(rounded, block=block)
+    place = f"program {program.name}, table"
+    tables = tuple(
+        replace(each, values=tuple(_single(v, f"{place} {each.name}") for v in each.values))
+        for each in program.tables
+    )
+    return replace(rounded, block=block, tables=tables)
 
 
 def _signal(signal: Signal, place: str) -> Signal:

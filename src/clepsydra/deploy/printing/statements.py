@@ -192,8 +192,8 @@ class Language(ABC):
             return self.call(entry)
         title, lines = entry.label, self._assigned(entry.start)
         if entry.condition is None:
-            title += f": {entry.count} turn{'s' if entry.count > 1 else ''}"
-            lines += self.syntax.loop.lines(entry.index, entry.count, self._body(entry))
+            title += f": {len(entry.turns)} turn{'s' if len(entry.turns) > 1 else ''}"
+            lines += self.syntax.loop.lines(entry.index, entry.turns, self._body(entry))
         else:
             lines += self._decided([(self.expression(entry.condition), self._body(entry))])
         return [self.syntax.comment.format(title), *lines]

@@ -129,9 +129,9 @@ def _constants(body: Body, wording: StructuredText) -> list[Section]:
     constants = body.constants.items()
     named = [replace(declared([each], wording)[0], name=name) for name, each in constants]
     tables = []
-    for name, values in body.tables.items():
-        texts = tuple(wording.number(value, f"an entry of {name}") for value in values)
-        tables.append(Variable(name, wording.real, texts, len(values)))
+    for name, table in body.tables.items():
+        texts = tuple(wording.number(value, f"an entry of {name}") for value in table.values)
+        tables.append(Variable(name, wording.real, texts, len(texts), table.description))
     groups = ("numbers", tuple(named)), ("tables", tuple(tables))
     if wording.dialect.constant_arrays:
         return [Section("VAR", "CONSTANT", groups)]
