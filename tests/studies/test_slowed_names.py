@@ -52,7 +52,9 @@ def test_table_report_and_json_have_the_title(result, tmp_path):
     (row,) = (line for line in str(result).splitlines() if line[2:].startswith(" fast "))
     assert f"{float(re.search('[0-9.]+', title)[0]):.3g}×" in row.split()
     result.report(tmp_path / "report.html")
-    assert re.search(rf"<h2>\d+\. {title} ", (tmp_path / "report.html").read_text("utf-8"))
+    page = (tmp_path / "report.html").read_text("utf-8")
+    assert f'<th scope="row">{title}</th>' in page
+    assert re.search(rf"<summary>\d+\. {title}</summary>", page)
     found = {row["controller"]: row for row in result.as_dict()["ranking"]}
     assert found["fast"]["title"] == title
     assert found["fast"]["slowed"] == controllers(result)["fast"].slowed
