@@ -44,6 +44,16 @@ def test_the_still_picture_has_a_load_either_way_and_the_ends_of_the_band(drum):
         assert [each[0] for each in flat] == pytest.approx(lines)
 
 
+def test_in_the_still_picture_what_looks_like_motion_is_motion(result):
+    signals, first = shown_signals(result), list(result.ranking[:2])
+    figure = overlay_figure(event_windows(result, signals, first), signals, first)
+    one, other = np.reshape(figure.axes, (3, 3))[:2]  # two levels of 20 cm
+    spans = np.array([[np.ptp(axes.get_ylim()) for axes in row] for row in (one, other)])
+    shares = spans.min(axis=0) / spans.max(axis=0)
+    assert np.all(shares >= 0.3 - 1e-9) and shares.min() == pytest.approx(0.3)
+    assert np.all(np.ptp(one[0].lines[1].get_ydata()) > 2.0)
+
+
 def test_a_cascade_has_a_row_for_what_its_inner_loop_measures(tmp_path):
     path = tmp_path / "study.toml"
     path.write_text(flow_cascade(), encoding="utf-8")

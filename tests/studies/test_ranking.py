@@ -485,6 +485,6 @@ def test_what_is_unusual_is_said_with_its_number(resting, name, value, harmed, w
 
 def test_a_coarse_integration_is_said(resting):
     (warning,) = run_warnings(replace(resting, error_estimate=3.2e-5))
-    assert "3.2e-05 of its range, more than the 1e-06 aimed at" in warning
+    assert "0.0032 % of its range, more than the 0.0001 % aimed at" in warning
     assert "empty" not in warning  # the reason is not known
     assert run_warnings(replace(resting, error_estimate=0.9e-6)) == ()

@@ -169,7 +169,7 @@ def event_windows(
     points = max(_FEWEST, min(_MOST, number))
     curves = np.array([[each.values(c.run) for each in signals] for c in first])
     held = [place for place, each in enumerate(signals) if not each.moved]
-    spans = np.array([_span(signals[place].signal) for place in held])[:, None]
+    spans = np.array([shown_span(signals[place].signal) for place in held])[:, None]
     windows, seen = [], set()
     for segment in segments:
         either = result.process.averaging and segment.kind == "load"
@@ -321,11 +321,17 @@ def overlay_data(
 def _step(signal: Signal, shown: Sequence[np.ndarray]) -> float:
     """Return the step of rounding: fine beside what the first curves span."""
     spans = [float(np.ptp(values[np.isfinite(values)])) for values in shown if len(values)]
-    return float(f"{max(max(spans, default=0.0) / _STEPS, _FINEST * _span(signal)):.2g}")
+    return float(f"{max(max(spans, default=0.0) / _STEPS, _FINEST * shown_span(signal)):.2g}")
 
 
-def _span(signal: Signal) -> float:
-    """Return the range of a signal in display units, 1 where it has none."""
+def shown_span(signal: Signal) -> float:
+    """Return the range of a signal in display units, 1 where it has none.
+
+    Examples
+    --------
+    >>> shown_span(Signal("level", "m", display_unit="cm", low=0.0, high=0.2))
+    20.0
+    """
     span = signal.span * display_factor(signal)
     return span if math.isfinite(span) and span > 0.0 else 1.0
 

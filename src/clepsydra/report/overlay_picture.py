@@ -9,7 +9,7 @@ import numpy as np
 
 from clepsydra.base.words import time_unit
 from clepsydra.report.colours import INK, MUTED, PALETTE
-from clepsydra.report.overlay import EventWindow, ShownSignal, event_title
+from clepsydra.report.overlay import EventWindow, ShownSignal, event_title, shown_span
 from clepsydra.report.quantities import unit_text
 from clepsydra.report.trends import STYLE
 from clepsydra.studies.result import Candidate
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 #: Columns, levels and manipulated variables at most; width, height of a row and around [inch].
 _COLUMNS, _HELD, _MOVED = 3, 2, 1
 _WIDTH, _ROW, _AROUND = 9.6, 1.05, 0.7
+#: A signal spans at least so much of its axis as beside the one of its kind that moves most.
+_LEAST = 0.3
 
 
 def overlay_figure(
@@ -85,11 +87,25 @@ def overlay_figure(
                     axes.axhline(end, color=INK, linewidth=0.8)
                 if not column:
                     unit_words = unit_text(shown.signal.shown_unit) or "1"
-                    axes.set_ylabel(f"{shown.signal.name} [{unit_words}]")
+                    axes.set_ylabel(f"{shown.signal.name}\n[{unit_words}]")
                 axes.margins(x=0.0)
                 axes.locator_params(nbins=3)
+            _widen(grid[:, column], rows)
             grid[0, column].set_title(event_title(run.process, window.segment), loc="left")
             grid[-1, column].set_xlabel(f"time after the event [{unit}]")
+        figure.align_ylabels(grid[:, 0])
         names, lines = grid[0, 0].get_legend_handles_labels()
         figure.legend(names, lines, loc="lower left", ncols=len(first))
     return figure
+
+
+def _widen(column: np.ndarray, rows: Sequence[ShownSignal]) -> None:
+    """Let what looks like motion be motion: no axis is fine beside those of the same kind."""
+    for moved in (False, True):
+        own = [(axes, row) for axes, row in zip(column, rows, strict=True) if row.moved is moved]
+        shares = [np.ptp(axes.get_ylim()) / shown_span(row.signal) for axes, row in own]
+        for (axes, row), share in zip(own, shares, strict=True):
+            more = (_LEAST * max(shares) - share) * shown_span(row.signal) / 2.0
+            if more > 0.0:
+                bottom, top = axes.get_ylim()
+                axes.set_ylim(bottom - more, top + more)

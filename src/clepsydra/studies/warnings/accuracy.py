@@ -22,8 +22,9 @@ def accuracy_warnings(run: Run) -> list[str]:
     """
     if run.error_estimate is None or run.error_estimate <= _ERROR:
         return []
+    error, aim = 100.0 * run.error_estimate, 100.0 * _ERROR
     return [
-        f"Halving the integration step shows that a state may be wrong by {run.error_estimate:.1e} "
-        f"of its range, more than the {_ERROR:.0e} aimed at: smaller differences between runs say "
-        "nothing; compare with the reference solver."
+        f"Halving the integration step shows that a state may be wrong by {error:.2g} % of its "
+        f"range, more than the {aim:g} % aimed at: smaller differences between runs say nothing; "
+        "compare with the reference solver."
     ]
