@@ -9,7 +9,6 @@ from importlib import metadata
 from pathlib import Path
 
 from clepsydra.base.arguments import require_type
-from clepsydra.base.files import whole_file
 from clepsydra.base.section import Line, Mark, Section, Table, marked
 from clepsydra.base.words import time_text
 from clepsydra.controllers.blocks.status import STATUS_BITS
@@ -22,6 +21,7 @@ from clepsydra.report.first_screen import cards, counted_words, headline, lead, 
 from clepsydra.report.html_section import html
 from clepsydra.report.overlay import event_windows, overlay_data, shown_signals
 from clepsydra.report.overlay_picture import overlay_figure
+from clepsydra.report.page import write_page
 from clepsydra.report.page_assets import STILL_WORDS, page_assets
 from clepsydra.report.resolution import RESOLUTION_WORDS
 from clepsydra.report.score_tables import glossary, ranking_note, standing_word
@@ -69,9 +69,7 @@ def write_report(result: StudyResult, path: str | Path) -> None:
         result, StudyResult, "report, result", "a StudyResult", "give what run_study returned"
     )
     require_type(path, (str, Path), "report, path", "a file name", 'write as in "report.html"')
-    text = report_text(result)
-    with whole_file(Path(path)) as part:
-        part.write_text(text, encoding="utf-8", newline="\n")
+    write_page(report_text(result), path)
 
 
 def report_text(result: StudyResult) -> str:

@@ -8,12 +8,10 @@ from clepsydra.base.section import Line, Mark, Section, Table, marked
 from clepsydra.identification.identification import Identification
 from clepsydra.identification.process_fit import ProcessFit
 from clepsydra.report.identification_tables import (
-    estimates_grid,
     models_grid,
     outputs_grid,
     parameters_grid,
-    start_grid,
-    widening_words,
+    what_was_found,
 )
 
 #: Of the answer: parameters of a process, and warnings.
@@ -47,8 +45,7 @@ def identification_answer(found: Identification | ProcessFit, *, every: bool = F
     warnings = found.warnings if isinstance(found, Identification) else found.notes
     following = "enter the settings with care." if of_model else "keep the parameters by --write."
     watched = marked(Mark.WATCH, (f"{warning}." for warning in warnings))
-    whole = _whole_model(found) if isinstance(found, Identification) else _whole_process(found)
-    shown: tuple[Line | Table | Section, ...] = (*whole, *watched)
+    shown: tuple[Line | Table, ...] = (*what_was_found(found), *watched)
     if not every:
         more = len(watched) - _WATCHED
         said = f"{more} more to watch, and every" if more > 0 else "Every"
@@ -65,24 +62,3 @@ def _tables(found: Identification | ProcessFit) -> tuple[Table | Line, ...]:
     parameters, outputs = parameters_grid(found), outputs_grid(found)
     few = replace(parameters, title="", rows=parameters.rows[:_FITTED])
     return few, _EMPTY, replace(outputs, title="", rows=outputs.rows[:_FITTED], kept=2)
-
-
-def _whole_model(found: Identification) -> tuple[Line | Table | Section, ...]:
-    parts: list[Line | Table | Section] = [models_grid(found), estimates_grid(found)]
-    for model in found.models:
-        parts.append(Line(f"{model.name}: residuals {model.tests.words}.", Mark.POINT))
-        parts += marked(Mark.WATCH, (f"{model.name}: {each}." for each in model.cautions))
-    refused = (f"{name} could not be fitted: {reason}." for name, reason in found.refused)
-    return (*parts, *marked(Mark.REFUSED, refused), *_widened(found.best.widening))
-
-
-def _whole_process(found: ProcessFit) -> tuple[Line | Table | Section, ...]:
-    residuals = (f"{y.signal.name}: residuals {y.tests.words}." for y in found.outputs)
-    remarks = marked(Mark.POINT, (*residuals, *(f"{words}." for words in found.alike)))
-    tables = parameters_grid(found), outputs_grid(found), start_grid(found)
-    return (*tables, *remarks, *_widened(found.sure.widening))
-
-
-def _widened(widening: float) -> tuple[Line, ...]:
-    words = widening_words(widening)
-    return (Line(words, Mark.POINT),) if words else ()

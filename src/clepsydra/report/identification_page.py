@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clepsydra.base.section import Line, Mark, Picture, Section, Table, marked
+from clepsydra.base.section import Line, Mark, Picture, Section, marked
 from clepsydra.base.words import time_text
 from clepsydra.identification.identification import Identification
 from clepsydra.identification.process_fit import ProcessFit
 from clepsydra.identification.ranking import RANKING_RULE
-from clepsydra.identification.record import Record
 from clepsydra.report.facts import facts_table
 from clepsydra.report.html import address_text, versions_text
 from clepsydra.report.identification_picture import (
@@ -22,14 +20,7 @@ from clepsydra.report.identification_picture import (
     comparison_figure,
     correlations_figure,
 )
-from clepsydra.report.identification_tables import (
-    estimates_grid,
-    models_grid,
-    outputs_grid,
-    parameters_grid,
-    start_grid,
-    widening_words,
-)
+from clepsydra.report.identification_tables import what_was_found
 from clepsydra.report.page import page_text, write_page
 from clepsydra.report.svg import svg_text
 
@@ -116,26 +107,16 @@ def _of_models(found: Identification) -> str:
         ComparedSignal(found.output, record.values[found.output.name], models),
         ComparedSignal(found.manipulated, moved),
     ]
-    rows = len(best.residuals)
-    earlier = moved[record.held_back - rows : record.held_back]
-    notes = [f"{model.name}: {remark}." for model in found.models for remark in model.cautions]
-    notes += [f"{name} could not be fitted: {reason}." for name, reason in found.refused]
-    formulas = [(f"{m.name}, {m.title}", m.formula) for m in found.models]
+    earlier = moved[record.held_back - len(best.residuals) : record.held_back]
     return _page(
-        record,
-        _Found(
-            title=f"{found.output.name} by {found.manipulated.name}",
-            verdict=found.verdict,
-            control=found.control_words,
-            warnings=found.warnings,
-            comparison=comparison_figure(record.time, record.held_back, signals),
-            residuals=f"The residuals of {best.name} are {best.tests.words}.",
-            correlations=correlations_figure(best.residuals, [(found.manipulated.name, earlier)]),
-            grids=[models_grid(found), estimates_grid(found)],
-            notes=[*notes, *filter(None, [widening_words(best.widening)])],
-            rule=RANKING_RULE,
-            computation=[*formulas, ("versions", versions_text())],
-        ),
+        found,
+        f"{found.output.name} by {found.manipulated.name}",
+        (Line(found.control_words), *_watched(found.warnings)),
+        signals,
+        f"The residuals of {best.name} are {best.tests.words}.",
+        correlations_figure(best.residuals, [(found.manipulated.name, earlier)]),
+        RANKING_RULE,
+        [(f"{model.name}, {model.title}", model.formula) for model in found.models],
     )
 
 
@@ -148,70 +129,54 @@ def _of_process(fit: ProcessFit) -> str:
     outside = [s for s in (*process.inputs, *process.disturbances) if s in record.signals]
     moving = [(s, record.values[s.name]) for s in outside if np.ptp(record.values[s.name]) > 0.0]
     signals += [ComparedSignal(signal, values) for signal, values in moving]
-    worst = fit.worst or fit.outputs[0]
-    count = record.held_back
+    worst, count = fit.worst or fit.outputs[0], record.held_back
     left = worst.measured[:count] - worst.simulated[:count]
-    return _page(record, _Found(
-        title=f"{process.title}, parameters from a record",
-        verdict=fit.verdict,
-        warnings=fit.notes,
-        comparison=comparison_figure(record.time, count, signals),
-        residuals=f"The residuals of {worst.signal.name} are {worst.tests.words}.",
-        correlations=correlations_figure(
-            left, [(signal.name, values[:count]) for signal, values in moving]
-        ),
-        grids=[parameters_grid(fit), outputs_grid(fit), start_grid(fit)],
-        notes=[*(f"{words}." for words in fit.alike),
-               *filter(None, [widening_words(fit.sure.widening)])],
-        rule=_FIT_WORDS,
-        computation=[
-            ("process file", address_text(process)),
-            ("versions", versions_text()),
-        ],
-    ))  # fmt: skip
+    return _page(
+        fit,
+        f"{process.title}, parameters from a record",
+        _watched(fit.notes),
+        signals,
+        f"The residuals of {worst.signal.name} are {worst.tests.words}.",
+        correlations_figure(left, [(signal.name, values[:count]) for signal, values in moving]),
+        _FIT_WORDS,
+        [("process file", address_text(process))],
+    )
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Found:
-    """What a page tells of models of either kind."""
-
-    title: str
-    verdict: str
-    control: str = ""
-    warnings: Sequence[str]
-    comparison: Figure
-    residuals: str
-    correlations: Figure
-    grids: Sequence[Table]
-    notes: Sequence[str]
-    rule: str
-    computation: Sequence[tuple[str, str]]
+def _watched(warnings: Iterable[str]) -> tuple[Line, ...]:
+    return marked(Mark.WATCH, (f"{words}." for words in warnings))
 
 
-def _page(record: Record, found: _Found) -> str:
+def _page(
+    found: Identification | ProcessFit,
+    title: str,
+    said: Sequence[Line],
+    signals: Sequence[ComparedSignal],
+    residuals: str,
+    correlations: Figure,
+    rule: str,
+    origin: Sequence[tuple[str, str]],
+) -> str:
+    record = found.record
     facts = [
         ("record", record.place),
         ("rows", f"{record.samples}, one each {time_text(record.period, 4)}"),
         ("held back", f"from {time_text(float(record.time[record.held_back]), 4)} on"),
-        *found.computation,
+        *origin,
+        ("versions", versions_text()),
     ]
-    comparison = svg_text(found.comparison, "Measured and simulated", "comparison")
-    correlations = svg_text(found.correlations, "Correlations of the residuals", "correlations")
+    compared = comparison_figure(record.time, record.held_back, signals)
+    left = svg_text(correlations, "Correlations of the residuals", "correlations")
     return page_text(
         Section(
-            f"{found.title} – identification",
+            f"{title} – identification",
             (
                 Line(found.verdict, Mark.ANSWER),
-                Line(found.control),
-                *marked(Mark.WATCH, (f"{words}." for words in found.warnings)),
-                Picture(comparison, _COMPARED),
+                *said,
+                Picture(svg_text(compared, "Measured and simulated", "comparison"), _COMPARED),
+                Section("What was found", (*what_was_found(found), Line(rule))),
                 Section(
-                    "What was found",
-                    (*found.grids, *(Line(words) for words in (*found.notes, found.rule))),
-                ),
-                Section(
-                    "What is left",
-                    (Line(found.residuals), Picture(correlations, _CORRELATED), Line(_TESTS)),
+                    "What is left", (Line(residuals), Picture(left, _CORRELATED), Line(_TESTS))
                 ),
                 Section("How this was computed", (facts_table("", facts),)),
             ),

@@ -4,12 +4,44 @@ from __future__ import annotations
 
 import math
 
-from clepsydra.base.section import Table
+from clepsydra.base.section import Line, Mark, Table, marked
 from clepsydra.identification.estimate import Estimate
 from clepsydra.identification.identification import Identification
 from clepsydra.identification.process_fit import ProcessFit
 from clepsydra.identification.residual_tests import ResidualTests
 from clepsydra.report.quantities import number_text, unit_text
+
+
+def what_was_found(found: Identification | ProcessFit) -> tuple[Line | Table, ...]:
+    """Return every parameter with its interval, and all that is to be said of the residuals.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> from clepsydra.identification.identification import identify_model
+    >>> from clepsydra.identification.record import record_of
+    >>> step = [cl.step("pump_1", "+0.5 V", at="20 s")]
+    >>> run = cl.simulate(cl.load("quadruple-tank"), None, step, duration="2 min")
+    >>> found = identify_model(record_of(run, {"level_1": 0.02}), "pump_1", "level_1")
+    >>> [part.title for part in what_was_found(found)[:2]]
+    ['Models by fit', 'Parameters']
+    """
+    if isinstance(found, Identification):
+        parts: list[Line | Table] = [models_grid(found), estimates_grid(found)]
+        for model in found.models:
+            parts.append(Line(f"{model.name}: residuals {model.tests.words}.", Mark.POINT))
+            parts += marked(Mark.WATCH, (f"{model.name}: {each}." for each in model.cautions))
+        refused = (f"{name} could not be fitted: {reason}." for name, reason in found.refused)
+        widened = widening_words(found.best.widening)
+        return (*parts, *marked(Mark.REFUSED, refused), *marked(Mark.POINT, widened))
+    residuals = (f"{each.signal.name}: residuals {each.tests.words}." for each in found.outputs)
+    words = (
+        *residuals,
+        *(f"{each}." for each in found.alike),
+        *widening_words(found.sure.widening),
+    )
+    tables = parameters_grid(found), outputs_grid(found), start_grid(found)
+    return (*tables, *marked(Mark.POINT, words))
 
 
 def models_grid(found: Identification) -> Table:
@@ -181,17 +213,17 @@ def probability_text(probability: float) -> str:
     return f"{words}, p {shown}"
 
 
-def widening_words(widening: float) -> str:
-    """Return what the colour of residuals did to the intervals; empty where nothing.
+def widening_words(widening: float) -> list[str]:
+    """Return what the colour of residuals did to the intervals; nothing where that is nothing.
 
     Examples
     --------
-    >>> widening_words(1.0), widening_words(2.34)[:45]
-    ('', 'The residuals are coloured: the intervals are')
+    >>> widening_words(1.0), widening_words(2.34)[0][:45]
+    ([], 'The residuals are coloured: the intervals are')
     """
     if widening <= 1.0:
-        return ""
-    return (
+        return []
+    return [
         "The residuals are coloured: the intervals are those of such noise, up to "
         f"{widening:.1f} times as wide as if it were white."
-    )
+    ]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
+from clepsydra.base.words import listed
 from clepsydra.process.bands import band_text
 from clepsydra.process.process import Process
 from clepsydra.report.quantities import (
@@ -176,15 +177,4 @@ def performance_words(process: Process, candidate: Candidate) -> str:
     for figure in figures_of(process):
         within = _within_bands(candidate) if figure.score == "volume_used" else []
         said += within or [figure.words(process, candidate)]
-    return joined([words for words in said if words])
-
-
-def joined(words: Sequence[str]) -> str:
-    """Return words as a list in a sentence.
-
-    Examples
-    --------
-    >>> joined(["level_1", "level_2", "level_3"])
-    'level_1, level_2 and level_3'
-    """
-    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+    return listed([words for words in said if words])

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
 from clepsydra.base.section import Table
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
-from clepsydra.base.words import time_text
+from clepsydra.base.words import listed, time_text
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.open_loop_plan import TOLERANCE, Plan
 from clepsydra.loop.profile import Change
@@ -196,11 +195,5 @@ def _changes_text(plan: Plan) -> str:
         return "without any change"
     if len(changes) > _NAMED_CHANGES:
         names = list(dict.fromkeys(change.signal for change in changes))
-        return f"with {len(changes)} changes of {_listed(names)}"
-    return f"with {_listed([change_words(plan.process, change) for change in changes])}"
-
-
-def _listed(words: Sequence[str]) -> str:
-    if len(words) == 1:
-        return words[0]
-    return f"{', '.join(words[:-1])} and {words[-1]}"
+        return f"with {len(changes)} changes of {listed(names)}"
+    return f"with {listed([change_words(plan.process, change) for change in changes])}"

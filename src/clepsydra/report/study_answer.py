@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from clepsydra.base.section import Line, Mark, Section, Table, marked
-from clepsydra.report.performance import figures_of, joined, performance_words
+from clepsydra.base.words import listed
+from clepsydra.report.performance import figures_of, performance_words
 from clepsydra.report.score_tables import ranking_note, reasons, standing_word
 from clepsydra.report.settings_table import settings_table
 from clepsydra.studies.ranking_words import TIE, trust_sentence
@@ -126,7 +127,7 @@ def better_words(advice: Recommendation) -> str:
     if advice.saved < TIE - 1.0:
         return f"{controller.name}, first of the ranking, is no better by more than 2 %."
     if controller.further_measurements:
-        needs = f"it also measures {joined(controller.further_measurements)}"
+        needs = f"it also measures {listed(controller.further_measurements)}"
     elif controller.complexity is advice.simplest.controller.complexity:
         needs = re.sub("^It", "it", watched(advice.best)[0].rstrip("."))
     else:

@@ -1,4 +1,4 @@
-"""The templates of the HTML pages; they share one style and one way to show a table."""
+"""The templates of the HTML pages; they share one style."""
 
 from __future__ import annotations
 
@@ -17,8 +17,7 @@ def rendered(template: str, **values: Any) -> str:
     template : str
         Name of its file.
     **values
-        What it shows; it refuses a name that it is not given. Tables mark the names of signals
-        with their `colours`, a mapping.
+        What it shows; it refuses a name that it is not given.
 
     Examples
     --------
@@ -35,5 +34,4 @@ def rendered(template: str, **values: Any) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.policies["json.dumps_kwargs"] = {"separators": (",", ":")}
     return environment.get_template(template).render(**values)

@@ -32,18 +32,11 @@ def tuning_grid(tuning: TuningResult, process: Process, duration: float = 0.0) -
     >>> tuning_grid(found, load_process("quadruple-tank")).rows[2]
     ('IAE of level_1', '50.0 V s', '30.0 V s')
     """
+    peaks = tuning.start_maximum_sensitivity, tuning.maximum_sensitivity
+    errors = tuning.start_objective, tuning.objective
     rows = [
-        (
-            "objective",
-            *(number_text(v, DIGITS) for v in (tuning.start_objective, tuning.objective)),
-        ),
-        (
-            "max|S|",
-            *(
-                number_text(v)
-                for v in (tuning.start_maximum_sensitivity, tuning.maximum_sensitivity)
-            ),
-        ),
+        ("objective", *(number_text(value, DIGITS) for value in errors)),
+        ("max|S|", *(number_text(value) for value in peaks)),
     ]
     for key, value in tuning.scores.items():
         name, _, signal = key.removesuffix("]").partition("[")
