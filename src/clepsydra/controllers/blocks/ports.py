@@ -23,6 +23,11 @@ def truth(name: str, description: str) -> Signal:
     return Signal(name, low=0.0, high=1.0, kind="boolean", description=description)
 
 
+PV = Signal("pv", description="the measurement, or the last good one")
+GOOD = truth("good", "the measurement may be used")
+SP = Signal("sp", description="the setpoint that the law gets")
+
+
 def instance(name: str) -> str:
     """Return what the block of a part of a control scheme is called: a path.
 

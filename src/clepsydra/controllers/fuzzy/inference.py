@@ -143,7 +143,10 @@ def _centroid(name: str, output: LinguisticVariable, points: np.ndarray) -> Bloc
 
     return Block(
         name,
-        tuple(Signal(path("height", n), description=f"how far the output is {n}") for n in degrees),
+        tuple(
+            Signal(path("height", n), description="how far the output is in that set")
+            for n in degrees
+        ),
         (),
         (Signal("centroid", description="crisp output"), truth("fires", "some rule fires")),
         equations,

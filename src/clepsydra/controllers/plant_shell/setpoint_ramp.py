@@ -7,10 +7,10 @@ import casadi as ca
 from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.limits import limit
-from clepsydra.controllers.blocks.ports import truth
+from clepsydra.controllers.blocks.ports import GOOD, PV, SP, truth
 from clepsydra.controllers.blocks.validity import is_number
 from clepsydra.controllers.plant_shell.scan import ELAPSED, FIRST
-from clepsydra.controllers.plant_shell.signal_check import GOOD, PV, RANGE
+from clepsydra.controllers.plant_shell.signal_check import RANGE
 from clepsydra.controllers.signals import LARGEST_PARAMETER
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
@@ -73,7 +73,7 @@ RAMP = Block(
     ),
     (Signal("ramped_setpoint", description="the setpoint that was followed in the last scan"),),
     (
-        Signal("sp", description="the setpoint that the law gets"),
+        SP,
         truth("invalid", "what is asked for is not a number"),
         truth("limited", "what is asked for is a number outside the range"),
         truth("ramps", "the setpoint is still on its way"),

@@ -8,7 +8,7 @@ import casadi as ca
 
 from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal
-from clepsydra.controllers.blocks.ports import truth, words_for
+from clepsydra.controllers.blocks.ports import GOOD, PV, truth, words_for
 from clepsydra.controllers.blocks.validity import is_number
 from clepsydra.controllers.plant_shell.scan import ANEW, SAMPLING_PERIOD, count
 from clepsydra.controllers.signals import LARGEST_PARAMETER
@@ -45,9 +45,6 @@ _MARGIN = Signal("rounding", initial=_ROUNDING, description="of the delay, in sc
 _LARGEST_COUNT = 1e7
 _COUNTED = "a fault is counted no further; single precision holds it exactly"
 _MOST_SCANS = Signal("most_scans", initial=_LARGEST_COUNT, kind="integer", description=_COUNTED)
-
-PV = Signal("pv", description="the measurement, or the last good one")
-GOOD = truth("good", "the measurement may be used")
 
 
 @cache

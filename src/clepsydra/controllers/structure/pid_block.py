@@ -99,8 +99,8 @@ class PidBlock(WithoutSignals):
 
     def _signals(self, sample: Sample) -> dict[str, ca.SX]:
         measurement, sensor = sample.of(self.measurement, "pv", "good")
-        setpoint = {} if self.inner else {"setpoint": sample[self.setpoint]}
-        return {**setpoint, "measurement": measurement, "sensor": sensor}
+        setpoint = {} if self.inner else {"sp": sample[self.setpoint]}
+        return {**setpoint, "pv": measurement, "good": sensor}
 
     def closed(self, sample: Sample, output: Signal, *, rate_limited: bool) -> None:
         """Run the whole sample of a loop that moves an output with nothing between."""

@@ -18,7 +18,7 @@ from clepsydra.controllers.blocks.pid import (
     pid_state,
     pid_terms,
 )
-from clepsydra.controllers.blocks.ports import truth
+from clepsydra.controllers.blocks.ports import GOOD, PV, SP
 from clepsydra.controllers.blocks.validity import is_number, time_step_of, value_or_zero
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.setpoint import (
@@ -47,7 +47,7 @@ class PidLoop:
     Examples
     --------
     >>> [signal.name for signal in PidLoop(PidForm("P")).ports]
-    ['setpoint', 'measurement', 'sensor', 'proportional_gain', 'setpoint_weight']
+    ['sp', 'pv', 'good', 'proportional_gain', 'setpoint_weight']
     """
 
     form: PidForm
@@ -106,10 +106,9 @@ class PidLoop:
     @property
     def ports(self) -> tuple[Signal, ...]:
         """What it computes with, but for its state and the time step."""
-        given = [] if self.inner else [Signal("setpoint", description="what it shall be")]
+        given = () if self.inner else (SP,)
         own = [*self.inputs("", _MEASUREMENT), *self.parameters("", _MEASUREMENT, _OUTPUT)]
-        sensor = truth("sensor", "the sensor of the measurement is good")
-        return (*given, Signal("measurement"), sensor, *(each.port for each in own))
+        return (*given, PV, GOOD, *(each.port for each in own))
 
     @property
     def memory(self) -> tuple[Signal, ...]:
@@ -147,7 +146,7 @@ class PidLoop:
             The setpoint that another block asks for.
         """
         time_step, time_step_good = time_step_of(s)
-        sound, valid = s["sensor"], is_number(s["measurement"])
+        sound, valid = s["good"], is_number(s["pv"])
         setpoint = self._chosen(s, remote)
         value = setpoint.value
         if self.form.setpoint_ramp:
@@ -160,7 +159,7 @@ class PidLoop:
             "measurement_is_number": valid,
             "signals_known": known,
             "setpoint_used": value,
-            "measurement_used": value_or_zero(s["measurement"], valid),
+            "measurement_used": value_or_zero(s["pv"], valid),
         }
         terms = pid_terms(self.form, {**s, **used, "switched": setpoint.switched})
         numbers = ca.logic_and(setpoint.valid, valid)
@@ -197,7 +196,7 @@ class PidLoop:
     def shows(self, s: Symbols, applied: Applied) -> dict[str, ca.SX]:
         """Return the values of `results`; s as for `told`."""
         seen = {
-            "pv": s["measurement"],
+            "pv": s["pv"],
             "sp": s["setpoint_used"],
             "error": s["error"],
             "op": applied.applied,
@@ -210,14 +209,14 @@ class PidLoop:
 
     def _chosen(self, s: Symbols, remote: Asked | None) -> Setpoint:
         if not self.chooses:
-            return operator_setpoint(s["setpoint"])
+            return operator_setpoint(s["sp"])
         if remote is not None:
             local = s["local_setpoint"]
             held = ca.fmin(s["setpoint_high_limit"], ca.fmax(s["setpoint_low_limit"], remote.asked))
             usable = ca.logic_and(remote.usable, is_number(remote.asked))
             remote = Asked(held, usable, remote.numbers, remote.sensors)
         else:
-            local, given = s["setpoint"], s["remote_setpoint"]
+            local, given = s["sp"], s["remote_setpoint"]
             remote = Asked(given, is_number(given), is_number(given), ca.SX(1))
         return chosen_setpoint(
             local, remote, _source(s), s["last_setpoint_source"], s["working_setpoint"]

@@ -1,4 +1,4 @@
-"""The structures of printed C: their members with comments, where states stand, and their size."""
+"""The structures of printed C: their members with comments, and where states stand."""
 
 from __future__ import annotations
 
