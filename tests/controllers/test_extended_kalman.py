@@ -11,8 +11,8 @@ from scipy.linalg import expm
 
 import clepsydra as cl
 from clepsydra.controllers.observers.extended_kalman import ExtendedKalman
-from clepsydra.controllers.process_equations import process_equations
 from clepsydra.linear.linearise import Derivatives
+from clepsydra.linear.process_equations import process_equations
 
 PLANT = cl.load("quadruple-tank")
 PROCESS, POINT = PLANT.process, PLANT.point

@@ -10,7 +10,6 @@ from refusals import refused
 
 import clepsydra as cl
 from clepsydra import NotApplicable, PidForm
-from clepsydra.controllers.process_equations import process_equations
 from clepsydra.designs.gain_scheduling import design_gain_scheduled_lqi, design_gain_scheduled_pid
 from clepsydra.designs.lqi import design_lqi
 from clepsydra.designs.lqi_extended_kalman import design_lqi_extended_kalman
@@ -18,6 +17,7 @@ from clepsydra.designs.operating_plan import model_at
 from clepsydra.designs.recomputed_lqi import change_over_ranges, design_recomputed_lqi
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.designs.states.measured_states import with_outputs
+from clepsydra.linear.process_equations import process_equations
 
 #: Words of the refusal of each design, in this order; None where it applies.
 MORE = "inputs move"

@@ -113,10 +113,10 @@ def test_a_pump_with_a_dead_band_acts_by_the_piece_it_runs_in(tmp_path):
     edit = 'nominal = "3.00 V"', 'nominal = "3.00 V"\ndead_band = "0.5 V"'
     equations = input_affine_equations(plant_of(tmp_path, text, edit).analysis.model)
     plain = input_affine_equations(analyse(load_process("quadruple-tank")).model)
-    assert equations.at_point(equations.fields) == pytest.approx(plain.at_point(plain.fields))
+    assert equations.at(equations.fields) == pytest.approx(plain.at(plain.fields))
     x = equations.point.state
     # Half a volt less of what the pumps of the plain process do.
-    less = plain.at(plain.drift, x).ravel() - 0.5 * plain.at_point(plain.fields).sum(axis=1)
+    less = plain.at(plain.drift, x).ravel() - 0.5 * plain.at(plain.fields).sum(axis=1)
     assert equations.at(equations.drift, x).ravel() == pytest.approx(less, rel=1e-12)
 
 

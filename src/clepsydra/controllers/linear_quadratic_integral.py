@@ -131,7 +131,7 @@ def nonlinear_lqi_law(
     --------
     >>> import clepsydra as cl
     >>> from clepsydra.controllers.observers.extended_kalman import ExtendedKalman
-    >>> from clepsydra.controllers.process_equations import process_equations
+    >>> from clepsydra.linear.process_equations import process_equations
     >>> equations = process_equations(cl.load("quadruple-tank").linear)
     >>> law = nonlinear_lqi_law(ExtendedKalman(equations, ("level_1", "level_2"), (), 1, 0))
     >>> sum(signal.matrix == "feedback" for signal in law.parameters)

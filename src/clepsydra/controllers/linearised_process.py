@@ -17,7 +17,7 @@ from clepsydra.controllers.observers.measured_state import (
     zeros_and_slopes,
 )
 from clepsydra.controllers.observers.model_observer import ModelObserver
-from clepsydra.controllers.process_equations import evaluated, model_parameter, used_in
+from clepsydra.controllers.process_model import evaluated, model_parameter, used_in
 from clepsydra.linear.relative_degree import VectorRelativeDegree
 from clepsydra.program.step_law import Symbols
 
@@ -87,7 +87,7 @@ class LinearisedProcess:
         pairs = zip(equations.states, ca.vertsplit(equations.state), strict=True)
         needed = [name for name, symbol in pairs if ca.depends_on(found, symbol)]
         sensors = sensors_of_states(equations)
-        known = observer.estimated if observer else sensors
+        known = observer.equations.states if observer else sensors
         if missing := [name for name in needed if name not in known]:
             raise InputError(
                 "feedback linearisation, state",
@@ -127,23 +127,24 @@ class LinearisedProcess:
         """
         equations, observer = self.linearised.equations, self.observer
         sample, shown = Sample(symbols), dict(zip(self.measurements, measured, strict=True))
-        state, estimate = ca.SX(equations.point.state), list[ca.SX]()
+        state = ca.SX(equations.point.state)
         if observer:
-            estimate = observer.correct(sample, [shown[y] for y in observer.measurements], known)
-            state = observer.whole(ca.vertcat(*estimate))
+            names = observer.equations.states
+            found = observer.correct(sample, [shown[y] for y in observer.measurements], known)
         else:
-            at = shown_states(equations, self._sensors, symbols, shown)
-            for name, value in zip(self._sensors, at, strict=True):
-                state[equations.states.index(name)] = value
-        found = evaluated(equations, [self._expressions], symbols, state)
-        values = iter(ca.vertsplit(ca.densify(found[0])))
+            names = tuple(self._sensors)
+            found = shown_states(equations, self._sensors, symbols, shown)
+        for name, value in zip(names, found, strict=True):
+            state[equations.states.index(name)] = value
+        (terms,) = evaluated(equations, [self._expressions], symbols, state)
+        values = iter(ca.vertsplit(ca.densify(terms)))
         degrees = zip(equations.outputs, self.linearised.degrees, strict=True)
         derivatives = [[shown[y], *islice(values, degree)] for y, degree in degrees]
         effects = [list(islice(values, len(equations.inputs))) for _ in equations.outputs]
 
         def following(applied: Sequence[ca.SX]) -> dict[str, ca.SX]:
             if observer:
-                observer.predict(sample, estimate, applied)
+                observer.predict(sample, found, applied)
             return sample.next_state
 
         return Evaluated(derivatives, effects, following)

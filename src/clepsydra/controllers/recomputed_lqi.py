@@ -21,7 +21,8 @@ from clepsydra.controllers.blocks.sampled_matrices import (
 from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step, time_step_of
 from clepsydra.controllers.linear_quadratic_integral import output_parameters, varying_lqi
 from clepsydra.controllers.observers.measured_state import ProcessState
-from clepsydra.controllers.process_equations import NEARLY_EMPTY, ProcessEquations, evaluated
+from clepsydra.controllers.process_model import evaluated
+from clepsydra.linear.process_equations import NEARLY_EMPTY, ProcessEquations
 from clepsydra.program.step_law import StepLaw
 
 FAMILY = "recomputed LQI"
@@ -88,7 +89,7 @@ def recomputed_lqi_law(
     --------
     >>> import clepsydra as cl
     >>> from clepsydra.controllers.observers.measured_state import MeasuredState
-    >>> from clepsydra.controllers.process_equations import process_equations
+    >>> from clepsydra.linear.process_equations import process_equations
     >>> equations = process_equations(cl.load("averaging-tank").linear)
     >>> law = recomputed_lqi_law(MeasuredState(equations))
     >>> sum(entry.matrix == "cost" for entry in law.state)
@@ -194,7 +195,7 @@ def cost_names(equations: ProcessEquations) -> list[str]:
     Examples
     --------
     >>> import clepsydra as cl
-    >>> from clepsydra.controllers.process_equations import process_equations
+    >>> from clepsydra.linear.process_equations import process_equations
     >>> cost_names(process_equations(cl.load("averaging-tank").linear))[0]
     'tank.level.cost.tank.level'
     """

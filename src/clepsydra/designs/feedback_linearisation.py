@@ -262,7 +262,7 @@ def feedback_linearisation_controller(
         values[path(y, "virtual_gain")] * (1.0 - values[path(y, "setpoint_weight")]) * at[y]
         for y in model.outputs
     ]
-    estimates = [] if observer is None else [at[name] for name in observer.estimated]
+    estimates = [] if observer is None else [at[name] for name in observer.equations.states]
     state = numbers_at(
         point, law.state, virtual_integral=integrals, was_in_force=1.0, estimate=estimates
     )
@@ -319,9 +319,8 @@ def _observer(
     names += [name for name in linearised.equations.acting_on(names) if name not in names]
     uncorrected = np.zeros((len(names) - len(correction), correction.shape[1]))
     correction = np.vstack([correction, uncorrected])
-    observer = ModelObserver(
-        linearised.equations, tuple(names), observed.measurements, correction != 0.0
-    )
+    equations = linearised.equations.of_states(names)
+    observer = ModelObserver(equations, observed.measurements, correction != 0.0)
     return observer, correction
 
 
@@ -355,7 +354,7 @@ def _notes(
     sensors = ", ".join(controller.measurements)
     notes = [f"Needs the sensors {sensors}; a fault of any of them holds every output."]
     if observer is not None:
-        names = ", ".join(observer.estimated)
+        names = ", ".join(observer.equations.states)
         notes.append(
             f"An observer runs the equations of the process for {names}; its gain holds for a "
             f"sampling period of {process.sampling_period:g} s and no other."

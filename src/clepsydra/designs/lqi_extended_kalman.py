@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.linear_quadratic_integral import FAMILY, nonlinear_lqi_law
-from clepsydra.controllers.process_equations import process_equations
 from clepsydra.designs.arguments.of_process import MEASUREMENTS
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.states.bryson_rule import DEVIATIONS, acceptable_deviations
@@ -22,6 +21,7 @@ from clepsydra.designs.states.process_filter import (
 from clepsydra.designs.states.robust_lqi import StateLqi, check_lqi
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
+from clepsydra.linear.process_equations import process_equations
 
 NAME = "LQI with extended Kalman filter"
 

@@ -13,7 +13,6 @@ from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.observers.measured_state import MeasuredState, ProcessState
-from clepsydra.controllers.process_equations import ProcessEquations, process_equations
 from clepsydra.controllers.recomputed_lqi import FAMILY, recomputed_lqi_law
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.arguments.argument import whole_number
@@ -37,6 +36,7 @@ from clepsydra.designs.states.process_filter import (
 from clepsydra.designs.states.robust_lqi import StateLqi, check_lqi
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
+from clepsydra.linear.process_equations import ProcessEquations, process_equations
 
 NAME = "LQI, recomputed"
 #: A larger matrix to invert makes a law that nobody can read or check on a plant.

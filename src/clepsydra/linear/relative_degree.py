@@ -58,7 +58,7 @@ class VectorRelativeDegree:
     @property
     def at_point(self) -> np.ndarray:
         """E at the operating point [q, m]."""
-        return self.equations.at_point(self.decoupling)
+        return self.equations.at(self.decoupling)
 
     @property
     def drift(self) -> ca.SX:
@@ -108,7 +108,7 @@ def relative_degree(model: LinearModel) -> VectorRelativeDegree:
     degrees = linear_relative_degrees(model)
     derivatives, rows = [], []
     for place, degree in enumerate(degrees):
-        chain = [equations.readings[place]]
+        chain = [equations.reading(model.outputs[place])]
         for _ in range(degree):
             shown = lie_derivative(chain[-1], equations.fields, equations.state)
             chain.append(lie_derivative(chain[-1], equations.drift, equations.state))
@@ -120,7 +120,7 @@ def relative_degree(model: LinearModel) -> VectorRelativeDegree:
         degrees,
         tuple(derivatives),
         decoupling,
-        _elimination_order(equations.at_point(decoupling), model),
+        _elimination_order(equations.at(decoupling), model),
     )
 
 

@@ -20,14 +20,9 @@ from clepsydra.controllers.blocks.sampled_matrices import (
 from clepsydra.controllers.blocks.validity import all_of, is_number, time_step_of
 from clepsydra.controllers.observers.measured_state import ProcessState
 from clepsydra.controllers.observers.observer import ESTIMATE, Observer, Values
-from clepsydra.controllers.process_equations import (
-    NEARLY_EMPTY,
-    ProcessEquations,
-    evaluated,
-    function_in,
-    models_in,
-)
+from clepsydra.controllers.process_model import evaluated, function_in, models_in
 from clepsydra.engine.runge_kutta import runge_kutta
+from clepsydra.linear.process_equations import NEARLY_EMPTY, ProcessEquations
 from clepsydra.program.step_law import Symbols
 
 #: More states make a law that nobody can read or check on a plant.
@@ -75,7 +70,7 @@ class ExtendedKalman(ProcessState, Observer):
     Examples
     --------
     >>> import clepsydra as cl
-    >>> from clepsydra.controllers.process_equations import process_equations
+    >>> from clepsydra.linear.process_equations import process_equations
     >>> equations = process_equations(cl.load("three-tanks").linear)
     >>> observer = ExtendedKalman(equations, ("level_3",), (), 1, 0)
     >>> [signal.name for signal in observer.state()][:4]

@@ -11,8 +11,8 @@ from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.sample import Reading, Sample
 from clepsydra.controllers.observers.state_source import StateSource
-from clepsydra.controllers.process_equations import ProcessEquations, evaluated, models_in
-from clepsydra.linear.lie_derivatives import InputAffineEquations
+from clepsydra.controllers.process_model import evaluated, models_in
+from clepsydra.linear.process_equations import ProcessEquations
 from clepsydra.program.step_law import Symbols
 
 
@@ -30,7 +30,7 @@ class ProcessState(StateSource):
     Examples
     --------
     >>> import clepsydra as cl
-    >>> from clepsydra.controllers.process_equations import process_equations
+    >>> from clepsydra.linear.process_equations import process_equations
     >>> source: ProcessState = MeasuredState(process_equations(cl.load("averaging-tank").linear))
     >>> source.measurements
     ('concentration', 'volume')
@@ -51,13 +51,13 @@ class ProcessState(StateSource):
         return [*models_in(self.equations, [*self.expressions, *expressions]), *references]
 
 
-def sensors_of_states(equations: ProcessEquations | InputAffineEquations) -> dict[str, str]:
+def sensors_of_states(equations: ProcessEquations) -> dict[str, str]:
     """Return each state with the measurement that shows it alone and in proportion, if one does.
 
     Examples
     --------
     >>> import clepsydra as cl
-    >>> from clepsydra.controllers.process_equations import process_equations
+    >>> from clepsydra.linear.process_equations import process_equations
     >>> sensors_of_states(process_equations(cl.load("averaging-tank").linear))
     {'tank.level': 'volume', 'tank.impurity': 'concentration'}
     """
@@ -75,9 +75,7 @@ def sensors_of_states(equations: ProcessEquations | InputAffineEquations) -> dic
     return found
 
 
-def zeros_and_slopes(
-    equations: ProcessEquations | InputAffineEquations, sensors: Mapping[str, str]
-) -> list[ca.SX]:
+def zeros_and_slopes(equations: ProcessEquations, sensors: Mapping[str, str]) -> list[ca.SX]:
     """Return what each sensor of `sensors_of_states` shows at a state of zero, and its slope.
 
     Examples
@@ -85,7 +83,7 @@ def zeros_and_slopes(
     A sensor of 50 V/m:
 
     >>> import clepsydra as cl
-    >>> from clepsydra.controllers.process_equations import process_equations
+    >>> from clepsydra.linear.process_equations import process_equations
     >>> equations = process_equations(cl.load("quadruple-tank").linear)
     >>> _, slope = zeros_and_slopes(equations, {"tank_1.level": "level_1"})
     >>> [models_in(equations, [slope])[0].initial, slope.numel()]
@@ -101,7 +99,7 @@ def zeros_and_slopes(
 
 
 def shown_states(
-    equations: ProcessEquations | InputAffineEquations,
+    equations: ProcessEquations,
     sensors: Mapping[str, str],
     symbols: Symbols,
     measured: Mapping[str, ca.SX],
@@ -110,7 +108,7 @@ def shown_states(
 
     Parameters
     ----------
-    equations : ProcessEquations or InputAffineEquations
+    equations : ProcessEquations
     sensors : mapping
         State to its sensor, as in `sensors_of_states`.
     symbols, measured : mapping
@@ -119,7 +117,7 @@ def shown_states(
     Examples
     --------
     >>> import clepsydra as cl
-    >>> from clepsydra.controllers.process_equations import process_equations
+    >>> from clepsydra.linear.process_equations import process_equations
     >>> equations = process_equations(cl.load("quadruple-tank").linear)
     >>> gain = {"model.level_1.gain": ca.SX(50.0)}
     >>> shown_states(equations, {"tank_1.level": "level_1"}, gain, {"level_1": ca.SX(5.0)})
@@ -147,7 +145,7 @@ class MeasuredState(ProcessState):
     Examples
     --------
     >>> import clepsydra as cl
-    >>> from clepsydra.controllers.process_equations import process_equations
+    >>> from clepsydra.linear.process_equations import process_equations
     >>> MeasuredState(process_equations(cl.load("quadruple-tank").linear)).measurements
     ('level_1', 'level_2', 'level_3', 'level_4')
     """

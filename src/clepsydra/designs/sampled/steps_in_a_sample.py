@@ -9,8 +9,8 @@ import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.sampled_matrices import doublings_for
-from clepsydra.controllers.process_equations import NEARLY_EMPTY, ProcessEquations
 from clepsydra.designs.applicability import NotApplicable
+from clepsydra.linear.process_equations import NEARLY_EMPTY, ProcessEquations
 
 #: A step of the Runge-Kutta method spans at most this share of the fastest time constant.
 _FINE = 0.5
@@ -36,7 +36,7 @@ def fastest_rate(equations: ProcessEquations) -> float:
     At 1 m³/s through a tank with a fiftieth of 4 m³:
 
     >>> import clepsydra as cl
-    >>> from clepsydra.controllers.process_equations import process_equations
+    >>> from clepsydra.linear.process_equations import process_equations
     >>> round(fastest_rate(process_equations(cl.load("averaging-tank").linear)), 3)
     12.5
     """
@@ -88,7 +88,7 @@ def steps_in_a_sample(equations: ProcessEquations) -> tuple[int, int]:
     Examples
     --------
     >>> import clepsydra as cl
-    >>> from clepsydra.controllers.process_equations import process_equations
+    >>> from clepsydra.linear.process_equations import process_equations
     >>> steps_in_a_sample(process_equations(cl.load("averaging-tank").linear))
     (3, 3)
     """

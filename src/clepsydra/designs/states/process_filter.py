@@ -15,7 +15,6 @@ from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.observers.extended_kalman import ExtendedKalman
 from clepsydra.controllers.observers.measured_state import ProcessState
-from clepsydra.controllers.process_equations import ProcessEquations
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.at_operating_point import controller_at, numbers_at
 from clepsydra.designs.designed_values import rounded_symmetric
@@ -27,6 +26,7 @@ from clepsydra.designs.states.observed_process import observed_process
 from clepsydra.designs.states.state_controllers import note_on_sensors
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise, operating_point_of
+from clepsydra.linear.process_equations import ProcessEquations
 from clepsydra.program.step_law import StepLaw
 
 
@@ -48,7 +48,7 @@ class FoundFilter(NamedTuple):
     Examples
     --------
     >>> import clepsydra as cl
-    >>> from clepsydra.controllers.process_equations import process_equations
+    >>> from clepsydra.linear.process_equations import process_equations
     >>> model = cl.load("quadruple-tank").linear
     >>> found = extended_kalman(model, process_equations(model), None, 30.0)
     >>> found.noises["sensor_noise"].round(6)  # [V]
@@ -101,14 +101,14 @@ def extended_kalman(
     Examples
     --------
     >>> import clepsydra as cl
-    >>> from clepsydra.controllers.process_equations import process_equations
+    >>> from clepsydra.linear.process_equations import process_equations
     >>> model = cl.load("three-tanks").linear
     >>> found = extended_kalman(model, process_equations(model), ["level_3"], 60.0)
     >>> len(found.memory["estimate"]), len(found.memory["covariance"])
     (3, 6)
     """
     observed = observed_process(model, measurements)
-    states, inputs, outputs = equations.states, equations.inputs, observed.measurements
+    states, outputs = equations.states, observed.measurements
     noise, steps = process_noise(observed, horizon), load_steps(model)
     loads = [name for name in steps if equations.by_constant([name]).nnz()]
     substeps, doublings = steps_in_a_sample(equations)
@@ -129,9 +129,7 @@ def extended_kalman(
     W = 0.5 * observed.period * (S + held @ S @ held.T)
     at = equations.point.as_dict()
     readings = ca.vertcat(*(equations.reading(name) for name in outputs))
-    (shown,) = equations.values([ca.jacobian(readings, equations.state)])(
-        *(np.array([at[name] for name in names]) for names in (states, inputs))
-    )
+    shown = equations.at(ca.jacobian(readings, equations.state))
     found = kalman_gain(held, shown, noise._replace(process=W))
     covariance = rounded_symmetric(found.covariance)
     return FoundFilter(
@@ -197,7 +195,7 @@ def acting_model(model: LinearModel, equations: ProcessEquations) -> LinearModel
     Examples
     --------
     >>> import clepsydra as cl
-    >>> from clepsydra.controllers.process_equations import process_equations
+    >>> from clepsydra.linear.process_equations import process_equations
     >>> model = cl.load("wet-well").linear
     >>> acting_model(model, process_equations(model)).states
     ('well.level', 'duty.actual', 'standby.actual')

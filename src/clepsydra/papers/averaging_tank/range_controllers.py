@@ -16,7 +16,6 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.gain_scheduling import scheduled_law, scheduled_lqi_law
 from clepsydra.controllers.observers.measured_state import MeasuredState
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.controllers.process_equations import process_equations
 from clepsydra.designs.recomputed_lqi import recomputed_lqi_controller
 from clepsydra.designs.states.bryson_rule import bryson_weights
 from clepsydra.designs.states.linear_quadratic import lqi_gains
@@ -25,6 +24,7 @@ from clepsydra.designs.states.state_controllers import lqi_controller
 from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
+from clepsydra.linear.process_equations import process_equations
 from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario
