@@ -186,17 +186,20 @@ def _gains(
             return [("gain K", "0: no proportional action")]
         words = "none: its gains have different signs"
         return [("gain K", gain_text(proportional, measurement, moved)), ("the ISA form", words)]
+    rises = settings.gain > 0.0
+    action = "reverse: the output rises" if rises else "direct: the output falls"
+    facts = [("action", f"{action} when the measurement falls")]
     gain = gain_text(settings.gain, measurement, moved)
-    action = "reverse" if settings.gain > 0.0 else "direct"
-    moves = "rises" if settings.gain > 0.0 else "falls"
-    facts = [("action", f"{action}: the output {moves} when the measurement falls")]
     if not (measurement.has_range and moved.has_range):
-        return [*facts, ("gain K", gain), *_times_alone(settings)]
+        return [*facts, ("gain K", gain), *_times(settings, form)]
     shown = gain_units(settings, measurement, moved)
+    percent = f"{number_text(shown.percent_gain, DIGITS)} %/%"
+    if percent != gain:
+        gain += f", that is {percent}{'' if rises else ' with direct action'}"
     facts += [
-        ("gain K", _with_percent(gain, shown)),
+        ("gain K", gain),
         ("proportional band", f"{number_text(shown.proportional_band, DIGITS)} %"),
-        *_times(shown, form),
+        *_times(settings, form),
     ]
     factor, unit = gain_factor(measurement, moved), gain_unit(measurement, moved)
     if form.has_derivative:
@@ -206,36 +209,18 @@ def _gains(
     return facts
 
 
-def _with_percent(gain: str, shown: GainUnits) -> str:
-    percent = f"{number_text(shown.percent_gain, DIGITS)} %/%"
-    if percent == gain:
-        return gain
-    return f"{gain}, that is {percent}" + (" with direct action" if shown.gain < 0.0 else "")
-
-
-def _times_alone(settings: PidSettings) -> list[tuple[str, str]]:
-    names = ("integral time Ti", "derivative time Td")
-    return [
-        (name, setting_time(value))
-        for name, value in zip(names, settings[1:], strict=True)
-        if math.isfinite(value) and value > 0.0
-    ]
-
-
-def _times(shown: GainUnits, form: PidForm) -> list[tuple[str, str]]:
+def _times(settings: PidSettings, form: PidForm) -> list[tuple[str, str]]:
     facts = []
     if form.has_integral:
+        minutes = settings.integral_time / 60.0
         words = (
-            f"{setting_time(shown.integral_time)} = "
-            f"{number_text(shown.minutes_per_repeat, DIGITS)} min/repeat = "
-            f"{number_text(shown.repeats_per_minute, DIGITS)} repeats/min"
+            f"{setting_time(settings.integral_time)} = {number_text(minutes, DIGITS)} min/repeat = "
+            f"{number_text(1.0 / minutes, DIGITS)} repeats/min"
         )
         facts.append(("integral time Ti", words))
     if form.has_derivative:
-        words = (
-            f"{number_text(shown.derivative_time, DIGITS)} s = "
-            f"{number_text(shown.derivative_minutes, DIGITS)} min"
-        )
+        time = settings.derivative_time
+        words = f"{number_text(time, DIGITS)} s = {number_text(time / 60.0, DIGITS)} min"
         facts.append(("derivative time Td", words))
     return facts
 

@@ -62,9 +62,7 @@ def roots_figure(analysis: Analysis) -> Figure:
             axes.plot(
                 zeros.real, zeros.imag, linestyle="none", fillstyle="none", label="zero", **circle
             )
-        axes.set_xlim(left, right)
-        axes.set_ylim(-high, high)
-        axes.set_xlabel("real part [rad/s]")
-        axes.set_ylabel("imaginary part [rad/s]")
+        axes.set(xlim=(left, right), xlabel="real part [rad/s]")
+        axes.set(ylim=(-high, high), ylabel="imaginary part [rad/s]")
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
     return figure

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clepsydra.linear.analysis import Analysis
-from clepsydra.linear.directionality import Directionality, directionality
+from clepsydra.linear.directionality import directionality
 from clepsydra.report.colours import INK, MUTED, PALETTE
 from clepsydra.report.response_axes import mark_frequencies, picture, shown_frequencies
 
@@ -45,46 +45,37 @@ def directionality_figure(analysis: Analysis) -> Figure:
     omegas = shown_frequencies(analysis)
     found = directionality(analysis.model, omegas)
     several = min(found.relative_gains.shape[1:]) > 1
-    panels = [_draw_singular_values] if found.singular_values is not None else []
-    if found.condition_numbers is not None and several:
-        panels.append(_draw_condition)
-    if several or not panels:
-        panels.append(_draw_relative_gains)
-    with picture(len(panels), 1, _HEIGHT, sharex=True) as (figure, grid):
-        for axes, draw in zip(grid[:, 0], panels, strict=True):
-            draw(axes, omegas, found, analysis)
+    sizes, ratios = found.singular_values, found.condition_numbers if several else None
+    gains = several or (sizes is None and ratios is None)
+    rows = (sizes is not None) + (ratios is not None) + gains
+    with picture(rows, 1, _HEIGHT, sharex=True) as (figure, grid):
+        left = iter(grid[:, 0])
+        if sizes is not None:
+            axes = next(left)
+            for place, values in enumerate(sizes.T):
+                axes.loglog(omegas, values, color=MUTED if place else INK, linewidth=1.4)
+            axes.axhline(1.0, color=MUTED, linewidth=0.6, linestyle=(0, (4, 3)))
+            axes.set_ylabel("singular values [% per %]")
+        if ratios is not None:
+            axes = next(left)
+            axes.loglog(omegas, np.minimum(ratios, _LARGEST), color=INK, linewidth=1.4)
+            axes.set_ylabel("condition number")
+            axes.set_ylim(bottom=1.0)
+        if gains:
+            _draw_relative_gains(next(left), omegas, found.relative_gains, analysis)
         mark_frequencies(grid[:, 0])
     return figure
 
 
-def _draw_singular_values(
-    axes: Axes, omegas: np.ndarray, found: Directionality, analysis: Analysis
-) -> None:
-    assert found.singular_values is not None
-    for place, values in enumerate(found.singular_values.T):
-        axes.loglog(omegas, values, color=INK if place == 0 else MUTED, linewidth=1.4)
-    axes.axhline(1.0, color=MUTED, linewidth=0.6, linestyle=(0, (4, 3)))
-    axes.set_ylabel("singular values [% per %]")
-
-
-def _draw_condition(
-    axes: Axes, omegas: np.ndarray, found: Directionality, analysis: Analysis
-) -> None:
-    assert found.condition_numbers is not None
-    axes.loglog(omegas, np.minimum(found.condition_numbers, _LARGEST), color=INK, linewidth=1.4)
-    axes.set_ylabel("condition number")
-    axes.set_ylim(bottom=1.0)
-
-
 def _draw_relative_gains(
-    axes: Axes, omegas: np.ndarray, found: Directionality, analysis: Analysis
+    axes: Axes, omegas: np.ndarray, gains: np.ndarray, analysis: Analysis
 ) -> None:
     model = analysis.model
     # Relative gains of a square process come in equal pairs: those that coincide are one line.
     drawn: list[tuple[np.ndarray, list[str], bool]] = []
     for row, output in enumerate(model.outputs):
         for column, name in enumerate(model.inputs):
-            sizes = np.abs(found.relative_gains[:, row, column])
+            sizes = np.abs(gains[:, row, column])
             chosen = (output, name) in analysis.pairing
             for known, names, solid in drawn:
                 if solid == chosen and np.allclose(known, sizes, rtol=1e-3, equal_nan=True):

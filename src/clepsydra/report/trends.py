@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from clepsydra.base.words import time_unit
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.run import Run
@@ -111,6 +109,9 @@ def trend_figure(run: Run | Simulation, panels: Sequence[Panel]) -> Figure:
         if recording.marks:
             strips.append(figure.add_axes(_box(top, _EVENTS_HEADER, height)))
             _draw_numbers(strips[-1], recording, seconds, limits)
+        for axes in strips:
+            axes.set(xlim=limits, ylim=(0.0, 1.0))
+            axes.set_axis_off()
         first: Axes | None = None
         for panel in panels:
             top -= panel.height + _LEGEND
@@ -165,9 +166,6 @@ def _draw_strip(
     axes: Axes, recording: Recording, seconds: float, limits: tuple[float, float]
 ) -> None:
     """Write above the panels what happens when."""
-    axes.set_xlim(limits)
-    axes.set_ylim(0.0, 1.0)
-    axes.set_axis_off()
     inches = (_WIDTH - _LEFT - _RIGHT) / (limits[1] - limits[0])
     for index, segment in enumerate(recording.segments):
         start, stop = segment.start / seconds, min(segment.stop / seconds, limits[1])
@@ -175,14 +173,9 @@ def _draw_strip(
         letters = max(int((stop - start) * inches / 0.062), 1)
         lines = [_cut(word, letters) for word in segment_words(recording.process, segment) if word]
         axes.text(
-            float(np.mean([start, stop])),
-            0.5,
-            "\n".join(lines),
-            ha="center",
-            va="center",
-            fontsize=6.5,
-            linespacing=1.15,
-        )
+            (start + stop) / 2.0, 0.5, "\n".join(lines), ha="center", va="center",
+            fontsize=6.5, linespacing=1.15,
+        )  # fmt: skip
 
 
 def _draw_hairlines(axes: Axes, recording: Recording, seconds: float) -> None:
@@ -198,9 +191,6 @@ def _draw_numbers(
     axes: Axes, recording: Recording, seconds: float, limits: tuple[float, float]
 ) -> None:
     """Write above the panels the number of each event that has room."""
-    axes.set_xlim(limits)
-    axes.set_ylim(0.0, 1.0)
-    axes.set_axis_off()
     _draw_hairlines(axes, recording, seconds)
     free = limits[0] - 1.0
     for number, mark in enumerate(recording.marks, 1):
