@@ -21,6 +21,7 @@ from clepsydra.report.drawing.flow_graph import FlowGraph, Instrument, Junction,
 from clepsydra.report.drawing.outline import TANK_HEIGHT
 from clepsydra.report.drawing.plant import process_drawing
 from clepsydra.report.drawing.routing import route
+from clepsydra.report.drawing.style import PAPER, PIPE
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -460,3 +461,13 @@ def test_long_names_beside_pumps_are_shortened_and_told_in_full_to_who_asks(tmp_
     written = re.findall(r'class="name">([^<]*)<', drawing)
     assert name not in written
     assert max(len(words) for words in written) <= 24
+
+
+def test_a_flow_from_outside_is_hollow_while_nothing_flows():
+    process = load_process("eight-tanks")  # the feed runs, the load inflow_1 rests
+    drawing = process_drawing(process, find_equilibrium(process))
+    fills = {
+        name: re.search(rf'<g><title>[^<]*{name}\b[^<]*</title><[^>]*fill="([^"]*)"', drawing)[1]
+        for name in ("feed", "inflow_1")
+    }
+    assert fills == {"feed": PIPE, "inflow_1": PAPER}

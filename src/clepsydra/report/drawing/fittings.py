@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from html import escape
-
 from clepsydra.report.colours import INK, MUTED
 from clepsydra.report.drawing import symbols
 from clepsydra.report.drawing.bodies import PITCH, Body
 from clepsydra.report.drawing.scene import Scene
-from clepsydra.report.drawing.style import ALARM, PIPE
+from clepsydra.report.drawing.style import ALARM, PAPER, PIPE
 from clepsydra.report.quantities import short_text
 
 #: Where the share of a branch is written, from the middle of its splitter.
@@ -43,7 +41,7 @@ def draw_fitting(scene: Scene, body: Body) -> list[str]:
         "pump": lambda: symbols.pump(x, y, _delivery(scene, body), shut, title),
         "valve": lambda: symbols.valve(x, y, body.across, -side, shut, title),
         "orifice": lambda: symbols.orifice(x, y, body.across, title),
-        "flow": lambda: _flow(body, x, y, title),
+        "flow": lambda: _flow(body, x, y, shut, title),
     }
     words = "" if body.across else scene.elements[name].kind
     plain = symbols.box(x, y, max(half, 20.0), 13.0, words, title)
@@ -52,10 +50,8 @@ def draw_fitting(scene: Scene, body: Body) -> list[str]:
 
 def _stub(scene: Scene, body: Body, x: float, y: float, title: str) -> list[str]:
     lines, middle = scene.labels[body.name], x + PITCH * body.side
-    mark = (
-        f"<g><title>{escape(title)}</title>"
-        f'<circle cx="{x:g}" cy="{y:g}" r="3.5" fill="{PIPE}"/></g>'
-    )
+    fill = PAPER if body.name in scene.still else PIPE
+    mark = symbols.titled(title, symbols.circle(x, y, 3.5, fill, 1.0))
     return [mark] + [
         symbols.text(middle, y - 8 - 14 * above, words, style="small", colour=_colour(scene, words))
         for above, words in enumerate(reversed(lines))
@@ -75,13 +71,10 @@ def _delivery(scene: Scene, body: Body) -> tuple[int, int]:
     return (0, -1)
 
 
-def _flow(body: Body, x: float, y: float, title: str) -> str:
+def _flow(body: Body, x: float, y: float, shut: bool, title: str) -> str:
     if not any(pin.role in ("in", "out", "both") for pin in body.pins):
-        return (
-            f"<g><title>{escape(title)}</title>"
-            f'<path d="M{x - 6:g} {y:g}h12" stroke="{PIPE}" stroke-width="3"/></g>'
-        )
-    return symbols.flow(x, y, title)
+        return symbols.titled(title, symbols.path(f"M{x - 6:g} {y:g}h12", 3.0, stroke=PIPE))
+    return symbols.flow(x, y, shut, title)
 
 
 def _words(scene: Scene, body: Body, x: float, y: float) -> list[str]:

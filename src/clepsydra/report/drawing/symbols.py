@@ -14,6 +14,49 @@ BALLOON, PUMP, RELAY = 19.0, 17.0, 13.0
 _PORTS = {"up": (0, -1), "down": (0, 1), "left": (-1, 0), "right": (1, 0)}
 
 
+def titled(title: str, *shapes: str, kind: str = "") -> str:
+    """Return shapes as one thing, with what it is called.
+
+    Examples
+    --------
+    >>> titled("a < b", "<path/>", kind="basin")
+    '<g class="basin"><title>a &lt; b</title><path/></g>'
+    """
+    name = f' class="{kind}"' if kind else ""
+    return f"<g{name}><title>{escape(title)}</title>{''.join(shapes)}</g>"
+
+
+def path(data: str, width: float = 1.5, fill: str = "none", stroke: str = INK) -> str:
+    """Return lines along a path's data.
+
+    Examples
+    --------
+    >>> path("M0 0H9")
+    '<path d="M0 0H9" fill="none" stroke="#1f2328" stroke-width="1.5" stroke-linejoin="round"/>'
+    """
+    line = f'stroke="{stroke}" stroke-width="{width:g}" stroke-linejoin="round"'
+    return f'<path d="{data}" fill="{fill}" {line}/>'
+
+
+def circle(x: float, y: float, radius: float, fill: str = PAPER, width: float = 1.4) -> str:
+    """Return a circle with an edge.
+
+    Examples
+    --------
+    >>> circle(1, 2, 3.5, "none")
+    '<circle cx="1" cy="2" r="3.5" fill="none" stroke="#1f2328" stroke-width="1.4"/>'
+    """
+    edge = f'stroke="{INK}" stroke-width="{width:g}"'
+    return f'<circle cx="{x:g}" cy="{y:g}" r="{radius:g}" fill="{fill}" {edge}/>'
+
+
+def _across(x: float, y: float, half: float, tall: float, width: float, rounded: float) -> str:
+    """Return a box around a point."""
+    size = f'width="{2 * half:g}" height="{2 * tall:g}" rx="{rounded:g}"'
+    edge = f'stroke="{INK}" stroke-width="{width:g}"'
+    return f'<rect x="{x - half:g}" y="{y - tall:g}" {size} fill="{PAPER}" {edge}/>'
+
+
 def text(
     x: float, y: float, words: str, anchor: str = "middle", style: str = "", colour: str = INK
 ) -> str:
@@ -50,22 +93,17 @@ def tank(x: float, y: float, outline: Outline, share: float | None, tint: str, t
     >>> "<title>level of tank_1</title>" in tank(0, 0, shape, 0.6, "#d3e2ee", "level of tank_1")
     True
     """
-    water = ""
+    parts = [path(_closed(outline.polygon(x, y)), 0.0, PAPER, "none")]
     if share is not None:
         filled = outline.polygon(x, y, min(max(share, 0.0), 1.0))
         (left, surface), (right, _) = filled[0], filled[-1]
-        water = (
-            f'<path class="water" d="{_closed(filled)}" fill="{tint}"/>'
-            f'<path d="M{left:.1f} {surface:.1f}H{right:.1f}" stroke="{PIPE}" stroke-width="1.5"/>'
-        )
-    wall = outline.polygon(x, y)
-    path = _closed(wall) if share is None or not outline.open_above else _closed(wall)[:-1]
-    return (
-        f'<g class="vessel"><title>{escape(title)}</title>'
-        f'<path d="{_closed(wall)}" fill="{PAPER}"/>{water}'
-        f'<path d="{path}" fill="none" stroke="{INK}" stroke-width="2"'
-        f' stroke-linejoin="round"/></g>'
-    )
+        parts += [
+            f'<path class="water" d="{_closed(filled)}" fill="{tint}"/>',
+            path(f"M{left:.1f} {surface:.1f}H{right:.1f}", stroke=PIPE),
+        ]
+    wall = _closed(outline.polygon(x, y))
+    shut = share is None or not outline.open_above
+    return titled(title, *parts, path(wall if shut else wall[:-1], 2.0), kind="vessel")
 
 
 def _closed(points: Sequence[tuple[float, float]]) -> str:
@@ -80,11 +118,11 @@ def weir(x: float, y: float, side: int, title: str) -> str:
     >>> "<title>weir" in weir(0, 0, 1, "weir of tank_1")
     True
     """
-    return (
-        f"<g><title>{escape(title)}</title>"
-        f'<path d="M{x - 7 * side:g} {y - 1:g}q{14 * side} -6 {15 * side} 9m{-4 * side} -4'
-        f'l{4 * side} 5l{4 * side} -5" fill="none" stroke="{INK}" stroke-width="1.6"/></g>'
+    data = (
+        f"M{x - 7 * side:g} {y - 1:g}q{14 * side} -6 {15 * side} 9m{-4 * side} -4"
+        f"l{4 * side} 5l{4 * side} -5"
     )
+    return titled(title, path(data, 1.6))
 
 
 def pump(x: float, y: float, way: tuple[int, int], stopped: bool, title: str) -> str:
@@ -101,13 +139,8 @@ def pump(x: float, y: float, way: tuple[int, int], stopped: bool, title: str) ->
         (x + dx * PUMP, y + dy * PUMP),
         (x - dx * PUMP / 2 - dy * half, y - dy * PUMP / 2 + dx * half),
     ]
-    return (
-        f"<g><title>{escape(title)}</title>"
-        f'<circle cx="{x:g}" cy="{y:g}" r="{PUMP:g}" fill="{PAPER if stopped else STEEL}"'
-        f' stroke="{INK}" stroke-width="1.6"/><path d="{_closed(corners)}"'
-        f' fill="{PAPER if stopped else PIPE}" stroke="{INK}"'
-        f' stroke-width="1.2" stroke-linejoin="round"/></g>'
-    )
+    shell = circle(x, y, PUMP, PAPER if stopped else STEEL, 1.6)
+    return titled(title, shell, path(_closed(corners), 1.2, PAPER if stopped else PIPE))
 
 
 def valve(x: float, y: float, across: bool, side: int, shut: bool, title: str) -> str:
@@ -128,27 +161,19 @@ def valve(x: float, y: float, across: bool, side: int, shut: bool, title: str) -
         body = f"M{x - 9:g} {y - 14:g}L{x + 9:g} {y + 14:g}H{x - 9:g}L{x + 9:g} {y - 14:g}Z"
         stem = f"M{x:g} {y:g}H{x + 16 * side:g}"
         dome = f"M{x + 16 * side:g} {y - 9:g}a9 9 0 0 {1 if side > 0 else 0} 0 18Z"
-    return (
-        f"<g><title>{escape(title)}</title>"
-        f'<path d="{stem}" stroke="{INK}" stroke-width="1.5"/>'
-        f'<path d="{dome}" fill="{PAPER}" stroke="{INK}" stroke-width="1.5"/>'
-        f'<path d="{body}" fill="{PAPER if shut else PIPE}" stroke="{INK}" stroke-width="1.3"'
-        f' stroke-linejoin="round"/></g>'
-    )
+    halves = path(body, 1.3, PAPER if shut else PIPE)
+    return titled(title, path(stem), path(dome, fill=PAPER), halves)
 
 
-def flow(x: float, y: float, title: str) -> str:
-    """Return a flow that is given from outside: an arrow upward.
+def flow(x: float, y: float, stopped: bool, title: str) -> str:
+    """Return a flow that is given from outside: an arrow upward, hollow if it stands still.
 
     Examples
     --------
-    >>> flow(0, 0, "forced flow rain").count("Z")
-    1
+    >>> [flow(0, 0, still, "forced flow rain").count("#6e7781") for still in (False, True)]
+    [1, 0]
     """
-    return (
-        f"<g><title>{escape(title)}</title>"
-        f'<path d="M{x - 8:g} {y + 6:g}h16l-8 -15Z" fill="{PIPE}" stroke="{INK}"/></g>'
-    )
+    return titled(title, path(f"M{x - 8:g} {y + 6:g}h16l-8 -15Z", 1.0, PAPER if stopped else PIPE))
 
 
 def box(x: float, y: float, half_width: float, half_height: float, words: str, title: str) -> str:
@@ -159,12 +184,8 @@ def box(x: float, y: float, half_width: float, half_height: float, words: str, t
     >>> ">heater</text>" in box(0, 0, 48, 14, "heater", "heater heater_1")
     True
     """
-    return (
-        f"<g><title>{escape(title)}</title>"
-        f'<rect x="{x - half_width:g}" y="{y - half_height:g}" width="{2 * half_width:g}"'
-        f' height="{2 * half_height:g}" rx="3" fill="{PAPER}" stroke="{INK}" stroke-width="1.5"/>'
-        f"{text(x, y + 4, words, style='small inside')}</g>"
-    )
+    shell = _across(x, y, half_width, half_height, 1.5, 3)
+    return titled(title, shell, text(x, y + 4, words, style="small inside"))
 
 
 def channel(x: float, y: float, half_width: float, words: str, title: str) -> str:
@@ -176,13 +197,9 @@ def channel(x: float, y: float, half_width: float, words: str, title: str) -> st
     True
     """
     left, right = x - half_width, x + half_width
-    return (
-        f"<g><title>{escape(title)}</title>"
-        f'<rect x="{left:g}" y="{y - 11:g}" width="{2 * half_width:g}" height="22" fill="{PAPER}"/>'
-        f'<rect x="{left:g}" y="{y - 11:g}" width="{2 * half_width:g}" height="22" fill="{STEEL}"/>'
-        f'<path d="M{left:g} {y - 11:g}H{right:g}M{left:g} {y + 11:g}H{right:g}" stroke="{INK}"'
-        f' stroke-width="1.8"/>{text(x, y + 4, words, style="small inside")}</g>'
-    )
+    inside = path(f"M{left:g} {y - 11:g}H{right:g}v22H{left:g}Z", 0.0, STEEL, "none")
+    banks = path(f"M{left:g} {y - 11:g}H{right:g}M{left:g} {y + 11:g}H{right:g}", 1.8)
+    return titled(title, inside, banks, text(x, y + 4, words, style="small inside"))
 
 
 def splitter(x: float, y: float, ports: set[str], title: str) -> str:
@@ -202,10 +219,7 @@ def splitter(x: float, y: float, ports: set[str], title: str) -> str:
                    for side in (-1, 1)]  # fmt: skip
         (x1, y1), (x2, y2) = corners
         paths.append(f"M{x:g} {y:g}L{x1:g} {y1:g}L{x2:g} {y2:g}Z")
-    return (
-        f'<g><title>{escape(title)}</title><path d="{"".join(paths)}" fill="{PAPER}"'
-        f' stroke="{INK}" stroke-width="1.5" stroke-linejoin="round"/></g>'
-    )
+    return titled(title, path("".join(paths), fill=PAPER))
 
 
 def header(x: float, y: float, half_width: float, title: str) -> str:
@@ -216,11 +230,7 @@ def header(x: float, y: float, half_width: float, title: str) -> str:
     >>> header(0, 0, 48, "flow splitter splitter_1").count("<rect")
     1
     """
-    return (
-        f'<g><title>{escape(title)}</title><rect x="{x - half_width:g}" y="{y - 5:g}"'
-        f' width="{2 * half_width:g}" height="10" rx="5" fill="{PAPER}" stroke="{INK}"'
-        f' stroke-width="1.5"/></g>'
-    )
+    return titled(title, _across(x, y, half_width, 5, 1.5, 5))
 
 
 def orifice(x: float, y: float, across: bool, title: str) -> str:
@@ -235,9 +245,7 @@ def orifice(x: float, y: float, across: bool, title: str) -> str:
         f"M{x + shift:g} {y - 9:g}v18" if across else f"M{x - 9:g} {y + shift:g}h18"
         for shift in (-2.5, 2.5)
     )
-    return (
-        f'<g><title>{escape(title)}</title><path d="{bars}" stroke="{INK}" stroke-width="1.8"/></g>'
-    )
+    return titled(title, path(bars, 1.8))
 
 
 def balloon(x: float, y: float, letters: str, number: str, title: str) -> str:
@@ -248,12 +256,8 @@ def balloon(x: float, y: float, letters: str, number: str, title: str) -> str:
     >>> ">LT</text>" in balloon(0, 0, "LT", "101", "level_1")
     True
     """
-    return (
-        f"<g><title>{escape(title)}</title>"
-        f'<circle cx="{x:g}" cy="{y:g}" r="{BALLOON:g}" fill="{PAPER}" stroke="{INK}"'
-        f' stroke-width="1.4"/>'
-        f"{text(x, y - 3, letters, style='tag')}{text(x, y + 11, number, style='tag')}</g>"
-    )
+    words = text(x, y - 3, letters, style="tag"), text(x, y + 11, number, style="tag")
+    return titled(title, circle(x, y, BALLOON), *words)
 
 
 def controller(x: float, y: float, half_width: float, words: Sequence[str], title: str) -> str:
@@ -267,14 +271,13 @@ def controller(x: float, y: float, half_width: float, words: Sequence[str], titl
     True
     """
     letters, number = words
-    return (
-        f"<g><title>{escape(title)}</title>"
-        f'<rect x="{x - half_width:g}" y="{y - BALLOON:g}" width="{2 * half_width:g}"'
-        f' height="{2 * BALLOON:g}" fill="{PAPER}" stroke="{INK}" stroke-width="1.4"/>'
-        f'<circle cx="{x:g}" cy="{y:g}" r="{BALLOON:g}" fill="none" stroke="{INK}"'
-        f' stroke-width="1.1"/><path d="M{x - half_width:g} {y:g}H{x + half_width:g}"'
-        f' stroke="{INK}" stroke-width="1.1"/>'
-        f"{text(x, y - 4.5, letters, style='tag')}{text(x, y + 12.5, number, style='tag')}</g>"
+    return titled(
+        title,
+        _across(x, y, half_width, BALLOON, 1.4, 0),
+        circle(x, y, BALLOON, "none", 1.1),
+        path(f"M{x - half_width:g} {y:g}H{x + half_width:g}", 1.1),
+        text(x, y - 4.5, letters, style="tag"),
+        text(x, y + 12.5, number, style="tag"),
     )
 
 
@@ -286,11 +289,7 @@ def relay(x: float, y: float, sign: str, title: str) -> str:
     >>> ">Σ</text>" in relay(0, 0, "Σ", "feedforward")
     True
     """
-    return (
-        f'<g><title>{escape(title)}</title><circle cx="{x:g}" cy="{y:g}" r="{RELAY:g}"'
-        f' fill="{PAPER}" stroke="{INK}" stroke-width="1.4"/>'
-        f"{text(x, y + 5, sign, style='tag')}</g>"
-    )
+    return titled(title, circle(x, y, RELAY), text(x, y + 5, sign, style="tag"))
 
 
 def basin(left: float, right: float, y: float, name: str, tint: str) -> str:
@@ -301,11 +300,12 @@ def basin(left: float, right: float, y: float, name: str, tint: str) -> str:
     >>> ">basin</text>" in basin(0, 90, 0, "basin", "#d3e2ee")
     True
     """
-    return (
-        f'<g class="basin"><title>{escape(f"reservoir {name}")}</title>'
-        f'<rect x="{left:.1f}" y="{y:g}" width="{right - left:.1f}" height="40" fill="{tint}"/>'
-        f'<path d="M{left:.1f} {y:g}H{right:.1f}" stroke="{PIPE}" stroke-width="1.5"/>'
-        f'<path d="M{left:.1f} {y - 12:g}V{y + 40:g}H{right:.1f}V{y - 12:g}" fill="none"'
-        f' stroke="{INK}" stroke-width="2" stroke-linejoin="round"/>'
-        f"{text((left + right) / 2, y + 26, name, style='inside')}</g>"
+    shell = f"M{left:.1f} {y - 12:g}V{y + 40:g}H{right:.1f}V{y - 12:g}"
+    return titled(
+        f"reservoir {name}",
+        path(f"M{left:.1f} {y:g}H{right:.1f}v40H{left:.1f}Z", 0.0, tint, "none"),
+        path(f"M{left:.1f} {y:g}H{right:.1f}", stroke=PIPE),
+        path(shell, 2.0),
+        text((left + right) / 2, y + 26, name, style="inside"),
+        kind="basin",
     )
