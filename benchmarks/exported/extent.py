@@ -24,6 +24,9 @@ class Extent:
     ----------
     lines : int
         Of its Structured Text, without comments and blank lines.
+    own : int
+        Those of them that stand in its own block; the others are the library, which the exports
+        of a project share.
     operations : int
         On numbers and truth values in one scan at most: where branches part, all of them; what
         stands in a loop counts once a turn.
@@ -33,6 +36,7 @@ class Extent:
     """
 
     lines: int
+    own: int
     operations: int
     slow: int
 
@@ -41,7 +45,9 @@ def extent_of(ready: Exportable) -> Extent:
     """Return the extent of a controller in its plant shell."""
     text = print_structured_text(ready.program, origin=ready.origin)
     codes = list(_codes(ready.program.block.statements))
-    return Extent(lines_of_code(text), len(codes), sum(code in _SLOW for code in codes))
+    own = text[text.rindex("\nFUNCTION_BLOCK ") :]
+    slow = sum(code in _SLOW for code in codes)
+    return Extent(lines_of_code(text), lines_of_code(own), len(codes), slow)
 
 
 def lines_of_code(text: str) -> int:

@@ -149,6 +149,35 @@ SAME_LAW: dict[str, str] = {
     "State feedback, pole placement": "LQR with precompensator",
 }
 
+#: Lines of Structured Text of each of `FAMILIES` until November 2026, as one list of operations.
+LINES_BEFORE: dict[str, int] = {
+    "PI, arrest time": 900,
+    "PI, SIMC": 1668,
+    "PI, SIMC, static decoupling": 1760,
+    "PI, SIMC, dynamic decoupling": 1804,
+    "PI, variable structure": 1710,
+    "PI, gain scheduling": 1030,
+    "PID, phase margin": 1812,
+    "Cascade with feedforward": 1390,
+    "Override by selector": 1071,
+    "Split range": 1544,
+    "Ratio and level": 1727,
+    "Start/stop levels": 1292,
+    "LQR with precompensator": 1802,
+    "LQI, Bryson": 1770,
+    "LQI with Kalman filter": 1686,
+    "LQI with extended Kalman filter": 3063,
+    "LQI, gain scheduling": 2556,
+    "LQI, recomputed": 3828,
+    "2DOF polynomial, LQ": 1472,
+    "Smith predictor, LQ": 924,
+    "Smith predictor, PI": 901,
+    "Feedback linearisation": 2063,
+    "Glover-McFarlane on PI, SIMC": 1833,
+    "Fuzzy PI": 2952,
+    "Fuzzy, 27 rules to three outputs": 3416,
+}
+
 
 @dataclass(frozen=True)
 class AtWork:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from benchmarks import machine
 from benchmarks.exported.built import compiler_family, compiler_version
+from benchmarks.exported.families import LINES_BEFORE
 from benchmarks.exported.times import ExportedTimes
 from benchmarks.page import PAGE, table, with_spread, write
 
@@ -16,6 +17,8 @@ MARKS = ("<!-- exported code: begin -->", "<!-- exported code: end -->")
 COMPILER = "C compiler"
 CONTROLLER = "controller"
 LINES = "lines of Structured Text"
+BEFORE, OWN, SHARE = "before", "own block", "of before"
+LIBRARY = "library, once for all exports"
 OPERATIONS = "operations a scan"
 STATE, PARAMETERS = "state [B]", "parameters [B]"
 INPUTS, OUTPUTS = "inputs [B]", "outputs [B]"
@@ -48,6 +51,19 @@ def sizes(found: Sequence[ExportedTimes], described: list[tuple[str, str]], roun
             for each in found
         ],
     )
+    blocks = table(
+        [CONTROLLER, BEFORE, OWN, SHARE, LIBRARY],
+        [
+            [
+                each.name,
+                f"{(before := LINES_BEFORE[each.name]):,}",
+                f"{each.extent.own:,}",
+                f"{each.extent.own / before:.0%}",
+                f"{each.extent.lines - each.extent.own:,}",
+            ]
+            for each in found
+        ],
+    )
     code = table(
         [CONTROLLER, SMALL, FAST, "double [ns a scan]", "single [ns a scan]"],
         [
@@ -68,6 +84,10 @@ def sizes(found: Sequence[ExportedTimes], described: list[tuple[str, str]], roun
             "Double precision before the stroke, single precision behind it. Of the operations "
             "those in brackets are quotients, roots and functions of the mathematical library.",
             extents,
+            "Until November 2026 a law was printed as one list of operations; now each of its "
+            "blocks is one FUNCTION_BLOCK, written once however often it is called, and a "
+            "controller only wires them. Lines of Structured Text:",
+            blocks,
             "### On this one",
             table(["", ""], described),
             f"Median over {rounds} rounds, smallest and largest in brackets.",
