@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from clepsydra.deploy.exportable import Exportable
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.program.operation import LIBRARY, Operation
-from clepsydra.program.program import Call, Loop, Statement
+from clepsydra.program.program import Call, ForLoop, Statement
 
 #: Constants, and conversions that only mark how a value is kept.
 _NO_WORK = frozenset({"constant", "number", "truth"})
@@ -65,5 +65,5 @@ def _codes(statements: Iterable[Statement]) -> Iterator[str]:
         if isinstance(statement, Call):
             yield from _codes(statement.program.block.statements)
             continue
-        turns = statement.count if isinstance(statement, Loop) else 1
+        turns = statement.count if isinstance(statement, ForLoop) else 1
         yield from turns * list(_codes(statement.body.statements))

@@ -17,7 +17,7 @@ from clepsydra.controllers.fuzzy.membership import (
 from clepsydra.controllers.fuzzy.rule import parse_rule
 from clepsydra.controllers.fuzzy.system import FuzzySystem, LinguisticVariable
 from clepsydra.program.counted_loop import counted_loop
-from clepsydra.program.program import Loop
+from clepsydra.program.program import ForLoop
 from clepsydra.program.step_law import Equations, step_law
 
 
@@ -161,7 +161,7 @@ def test_the_exact_centroid_is_right_where_it_is_known():
 
 def test_the_loops_stay_loops():
     program = program_of(law_of(DOCUMENT))
-    loops = [s for s in program.block.statements if isinstance(s, Loop)]
+    loops = [s for s in program.block.statements if isinstance(s, ForLoop)]
     assert sum(loop.count for loop in loops) == 3 * 101
     assert len(list(program.block.operations())) < 300
 

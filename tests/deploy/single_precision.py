@@ -1,7 +1,7 @@
 """Programs computed in single precision, operation by operation: a second route beside C's float.
 
 The numbers are rounded here once more, and what each code means is written down from the
-description of `Operation`, `Loop` and `Conditional`, with NumPy's float32 scalars and the
+description of `Operation`, `ForLoop` and `Conditional`, with NumPy's float32 scalars and the
 single-precision functions of the C library. Nothing is shared with the printers.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.inlined import inlined
 from clepsydra.program.operation import LIBRARY, Operation
-from clepsydra.program.program import Block, Conditional, Loop, Program
+from clepsydra.program.program import Block, Conditional, ForLoop, Program
 
 F = np.float32
 _LIBRARY = ctypes.CDLL(ctypes.util.find_library("m") or "libm.so.6")
@@ -107,7 +107,7 @@ class InSinglePrecision:
                 continue
             carried = [values[value] for value in statement.carried]
             invariants = [values[value] for value in statement.invariants]
-            if isinstance(statement, Loop):
+            if isinstance(statement, ForLoop):
                 carried = self._turns(statement, carried, invariants)
             else:
                 assert isinstance(statement, Conditional)
@@ -116,7 +116,7 @@ class InSinglePrecision:
             values.update(zip(statement.targets, carried, strict=True))
         return [values[value] for value in block.results]
 
-    def _turns(self, loop: Loop, carried: list, invariants: list) -> list:
+    def _turns(self, loop: ForLoop, carried: list, invariants: list) -> list:
         contents = [self._rings[ring.name] for ring in loop.rings]
         for turn in range(loop.count):
             row = [single(table[turn]) for table in loop.tables]

@@ -3,7 +3,7 @@
 from clepsydra import Signal
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.operation import Operation
-from clepsydra.program.program import Block, Loop, Program
+from clepsydra.program.program import Block, ForLoop, Program
 
 
 def every_kind() -> Program:
@@ -21,8 +21,8 @@ def every_kind() -> Program:
         Operation(8, "minimum", (6, 7)),
         Operation(9, "floor", (2,)),
         Operation(10, "constant", (), 0.0),
-        Loop((11,), 4, turn, ((1.0, 0.5, 0.25, 0.1),), (10,), (4,), "weights"),
-        Loop((12,), 1, once, ((7.0,),), (11,), (), "single"),
+        ForLoop((11,), 4, turn, ((1.0, 0.5, 0.25, 0.1),), (10,), (4,), "weights"),
+        ForLoop((12,), 1, once, ((7.0,),), (11,), (), "single"),
         Operation(13, "constant", (), 1e300),
         Operation(14, "absolute", (2,)),
         Operation(15, "less_equal", (14, 13)),
@@ -64,7 +64,7 @@ def pipe() -> Program:
         ),
         (5, 7, 6),
     )
-    loop = Loop((2,), 4, body, (SHARES,), (1,), (0,), "pipe", (flow, last))
+    loop = ForLoop((2,), 4, body, (SHARES,), (1,), (0,), "pipe", (flow, last))
     block = Block(1, (Operation(1, "constant"), loop), (2,))
     return Program("pipe", (), (Signal("u", "m^3/s"),), (), (Signal("y", "m^3/s"),), block)
 

@@ -20,7 +20,7 @@ from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.operation import EXACT, Operation
-from clepsydra.program.program import Block, Loop, Program
+from clepsydra.program.program import Block, ForLoop, Program
 
 SAMPLES = 300
 CHANNEL = """
@@ -146,7 +146,7 @@ def test_random_bodies_with_rings_equal_the_interpreter(seed, tmp_path, monkeypa
         nesting=0.1, library=False, special=FINITE,
     )  # fmt: skip
     count = int(random.integers(1, 6))
-    loop = Loop(
+    loop = ForLoop(
         tuple(range(10, 10 + carried)), count, body,
         tuple(map(tuple, random.normal(size=(tables, count)).tolist())),
         tuple(int(n) for n in random.integers(4, size=carried)),
@@ -192,7 +192,7 @@ def test_a_loop_keeps_what_nobody_reads_in_this_sample(tmp_path):
     """Its carried value is read by nothing, and still the ring must move."""
     body = Block(3, (Operation(3, "add", (1, 2)),), (0, 3))
     ring = DelayRing(Signal("late"), 2)
-    loop = Loop((2,), 3, body, (), (0,), (0,), "turns", (ring,))
+    loop = ForLoop((2,), 3, body, (), (0,), (0,), "turns", (ring,))
     program = Program("p", (), (Signal("u"),), (), (Signal("y"),), Block(1, (loop,), (0,)))
     compiled = CompiledC(program, tmp_path)
     compiled.run({"u": np.array([1.0])})
@@ -204,7 +204,7 @@ def _renamed(program: Program, old: str, new: str) -> Program:
     def named(ring: DelayRing) -> DelayRing:
         return replace(ring, signal=replace(ring.signal, name=new)) if ring.name == old else ring
 
-    (loop,) = (s for s in program.block.statements if isinstance(s, Loop))
+    (loop,) = (s for s in program.block.statements if isinstance(s, ForLoop))
     changed = replace(loop, rings=tuple(map(named, loop.rings)))
     statements = tuple(changed if s is loop else s for s in program.block.statements)
     return replace(program, block=replace(program.block, statements=statements))

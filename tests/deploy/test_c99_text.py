@@ -18,7 +18,7 @@ from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.entries import signal_of
 from clepsydra.program.operation import Operation
 from clepsydra.program.owned_state import state_paths, with_owned_state
-from clepsydra.program.program import Block, Loop, Program
+from clepsydra.program.program import Block, ForLoop, Program
 
 DOUBLE = Block(1, (Operation(1, "add", (0, 0)),), (1,))
 LONG = "the sum of a great many things that somebody once measured, and of some that he did not"
@@ -124,7 +124,7 @@ def every_number_changed(item):
     elif dataclasses.is_dataclass(item):
         for field in dataclasses.fields(item):
             value = getattr(item, field.name)
-            if isinstance(item, Loop | DelayRing) and field.name in ("count", "length"):
+            if isinstance(item, ForLoop | DelayRing) and field.name in ("count", "length"):
                 yield dataclasses.replace(item, **{field.name: value + 1})
             elif not isinstance(value, int | str | dict | frozenset):
                 for other in every_number_changed(value):
@@ -134,7 +134,7 @@ def every_number_changed(item):
 def test_the_digest_changes_with_any_number():
     turn = Block(3, (Operation(3, "constant", (), 0.5), Operation(4, "add", (0, 3))), (4, 2))
     ring = DelayRing(Signal("late", "m", initial=0.3), 5)
-    loop = Loop((2,), 2, turn, ((1.0, 2.0),), (0,), (), "turns", (ring,))
+    loop = ForLoop((2,), 2, turn, ((1.0, 2.0),), (0,), (), "turns", (ring,))
     block = Block(2, (loop, Operation(3, "constant", (), 1e300)), (1, 2, 3))
     state = (DelayRing(Signal("kept", "m", initial=0.1), 4),)
     outputs = (Signal("y", "m", low=0.0, high=1.0), Signal("z", "m"))
@@ -171,7 +171,7 @@ def test_the_size_of_the_state_is_that_of_the_structure(program, precision, tmp_
 def test_rings_of_loops_count_in_the_size(tmp_path):
     body = Block(3, (), (0, 2))
     ring = DelayRing(Signal("late"), 7)
-    loop = Loop((2,), 2, body, (), (0,), (0,), "turns", (ring,))
+    loop = ForLoop((2,), 2, body, (), (0,), (0,), "turns", (ring,))
     state = (Signal("flag", kind="boolean"),)
     program = Program("law", state, (Signal("u"),), (), (), Block(2, (loop,), (0,)))
     for precision, size in (("double", 8 + 7 * 8 + 8), ("single", 4 + 7 * 4 + 4)):
@@ -186,7 +186,7 @@ def test_a_constant_outside_real_is_refused_with_place_and_remedy(value):
     assert print_c(program).source
     with refused(place="law, a constant", expected="REAL", remedy="double precision"):
         print_c(program, precision="single")
-    table = Loop((1,), 1, Block(2, (), (0,)), ((value,),), (0,), (), "turns")
+    table = ForLoop((1,), 1, Block(2, (), (0,)), ((value,),), (0,), (), "turns")
     program = dataclasses.replace(program, block=Block(1, (table,), (1,)))
     with refused(place="law, table of turns", expected="REAL"):
         print_c(program, precision="single")

@@ -18,7 +18,7 @@ from clepsydra.deploy.printing.precision import check_precision, in_precision
 from clepsydra.deploy.printing.whole_numbers import check_whole_results
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.operation import Operation
-from clepsydra.program.program import Block, Conditional, Loop, Program
+from clepsydra.program.program import Block, Conditional, ForLoop, Program
 
 
 def rounded(value: float) -> float:
@@ -32,7 +32,7 @@ def with_numbers_everywhere(value: float) -> Program:
     ring = DelayRing(Signal("late", initial=value), 2)
     statements = (
         Operation(3, "constant", (), value),
-        Loop((4,), 2, turn, ((value, value),), (0,), (0,), "turns", (ring,)),
+        ForLoop((4,), 2, turn, ((value, value),), (0,), (0,), "turns", (ring,)),
         Operation(5, "less", (0, 1)),
         Conditional((6,), 5, inner, (0,), (), "choice"),
     )
@@ -46,7 +46,7 @@ def numbers(program: Program) -> list[float]:
     found += [entry.initial for entry in program.state]
     found += [ring.signal.initial for ring in program.rings]
     found += [o.constant for o in program.block.operations() if o.code == "constant"]
-    loops = (s for s in program.block.statements if isinstance(s, Loop))
+    loops = (s for s in program.block.statements if isinstance(s, ForLoop))
     return found + [value for loop in loops for table in loop.tables for value in table]
 
 

@@ -17,7 +17,7 @@ from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.operation import Operation
-from clepsydra.program.program import Block, Loop, Program
+from clepsydra.program.program import Block, ForLoop, Program
 
 DOUBLE = Block(1, (Operation(1, "add", (0, 0)),), (1,))
 
@@ -185,7 +185,7 @@ def test_the_digest_covers_names_and_groups():
     turn = Block(2, (Operation(2, "add", (0, 1)),), (2,))
     loops = [
         doubling(Signal("u"), Signal("y"), block=Block(1, (loop,), (1,)))
-        for loop in (Loop((1,), 3, turn, ((1.0, 2.0, 3.0),), (0,), (), name) for name in "ab")
+        for loop in (ForLoop((1,), 3, turn, ((1.0, 2.0, 3.0),), (0,), (), name) for name in "ab")
     ]
     for one, other in ((program, renamed), (program, moved), loops):
         assert print_structured_text(one) != print_structured_text(other)
@@ -247,7 +247,7 @@ def test_values_that_nothing_reads_leave_no_variable(tmp_path):
         (4, 6, 7),
     )
     start = Operation(1, "square_root", (0,))
-    loop = Loop((2, 3, 4), 2, body, ((1.0, 10.0),), (0, 1, 0), (), "sum_up")
+    loop = ForLoop((2, 3, 4), 2, body, ((1.0, 10.0),), (0, 1, 0), (), "sum_up")
     unread = Operation(5, "multiply", (1, 1))
     block = Block(1, (start, loop, unread), (2,))
     program = Program("law", (), (Signal("u"),), (), (Signal("y"),), block)

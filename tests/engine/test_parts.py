@@ -13,7 +13,7 @@ from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.loop.motion_block import MotionBlock, motion_at_rest
 from clepsydra.process.reader import load_process
 from clepsydra.program.builder import BlockBuilder
-from clepsydra.program.program import Loop, Program
+from clepsydra.program.program import ForLoop, Program
 from clepsydra.program.step_law import Equations, step_law
 
 LANES = 8
@@ -167,7 +167,7 @@ def test_a_loop_that_is_larger_than_a_part_stands_between_parts(monkeypatch):
     builder = BlockBuilder(2)
     (value,) = builder.loop("roots", turn.finish([value]), 5, (), [0], [1])
     block = builder.finish([value, value])
-    assert isinstance(block.statements[0], Loop)
+    assert isinstance(block.statements[0], ForLoop)
     program = Program(
         "roots", (Signal("x"),), (Signal("u", initial=2.0),), (), (Signal("y"),), block
     )

@@ -8,7 +8,7 @@ import pytest
 
 from clepsydra import Kernel, Signal, program_of
 from clepsydra.engine.runge_kutta import runge_kutta, runge_kutta_step
-from clepsydra.program.program import Loop
+from clepsydra.program.program import ForLoop
 from clepsydra.program.step_law import Equations, step_law
 
 
@@ -130,7 +130,7 @@ def test_several_steps_become_one_counted_loop_and_one_step_none():
 
     def loops(substeps: int) -> list[int]:
         block = swinging(dynamics, substeps, 0.9).block
-        return [s.count for s in block.statements if isinstance(s, Loop)]
+        return [s.count for s in block.statements if isinstance(s, ForLoop)]
 
     assert loops(1) == []
     assert loops(6) == [6]

@@ -1,7 +1,7 @@
 """Blocks computed statement by statement in plain Python: a third route beside kernel and CasADi.
 
 Nothing here is shared with the builder or the printers: the meaning of each code is written
-down once more, from the description of `Operation`, `Loop` and `Conditional`, with double
+down once more, from the description of `Operation`, `ForLoop` and `Conditional`, with double
 precision scalars and the functions of the C library.
 """
 
@@ -15,7 +15,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from clepsydra.program.operation import LIBRARY, Operation
-from clepsydra.program.program import Block, Conditional, Loop
+from clepsydra.program.program import Block, Conditional, ForLoop
 
 _LIBRARY = ctypes.CDLL(ctypes.util.find_library("m") or "libm.so.6")
 
@@ -84,7 +84,7 @@ def evaluate_block(
         values[target] = value
 
     for statement in block.statements:
-        if isinstance(statement, Loop):
+        if isinstance(statement, ForLoop):
             carried = [values[i] for i in statement.carried]
             invariants = [values[i] for i in statement.invariants]
             queues = [(rings or {})[ring.name] for ring in statement.rings]

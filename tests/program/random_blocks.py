@@ -7,7 +7,7 @@ import numpy as np
 
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.operation import COMPARISONS, LIBRARY, LOGIC, Operation
-from clepsydra.program.program import Block, Conditional, Loop
+from clepsydra.program.program import Block, Conditional, ForLoop
 
 NUMBERS = {
     **dict.fromkeys(("add", "subtract", "multiply", "divide", "minimum", "maximum"), 2),
@@ -55,7 +55,7 @@ class PlainBlock:
         invariants = tuple(self._as(False, value) for value in invariants)
         targets = tuple(self._new() for _ in carried)
         tables = tuple(tuple(map(float, table)) for table in tables)
-        self.statements.append(Loop(targets, count, body, tables, carried, invariants, name))
+        self.statements.append(ForLoop(targets, count, body, tables, carried, invariants, name))
         return targets
 
     def conditional(self, name, condition, body, carried, invariants) -> tuple[int, ...]:

@@ -11,7 +11,7 @@ from random_blocks import SPECIAL, PlainBlock, random_block, stimulus
 from clepsydra import Kernel, Signal
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.operation import COMPARISONS, EXACT, LIBRARY, LOGIC
-from clepsydra.program.program import Block, Loop, Program
+from clepsydra.program.program import Block, ForLoop, Program
 
 ARGUMENTS, RESULTS = 4, 6
 
@@ -139,7 +139,7 @@ def test_a_loop_stays_when_one_of_its_values_is_read():
     builder = BlockBuilder(1)
     _, product = builder.loop("both", turn, 4, [[1, 2, 3, 4]], [0, builder.constant(1.0)], [])
     block = builder.finish([product])
-    assert [type(statement) for statement in block.statements if isinstance(statement, Loop)]
+    assert [type(statement) for statement in block.statements if isinstance(statement, ForLoop)]
     assert evaluate_block(block, [7.0]) == [24.0]
 
 

@@ -14,7 +14,7 @@ from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.operation import Operation
-from clepsydra.program.program import Block, Conditional, Loop, Program, read_by, written_by
+from clepsydra.program.program import Block, Conditional, ForLoop, Program, read_by, written_by
 
 
 def root_body() -> Block:
@@ -72,7 +72,7 @@ def test_the_random_blocks_nest_both_ways():
         if not isinstance(outer, Operation)
         for inner in outer.body.statements
     }
-    assert found >= {(a, b) for a in (Loop, Conditional) for b in (Loop, Conditional)}
+    assert found >= {(a, b) for a in (ForLoop, Conditional) for b in (ForLoop, Conditional)}
 
 
 def test_a_condition_that_is_known_while_building():
@@ -128,7 +128,7 @@ def delaying(name: str = "pipe", length: int = 2) -> tuple[BlockBuilder, tuple[i
 
 def test_a_loop_with_rings_stays_when_nothing_reads_its_values():
     builder, _ = delaying()
-    assert kinds(builder.finish([1])) == ["Loop"]
+    assert kinds(builder.finish([1])) == ["ForLoop"]
 
 
 def test_a_ring_of_a_loop_belongs_to_the_program():

@@ -10,7 +10,7 @@ from clepsydra import Kernel, Signal, program_of
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.counted_loop import counted_loop, recover_loop
 from clepsydra.program.operation import Operation
-from clepsydra.program.program import Block, Loop, Program
+from clepsydra.program.program import Block, ForLoop, Program
 from clepsydra.program.reader import inline
 from clepsydra.program.step_law import Equations, step_law
 
@@ -21,8 +21,8 @@ def read(function: ca.Function) -> Block:
     return builder.finish(inline(builder, function, range(size)))
 
 
-def loops(block: Block) -> list[Loop]:
-    return [statement for statement in block.statements if isinstance(statement, Loop)]
+def loops(block: Block) -> list[ForLoop]:
+    return [statement for statement in block.statements if isinstance(statement, ForLoop)]
 
 
 def horner() -> ca.Function:

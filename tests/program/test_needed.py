@@ -3,7 +3,7 @@
 from clepsydra import Signal
 from clepsydra.program.needed import needed_part
 from clepsydra.program.operation import Operation
-from clepsydra.program.program import Block, Conditional, Loop, Program
+from clepsydra.program.program import Block, Conditional, ForLoop, Program
 
 #: The second and third values of a turn make one another, and nobody reads either.
 _TURN = Block(
@@ -13,7 +13,7 @@ _TURN = Block(
 )
 _LOOPED = Block(
     1,
-    (Operation(1, "floor", (0,)), Loop((2, 3, 4), 2, _TURN, (), (0, 1, 1), (), "turns")),
+    (Operation(1, "floor", (0,)), ForLoop((2, 3, 4), 2, _TURN, (), (0, 1, 1), (), "turns")),
     (2,),
 )
 #: The condition of a body that hands on what it gets.
@@ -36,7 +36,7 @@ IDLE = {
 
 def test_a_carried_value_that_only_feeds_itself_and_others_like_it():
     kept, read = needed_part(IDLE["carried values"].block)
-    assert [type(statement).__name__ for statement in kept.statements] == ["Loop"]
+    assert [type(statement).__name__ for statement in kept.statements] == ["ForLoop"]
     assert read[0] == 1 and read[1] == 0
 
 

@@ -1,7 +1,7 @@
 """A program without fused operations: in its block, in loops, in conditionals."""
 
 from clepsydra.program.builder import BlockBuilder
-from clepsydra.program.program import Conditional, Loop, Program
+from clepsydra.program.program import Conditional, ForLoop, Program
 from clepsydra.program.unfused import without_fused
 
 
@@ -22,9 +22,9 @@ def nested() -> Program:
 def test_every_operation_is_reached():
     program = nested()
     kinds = {type(s) for s in program.block.statements}
-    kinds |= {type(s) for loop in program.block.statements if isinstance(loop, Loop)
+    kinds |= {type(s) for loop in program.block.statements if isinstance(loop, ForLoop)
               for s in loop.body.statements}  # fmt: skip
-    assert {Loop, Conditional} <= kinds
+    assert {ForLoop, Conditional} <= kinds
     before = list(program.block.operations())
     after = list(without_fused(program).block.operations())
     assert sum(operation.fused for operation in before) == 6

@@ -166,8 +166,8 @@ def _of_low_order(
         return _reduced(full, plant, relaxation, order)
     largest = relaxation * full.smallest_gamma * REDUCTION_COST
     most = MOST_STATES_OF_A_LAW - len(plant.precompensator.system.A)
-    for tried in chain(range(1, min(size, most + 1)), [size] if size <= most else []):
-        found = _reduced(full, plant, relaxation, tried)
+    for kept in chain(range(1, min(size, most + 1)), [size] if size <= most else []):
+        found = _reduced(full, plant, relaxation, kept)
         if found[1] <= largest:
             return found
     raise NotApplicable(

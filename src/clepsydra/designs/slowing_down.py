@@ -123,12 +123,12 @@ def slow_down(
         design = design_at(factor)
         return SlowedDown(design, factor, peak(design))
 
-    tried = [at(1.0)]
-    while tried[-1].peak > SENSITIVITY_LIMIT:
-        if tried[-1].factor >= LARGEST_FACTOR:
-            raise NotApplicable(_hopeless(min(each.peak for each in tried), search))
-        tried.append(at(min(tried[-1].factor * search.step, LARGEST_FACTOR)))
-    return _brought_back(tried[-2], tried[-1], at, search) if len(tried) > 1 else tried[0]
+    steps = [at(1.0)]
+    while steps[-1].peak > SENSITIVITY_LIMIT:
+        if steps[-1].factor >= LARGEST_FACTOR:
+            raise NotApplicable(_hopeless(min(each.peak for each in steps), search))
+        steps.append(at(min(steps[-1].factor * search.step, LARGEST_FACTOR)))
+    return _brought_back(steps[-2], steps[-1], at, search) if len(steps) > 1 else steps[0]
 
 
 def _brought_back(

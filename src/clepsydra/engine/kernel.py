@@ -19,7 +19,7 @@ from clepsydra.engine.trajectories import Trajectories
 from clepsydra.engine.vector_code import KERNEL, KernelForm, vector_code
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.inlined import inlined
-from clepsydra.program.program import Block, Conditional, Loop, Program
+from clepsydra.program.program import Block, Conditional, ForLoop, Program
 
 Array = NDArray[np.float64]
 
@@ -187,13 +187,13 @@ def _batch_lanes(program: Program) -> int:
 
 def _turns(program: Program) -> int:
     """Return the turns of the adjustable loops; one where there is no such loop."""
-    loops = (statement for statement in program.block.statements if isinstance(statement, Loop))
+    loops = (statement for statement in program.block.statements if isinstance(statement, ForLoop))
     return next((loop.count for loop in loops if loop.adjustable), 1)
 
 
 def _always_computed(block: Block) -> int:
     return sum(
-        _always_computed(statement.body) if isinstance(statement, Loop) else 1
+        _always_computed(statement.body) if isinstance(statement, ForLoop) else 1
         for statement in block.statements
         if not isinstance(statement, Conditional)
     )

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from clepsydra.engine.kernel import Kernel
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import Loop, Program
+from clepsydra.program.program import ForLoop, Program
 
 
 class SteppedKernel:
@@ -91,5 +91,5 @@ class SteppedKernel:
 def _turns(program: Program) -> list[tuple[int, int]]:
     """Return the length of each ring, and how often it advances in a sample."""
     own = [(entry.length, 1) for entry in program.state if isinstance(entry, DelayRing)]
-    loops = (loop for loop in program.block.statements if isinstance(loop, Loop))
+    loops = (loop for loop in program.block.statements if isinstance(loop, ForLoop))
     return own + [(ring.length, loop.count) for loop in loops for ring in loop.rings]

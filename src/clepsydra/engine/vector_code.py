@@ -11,7 +11,7 @@ from clepsydra.engine.vector_statements import StatementPrinter
 from clepsydra.engine.vector_text import VectorText
 from clepsydra.engine.workspace import Workspace
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import Loop, Program, Statement, read_by, written_by
+from clepsydra.program.program import ForLoop, Program, Statement, read_by, written_by
 
 KERNEL = "clepsydra_kernel"
 
@@ -319,4 +319,4 @@ def _is_within(statement: Statement, values: set[int]) -> bool:
 
 
 def _has_rings(statement: Statement) -> bool:
-    return isinstance(statement, Loop) and bool(statement.rings)
+    return isinstance(statement, ForLoop) and bool(statement.rings)

@@ -19,7 +19,7 @@ from clepsydra.program.operation import Operation
 from clepsydra.program.program import (
     Block,
     Conditional,
-    Loop,
+    ForLoop,
     Program,
     Statement,
     read_by,
@@ -192,7 +192,7 @@ class PartsPrinter:
             self._printer.statement(statement)
             for value in written_by(statement):
                 self.values[value] = local[value]
-        elif isinstance(statement, Loop):
+        elif isinstance(statement, ForLoop):
             self._loop(statement)
         elif isinstance(statement, Conditional):
             self._conditional(statement)
@@ -241,7 +241,7 @@ class PartsPrinter:
             self.values.store(text, target, text.choose(chosen, after, before))
         self._call(text, name)
 
-    def _loop(self, loop: Loop) -> None:
+    def _loop(self, loop: ForLoop) -> None:
         """Print a loop whose carried values stand in memory, around the parts of its body."""
         text, body, inner = self._text, loop.body, self._body(loop.body)
         rows = range(len(loop.tables))
@@ -280,6 +280,6 @@ def _length(statement: Statement) -> int:
 
 def _stands_between(statement: Statement, length: int) -> bool:
     """Whether a statement has no room in a part, or reaches for the kernel's rings or turns."""
-    if isinstance(statement, Loop) and (statement.rings or statement.adjustable):
+    if isinstance(statement, ForLoop) and (statement.rings or statement.adjustable):
         return True
     return length > LARGEST_PART

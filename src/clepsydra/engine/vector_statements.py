@@ -7,7 +7,7 @@ from clepsydra.engine.vector_rings import RingPrinter
 from clepsydra.engine.vector_text import VectorText
 from clepsydra.engine.vector_turns import TurnPrinter
 from clepsydra.program.operation import LIBRARY, Operation
-from clepsydra.program.program import Block, Conditional, Loop, Statement, read_by
+from clepsydra.program.program import Block, Conditional, ForLoop, Statement, read_by
 
 _ARITHMETIC = {
     "add": "fadd",
@@ -49,7 +49,7 @@ class StatementPrinter:
 
     def statement(self, statement: Statement) -> None:
         """Print a statement and remember the names of its results."""
-        if isinstance(statement, Loop):
+        if isinstance(statement, ForLoop):
             self._loop(statement)
         elif isinstance(statement, Conditional):
             self._conditional(statement)
@@ -152,7 +152,7 @@ class StatementPrinter:
                 one = text.negative(one)
         return text.intrinsic("fma", [one, two, rest])
 
-    def _loop(self, loop: Loop) -> None:
+    def _loop(self, loop: ForLoop) -> None:
         text = self.text
         turns = TurnPrinter(text, loop, self.rings)
         label, before = turns.label, turns.before

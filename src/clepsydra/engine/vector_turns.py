@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from clepsydra.engine.vector_rings import RingPrinter
 from clepsydra.engine.vector_text import VectorText
-from clepsydra.program.program import Loop
+from clepsydra.program.program import ForLoop
 
 
 class TurnPrinter:
@@ -18,7 +18,7 @@ class TurnPrinter:
     Parameters
     ----------
     text : VectorText
-    loop : Loop
+    loop : ForLoop
     rings : RingPrinter
         Those of the program, among them those of the loop.
 
@@ -30,7 +30,7 @@ class TurnPrinter:
         The label of the basic block before the loop.
     """
 
-    def __init__(self, text: VectorText, loop: Loop, rings: RingPrinter) -> None:
+    def __init__(self, text: VectorText, loop: ForLoop, rings: RingPrinter) -> None:
         self.label, self.before = text.new_label("loop"), text.label
         self._text = text
         self._loop = loop

@@ -166,17 +166,17 @@ def choose_delay(
     4
     """
     signal, output = checked_records(signal, output)
-    tried = tuple(whole_number("choice of the delay, delays", each, 0) for each in delays)
-    if not tried:
+    candidates = tuple(whole_number("choice of the delay, delays", each, 0) for each in delays)
+    if not candidates:
         raise InputError(
             "choice of the delay, delays", [], "delays to try", "give some, as range(9)"
         )
-    longest = max(tried)
+    longest = max(candidates)
     fits = tuple(
         fit_arx(
             signal[longest - delay :], output[longest - delay :],
             order=order, delay=delay, period=period,
         )
-        for delay in tried
+        for delay in candidates
     )  # fmt: skip
-    return DelayChoice(tried, fits)
+    return DelayChoice(candidates, fits)

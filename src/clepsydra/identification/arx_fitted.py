@@ -89,7 +89,7 @@ def arx_model(record: Record, manipulated: str, output: str) -> FittedModel:
     )
 
 
-def _chance(fit: ArxFit, y: np.ndarray, noise: NoiseModel | None, tried: int) -> float:
+def _chance(fit: ArxFit, y: np.ndarray, noise: NoiseModel | None, tests: int) -> float:
     """Return the probability that an input without effect does as well, at the best of delays."""
     order = fit.model.order
     by_itself = basis_of(np.delete(fit.jacobian, np.s_[order : 2 * order], axis=1))
@@ -98,4 +98,4 @@ def _chance(fit: ArxFit, y: np.ndarray, noise: NoiseModel | None, tried: int) ->
         noise=noise,
         rounding=fit.rounding,
     )  # fmt: skip
-    return min(1.0, tried * chance)
+    return min(1.0, tests * chance)

@@ -256,8 +256,7 @@ def fit_output_error(
     starts = fit_starts(structure, signal, output, period, low, high)
     if not np.ptp(signal):
         starts = starts[:1]  # they differ in dead time only, which means nothing here
-    tried = [search(start, _FEW) for start in starts]
-    best = min(tried, key=lambda found: float(found.cost))
+    best = min((search(start, _FEW) for start in starts), key=lambda found: float(found.cost))
     return problem.fit(best.x if best.success else search(best.x).x)
 
 

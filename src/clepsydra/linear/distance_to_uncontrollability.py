@@ -141,7 +141,7 @@ def _descend(
     heights = sizes(starts)
     best, root = float(heights.min()), complex(starts[int(np.argmin(heights))])
     # All starts are followed as far as it takes to tell their minima apart, and one to the end.
-    tried = np.array([lowered(start, _ROUGH) for start in starts[np.argsort(heights)[:_STARTS]]])
-    end = lowered(tried[int(np.argmin(sizes(tried)))], _FINE)
+    ends = np.array([lowered(start, _ROUGH) for start in starts[np.argsort(heights)[:_STARTS]]])
+    end = lowered(ends[int(np.argmin(sizes(ends)))], _FINE)
     found = float(sizes(np.array(end)))
     return (found, end) if found < best else (best, root)

@@ -11,7 +11,7 @@ import numpy as np
 
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.operation import COMPARISONS, EXACT, LIBRARY, LOGIC, Operation
-from clepsydra.program.program import Block, Call, Conditional, Loop, Program, Statement
+from clepsydra.program.program import Block, Call, Conditional, ForLoop, Program, Statement
 
 _ARITHMETIC: dict[str, Callable[..., Any]] = {
     "add": np.add,
@@ -103,12 +103,12 @@ class BlockBuilder:
         *,
         adjustable: bool = False,
     ) -> tuple[int, ...]:
-        """Return the carried values after `count` turns of a body, see `Loop`."""
+        """Return the carried values after `count` turns of a body, see `ForLoop`."""
         start, held = self._numbers(carried), self._numbers(invariants)
         targets = self._targets(len(start))
         rows = tuple(tuple(float(entry) for entry in table) for table in tables)
         self._statements.append(
-            Loop(targets, count, body, rows, start, held, name, tuple(rings), adjustable)
+            ForLoop(targets, count, body, rows, start, held, name, tuple(rings), adjustable)
         )
         return targets
 

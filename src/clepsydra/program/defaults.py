@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import Loop, Program, Statement
+from clepsydra.program.program import ForLoop, Program, Statement
 
 
 def with_defaults(program: Program, values: Mapping[str, float]) -> Program:
@@ -59,7 +59,7 @@ def with_defaults(program: Program, values: Mapping[str, float]) -> Program:
         return started_ring(entry) if isinstance(entry, DelayRing) else started(entry)
 
     def started_loop(statement: Statement) -> Statement:
-        if not isinstance(statement, Loop):
+        if not isinstance(statement, ForLoop):
             return statement
         return dataclasses.replace(statement, rings=tuple(map(started_ring, statement.rings)))
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.operation import Operation
-from clepsydra.program.program import Block, Call, Loop, Program
+from clepsydra.program.program import Block, Call, ForLoop, Program
 
 
 def inlined(program: Program) -> Program:
@@ -74,7 +74,7 @@ def append(
             continue
         if isinstance(each, Call):
             found = called(builder, each, place)
-        elif isinstance(each, Loop):
+        elif isinstance(each, ForLoop):
             found = builder.loop(
                 each.name, each.body, each.count, each.tables, at(each.carried),
                 at(each.invariants), each.rings, adjustable=each.adjustable,

@@ -7,7 +7,15 @@ from collections.abc import Container, Iterator, Sequence
 from dataclasses import replace
 
 from clepsydra.program.operation import Operation
-from clepsydra.program.program import Block, Call, Conditional, Loop, Statement, read_by, written_by
+from clepsydra.program.program import (
+    Block,
+    Call,
+    Conditional,
+    ForLoop,
+    Statement,
+    read_by,
+    written_by,
+)
 
 
 def needed_part(block: Block) -> tuple[Block, Counter[int]]:
@@ -27,14 +35,14 @@ def needed_part(block: Block) -> tuple[Block, Counter[int]]:
 
     >>> turn = Block(3, (Operation(3, "add", (0, 1)),), (3,))
     >>> root = Operation(1, "square_root", (0,))
-    >>> block = Block(1, (root, Loop((2,), 2, turn, (), (0,), (0, 1), "sum")), (2,))
+    >>> block = Block(1, (root, ForLoop((2,), 2, turn, (), (0,), (0, 1), "sum")), (2,))
     >>> [type(statement).__name__ for statement in needed_part(block)[0].statements]
-    ['Loop']
+    ['ForLoop']
     """
     read = Counter(block.results)
     kept: list[Statement] = []
     for statement in reversed(block.statements):
-        lasting = isinstance(statement, Loop) and statement.rings
+        lasting = isinstance(statement, ForLoop) and statement.rings
         if lasting or any(target in read for target in written_by(statement)):
             read.update(list(_needed_by(statement, read)))
             kept.append(statement)
@@ -42,14 +50,14 @@ def needed_part(block: Block) -> tuple[Block, Counter[int]]:
     return replace(block, statements=tuple(kept), truths=block.truths & set(read)), read
 
 
-def needed_values(statement: Loop | Conditional, read: Container[int]) -> list[int]:
+def needed_values(statement: ForLoop | Conditional, read: Container[int]) -> list[int]:
     """Return which carried values count: those that are read after a statement, and in a loop
     those that a turn reads for what counts.
 
     Examples
     --------
     >>> turn = Block(2, (Operation(2, "add", (0, 1)),), (2, 1))
-    >>> loop = Loop((2, 3), 2, turn, (), (0, 1), (), "sum")
+    >>> loop = ForLoop((2, 3), 2, turn, (), (0, 1), (), "sum")
     >>> needed_values(loop, {2}), needed_values(loop, {3})
     ([0, 1], [1])
     """
@@ -65,17 +73,19 @@ def needed_values(statement: Loop | Conditional, read: Container[int]) -> list[i
         live = found
 
 
-def needed_body(statement: Loop | Conditional, live: Sequence[int]) -> tuple[Block, Counter[int]]:
+def needed_body(
+    statement: ForLoop | Conditional, live: Sequence[int]
+) -> tuple[Block, Counter[int]]:
     """Return the needed part of a body that computes some of its carried values only.
 
     Examples
     --------
     >>> turn = Block(2, (Operation(2, "add", (0, 1)),), (2, 1))
-    >>> needed_body(Loop((2, 3), 2, turn, (), (0, 1), (), "sum"), [1])[0].results
+    >>> needed_body(ForLoop((2, 3), 2, turn, (), (0, 1), (), "sum"), [1])[0].results
     (1,)
     """
     count = len(statement.targets)
-    rings = len(statement.rings) if isinstance(statement, Loop) else 0
+    rings = len(statement.rings) if isinstance(statement, ForLoop) else 0
     results = [statement.body.results[k] for k in (*live, *range(count, count + rings))]
     return needed_part(replace(statement.body, results=tuple(results)))
 

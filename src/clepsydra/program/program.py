@@ -13,7 +13,7 @@ from clepsydra.program.operation import Operation
 
 
 @dataclass(frozen=True)
-class Loop:
+class ForLoop:
     """A counted loop: ``for i in 0 … count-1: carried = body(tables[:, i], carried, invariants)``.
 
     The arguments of `body` are one entry of each table, then the carried values, then the
@@ -51,7 +51,7 @@ class Loop:
     Three turns that add up a table, from 0:
 
     >>> body = Block(2, (Operation(2, "add", (1, 0)),), (2,))
-    >>> total = Loop((1,), 3, body, ((1.0, 2.0, 4.0),), (0,), (), "total")
+    >>> total = ForLoop((1,), 3, body, ((1.0, 2.0, 4.0),), (0,), (), "total")
     >>> read_by(total)
     (0,)
     """
@@ -167,7 +167,7 @@ class Call:
         return zip(self.program.inputs, self.arguments[first:], strict=True)
 
 
-Statement = Operation | Loop | Conditional | Call
+Statement = Operation | ForLoop | Conditional | Call
 
 
 @dataclass(frozen=True)
@@ -210,7 +210,7 @@ class Block:
         needed = set(self.results)
         kept: list[Statement] = []
         for statement in reversed(self.statements):
-            lasting = isinstance(statement, Loop) and statement.rings
+            lasting = isinstance(statement, ForLoop) and statement.rings
             if lasting or needed.intersection(written_by(statement)):
                 needed.update(read_by(statement))
                 kept.append(statement)
@@ -238,7 +238,7 @@ def read_by(statement: Statement) -> tuple[int, ...]:
     """
     if isinstance(statement, Operation):
         return statement.arguments
-    if isinstance(statement, Loop):
+    if isinstance(statement, ForLoop):
         return statement.carried + statement.invariants
     if isinstance(statement, Call):
         return statement.arguments
@@ -258,7 +258,7 @@ def written_by(statement: Statement) -> tuple[int, ...]:
 
 def _refuse_outermost(name: str, body: Block) -> None:
     for statement in body.statements:
-        if isinstance(statement, Loop) and (statement.rings or statement.adjustable):
+        if isinstance(statement, ForLoop) and (statement.rings or statement.adjustable):
             has = "has rings" if statement.rings else "is adjustable"
             raise ValueError(
                 f"{name}: the loop {statement.name} {has}, so it must stand in the block of "
@@ -349,7 +349,7 @@ class Program:
     @cached_property
     def rings(self) -> tuple[DelayRing, ...]:
         """The rings of the loops in the block, in order."""
-        loops = (loop for loop in self.block.statements if isinstance(loop, Loop))
+        loops = (loop for loop in self.block.statements if isinstance(loop, ForLoop))
         return tuple(ring for loop in loops for ring in loop.rings)
 
     @property

@@ -8,7 +8,7 @@ from dataclasses import replace
 from clepsydra.base.signal import Signal
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.operation import Operation
-from clepsydra.program.program import Block, Call, Loop, Program, Statement
+from clepsydra.program.program import Block, Call, ForLoop, Program, Statement
 
 
 def tagged_program(program: Program, tagged: Callable[[str], str]) -> Program:
@@ -46,7 +46,7 @@ def tagged_program(program: Program, tagged: Callable[[str], str]) -> Program:
             called = tagged_program(each.program, tagged)
             return replace(each, instance=path(each.instance), program=called)
         named = replace(each, name=path(each.name), body=block(each.body))
-        if isinstance(named, Loop):
+        if isinstance(named, ForLoop):
             return replace(named, rings=tuple(map(ring, named.rings)))
         return named
 

@@ -64,11 +64,11 @@ def recommend(ranking: Sequence[Candidate], accept: float = ACCEPTED) -> Recomme
         return None
     best = ranking[0]
     equals = [each for each in ranking if each.standing is best.standing]
-    tried = _loops(equals) or equals
+    candidates = _loops(equals) or equals
     good = [
         each
-        for each in tried
-        if each is tried[0] or each.mean_error <= accept * tried[0].mean_error
+        for each in candidates
+        if each is candidates[0] or each.mean_error <= accept * candidates[0].mean_error
     ]
     kind = min(each.controller.complexity for each in good)
     simplest = [each for each in good if each.controller.complexity is kind]

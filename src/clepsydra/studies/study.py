@@ -29,7 +29,7 @@ from clepsydra.studies.file.request import StudyRequest
 from clepsydra.studies.levels_used import levels_used
 from clepsydra.studies.ranking import QUIET, Trial, of_averaging, rank, rule_of, verdict
 from clepsydra.studies.result import Candidate, StudyResult
-from clepsydra.studies.trial import tried
+from clepsydra.studies.trial import trial_of
 from clepsydra.studies.tuning.goal import Goal
 from clepsydra.studies.tuning.law_space import LawSpace
 from clepsydra.studies.tuning.objective import Limits, Objective, minimax, weighted_sum
@@ -234,7 +234,7 @@ class _Study:
         return now
 
     def _add(self, controller: Controller, tuning: TuningResult | None = None) -> None:
-        self.trials.append(tried(controller, self.analysis, self.model, self.scenario, tuning))
+        self.trials.append(trial_of(controller, self.analysis, self.model, self.scenario, tuning))
 
     def _tuned(
         self,

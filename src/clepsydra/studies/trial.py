@@ -27,7 +27,7 @@ from clepsydra.studies.warnings.loop_response import LoopResponse, loop_response
 _REFINEMENT = 4
 
 
-def tried(
+def trial_of(
     controller: Controller,
     analysis: Analysis,
     model: LinearModel,
@@ -55,7 +55,7 @@ def tried(
     >>> analysis = cl.load("quadruple-tank").analysis
     >>> controller = design_simc(analysis.model, analysis.pairing)
     >>> model = linearise(analysis.operating_point)
-    >>> trial = tried(controller, analysis, model, default_scenario(analysis.model))
+    >>> trial = trial_of(controller, analysis, model, default_scenario(analysis.model))
     >>> round(trial.maximum_sensitivity, 2), trial.warnings
     (1.07, ())
     """
@@ -98,7 +98,7 @@ def scores_of(run: Run) -> dict[str, float]:
 
     Examples
     --------
-    See `tried`.
+    See `trial_of`.
     """
     process = run.process
     scored = ScoredRun(

@@ -13,7 +13,7 @@ from clepsydra.deploy.proof.run import runs_of
 from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.operation import Operation
-from clepsydra.program.program import Conditional, Loop, Program
+from clepsydra.program.program import Conditional, ForLoop, Program
 
 
 @lru_cache
@@ -66,7 +66,7 @@ def places(program: Program, *codes: str) -> list[int]:
     return [
         place
         for place, statement in enumerate(program.block.statements)
-        if not isinstance(statement, (Loop, Conditional)) and statement.code in codes
+        if not isinstance(statement, (ForLoop, Conditional)) and statement.code in codes
     ]
 
 

@@ -26,7 +26,7 @@ from clepsydra.deploy.printing.whole_numbers import INTEGERS, WholeRange
 from clepsydra.program.counted_loop import Table
 from clepsydra.program.needed import needed_body, needed_part, needed_values
 from clepsydra.program.operation import COMPARISONS, Operation
-from clepsydra.program.program import Block, Call, Conditional, Loop, read_by
+from clepsydra.program.program import Block, Call, Conditional, ForLoop, read_by
 
 #: A truth value up to this width is written wherever it is read [characters].
 _SHORT = 32
@@ -190,7 +190,7 @@ class FoldedBlock:
         for signal, target in zip(program.outputs, call.targets[states:], strict=True):
             self._values[target] = reading(signal.kind, f"{name}.{signal.identifier}")
 
-    def _carry(self, statement: Loop | Conditional, live: Sequence[int]) -> dict[int, str]:
+    def _carry(self, statement: ForLoop | Conditional, live: Sequence[int]) -> dict[int, str]:
         """Name the variables of those carried values that need one, by their position.
 
         What was carried by a statement before, and is read by this one alone, is carried on.
@@ -265,10 +265,10 @@ class FoldedBlock:
             return max(self._width(operand) for operand in expression.operands)
         return len(self._notation.render(expression))
 
-    def _compound(self, statement: Loop | Conditional) -> None:
+    def _compound(self, statement: ForLoop | Conditional) -> None:
         before, live = dict(self._values), needed_values(statement, self._uses)
         needed, read = needed_body(statement, live)
-        loop = statement if isinstance(statement, Loop) else None
+        loop = statement if isinstance(statement, ForLoop) else None
         index, rings = self._index() if loop else "", loop.rings if loop else ()
         turns, named = self._turns(loop, read) if loop else (range(1), {})
         inside = self._entries(loop, index, read, named) if loop else []
@@ -297,14 +297,14 @@ class FoldedBlock:
             # Neither is its condition needed.
             self.statements += start
             return
-        condition = None if isinstance(statement, Loop) else self._values[statement.condition]
+        condition = None if isinstance(statement, ForLoop) else self._values[statement.condition]
         turned = tuple(map(RingTurn, rings, oldest, results[len(live) :]))
         inner = tuple(body), update
         self.statements.append(
             Compound(statement.name, start, *inner, condition, index, turns, turned)
         )
 
-    def _turns(self, loop: Loop, read: Container[int]) -> tuple[range, dict[int, Table]]:
+    def _turns(self, loop: ForLoop, read: Container[int]) -> tuple[range, dict[int, Table]]:
         """Return the index of a loop, and the named tables of which its own are a stretch there."""
         found = [
             {first: table for table in self._named for first in table.stretches(values)}
@@ -318,7 +318,7 @@ class FoldedBlock:
         return range(first, first + loop.count), dict(zip(numbers, named, strict=False))
 
     def _entries(
-        self, loop: Loop, index: str, read: Container[int], named: Mapping[int, Table]
+        self, loop: ForLoop, index: str, read: Container[int], named: Mapping[int, Table]
     ) -> list[Expression]:
         """Return what reads the tables of a loop in a turn, and keep those that it reads."""
         entries = []

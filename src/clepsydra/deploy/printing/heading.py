@@ -13,7 +13,7 @@ from clepsydra.deploy.printing.origin import Origin
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.entries import Entry, signal_of
 from clepsydra.program.operation import Operation
-from clepsydra.program.program import Block, Call, Loop, Program
+from clepsydra.program.program import Block, Call, ForLoop, Program
 
 #: A line of a head comment is no wider than this [characters].
 _WIDTH = 90
@@ -61,7 +61,7 @@ def _block_lines(block: Block) -> Iterator[str]:
             yield f"call {statement.identifier!r} {statement.targets} {statement.arguments}"
             yield from _lines(statement.program)
             continue
-        if isinstance(statement, Loop):
+        if isinstance(statement, ForLoop):
             yield f"loop {statement.name!r} {statement.targets} {statement.count}"
             yield f"tables {statement.tables!r}"
             yield f"rings {statement.rings!r}"

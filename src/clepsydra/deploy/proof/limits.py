@@ -12,7 +12,7 @@ from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.deploy.proof.item import ProofItem
 from clepsydra.program.entries import Entry, signal_of
 from clepsydra.program.operation import Operation
-from clepsydra.program.program import Block, Call, Loop
+from clepsydra.program.program import Block, Call, ForLoop
 
 _SINGLE = np.finfo(np.float32)
 #: Magnitudes that stand for no limit and for no divisor, which single precision replaces.
@@ -170,7 +170,7 @@ def _tables(block: Block) -> Iterator[float]:
         if isinstance(statement, Call):
             yield from _tables(statement.program.block)
             continue
-        if isinstance(statement, Loop):
+        if isinstance(statement, ForLoop):
             for table in statement.tables:
                 yield from table
         yield from _tables(statement.body)

@@ -121,7 +121,7 @@ def reduced_lags(
     if element.integrators == 1:
         lags = [math.inf, *lags]
     fixed = delay + element.dead_time + inverse
-    effective, tried = fixed, set()
+    effective, delays = fixed, set()
     for _ in range(_ROUNDS):
         factor, left = _without_leads(lags, leads, effective)
         if not left:
@@ -131,8 +131,8 @@ def reduced_lags(
         if new == effective:
             break
         # Two answers that imply each other: the longer delay is the safer one.
-        effective = max(new, effective) if new in tried else new
-        tried.add(new)
+        effective = max(new, effective) if new in delays else new
+        delays.add(new)
     kept = left[:order]
     kept[-1] += shared / 2.0
     gain = element.gain * factor  # of an integrating element it is the slope already
