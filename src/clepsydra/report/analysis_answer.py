@@ -8,7 +8,7 @@ from clepsydra.base.section import Line, Mark, Section, Table, marked
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.report.analysis_tables import analysis_grids, operating_point_grid
-from clepsydra.report.facts import gain_text
+from clepsydra.report.facts import gain_text, told_table
 from clepsydra.report.quantities import percent_text, quantity_text, time_cell
 
 #: Of the answer: sentences, signals, pairs and warnings.
@@ -73,12 +73,7 @@ def _pairs(analysis: Analysis) -> Table | None:
             )
         )
     head = ("pair", "static gain", "relative gain", "dead time")
-    used = [place for place in range(len(head)) if any(row[place] for row in rows)]
-    return Table(
-        "",
-        tuple(head[place] for place in used),
-        tuple(tuple(row[place] for place in used) for row in rows),
-    )
+    return told_table(head, rows)
 
 
 def _at_rest(point: OperatingPoint) -> Table:

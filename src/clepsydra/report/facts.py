@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from clepsydra.base.section import Table
 from clepsydra.base.signal import Signal
@@ -27,6 +27,27 @@ def facts_table(title: str, facts: Iterable[tuple[str, str]]) -> Table:
     (('action', 'reverse'),)
     """
     return Table(title, ("", ""), tuple(facts), names=2)
+
+
+def told_table(head: Sequence[str], rows: Iterable[Sequence[str]], **how: int) -> Table:
+    """Return a table without the columns that tell nothing of any row.
+
+    Parameters
+    ----------
+    head : sequence of str
+    rows : iterable of sequence of str
+    **how
+        Of `Table`.
+
+    Examples
+    --------
+    >>> told_table(("loop", "K", "Td"), [("level", "3", ""), ("flow", "2", "–")]).head
+    ('loop', 'K')
+    """
+    columns = zip(head, *rows, strict=True)
+    told = [column for column in columns if set(column[1:]) - {"", "–", "nan"}]
+    kept, *lines = zip(*told, strict=True)
+    return Table("", kept, tuple(lines), **how)
 
 
 def known_signal(process: Process, signal: Signal) -> Signal:

@@ -9,7 +9,7 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.designs.gain_units import gain_units
 from clepsydra.process.process import Process
-from clepsydra.report.facts import gain_text, known_signal
+from clepsydra.report.facts import gain_text, known_signal, told_table
 from clepsydra.report.pid_tables import isa_settings
 from clepsydra.report.quantities import number_text, time_cell
 
@@ -38,12 +38,7 @@ def settings_table(controller: Controller, process: Process) -> Table | None:
         return None
     rows = [_row(block, controller, process) for block in loops]
     head = ("settings, ISA form", "K", "K [%/%]", "Ti", "Td", "b")
-    used = [place for place in range(len(head)) if any(row[place] for row in rows)]
-    return Table(
-        "",
-        tuple(head[place] for place in used),
-        tuple(tuple(row[place] for place in used) for row in rows),
-    )
+    return told_table(head, rows)
 
 
 def _row(block: PidBlock, controller: Controller, process: Process) -> tuple[str, ...]:

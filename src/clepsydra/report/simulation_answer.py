@@ -7,7 +7,6 @@ from dataclasses import replace
 from clepsydra.base.section import Line, Mark, Section, Table, marked
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.open_loop_plan import Plan
-from clepsydra.report.quantities import quantity_text
 from clepsydra.report.simulation_tables import (
     balances_grid,
     events_grid,
@@ -15,6 +14,7 @@ from clepsydra.report.simulation_tables import (
     shown_signals,
     simulation_sentence,
     trajectories_grid,
+    trajectory_cells,
     trust_sentence,
 )
 
@@ -70,15 +70,10 @@ def simulation_answer(plan: Plan, run: Simulation, *, every: bool = False) -> Se
 def _moved(run: Simulation) -> tuple[Table, int]:
     """Return the range of what moved, and how many signals are left out."""
     shown = shown_signals(run)
-    rows = []
-    for signal in shown:
-        values = run.values[signal.name]
-        if not is_still(values):
-            numbers = (values[0], values[-1], values.min(), values.max())
-            rows.append((signal.name, *(quantity_text(signal, float(n), 3) for n in numbers)))
-    told = tuple(rows[:_SIGNALS])
+    moving = [signal for signal in shown if not is_still(run.values[signal.name])][:_SIGNALS]
+    rows = tuple((signal.name, *trajectory_cells(run, signal)) for signal in moving)
     head = ("what moved", "start", "end", "smallest", "largest")
-    return Table("", head, told), len(shown) - len(told)
+    return Table("", head, rows), len(shown) - len(rows)
 
 
 def _example(plan: Plan) -> str:

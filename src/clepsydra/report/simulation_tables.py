@@ -100,18 +100,27 @@ def trajectories_grid(run: Simulation) -> Table:
     """
     rows = []
     for signal in shown_signals(run):
+        start, end, *extremes = trajectory_cells(run, signal, 4)
         values = run.values[signal.name]
-        low, high = int(np.argmin(values)), int(np.argmax(values))
-        extremes = ["–", "–"]
-        if not is_still(values):
-            extremes = [
-                f"{quantity_text(signal, float(values[k]), 4)} at "
-                f"{time_text(float(run.time[k]), 4)}"
-                for k in (low, high)
-            ]
-        ends = [quantity_text(signal, float(values[k]), 4) for k in (0, -1)]
-        rows.append((signal.name, *ends, *extremes))
+        times = [time_text(float(run.time[k]), 4) for k in (np.argmin(values), np.argmax(values))]
+        timed = [f"{cell} at {time}" for cell, time in zip(extremes, times, strict=True)]
+        rows.append((signal.name, start, end, *(["–", "–"] if is_still(values) else timed)))
     return Table("Trajectories", ("", "start", "end", "smallest", "largest"), tuple(rows))
+
+
+def trajectory_cells(run: Simulation, signal: Signal, digits: int = 3) -> list[str]:
+    """Return the first, last, smallest and largest value of a signal.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> run = cl.simulate(cl.load("quadruple-tank"), duration="60 s")
+    >>> trajectory_cells(run, run.process.signal("pump_1"))
+    ['3.00 V', '3.00 V', '3.00 V', '3.00 V']
+    """
+    values = run.values[signal.name]
+    numbers = (values[0], values[-1], values.min(), values.max())
+    return [quantity_text(signal, float(number), digits) for number in numbers]
 
 
 def is_still(values: np.ndarray) -> bool:

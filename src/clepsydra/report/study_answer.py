@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from clepsydra.base.section import Line, Mark, Section, Table, marked
 from clepsydra.base.words import listed
+from clepsydra.report.facts import told_table
 from clepsydra.report.performance import figures_of, performance_words
 from clepsydra.report.score_tables import ranking_note, reasons, standing_word
 from clepsydra.report.settings_table import settings_table
@@ -75,25 +76,23 @@ def ranking_glance(shown: Sequence[Candidate]) -> Table:
     ('1', 'PI, AMIGO')
     """
     process = shown[0].run.process
-    columns = [
-        ("", [str(each.rank) for each in shown]),
-        ("controller", [each.controller.name for each in shown]),
-        ("slowed", [_slowed(each) for each in shown]),
-    ]
+    figures = figures_of(process)
     standings = [standing_word(each) for each in shown]
-    if len(set(standings)) > 1:
-        columns.append(("standing", standings))
-    columns += [
-        (figure.title, [figure.cell(process, each) for each in shown])
-        for figure in figures_of(process)
+    several = len(set(standings)) > 1
+    head = ("", "controller", "slowed", "standing", *(each.title for each in figures))
+    rows = [
+        (
+            str(each.rank),
+            each.controller.name,
+            _slowed(each),
+            standing if several else "",
+            *(figure.cell(process, each) for figure in figures),
+            f"{each.relative_error:.2f}",
+            f"{each.maximum_sensitivity:.2f}",
+        )
+        for each, standing in zip(shown, standings, strict=True)
     ]
-    columns += [
-        ("relative error", [f"{each.relative_error:.2f}" for each in shown]),
-        ("max|S|", [f"{each.maximum_sensitivity:.2f}" for each in shown]),
-    ]
-    told = [(head, cells) for head, cells in columns if set(cells) - {"–", "nan", ""}]
-    rows_of = zip(*(cells for _, cells in told), strict=True)
-    return Table("", tuple(head for head, _ in told), tuple(rows_of), names=2, kept=3)
+    return told_table((*head, "relative error", "max|S|"), rows, names=2, kept=3)
 
 
 def advised(result: StudyResult, advice: Recommendation) -> list[Line | Table | Section]:

@@ -81,29 +81,21 @@ def _words(scene: Scene, body: Body, x: float, y: float) -> list[str]:
     """Return the lines beside a body, or below it where liquid runs through it sideways."""
     lines = scene.labels[body.name]
     quiet = body.symbol == "orifice"
-    if body.across:
-        return [
-            symbols.text(
-                x, y + 26 + 16 * place, words, style="small",
-                colour=MUTED if quiet else _colour(scene, words),
-            )
-            for place, words in enumerate(lines)
-        ]  # fmt: skip
-    anchor = "end" if body.side < 0 else "start"
     area = body.areas[1] if len(body.areas) > 1 else body.areas[0]
+    anchor = "end" if body.side < 0 else "start"
     near = PITCH * (area[2] if body.side < 0 else area[0])
-    if quiet:
-        return [
-            symbols.text(near - 2 * body.side, y + 4 + 14 * place, words, anchor, "small", MUTED)
-            for place, words in enumerate(lines)
-        ]
-    first = y + 4 if len(lines) == 1 else y - 10
-    if area[1] == body.y:
-        first = y + 8
+    if body.across:
+        left, first, step, anchor = x, y + 26, 16, "middle"
+    elif quiet:
+        left, first, step = near - 2 * body.side, y + 4, 14
+    else:
+        first = y + 8 if area[1] == body.y else y + 4 if len(lines) == 1 else y - 10
+        left, step = near - 8 * body.side, 17
     return [
         symbols.text(
-            near - 8 * body.side, first + 17 * place, words, anchor, "" if place else "name",
-            _colour(scene, words),
+            left, first + step * place, words, anchor,
+            "small" if body.across or quiet else "" if place else "name",
+            MUTED if quiet else _colour(scene, words),
         )
         for place, words in enumerate(lines)
     ]  # fmt: skip

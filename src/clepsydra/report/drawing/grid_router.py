@@ -76,6 +76,12 @@ class GridRouter:
             if self._open(point, way, through) is not None and cost < best.get((point, way), 1e9):
                 best[point, way], before[point, way] = cost, None
                 heapq.heappush(queue, (cost + nearest(point), cost, point, way))
+
+        def note(state: tuple[Point, Point], total: float, rest: float) -> None:
+            if total < best.get(state, 1e9):
+                best[state], before[state] = total, (point, way)
+                heapq.heappush(queue, (total + rest, total, *state))
+
         while queue:
             _, cost, point, way = heapq.heappop(queue)
             if way == (0, 0):
@@ -86,7 +92,7 @@ class GridRouter:
                 bend = way != arriving
                 if through or point not in (self.upright if way[1] == 0 else self.level):
                     total = cost + extra + _BEND * bend
-                    self._note(best, before, queue, (point, (0, 0)), (point, way), total, 0.0)
+                    note((point, (0, 0)), total, 0.0)
             free = through or not (point in self.level and point in self.upright)
             crossing = point in self.level or point in self.upright
             for turn in _WAYS:
@@ -99,22 +105,8 @@ class GridRouter:
                 if step is None:
                     continue
                 total = cost + step + _BEND * (turn != way)
-                self._note(best, before, queue, (there, turn), (point, way), total, nearest(there))
+                note((there, turn), total, nearest(there))
         return []
-
-    def _note(
-        self,
-        best: dict[tuple[Point, Point], float],
-        before: dict[tuple[Point, Point], tuple[Point, Point] | None],
-        queue: list[tuple[float, float, Point, Point]],
-        state: tuple[Point, Point],
-        origin: tuple[Point, Point],
-        cost: float,
-        rest: float,
-    ) -> None:
-        if cost < best.get(state, 1e9):
-            best[state], before[state] = cost, origin
-            heapq.heappush(queue, (cost + rest, cost, *state))
 
     def _open(self, point: Point, way: Point, through: bool) -> float | None:
         """Return what a step to a point costs; None where it may not be made."""
