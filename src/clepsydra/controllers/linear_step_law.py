@@ -23,10 +23,6 @@ class LinearStepLaw:
     u(k) = C x(k) + D_setpoint r(k) + D_measurement y(k), with r, y and u in the order of the
     law's sp, pv and out.
 
-    Parameters
-    ----------
-    A, B_setpoint, B_measurement, C, D_setpoint, D_measurement : ndarray
-
     Examples
     --------
     Proportional control with a gain of 2 has no state:
@@ -50,10 +46,6 @@ class StepLawDerivatives:
 
     Those of expressions are exact, those of a law in Python are differences. A delay ring of n
     samples counts as n states, of which the law reads the oldest.
-
-    Parameters
-    ----------
-    law : StepLaw
 
     Examples
     --------

@@ -106,10 +106,6 @@ def output_element(rate_limited: bool = False) -> Block:
 
     It has no state: the last output is given to it, since a law reads it too.
 
-    Parameters
-    ----------
-    rate_limited : bool
-
     Examples
     --------
     >>> output_element(True).name, [signal.name for signal in output_element().outputs][:3]

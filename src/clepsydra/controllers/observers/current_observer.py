@@ -19,11 +19,6 @@ class CurrentObserver(Observer):
 
     Φ and Γ are those of one sampling period. Everything is a deviation from the operating point.
 
-    Parameters
-    ----------
-    structure : ObserverStructure
-    measured, moved : sequence of Signal
-
     Examples
     --------
     2 m were expected, 0.5 m more are measured, and half of that is believed:

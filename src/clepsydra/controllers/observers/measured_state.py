@@ -133,10 +133,6 @@ def shown_states(
 class MeasuredState(ProcessState):
     """Each state by the measurement that shows it alone and in proportion.
 
-    Parameters
-    ----------
-    equations : ProcessEquations
-
     Raises
     ------
     InputError

@@ -91,11 +91,6 @@ def transfer_element(model: LinearModel, output: str, input_name: str) -> Transf
 
     Dead time is exact where all ways from the input to the output take the same.
 
-    Parameters
-    ----------
-    model : LinearModel
-    output, input_name : str
-
     Raises
     ------
     InputError
