@@ -14,7 +14,6 @@ from clepsydra.controllers.blocks.anti_windup import IN_WORDS, AntiWindup, check
 from clepsydra.controllers.blocks.output_stage import output_stage
 from clepsydra.controllers.blocks.sample import Reading, Sample
 from clepsydra.controllers.observers.linear_state import LinearState
-from clepsydra.controllers.observers.measured_state import ProcessState
 from clepsydra.controllers.observers.state_source import StateSource
 from clepsydra.controllers.observers.structure import ObserverStructure
 from clepsydra.program.step_law import StepLaw, Symbols
@@ -99,28 +98,19 @@ def lqi_law(
     (2.0, 0.05)
     """
     state = LinearState(measured, manipulated, controlled, observer, "LQI law")
-    return _fixed_gains("linear_quadratic_integral", state, anti_windup)
+    return lqi_law_of(state, anti_windup)
 
 
-def nonlinear_lqi_law(
-    source: ProcessState, anti_windup: AntiWindup = "back_calculation"
-) -> StepLaw:
-    """Write the step law of LQI with fixed gains on the state of the process's equations.
+def lqi_law_of(source: StateSource, anti_windup: AntiWindup = "back_calculation") -> StepLaw:
+    """Write the step law of LQI with fixed gains on a state, however it is known.
 
-    As `lqi_law`, u = u° − F (x − x°) + I, with x from the extended Kalman filter, for one.
+    As `lqi_law`, u = u° − F (x − x°) + I, with x from an extended Kalman filter, for one, whose
+    parameters and state are among those of the law.
 
     Parameters
     ----------
-    source : ProcessState
+    source : StateSource
     anti_windup : {"back_calculation", "conditional_integration", "none"}
-
-    Returns
-    -------
-    StepLaw
-        Inputs as for `lqi_law`; parameters feedback and integral_gain [per second] of each
-        output, reference of each state, model.*, bias, limits and, for back-calculation,
-        tracking_time [s], and those of the observer; state integral and last_output of each
-        output, and that of the observer.
 
     Raises
     ------
@@ -133,14 +123,11 @@ def nonlinear_lqi_law(
     >>> from clepsydra.controllers.observers.extended_kalman import ExtendedKalman
     >>> from clepsydra.linear.process_equations import process_equations
     >>> equations = process_equations(cl.load("quadruple-tank").linear)
-    >>> law = nonlinear_lqi_law(ExtendedKalman(equations, ("level_1", "level_2"), (), 1, 0))
+    >>> law = lqi_law_of(ExtendedKalman(equations, ("level_1", "level_2"), (), 1, 0))
     >>> sum(signal.matrix == "feedback" for signal in law.parameters)
     8
     """
-    return _fixed_gains("nonlinear_lqi", source, anti_windup)
-
-
-def _fixed_gains(name: str, source: StateSource, anti_windup: AntiWindup) -> StepLaw:
+    name = "linear_quadratic_integral" if source.from_rest else "nonlinear_lqi"
     gains = [*source.feedback.signals(), *source.integral_gain.signals()]
     outputs = output_parameters(source.manipulated, anti_windup)
     return varying_lqi(name, source, anti_windup, [*source.parameters(), *gains, *outputs])
@@ -233,9 +220,7 @@ def varying_lqi(
             "choose conditional_integration",
         )
 
-    def equations(sample: Sample) -> None:
-        reading = source.read(sample)
-        known = source.known(sample, reading)
+    def applied(sample: Sample, reading: Reading, known: Sequence[ca.SX]) -> list[ca.SX]:
         now = sample.symbols if gains is None else gains(sample, reading, known)
         deviations = source.deviations(sample, known)
         errors = {
@@ -246,10 +231,10 @@ def varying_lqi(
         fed_back = source.feedback.times(now, deviations)
         rates = source.integral_gain.times(now, list(errors.values()))
         former = source.feedback.times(sample.symbols, deviations)
-        applied = []
+        found = []
         for u, back, before, rate in zip(source.manipulated, fed_back, former, rates, strict=True):
             sample.name(u, {"fed_back": back, "integral_rate": rate})
-            applied.append(
+            found.append(
                 output_stage(
                     sample,
                     u,
@@ -260,7 +245,7 @@ def varying_lqi(
                     taken_up=None if gains is None else back - before,
                 )
             )
-        source.move_on(sample, known, applied)
+        return found
 
     description = (f"Anti-windup: {IN_WORDS[anti_windup]}.", *words)
-    return source.law(name, equations, parameters, state, description)
+    return source.law(name, applied, parameters, state, description)

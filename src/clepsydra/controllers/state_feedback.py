@@ -91,9 +91,7 @@ def state_feedback_law(
     words = "gain from the setpoint of {by} to {to}"
     ahead = Matrix("precompensator", state.manipulated, state.controlled, words)
 
-    def equations(sample: Sample) -> None:
-        reading = state.read(sample)
-        known = state.known(sample, reading)
+    def applied(sample: Sample, reading: Reading, known: Sequence[ca.SX]) -> list[ca.SX]:
         wishes = {
             path(y, "wish"): setpoint - sample[path(y, "reference")]
             for y, setpoint in reading.setpoints.items()
@@ -101,15 +99,14 @@ def state_feedback_law(
         sample.named |= wishes
         fed_back = state.feedback.times(sample.symbols, state.deviations(sample, known))
         fed_forward = ahead.times(sample.symbols, list(wishes.values()))
-        applied = [
+        return [
             fading_output(sample, u, reading, sample[path(u, "bias")] - back + forward)
             for u, back, forward in zip(state.manipulated, fed_back, fed_forward, strict=True)
         ]
-        state.move_on(sample, known, applied)
 
     parameters = [*state.parameters(), *state.feedback.signals(), *ahead.signals()]
     parameters += fading_parameters(state.manipulated)
-    return state.law("state_feedback", equations, parameters)
+    return state.law("state_feedback", applied, parameters)
 
 
 def fading_parameters(manipulated: Iterable[Signal]) -> list[Signal]:

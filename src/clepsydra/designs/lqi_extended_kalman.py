@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.linear_quadratic_integral import FAMILY, nonlinear_lqi_law
+from clepsydra.controllers.linear_quadratic_integral import FAMILY, lqi_law_of
 from clepsydra.designs.arguments.of_process import MEASUREMENTS
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.states.bryson_rule import DEVIATIONS, acceptable_deviations
@@ -83,7 +83,7 @@ def design_lqi_extended_kalman(
     measured = by.observer.measurements
     lqi = StateLqi(NAME, acting, deviations, measured, anti_windup, by.estimation)
     found = lqi.robust(model)
-    law, gains = nonlinear_lqi_law(by.observer, anti_windup), found.gains
+    law, gains = lqi_law_of(by.observer, anti_windup), found.gains
     numbers: Mapping[str, ArrayLike] = {
         "feedback": gains.feedback,
         "integral_gain": gains.integral,

@@ -82,20 +82,25 @@ class StateSource(ABC):
         """Write the state of the next sample, under the inputs that were applied; none here."""
         return
 
-    def read(self, sample: Sample) -> Reading:
-        """Return what a law reads."""
-        measured, controlled = ([y.name for y in of] for of in (self.measured, self.controlled))
-        return Reading.of(sample, measured, controlled)
-
     def law(
         self,
         name: str,
-        equations: Callable[[Sample], None],
+        applied: Callable[[Sample, Reading, Sequence[ca.SX]], Sequence[ca.SX]],
         parameters: Sequence[Signal],
         state: Sequence[Signal] = (),
         description: tuple[str, ...] = (),
     ) -> StepLaw:
-        """Write the step law of these signals, with integral and last_output of each output."""
+        """Write the step law of these signals, with integral and last_output of each output.
+
+        `applied` writes the outputs from what is read and what is known of the state.
+        """
+        names = [y.name for y in self.measured], [y.name for y in self.controlled]
+
+        def equations(sample: Sample) -> None:
+            reading = Reading.of(sample, *names)
+            known = self.known(sample, reading)
+            self.move_on(sample, known, applied(sample, reading, known))
+
         return control_law(
             name,
             equations,
