@@ -50,14 +50,9 @@ def signal_colours(process: Process) -> dict[str, str]:
     >>> colours["level_1"], colours["tank_1.level"], colours["pump_1"]
     ('#0072B2', '#0072B2', '#E69F00')
     """
-    controlled = [process.measured_state[name] for name in process.controlled]
-    states = [signal.name for signal in process.state]
-    order = [
-        *controlled,
-        *states,
-        *(signal.name for signal in process.inputs),
-        *(signal.name for signal in process.disturbances),
-    ]
+    order = [process.measured_state[name] for name in process.controlled]
+    for group in (process.state, process.inputs, process.disturbances):
+        order += [signal.name for signal in group]
     colours = dict(zip(dict.fromkeys(order), cycle(PALETTE), strict=False))
     for measurement, state in process.measured_state.items():
         colours[measurement] = colours[state]

@@ -186,14 +186,8 @@ def event_windows(
         within = _bent(curves[..., before:end], round(_IN_VIEW * points)) + before
         beyond = _bent(curves[..., end:stop], points - len(within)) + end
         samples = np.unique(np.concatenate([within, [max(before, start - 1), start], beyond]))
-        windows.append(
-            EventWindow(
-                segment,
-                samples,
-                (-_BEFORE * length, length),
-                kind in seen,
-            )
-        )
+        view = (-_BEFORE * length, length)
+        windows.append(EventWindow(segment, samples, view, kind in seen))
         seen.add(kind)
     return windows
 

@@ -116,16 +116,17 @@ def score_tables(process: Process, candidate: Candidate) -> list[Table]:
     of_signals = [key for key in SCORES if key not in of_plant]
     named = [key.partition("[") for key in candidate.scores]
     plant = dict.fromkeys(name.removesuffix("]") for key, _, name in named if key in of_plant)
-    tables = [
-        _score_table(process, candidate, tuple(process.controlled), of_signals),
-        _score_table(process, candidate, tuple(u.name for u in process.inputs), of_signals),
-        _score_table(process, candidate, tuple(plant), of_plant),
-    ]
+    groups = (
+        (process.controlled, of_signals),
+        ([signal.name for signal in process.inputs], of_signals),
+        (list(plant), of_plant),
+    )
+    tables = [_score_table(process, candidate, names, keys) for names, keys in groups]
     return [table for table in tables if table.rows]
 
 
 def _score_table(
-    process: Process, candidate: Candidate, names: tuple[str, ...], keys: Sequence[str]
+    process: Process, candidate: Candidate, names: Sequence[str], keys: Sequence[str]
 ) -> Table:
     rows = []
     for key in keys:

@@ -142,9 +142,5 @@ def _in_a_line(tanks: list[str], pairs: Iterable[tuple[str, str]]) -> list[str]:
             walk(tank)
     for tank in tanks:
         walk(tank)
-    return _as_in_the_file(order, tanks, beside)
-
-
-def _as_in_the_file(order: list[str], tanks: list[str], beside: dict[str, list[str]]) -> list[str]:
-    """Keep the order of the file for tanks that have no partner."""
-    return list(tanks) if not any(beside.values()) else order
+    # Tanks without any partner keep the order of the file.
+    return order if any(beside.values()) else list(tanks)

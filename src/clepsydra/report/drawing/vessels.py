@@ -31,13 +31,8 @@ def draw_vessel(scene: Scene, name: str) -> list[str]:
     x, y = PITCH * body.x, PITCH * body.y
     states = scene.states(name)
     level = next((signal for signal in states if signal.name == f"{name}.level"), None)
-    words, share, warning, title = (
-        wrapped(name, INSIDE, NAME, bold=True),
-        None,
-        "",
-        f"{element.kind} {name}",
-    )
-    names = len(words)
+    words, title = wrapped(name, INSIDE, NAME, bold=True), f"{element.kind} {name}"
+    share, warning, names = None, "", len(words)
     if level is not None:
         share = 0.5
         title = f"{name}: {element.kind}"
