@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal
 
 Kind = Literal["real", "integer", "boolean"]
@@ -108,7 +109,7 @@ class Signal:
         """The unit that the reader sees."""
         return self.display_unit or self.unit
 
-    @property
+    @cached_property
     def owner(self) -> str:
         """What the signal belongs to: its path but for the last part; empty for none.
 
@@ -117,7 +118,7 @@ class Signal:
         """
         return self.name.rpartition(".")[0]
 
-    @property
+    @cached_property
     def part(self) -> str:
         """What it is of its owner: the last part of its path.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import gc
 import io
 import logging
@@ -32,6 +33,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if arguments is None:
         # What is imported stays, and to look through it for garbage so often takes a while.
         gc.set_threshold(100_000)
+        atexit.register(gc.freeze)  # nor is it looked through at the end, when it all goes anyway
         _end_cleanly_by_signals()
         _say_warnings_in_words()
     for stream in (sys.stdout, sys.stderr):
