@@ -1,6 +1,7 @@
 """``clepsydra simulate``: what it prints and writes, and what it refuses."""
 
 import json
+import re
 from pathlib import Path
 
 import pandas
@@ -75,12 +76,15 @@ def test_json_is_what_the_function_returns(simulated, tmp_path):
 
 
 @pytest.mark.thorough
-def test_without_input_it_says_that_nothing_moves(simulated):
+def test_without_input_it_gives_one_that_can_be_pasted(simulated):
     status, output, _ = simulated("quadruple-tank")
     assert status == 0
     words = " ".join(output.split())
-    assert "runs for 10 min without any change" in words
-    assert "Nothing moves: give an input, for example --input 'pump_1=VALUE@TIME' (in V)." in words
+    assert "runs for 10 min without any change" in words and "look at the trends" not in words
+    (option,) = re.findall("--input '(.*?)'", words)
+    assert option == "pump_1=4 V@10 s"  # it rests at 3 V of 0 to 10 V
+    status, output, _ = simulated("quadruple-tank", "--input", option)
+    assert status == 0 and "with pump_1 to 4 V at 10 s" in " ".join(output.split())
 
 
 @pytest.mark.thorough

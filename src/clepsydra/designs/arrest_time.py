@@ -87,7 +87,7 @@ def arrest_time_for(
     inside = doubled**2 - (2.0 * delay) ** 2
     if doubled < 0.0 or inside < 0.0:
         raise NotApplicable(
-            f"its load uses up the allowed deviation of {deviation:.3g} within "
+            "its load uses up the allowed deviation within "
             f"{time_text(deviation / load_rate)}, too short beside a delay of {time_text(delay)}"
         )
     return 0.5 * (doubled + math.sqrt(inside)) * turns

@@ -118,8 +118,8 @@ def linearise(point: OperatingPoint) -> LinearModel:
                 f"operating point, {signal.name}",
                 float(value),
                 f"a level above {signal.low:g} m",
-                "choose an operating point at which no tank is empty: the outflow of an empty "
-                "tank has no derivative",
+                "choose an operating point at which no tank is empty, since the outflow of an "
+                "empty tank has no derivative, or give the tank below it the outlet that it lacks",
             )
     local = Derivatives(process).at(point.state, point.inputs, point.disturbances)
     by_cause = (local.rates_by_state, local.rates_by_input, local.rates_by_disturbance)

@@ -257,7 +257,7 @@ def _default_duration(model: LinearModel, changes: tuple[Change, ...]) -> float:
     finite = constants[np.isfinite(constants)]
     if not finite.size:
         raise InputError(
-            "duration", None, "a length of time, since no time constant of the process is finite",
+            "duration", "none", "a length of time, since no time constant of the process is finite",
             "give one, for example '20 min'",
         )  # fmt: skip
     slowest = _SLOWEST_TIMES * float(finite.max())

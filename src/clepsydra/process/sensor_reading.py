@@ -148,6 +148,14 @@ def read_scale(table: TableReader, quantity: str) -> SensorScale:
         unit = _signal(shown.get("range", ""), (*_SIGNALS, quantity))
         low, high = table.range("range", unit)
         return SensorScale(unit, low, high, (high - low) / (last - first), first)
+    if any(convertible(shown.get("range") or quantity, signal) for signal in _SIGNALS):
+        ends = f'["0 {quantity}", "2 {quantity}"]'
+        raise table.refused(
+            "range",
+            table.written("range"),
+            f"a range in {quantity}, or beside a range of a signal its span",
+            f"add what it measures at the ends of its range, as in span = {ends}",
+        )
     low, high = table.range("range", quantity)
     return SensorScale(quantity, low, high)
 

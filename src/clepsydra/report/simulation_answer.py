@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from clepsydra.base.section import Line, Mark, Section, Table, marked
+from clepsydra.base.units import from_si
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.open_loop_plan import Plan
 from clepsydra.report.simulation_tables import (
@@ -61,9 +62,9 @@ def simulation_answer(plan: Plan, run: Simulation, *, every: bool = False) -> Se
         parts += marked(Mark.WATCH, warnings[:_WATCHED])
         more = f"{still} more signals, times" if still else "Times"
         parts.append(Line(f"{more} and balances: --all"))
-    if not plan.changes and plan.begins == "at rest":
-        parts.append(Line("Nothing moves: give an input, for example " + _example(plan)))
-    parts += [_EMPTY, Line("Next: open the report and look at the trends.")]
+    unmoved = not plan.changes and plan.begins == "at rest"
+    following = _example(plan) if unmoved else "Next: open the report and look at the trends."
+    parts += [_EMPTY, Line(following)]
     return Section(f"{process.title} ({process.name})", tuple(parts))
 
 
@@ -77,6 +78,12 @@ def _moved(run: Simulation) -> tuple[Table, int]:
 
 
 def _example(plan: Plan) -> str:
+    """Return how something would move: a signal a tenth of its range away from where it rests."""
     for signal in (*plan.process.inputs, *plan.process.disturbances):
-        return f"--input '{signal.name}=VALUE@TIME' (in {signal.shown_unit})."
-    return "a state, as in --state NAME=VALUE."
+        if signal.has_range:
+            rest = plan.point.as_dict()[signal.name]
+            way = 0.1 if signal.high - rest > rest - signal.low else -0.1
+            value = from_si(rest + way * signal.span, signal.unit, signal.shown_unit)
+            change = f"--input '{signal.name}={value:.3g} {signal.shown_unit}@10 s'"
+            return f"Next: let something move, for example with {change}"
+    return "Next: let something move, as with --state NAME=VALUE"
