@@ -50,9 +50,9 @@ VAR_INPUT
   gain : LREAL := 0.3; (* [V/m]; found by hand *)
 END_VAR
 VAR_OUTPUT
-  y : LREAL := 0.0; (* [V] *)
-  then_u : LREAL := 0.0; (* [m] *)
-  fine : BOOL := FALSE; (* truth value *)
+  y : LREAL; (* [V] *)
+  then_u : LREAL; (* [m] *)
+  fine : BOOL; (* truth value *)
 END_VAR
 VAR RETAIN
   count : DINT := -2; (* [1]; scans so far; found by hand *)

@@ -16,6 +16,7 @@ from clepsydra.program.variants import told_apart
 
 #: The input at which an instance begins anew.
 RESTART = "restart"
+RESTARTS = Signal(RESTART, kind="boolean", description="it begins anew")
 #: The values of a restart and of what a state then starts with; None where nothing restarts it.
 Start = tuple[int, int] | None
 
@@ -247,8 +248,7 @@ def _owning(program: Program, owned: Sequence[int], *, restarts: bool) -> tuple[
     state = tuple(program.state[k] for k in owned)
     kept = tuple(map(signal_of, (program.state[k] for k in others)))
     starts = [_start(program.state[k]) for k in owned if _has_start(program.state[k])]
-    again = Signal(RESTART, kind="boolean", description="it begins anew")
-    begins = (again, *starts) if restarts else ()
+    begins = (RESTARTS, *starts) if restarts else ()
     inputs = (*program.inputs, *kept, *begins)
     builder = BlockBuilder(len(state) + len(inputs))
     first = len(state) + len(program.inputs)

@@ -19,6 +19,9 @@ from clepsydra.program.entries import signal_of
 from clepsydra.program.owned_state import own_state
 from clepsydra.program.program import Program
 
+#: What a variable is that is declared without a value.
+ZEROS = (("0.0",), ("0",), ("FALSE",))
+
 
 def block_type(block: Program) -> str:
     """Return what a block that is called is named as a function block.
@@ -101,6 +104,11 @@ def _sections(program: Program, wording: StructuredText, origin: Origin | None) 
     """Return the declarations of inputs, parameters, outputs, instances and state of a program."""
     inputs = ("inputs of one sample", declared(program.inputs, wording))
     parameters = ("parameters", declared(program.parameters, wording, origin))
+    # An output begins with zero by itself.
+    shown = tuple(
+        replace(each, initial=() if each.initial in ZEROS else each.initial)
+        for each in declared(program.outputs, wording)
+    )
     instances = (
         Variable(call.identifier, block_type(call.program), is_block=True) for call in program.calls
     )
@@ -108,7 +116,7 @@ def _sections(program: Program, wording: StructuredText, origin: Origin | None) 
     state = declared(own_state(program), wording, origin, program.rings)
     return [
         Section("VAR_INPUT", "", (inputs, parameters)),
-        Section("VAR_OUTPUT", "", (("outputs", declared(program.outputs, wording)),)),
+        Section("VAR_OUTPUT", "", (("outputs", shown),)),
         Section("VAR", "", (("blocks", blocks),)),
         Section("VAR", "RETAIN", (("state", state),)),
     ]

@@ -6,8 +6,6 @@ import re
 import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
-from itertools import groupby
 from typing import Literal
 
 from clepsydra.deploy.printing.declarations import Variable
@@ -144,8 +142,10 @@ def _section(section: Section, dialect: Dialect) -> list[str]:
     for title, variables in groups:
         if len(groups) > 1:
             lines.append(dialect.commented(title))
-        for (kind, about), names in groupby(variables, partial(_shared, dialect=dialect)):
-            entries = [*names]
+        alike: dict[tuple[str, str], list[Variable]] = {}
+        for each in variables:
+            alike.setdefault(_shared(each, dialect), []).append(each)
+        for (kind, about), entries in alike.items():
             listed = f"{', '.join(entry.name for entry in entries)} : {kind};"
             if kind:
                 *above, line = _commented(listed, about, dialect)

@@ -11,7 +11,7 @@ from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision, in_precision
 from clepsydra.deploy.printing.printed_form import printed_form
 from clepsydra.deploy.structured_text.dialect import Dialect, dialect_of
-from clepsydra.deploy.structured_text.function_block import block_type, function_block
+from clepsydra.deploy.structured_text.function_block import ZEROS, block_type, function_block
 from clepsydra.deploy.structured_text.functions import called_functions
 from clepsydra.deploy.structured_text.instances import BEGUN, beginning, with_block_names
 from clepsydra.deploy.structured_text.pou import Section, Unit, comment_lines, unit_text
@@ -152,8 +152,6 @@ def _structure(name: str, members: Sequence[Variable]) -> Unit:
     return Unit("TYPE", name, (), (Section("STRUCT", "", (("members", tuple(members)),)),), ())
 
 
-#: What a variable is that is declared without a value.
-_ZEROS = (("0.0",), ("0",), ("FALSE",))
 #: What is said of a number that has neither unit nor words.
 _NO_WORDS = "[1]"
 
@@ -167,7 +165,7 @@ def _told_once(section: Section, told: set[Variable]) -> Section:
     for title, variables in section.groups:
         found = []
         for each in variables:
-            each = replace(each, initial=() if each.initial in _ZEROS else each.initial)
+            each = replace(each, initial=() if each.initial in ZEROS else each.initial)
             silent = each in told or each.comment == _NO_WORDS
             found.append(replace(each, comment="") if silent else each)
             told.add(each)
