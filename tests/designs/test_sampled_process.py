@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from written_plants import plant_of
 
-from clepsydra.designs.sampled.sampled_process import NotSampled, sampled_process
+from clepsydra import NotApplicable
+from clepsydra.designs.sampled.sampled_process import sampled_process
 
 # Three tanks of 1 m² in a row with two inflows, and a pipe behind the first inflow and behind each
 # of the first two tanks. What enters the second pipe from the first goes on into it at once.
@@ -111,10 +112,10 @@ def test_first_states_are_those_of_the_process_at_the_sampling_instants(three_ta
 
 
 def test_dead_time_in_a_loop_is_refused(three_tanks):
-    with pytest.raises(NotSampled, match="outside of loops"):
+    with pytest.raises(NotApplicable, match="in a loop"):
         sampled_process(three_tanks(3.0, 5.0, 4.0, looped=True), 2.0)
 
 
 def test_dead_time_of_very_many_periods_is_refused(three_tanks):
-    with pytest.raises(NotSampled, match="sample more slowly"):
+    with pytest.raises(NotApplicable, match="sample more slowly"):
         sampled_process(three_tanks(3.0, 5.0, 4.0), 0.01)

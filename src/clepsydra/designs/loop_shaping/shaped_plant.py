@@ -8,7 +8,7 @@ import numpy as np
 
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.loop_shaping.precompensator import Precompensator
-from clepsydra.designs.sampled.sampled_process import refusing, sampled_process
+from clepsydra.designs.sampled.sampled_process import sampled_process
 from clepsydra.designs.sampled.sampled_system import SampledSystem
 from clepsydra.designs.sampled.sampling_period import check_sampling_period
 from clepsydra.designs.states.relevant_states import without_idle_states
@@ -84,8 +84,7 @@ def shaped_plant(model: LinearModel, precompensator: Precompensator) -> ShapedPl
     chosen = without_idle_states(model.select(precompensator.outputs, precompensator.inputs))
     if np.any(chosen.D != 0.0):
         raise NotApplicable("an input acts on an output at once, before it can be sampled")
-    with refusing("its sampled process needs"):
-        held, moved = sampled_process(chosen, period)
+    held, moved = sampled_process(chosen, period)
     count = len(held) + len(precompensator.system.A)
     if count > MOST_STATES:
         raise NotApplicable(

@@ -10,7 +10,6 @@ from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.designed_values import applicable_values, rounded_values
 from clepsydra.designs.sampled.sampled_loop import SampledLoops
-from clepsydra.designs.sampled.sampled_process import refusing
 from clepsydra.designs.slowing_down import OF_LOOPS, Search, SlowedDown, as_given, slow_down
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
@@ -46,8 +45,7 @@ class LoopsTogether(Generic[T]):
     ) -> None:
         self.blank, self.point = blank, operating_point_of(model)
         self._values_of, self._search = values_of, search
-        with refusing("its sampled loops need"):
-            self._sampled = SampledLoops(blank, model)
+        self._sampled = SampledLoops(blank, model)
 
     def peak(self, settings: T) -> float:
         """Return the sensitivity peak of all loops closed; infinite if they are unstable."""

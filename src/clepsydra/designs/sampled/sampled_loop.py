@@ -56,7 +56,7 @@ def sampled_loop(controller: Controller, model: LinearModel) -> SampledLoop:
     InputError
         The model has no operating point, lacks a signal of the controller, has a direct way
         from an input to an output, or is sampled too slowly (`designs.sampled.sampling_period`).
-    NotSampled
+    NotApplicable
         The model has dead time that a sampled model cannot hold, see
         `designs.sampled.sampled_process`.
 

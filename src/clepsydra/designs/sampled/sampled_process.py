@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import NamedTuple
 
 import numpy as np
 
-from clepsydra.base.errors import InputError
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.linear.dead_time import delay_dependencies, has_delay_in_loop
 from clepsydra.linear.linear_model import InternalDelays, LinearModel
@@ -17,35 +14,6 @@ from clepsydra.linear.linear_model import InternalDelays, LinearModel
 _SAME = 1e-9
 #: The most numbers on their way that a sampled model holds.
 MOST_STATES = 600
-
-
-class NotSampled(InputError):
-    """A process has dead time that no sampled model of moderate size holds exactly.
-
-    Examples
-    --------
-    >>> issubclass(NotSampled, InputError)
-    True
-    """
-
-
-@contextmanager
-def refusing(what: str) -> Iterator[None]:
-    """Say that a design does not apply where what it needs cannot be sampled.
-
-    Examples
-    --------
-    >>> with refusing("its process needs"):
-    ...     raise NotSampled("linear model, delays", "30 s", "whole samples", "sample faster")
-    Traceback (most recent call last):
-        ...
-    clepsydra.designs.applicability.NotApplicable: its process needs whole samples; sample \
-faster.
-    """
-    try:
-        yield
-    except NotSampled as refusal:
-        raise NotApplicable(f"{what} {refusal.expected}; {refusal.remedy}") from None
 
 
 class SampledProcess(NamedTuple):
@@ -85,7 +53,7 @@ def sampled_process(model: LinearModel, period: float) -> SampledProcess:
 
     Raises
     ------
-    NotSampled
+    NotApplicable
         A dead time stands in a loop, or delays an output itself, or is so many periods long
         that the model would have more than 600 states.
 
@@ -152,11 +120,14 @@ class _Cascade:
     """The copies of a model at every sum of dead times, and the register of what they need."""
 
     def __init__(self, model: LinearModel, delays: InternalDelays, period: float) -> None:
+        waits = f"dead times of {', '.join(f'{time:.6g}' for time in delays.times)} s"
         if has_delay_in_loop(model):
-            raise _refusal(delays, "dead times outside of loops", "judge it by simulation")
+            raise NotApplicable(
+                f"{waits}, one of them in a loop, have no sampled model; judge it by simulation"
+            )
         if np.any(delays.to_outputs != 0.0):
-            raise _refusal(
-                delays, "outputs that show states at once", "let a state stand before the output"
+            raise NotApplicable(
+                f"an output shows what comes out of {waits}; let a state stand before the output"
             )
         self.model, self.delays, self.period = model, delays, period
         self.lags = _sums_along_ways(delay_dependencies(model), delays.times, _SAME * period)
@@ -181,10 +152,8 @@ class _Cascade:
             stop += m
         self.size = stop
         if stop > MOST_STATES:
-            raise _refusal(
-                delays,
-                f"dead times of fewer sampling periods of {period:g} s",
-                "sample more slowly",
+            raise NotApplicable(
+                f"{waits} are too many sampling periods of {period:g} s; sample more slowly"
             )
 
     def on_the_way(self) -> list[tuple[str, float]]:
@@ -290,8 +259,3 @@ def _upstream(model: LinearModel, delays: InternalDelays) -> np.ndarray:
     for _ in range(len(model.states) + len(delays.times)):
         feeds = feeds | np.any((model.A != 0.0)[feeds], axis=0)
     return np.flatnonzero(feeds)
-
-
-def _refusal(delays: InternalDelays, expected: str, remedy: str) -> NotSampled:
-    times = ", ".join(f"{time:.6g}" for time in delays.times)
-    return NotSampled("linear model, delays", f"dead times of {times} s", expected, remedy)

@@ -42,7 +42,7 @@ def settling_times(
 
     Raises
     ------
-    InputError, NotSampled
+    InputError, NotApplicable
         As `designs.sampled.sampled_loop.sampled_loop`.
 
     Examples

@@ -79,9 +79,8 @@ def lqi_gains(
     ------
     NotApplicable
         The outputs cannot be held independently, or the Riccati equation has no stabilising
-        solution.
-    NotSampled
-        The model has dead time that a sampled model cannot hold.
+        solution; or
+        the model has dead time that a sampled model cannot hold.
 
     References
     ----------
@@ -137,9 +136,8 @@ def lqr_gains(
     Raises
     ------
     NotApplicable
-        There is feedthrough, or the Riccati equation has no stabilising solution.
-    NotSampled
-        The model has dead time that a sampled model cannot hold.
+        There is feedthrough, or the Riccati equation has no stabilising solution; or
+        the model has dead time that a sampled model cannot hold.
 
     Examples
     --------

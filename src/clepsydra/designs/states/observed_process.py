@@ -13,7 +13,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.observers.structure import MOST_ESTIMATES
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.designs.sampled.sampled_process import refusing, sampled_process, sampled_states
+from clepsydra.designs.sampled.sampled_process import sampled_process, sampled_states
 from clepsydra.designs.sampled.sampling_period import check_sampling_period
 from clepsydra.designs.states.measured_states import all_states_are_measured, with_outputs
 from clepsydra.designs.states.relevant_states import without_idle_states
@@ -99,9 +99,8 @@ def observed_process(model: LinearModel, measurements: Sequence[str] | None) -> 
     process = operating_point_of(model).process
     chosen = _chosen(model, measurements)
     seen = without_idle_states(with_outputs(model, chosen))
-    with refusing("its sampled model needs"):
-        held, moved = sampled_process(seen, period)
-        ages = sampled_states(seen, period)
+    held, moved = sampled_process(seen, period)
+    ages = sampled_states(seen, period)
     if len(held) > MOST_ESTIMATES:
         raise NotApplicable(
             f"{len(held)} quantities would have to be estimated, and a law takes at most "

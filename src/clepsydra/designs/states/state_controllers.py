@@ -16,7 +16,6 @@ from clepsydra.controllers.state_feedback import FAMILY as FEEDBACK_FAMILY
 from clepsydra.controllers.state_feedback import state_feedback_law
 from clepsydra.designs.at_operating_point import controller_at, numbers_at
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
-from clepsydra.designs.sampled.sampled_process import refusing
 from clepsydra.designs.states.estimation import Estimation
 from clepsydra.designs.states.measured_states import with_outputs
 from clepsydra.linear.linear_model import LinearModel
@@ -142,9 +141,8 @@ def sensitivity_peak(controller: Controller, model: LinearModel) -> float:
     >>> round(sensitivity_peak(design_lqi(model), model), 2)
     1.07
     """
-    with refusing("its sampled loop needs"):
-        loop = sampled_loop(controller, with_outputs(model, controller.measurements))
-    return loop.maximum_sensitivity
+    seen = with_outputs(model, controller.measurements)
+    return sampled_loop(controller, seen).maximum_sensitivity
 
 
 def note_on_sensors(measurements: Sequence[str]) -> str:

@@ -110,7 +110,7 @@ def loop_response(controller: Controller, model: LinearModel) -> LoopResponse:
 
     Raises
     ------
-    InputError, NotSampled, ClepsydraError
+    InputError, NotApplicable
         As `designs.sampled.sampled_loop`.
 
     References
