@@ -81,12 +81,10 @@ class ShownSignal:
         """Return the setpoint in display units [samples]; None where it has none."""
         factor = display_factor(self.signal)
         if self.inner:
-            names = [
-                each.name
-                for each in inner_setpoints(run.controller, run.process)
-                if each.measurement == self.signal.name
-            ]
-            return run.values[names[0]] * factor if names else None
+            asked = inner_setpoints(run.controller, run.process)
+            names = (each.name for each in asked if each.measurement == self.signal.name)
+            name = next(names, None)
+            return None if name is None else run.values[name] * factor
         if not self.measurement:
             return None
         scale = sensor_scale(run.process, self.measurement)

@@ -13,7 +13,7 @@ from clepsydra.process.process import Process
 from clepsydra.report.colours import INK, MUTED, signal_colours
 from clepsydra.report.panel_axes import draw_panel
 from clepsydra.report.panels import Panel
-from clepsydra.report.quantities import display_factor, sensor_scale, short_text, unit_text
+from clepsydra.report.quantities import display_factor, fitted, sensor_scale, short_text, unit_text
 from clepsydra.report.recording import Recording, recording_of
 
 if TYPE_CHECKING:
@@ -171,7 +171,9 @@ def _draw_strip(
         start, stop = segment.start / seconds, min(segment.stop / seconds, limits[1])
         axes.axvspan(start, stop, facecolor="#f0f2f5" if index % 2 == 0 else "#e4e8ed", lw=0)
         letters = max(int((stop - start) * inches / 0.062), 1)
-        lines = [_cut(word, letters) for word in segment_words(recording.process, segment) if word]
+        lines = [
+            fitted(word, letters) for word in segment_words(recording.process, segment) if word
+        ]
         axes.text(
             (start + stop) / 2.0, 0.5, "\n".join(lines), ha="center", va="center",
             fontsize=6.5, linespacing=1.15,
@@ -202,7 +204,3 @@ def _draw_numbers(
                 bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
             )  # fmt: skip
             free = time + width / 2
-
-
-def _cut(word: str, letters: int) -> str:
-    return word if len(word) <= letters else word[: letters - 1] + "…"
