@@ -5,7 +5,7 @@ import pytest
 import clepsydra as cl
 from clepsydra.designs.design import DESIGNS, Studied, design
 from clepsydra.designs.loops.pid_settings import PidSettings
-from clepsydra.designs.loops.published_rule import PublishedRule, design_by_rule
+from clepsydra.designs.loops.published_rule import PublishedRule
 from clepsydra.designs.models.reaction_curve import reaction_curve
 from clepsydra.studies.designs import studied_designs
 
@@ -40,7 +40,7 @@ def chien_hrones_reswick(model, pairing=None, *, form=None, detuning=1.0):
         return PidSettings(gain, integral * curve.delay, derivative * curve.delay), "its curve"
 
     rule = PublishedRule(METHOD, "Chien, Hrones and Reswick 1952", settings_of)
-    return design_by_rule(model, pairing, rule, form=form, as_published=True)
+    return rule.designed(model, pairing, form, as_published=True)
 
 
 @pytest.fixture

@@ -11,7 +11,6 @@ from clepsydra.designs.loops.published_rule import (
     AS_PUBLISHED,
     PublishedRule,
     RuleActions,
-    design_by_rule,
 )
 from clepsydra.designs.loops.words import model_words
 from clepsydra.designs.models.first_order_delay import FirstOrderDelay
@@ -128,13 +127,7 @@ def design_amigo(
     >>> round(controller.values["level.integral_time"], 6)
     402.0
     """
-    return design_by_rule(
-        model,
-        pairing,
-        PublishedRule(METHOD, SOURCE, _rule),
-        form=form,
-        as_published=as_published,
-    )
+    return PublishedRule(METHOD, SOURCE, _rule).designed(model, pairing, form, as_published)
 
 
 def _rule(loop: PairedLoop, delay: float, actions: RuleActions) -> tuple[PidSettings, str]:

@@ -11,7 +11,6 @@ from clepsydra.designs.loops.published_rule import (
     AS_PUBLISHED,
     PublishedRule,
     RuleActions,
-    design_by_rule,
 )
 from clepsydra.designs.models.ultimate_point import UltimatePoint, ultimate_point
 from clepsydra.designs.ziegler_nichols import words_on_ultimate
@@ -100,13 +99,7 @@ def design_tyreus_luyben(
     >>> round(controller.values["level.integral_time"], 6)
     264.0
     """
-    return design_by_rule(
-        model,
-        pairing,
-        PublishedRule(METHOD, SOURCE, _rule),
-        form=form,
-        as_published=as_published,
-    )
+    return PublishedRule(METHOD, SOURCE, _rule).designed(model, pairing, form, as_published)
 
 
 def _rule(loop: PairedLoop, delay: float, actions: RuleActions) -> tuple[PidSettings, str]:

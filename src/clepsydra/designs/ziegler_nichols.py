@@ -13,7 +13,6 @@ from clepsydra.designs.loops.published_rule import (
     AS_PUBLISHED,
     PublishedRule,
     RuleActions,
-    design_by_rule,
 )
 from clepsydra.designs.loops.words import gain, slope
 from clepsydra.designs.models.reaction_curve import reaction_curve
@@ -136,13 +135,7 @@ def design_ziegler_nichols(
     100.0
     """
     rule = _from_ultimate_point if experiment == "ultimate_point" else _from_step_response
-    return design_by_rule(
-        model,
-        pairing,
-        PublishedRule(METHOD, SOURCE, rule, _ADVICE),
-        form=form,
-        as_published=as_published,
-    )
+    return PublishedRule(METHOD, SOURCE, rule, _ADVICE).designed(model, pairing, form, as_published)
 
 
 _ADVICE = (

@@ -53,75 +53,67 @@ class PublishedRule(NamedTuple):
     settings_of: Rule
     advice: str = ""
 
+    def designed(
+        self, model: LinearModel, pairing: Pairing | None, form: PidForm | None, as_published: bool
+    ) -> Controller:
+        """Design a controller for each pair, then slow all down until they bear each other.
 
-def design_by_rule(
-    model: LinearModel,
-    pairing: Pairing | None,
-    rule: PublishedRule,
-    *,
-    form: PidForm | None,
-    as_published: bool,
-) -> Controller:
-    """Design a controller for each pair by a rule, then slow all down until they bear each other.
+        Parameters
+        ----------
+        model : LinearModel
+            Of a process at an operating point.
+        pairing : sequence of (output, input), mapping, or None
+        form : PidForm or None
+            PI in ISA form for None.
+        as_published : bool
+            Keep the settings of the rule.
 
-    Parameters
-    ----------
-    model : LinearModel
-        Of a process at an operating point.
-    pairing : sequence of (output, input), mapping, or None
-    rule : PublishedRule
-    form : PidForm or None
-        PI in ISA form for None.
-    as_published : bool
-        Keep the settings of the rule.
+        Raises
+        ------
+        NotApplicable
+            The rule does not apply to an element, the loops are unstable together, or a setting is
+            outside of what a controller takes.
+        InputError
+            The model has no operating point, the pairing is no pairing of the model, or the form is
+            neither PI nor PID.
 
-    Raises
-    ------
-    NotApplicable
-        The rule does not apply to an element, the loops are unstable together, or a setting is
-        outside of what a controller takes.
-    InputError
-        The model has no operating point, the pairing is no pairing of the model, or the form is
-        neither PI nor PID.
+        Examples
+        --------
+        >>> import clepsydra as cl
+        >>> analysis = cl.load("equalisation-tank").analysis
+        >>> guess = PublishedRule("by hand", "ours", lambda *_: (PidSettings(-1.0, 9e4), "a guess"))
+        >>> guess.designed(analysis.model, analysis.pairing, None, as_published=True).notes
+        ('The rule was given, level by outflow: a guess.',)
+        """
+        from clepsydra.designs.loops.multiloop import MultiloopPid, checked_form
 
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> analysis = cl.load("equalisation-tank").analysis
-    >>> by_hand = PublishedRule("by hand", "ours", lambda *_: (PidSettings(-1.0, 9e4), "a guess"))
-    >>> design_by_rule(analysis.model, analysis.pairing, by_hand, form=None,
-    ...                as_published=True).notes
-    ('The rule was given, level by outflow: a guess.',)
-    """
-    from clepsydra.designs.loops.multiloop import MultiloopPid, checked_form
-
-    form, actions = checked_form(form)
-    together = MultiloopPid(model, pairing, form, rule.method)
-    delay = together.process.sampling_period / 2.0
-    settings, origins = [], []
-    for loop in together.loops:
-        with reasons_about(loop.pair):
-            found, origin = rule.settings_of(loop, delay, actions)
-        settings.append(found)
-        origins.append(f"{loop.pair}: {origin}")
-    notes = [f"The rule was given, {'; '.join(origins)}."]
-    if as_published:
-        tuned = together.as_given(settings, "the settings of the rule")
-        notes += note_on_peak(tuned.peak, "lower the gain")
-        notes += [rule.advice] if rule.advice else []
-    else:
-        tuned = together.slowed_down(lambda factor: slowed_down(settings, factor))
-        if tuned.factor > 1.0:
-            notes.append(
-                f"The gains of the rule were divided by {tuned.factor:.3g} and its integral times "
-                f"multiplied by it, so that the loops together keep a sensitivity peak of "
-                f"{SENSITIVITY_LIMIT:g}."
-            )
-    notes += [
-        f"{loop.pair}: its gain is so high that a setpoint step of "
-        f"{100.0 * DESIGN_STEP * loop.largest_gain / abs(setting.gain):.2g} % of the range "
-        "saturates the input; the rule looks at delays alone."
-        for loop, setting in zip(together.loops, tuned.design, strict=True)
-        if abs(setting.gain) > HIGH_GAIN * loop.largest_gain
-    ]
-    return together.controller(tuned, f"{rule.method} ({rule.source})", notes)
+        form, actions = checked_form(form)
+        together = MultiloopPid(model, pairing, form, self.method)
+        delay = together.process.sampling_period / 2.0
+        settings, origins = [], []
+        for loop in together.loops:
+            with reasons_about(loop.pair):
+                found, origin = self.settings_of(loop, delay, actions)
+            settings.append(found)
+            origins.append(f"{loop.pair}: {origin}")
+        notes = [f"The rule was given, {'; '.join(origins)}."]
+        if as_published:
+            tuned = together.as_given(settings, "the settings of the rule")
+            notes += note_on_peak(tuned.peak, "lower the gain")
+            notes += [self.advice] if self.advice else []
+        else:
+            tuned = together.slowed_down(lambda factor: slowed_down(settings, factor))
+            if tuned.factor > 1.0:
+                notes.append(
+                    f"The gains of the rule were divided by {tuned.factor:.3g} and its integral "
+                    "times multiplied by it, so that the loops together keep a sensitivity peak of "
+                    f"{SENSITIVITY_LIMIT:g}."
+                )
+        notes += [
+            f"{loop.pair}: its gain is so high that a setpoint step of "
+            f"{100.0 * DESIGN_STEP * loop.largest_gain / abs(setting.gain):.2g} % of the range "
+            "saturates the input; the rule looks at delays alone."
+            for loop, setting in zip(together.loops, tuned.design, strict=True)
+            if abs(setting.gain) > HIGH_GAIN * loop.largest_gain
+        ]
+        return together.controller(tuned, f"{self.method} ({self.source})", notes)
