@@ -1,6 +1,7 @@
 """A new design is one file: a rule that Clepsydra does not have, known everywhere once defined."""
 
 import pytest
+import refusals
 
 import clepsydra as cl
 from clepsydra.designs.design import DESIGNS, Studied, design
@@ -112,3 +113,22 @@ def test_a_study_file_names_it_with_its_key(registered, tmp_path, line, refused)
 def test_no_second_one_is_taken_by_its_name(registered):
     with pytest.raises(cl.InputError, match="no other one has"):
         design("chr", "another")(chien_hrones_reswick)
+
+
+def test_it_checks_its_arguments_as_they_are_declared_and_refuses_in_its_own_name(
+    registered, basin
+):
+    own = DESIGNS["chr"].function
+    with refusals.refused(
+        place="PI or PID by Chien, Hrones and Reswick, detuning",
+        value=20.0,
+        expected="a factor above 0.1, at most 10",
+    ):
+        own(basin.linear, detuning=20.0)
+    with refusals.refused(place="PI or PID by Chien, Hrones and Reswick, form", value="PD"):
+        own(basin.linear, form=cl.PidForm("PD"))
+    four = cl.load("quadruple-tank").measured
+    with pytest.raises(cl.NotApplicable) as caught:
+        own(four, [("level_3", "pump_1")])
+    assert caught.value.method == "PI or PID by Chien, Hrones and Reswick"
+    assert caught.value.reason == "pump_1 does not move level_3"
