@@ -13,7 +13,7 @@ from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.derivative import filtered_derivative
 from clepsydra.controllers.blocks.error_shape import gap_error
-from clepsydra.controllers.blocks.ports import truth, words_for
+from clepsydra.controllers.blocks.ports import GOOD, PV, SP, truth, words_for
 from clepsydra.controllers.blocks.validity import all_of, is_number, time_step_of, value_or_zero
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
@@ -28,8 +28,6 @@ _DEAD_ZONE, _FILTER_TIME = (
         ("filter_time", "s", "time constant of the filter of {input}"),
     )
 )
-_SETPOINT, _MEASURED = Signal("sp", description="setpoint"), Signal("pv", description="measured")
-_GOOD = truth("good", "the sensor is good")
 #: What a reader is told above the steps of an input.
 _WORDS = {
     "rate": "filtered derivative",
@@ -97,8 +95,8 @@ def _keys(is_rate: bool) -> tuple[Key, ...]:
 
 @cache
 def _block(quantity: str, is_rate: bool, is_of_error: bool) -> Block:
-    read = (*([_SETPOINT] if is_of_error else []), _MEASURED)
-    timed = (_GOOD, signals.TIME_STEP.port) if is_rate else ()
+    read = (*([SP] if is_of_error else []), PV)
+    timed = (GOOD, signals.TIME_STEP.port) if is_rate else ()
 
     def equations(s: Symbols) -> Equations:
         state: dict[str, ca.SX] = {}

@@ -21,6 +21,7 @@ from clepsydra.controllers.blocks.handover import Asked
 from clepsydra.controllers.blocks.integral import next_integral
 from clepsydra.controllers.blocks.ports import truth, words_for
 from clepsydra.controllers.blocks.validity import all_of, time_step_of
+from clepsydra.controllers.fuzzy.inference import CRISP
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
 
@@ -33,8 +34,7 @@ _FADING_TIME = Key(
 )  # fmt: skip
 _OFFSET = Key("offset", "{output}", "what a bumpless start adds to {output}")
 _INFERRED = (
-    Signal("centroid", description="crisp output of the rules"),
-    truth("fires", "some rule fires"),
+    *CRISP,
     truth("numbers", "the inputs of its rules are numbers"),
     truth("sensors", "their sensors are sound"),
 )

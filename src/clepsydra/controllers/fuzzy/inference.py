@@ -23,6 +23,11 @@ from clepsydra.program.step_law import Equations, Symbols
 
 #: Way of a difference quotient, as a share of an input's range; the cube root of rounding.
 _WAY = 1e-5
+#: What the rules tell of an output.
+CRISP = (
+    Signal("centroid", description="crisp output of the rules"),
+    truth("fires", "some rule fires"),
+)
 
 
 class Centroid(NamedTuple):
@@ -148,7 +153,7 @@ def _centroid(name: str, output: LinguisticVariable, points: np.ndarray) -> Bloc
             for n in degrees
         ),
         (),
-        (Signal("centroid", description="crisp output"), truth("fires", "some rule fires")),
+        CRISP,
         equations,
         ("The centroid of the largest of the sets, each clipped at its height.",),
         tables=tuple(tables),
