@@ -26,8 +26,8 @@ class LocalDerivatives:
         y = h(x, p).
     rates_by_state, rates_by_input, rates_by_disturbance, rates_by_parameter : ndarray
         ∂f/∂x [n, n], ∂f/∂u [n, m], ∂f/∂d [n, k], ∂f/∂p [n, l].
-    measured_by_state, measured_by_parameter : ndarray
-        ∂h/∂x [q, n], ∂h/∂p [q, l].
+    measured_by_state : ndarray [q, n]
+        ∂h/∂x
 
     Examples
     --------
@@ -46,7 +46,6 @@ class LocalDerivatives:
     rates_by_disturbance: np.ndarray
     rates_by_parameter: np.ndarray
     measured_by_state: np.ndarray
-    measured_by_parameter: np.ndarray
 
 
 class Derivatives:

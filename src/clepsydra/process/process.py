@@ -133,11 +133,11 @@ class Process:
     def derivatives(self) -> DenseFunction:
         """Function (x [n], u [m], d [k], p [l]) → dx/dt, y, and their slopes, of numbers.
 
-        Those of dx/dt are by x, u, d and p, those of y by x and p.
+        Those of dx/dt are by x, u, d and p, those of y by x.
         """
         x, u, d, p = (ca.SX.sym(n, self.dynamics.numel_in(i)) for i, n in enumerate("xudp"))
         f, h = self.dynamics(x, u, d, p), self.measure(x, p)
-        slopes = [ca.jacobian(f, v) for v in (x, u, d, p)] + [ca.jacobian(h, v) for v in (x, p)]
+        slopes = [*(ca.jacobian(f, v) for v in (x, u, d, p)), ca.jacobian(h, x)]
         return DenseFunction("derivatives", [x, u, d, p], [f, h, *slopes])
 
     @cached_property
