@@ -116,6 +116,18 @@ def test_the_page_gives_the_extent_and_the_bytes_of_the_data(name, documented):
         assert row[head] == expected, f"{head}: {REMEDY}"
 
 
+def test_two_pi_loops_take_no_more_lines_than_they_may():
+    """380 of library and 130 of their own, of at most 100 characters."""
+    ready = ready_for_export("PI, SIMC")
+    extent = extent_of(ready)
+    assert extent.lines - extent.own <= 380 and extent.own <= 130
+    text = print_structured_text(ready.program, origin=ready.origin)
+    assert max(map(len, text.splitlines())) <= 100
+    own = text[text.rindex("\nFUNCTION_BLOCK ") :]
+    assert "begun" not in own and "out => pump_1_out, status => pump_1_status" in own
+    assert "restart := NOT begun OR cold;" in text
+
+
 def without_numbers(ready):
     """The text without its name, comments, line ends, and numbers."""
     text = print_structured_text(ready.program).replace(ready.program.name, "")
