@@ -131,3 +131,14 @@ def test_relative_gains_at_a_frequency_go_on_from_those_at_rest():
     at_rest, slow, fast = (cl.relative_gains(plant, w).to_numpy() for w in (0.0, 1e-6, 10.0))
     np.testing.assert_allclose(slow, at_rest, atol=1e-4)
     np.testing.assert_allclose(fast, np.eye(2), atol=1e-2)  # other pumps are a tank farther away
+
+
+def test_a_rate_may_be_text():
+    plant = cl.load("quadruple-tank")
+    rates = [
+        cl.design.variable_structure_pid(plant, alpha=alpha).values["level_1.saturation_rate"]
+        for alpha in (0.2, "0.2 1/s", "12 1/min", ["0.2 1/s", "0.25 1/s"])
+    ]
+    assert rates == pytest.approx([0.2] * 4)
+    with refused(place="variable structure pid, alpha", value="7 s"):
+        cl.design.variable_structure_pid(plant, alpha="7 s")

@@ -59,7 +59,7 @@ def feedback_linearisation(
     closed_loop_time_constant: Quantity | None = ...,
     settings: Sequence[VirtualSettings] | None = ...,
     anti_windup: VirtualAntiWindup = ...,
-    alpha: float | Sequence[float] | None = ...,
+    alpha: Quantity | Sequence[Quantity] | None = ...,
     alpha_on: AlphaOn = ...,
     despite_unstable_internal_dynamics: bool = ...,
 ) -> Controller:
@@ -284,7 +284,7 @@ def variable_structure_pid(
     *,
     form: PidForm | None = ...,
     settings: Sequence[PidSettings] | None = ...,
-    alpha: float | Sequence[float] | None = ...,
+    alpha: Quantity | Sequence[Quantity] | None = ...,
 ) -> Controller:
     """Design variable-structure PI or PID control for each pair."""
 

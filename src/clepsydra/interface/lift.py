@@ -78,12 +78,17 @@ def _read(
         value = _with_units(value, given, plant.process)
     elif argument.given == "table" and isinstance(value, Mapping):
         value = {what: dict(weights) for what, weights in value.items()}
-    elif argument.given != "quantity" or not isinstance(value, str):
+    elif argument.given != "quantity" or not _has_text(value):
         return value
     place = design.removeprefix("design_").replace("_", " ")
     table = arguments(place, {**given, argument.name: value})
     found = argument.read(table, argument.name, plant.process)
     return found.of(plant.linear) if isinstance(found, OfModel) else found
+
+
+def _has_text(value: Any) -> bool:
+    entries = value if isinstance(value, list) else [value]
+    return any(isinstance(each, str) for each in entries)
 
 
 def _with_units(value: Any, given: Mapping[str, Any], process: Process) -> Any:

@@ -95,6 +95,7 @@ ALPHA = argument(
     'rate at which a saturated integral is led back, `"0.1 1/s"` or a list; plain SI numbers where '
     'it is on the `"input"`',
     {"type": ["string", "number", "array"], "items": {"type": ["string", "number"]}},
+    "quantity",
 )
 PENALTY = number(
     "penalty", "a penalty of the input", "q_u, the weight of the input's square", example="1.0"
