@@ -80,6 +80,11 @@ EXAMPLE = "write it as in '1 m'."
         (None, f"got None, {EXPECTED_LENGTH}; {EXAMPLE}"),
         ("5 s", f"got '5 s', {EXPECTED_LENGTH}; 's' measures something else: {EXAMPLE}"),
         ("5 cmm", f"got '5 cmm', {EXPECTED_LENGTH}; the unit 'cmm' is unknown: {EXAMPLE}"),
+        (
+            "5 m3/m2",
+            f"got '5 m3/m2', {EXPECTED_LENGTH}; the unit 'm3/m2' is unknown, perhaps "
+            f"'m^3/m^2' was meant: {EXAMPLE}",
+        ),
         ("5 m2", f"got '5 m2', {EXPECTED_LENGTH}; the unit 'm2' is unknown: {EXAMPLE}"),
         ("3,3 m", f"got '3,3 m', {EXPECTED_LENGTH}; write decimals with a point, as in \"3.3 m\"."),
         ("1e400 cm", f"got '1e400 cm', {EXPECTED_LENGTH}, finite; {EXAMPLE}"),

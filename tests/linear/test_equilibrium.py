@@ -13,6 +13,7 @@ from written_plants import plant_of
 from clepsydra import InputError, NoEquilibrium
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.equilibrium import find_equilibrium
+from clepsydra.process.reader import load_process
 
 
 def torricelli(level, outlet=0.1):
@@ -169,6 +170,37 @@ def test_more_drawn_than_flows_in(make_process):
     process = make_process(lambda x, u, d: [0.01 * u[0] + d[0] - torricelli(x[0])], 1, 1, inflows=1)
     with pytest.raises(NoEquilibrium, match=r"tank_1\.level would have to fall below its floor"):
         find_equilibrium(process, {"pump_1": 1.0}, disturbances={"inflow_1": -0.02})
+
+
+def test_more_flows_in_than_is_drawn_from_a_lying_cylinder(tmp_path):
+    drum = """
+        name = "drum"
+        sampling_period = "2 s"
+        controlled = ["level_1"]
+        [reservoirs.downstream]
+        [tanks.drum]
+        shape = "horizontal cylinder"
+        diameter = "2.4 m"
+        length = "6 m"
+        [pumps.pump_1]
+        source = "drum"
+        destination = "downstream"
+        gain = "0.8 m^3/(h %)"
+        range = ["0 %", "100 %"]
+        nominal = "NOMINAL %"
+        [flows.feed]
+        destination = "drum"
+        range = ["20 m^3/h", "60 m^3/h"]
+        nominal = "40 m^3/h"
+        [sensors.level_1]
+        tank = "drum"
+        range = ["0 m", "2.4 m"]
+    """
+    file = tmp_path / "drum.toml"
+    for nominal, reason in (("40", "finds no rest: where"), ("60", "would have to fall below its")):
+        file.write_text(drum.replace("NOMINAL", nominal), encoding="utf-8")
+        with pytest.raises(NoEquilibrium, match=rf"drum\.level {reason}"):
+            find_equilibrium(load_process(file))
 
 
 def test_an_input_outside_its_range_is_named_with_its_value(minimum):

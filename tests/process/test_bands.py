@@ -122,10 +122,19 @@ def test_a_level_that_does_not_average_has_no_band(tmp_path):
 def test_load_steps_follow_each_other_and_stay_within_the_range(tmp_path):
     loads = [s for s in default_scenario(load(tmp_path).linear).segments if s.kind == "load"]
     assert [3600.0 * s.size for s in loads] == pytest.approx([10.0, -15.0])
-    with refused(value="-35 m^3/h", expected="a step that stays within the range"):
+    with refused(
+        value="-35 m^3/h",
+        expected="a step that stays within the range, from where the steps before it lead",
+    ):
         load(tmp_path, ("-15 m^3/h", "-35 m^3/h"))
     with refused(value="much", expected="convertible to m^3/s"):
         load(tmp_path, ('"-15 m^3/h"', '"much"'))
+
+
+def test_load_steps_may_lead_from_one_end_of_the_range_to_the_other(tmp_path):
+    ends = load(tmp_path, ('["10 m^3/h", "-15 m^3/h"]', '["20 m^3/h", "-40 m^3/h"]'))
+    loads = [s for s in default_scenario(ends.linear).segments if s.kind == "load"]
+    assert [3600.0 * s.size for s in loads] == pytest.approx([20.0, -40.0])
 
 
 def test_the_setpoint_step_of_a_study_stays_near_the_middle_of_a_narrow_band(tmp_path):

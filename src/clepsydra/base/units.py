@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import re
+from contextlib import suppress
 from fractions import Fraction
 from functools import cache
 from typing import TYPE_CHECKING
@@ -61,6 +62,8 @@ _UNIT_TOKEN = re.compile(
 )
 #: What follows the whole part of "3,5 V".
 _DECIMAL_COMMA = re.compile(r",(\d+) *(.*)", re.ASCII)
+#: Where "cm2" lacks its "^".
+_UNMARKED_POWER = re.compile(r"(?<=[A-Za-z])(?=\d)")
 _LONGEST_TEXT = 120
 _LONGEST_UNIT = 60
 
@@ -234,6 +237,10 @@ def _factor_of_user(
         return factor_of(unit_text, unit)
     except pint.UndefinedUnitError:
         problem = f"the unit {unit_text!r} is unknown"
+        with suppress(pint.PintError, ValueError):
+            marked = _UNMARKED_POWER.sub("^", unit_text)
+            factor_of(marked, unit)
+            problem += f", perhaps {marked!r} was meant"
     except pint.DimensionalityError:
         problem = f"{unit_text!r} measures something else"
     except ValueError:

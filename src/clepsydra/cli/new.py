@@ -45,8 +45,9 @@ def new(
 ) -> None:
     """Write a commented process file, or with --study a study file, to begin with: NAME.toml.
 
-    A study file names the controllers, the scenario and the ranking for a process; --process says
-    which. The file is written in the current folder, over none that is there.
+    A study file names controllers, scenario and ranking for a --process.
+
+    The file is written in the current folder, over none that is there.
     """
     if schema:
         from clepsydra.cli.output import print_json

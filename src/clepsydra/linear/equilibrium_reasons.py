@@ -55,7 +55,7 @@ def reasons_outside_ranges(search: EquilibriumSearch, solved: Iterate) -> tuple[
                 f"{shown(signal, signal.low)}"
             )
     # An input that pumps backwards is the cause; the levels below the floor only follow.
-    return tuple(reasons or _levels_below(search, solved.unknowns))
+    return tuple(reasons or _levels_below(search, solved.unknowns, solved))
 
 
 def reasons_of_harm(
@@ -126,7 +126,7 @@ def reasons_without_solution(search: EquilibriumSearch, stuck: Iterate) -> tuple
     reasons = _accumulation(search, stuck)
     if reasons:
         return reasons
-    below = _levels_below(search, stuck.unknowns + stuck.newton_step())
+    below = _levels_below(search, stuck.unknowns + stuck.newton_step(), stuck)
     if below:
         return tuple(below)
     worst = int(np.argmax(np.abs(stuck.residuals) / stuck.row_sizes))
@@ -256,11 +256,14 @@ def _taking_part(names: list[str], vectors: np.ndarray) -> list[str]:
     return [name for name, size in zip(names, largest, strict=True) if size > _PART]
 
 
-def _levels_below(search: EquilibriumSearch, unknowns: np.ndarray) -> list[str]:
+def _levels_below(search: EquilibriumSearch, unknowns: np.ndarray, last: Iterate) -> list[str]:
     states = len(search.process.state)
     below = search.below_floor(unknowns)[:states]
+    rises = (last.residuals > last.rounding)[:states]
+    falls = "would have to fall below its floor: more is drawn from it than flows in"
+    rise = "finds no rest: where the search ended, more flows in than out"
     return [
-        f"{signal.name} would have to fall below its floor: more is drawn from it than flows in"
-        for signal, is_below in zip(search.process.state, below, strict=True)
+        f"{signal.name} {rise if is_rising else falls}"
+        for signal, is_below, is_rising in zip(search.process.state, below, rises, strict=True)
         if is_below
     ]

@@ -12,6 +12,10 @@ if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
 
 
+# A share of the range that rounding may add where steps lead to its ends.
+_ROUNDING = 1e-12
+
+
 class DisturbanceRange(NamedTuple):
     """What a signal from outside may be.
 
@@ -77,12 +81,13 @@ def _steps(
     listed = written if isinstance(written, list) else [written]
     rows = [table.with_value("step", each) for each in listed]
     steps = tuple(row.quantity("step", unit, what, "give the size of a load step") for row in rows)
+    slack = _ROUNDING * (high - low)
     for row, value in zip(rows, list(accumulate(steps, initial=nominal))[1:], strict=True):
-        if not low <= value <= high:
+        if not low - slack <= value <= high + slack:
             raise row.refused(
                 "step",
                 row.written("step"),
-                "a step that stays within the range",
+                "a step that stays within the range, from where the steps before it lead",
                 "make the step smaller or the range wider",
             )
     return tuple(step for step in steps if step)

@@ -97,7 +97,8 @@ def read_nominal_outputs(
                 document.place(element.table, element.name, "nominal"),
                 shown_value(nominal),
                 "no nominal value, since [operating_point] gives levels",
-                "remove nominal from every pump, or remove [operating_point]",
+                f"remove it, or remove [operating_point], or, if no controller moves "
+                f"{element.name}, list at the top of the file what one moves, manipulated = [...]",
             )
     if not given:
         return {}
@@ -114,8 +115,10 @@ def read_nominal_outputs(
         raise InputError(
             table.place(),
             f"{len(values)} values",
-            f"as many values as there are pumps, {len(manipulated)}",
-            "give one level for each pump; the other levels follow",
+            f"as many values as signals are manipulated, {len(manipulated)}: "
+            f"{', '.join(manipulated)}",
+            "give one reading for each, from which all else follows, or list at the top of the "
+            "file only what a controller moves, manipulated = [...], and give nominal to the rest",
         )
     return values
 

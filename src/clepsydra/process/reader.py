@@ -133,7 +133,11 @@ def load_process(name_or_path: str | Path, variant: str | Sequence[str] | None =
             "process",
             name_or_path[:60],
             f"a name of the catalogue ({', '.join(names)}) or the path of a .toml file",
-            suggestion(name_or_path, names, "choose a name, or check the path"),
+            suggestion(
+                name_or_path,
+                [*names, *map(str, Path().glob("*.toml"))],
+                "choose a name, or check the path",
+            ),
         )
     content = read_input(path, "a process file", inside="the .toml file")
     return _process(parse(content, str(path)), path, asked)
@@ -298,7 +302,7 @@ def _controlled(
         raise general.refused(
             "controlled",
             ", ".join(names),
-            f"at most as many as there are pumps, {inputs}",
+            f"at most as many as signals are manipulated, {inputs}",
             "leave the others uncontrolled, or add a pump",
         )
     return names

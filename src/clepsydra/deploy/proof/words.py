@@ -47,6 +47,8 @@ def result_sentence(proof: Proof) -> str:
     equal = f"{verdicts['equal']} equal in every bit"
     if verdicts["within the bound"]:
         equal += f", {verdicts['within the bound']} within 1e-12 of the range"
+    if verdicts["reported"]:
+        equal += f", {verdicts['reported']} in single precision"
     if proof.refusals:
         refused = _count(len(proof.refusals), "row")
         equal += f"; {refused} refused by what the target cannot express"
