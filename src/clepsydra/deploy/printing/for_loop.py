@@ -9,7 +9,7 @@ from clepsydra.deploy.printing.lines import indented
 
 
 @dataclass(frozen=True)
-class ForLoop:
+class ForStatement:
     """How a language writes a loop of so many turns, which its index counts.
 
     Parameters
@@ -43,5 +43,5 @@ class ForLoop:
         return [begin, *indented(body), self.end]
 
 
-IN_STRUCTURED_TEXT = ForLoop("FOR {index} := {first} TO {last} DO", "END_FOR;")
-IN_C = ForLoop("for (int32_t {index} = {first}; {index} < {behind}; ++{index}) {{", "}")
+IN_STRUCTURED_TEXT = ForStatement("FOR {index} := {first} TO {last} DO", "END_FOR;")
+IN_C = ForStatement("for (int32_t {index} = {first}; {index} < {behind}; ++{index}) {{", "}")

@@ -10,7 +10,7 @@ from typing import Self
 
 from clepsydra.base.signal import Kind, Signal
 from clepsydra.deploy.printing.expressions import Expression, Notation, constant, variable
-from clepsydra.deploy.printing.for_loop import ForLoop
+from clepsydra.deploy.printing.for_loop import ForStatement
 from clepsydra.deploy.printing.lines import indented
 from clepsydra.deploy.printing.listing import Assignment, BlockCall, Compound, ListingStatement
 from clepsydra.program.entries import is_ring
@@ -29,7 +29,7 @@ class Syntax:
     comment, assignment : str
     opened, another, otherwise, closed : str
         A conditional: its first branch, each next one, the last one, its end.
-    loop : ForLoop
+    loop : ForStatement
     advanced : str
         The place behind a place in a ring of a length.
     states : str
@@ -50,7 +50,7 @@ class Syntax:
     another: str
     otherwise: str
     closed: str
-    loop: ForLoop
+    loop: ForStatement
     advanced: str
     states: str = ""
     told: str = ""
