@@ -50,7 +50,7 @@ def disturbance_rejection_law(
         u  = u°⁺ + ωc/b0 (w − ŷ⁺)
 
     Both poles of the observer lie at z, for whatever time step. It is told what was applied, at a
-    limit and by hand too, so that nothing winds up and automatic goes on from there. While the
+    limit and in manual too, so that nothing winds up and automatic goes on from there. While the
     measurement is not known it waits, and then goes on from the first value with the balance that
     it had.
 

@@ -185,7 +185,7 @@ class _Law:
         rows, pivots = {}, {}
         for j, i in order:
             controls, drift = self._controls(sample, j), process.derivatives[j][-1]
-            # An input that is moved by hand stays where it is: its row says just that.
+            # An input that is moved in manual stays where it is: its row says just that.
             rows[j] = [
                 effect
                 if effect.is_zero() and k != i

@@ -31,7 +31,7 @@ def polynomial_law(
         u  = min(high limit, max(low limit, v))
 
     So rounding leaves no offset however small r0 is, and the output leaves a limit as soon as
-    the law asks for less. ∇u is what was really applied, by hand and at a limit too, so that
+    the law asks for less. ∇u is what was really applied, in manual and at a limit too, so that
     automatic goes on from there without a bump. In a sample without a usable measurement or
     setpoint the output is held, and the law then goes on as if that sample had not been.
 

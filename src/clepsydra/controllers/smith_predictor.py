@@ -86,7 +86,7 @@ def smith_predictor_law(
 
     The primary controller acts on the prediction as a polynomial controller acts on its
     measurement (`polynomial_controller.polynomial_law`). The model gets what was really applied,
-    by hand and at a limit too. κ is zero and left out for a stable process. An integrating one
+    in manual and at a limit too. κ is zero and left out for a stable process. An integrating one
     would drift away from its model with every load; κ e estimates that load, moves the model by
     it, and leaves no offset.
 

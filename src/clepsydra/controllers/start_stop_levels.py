@@ -52,7 +52,7 @@ def start_stop_law(
     the last stage has ended, the turn passes to the pump behind the one that led, unless
     alternation is 0. A pump that is not in automatic, not in service, or has stood for less than
     the shortest rest, leaves its place to the next one. A fault of the level sensor leaves every
-    pump as it is; an operator can still move it by hand.
+    pump as it is; an operator can still move it in manual.
 
     Parameters
     ----------

@@ -123,7 +123,7 @@ def output_element(rate_limited: bool = False) -> Block:
         (),
         (
             truth("controls", "what is asked for is in force"),
-            truth("follows", "the output moves by hand or tracking"),
+            truth("follows", "the output moves in manual or in tracking"),
             *output_results(rate_limited),
         ),
         equations,
@@ -165,7 +165,7 @@ def output_end(
 
     In manual and tracking the output follows its value. Where an input that the mode uses is
     unusable, the output is held: a failed sensor holds automatic, but an operator can still
-    move the output by hand. Limits hold in every mode, and so does the rate limit.
+    move the output in manual. Limits hold in every mode, and so does the rate limit.
 
     Parameters
     ----------

@@ -63,7 +63,7 @@ class Applied(_Handed):
     in_force : casadi.SX
         Whether the block had its say: the way to the actuator is in automatic.
     follows : casadi.SX
-        Whether the actuator moves without it, by hand or tracking, and it has to follow. Where
+        Whether the actuator moves without it, in manual or in tracking, and it has to follow. Where
         neither holds, an unusable signal froze everything.
 
     Examples
@@ -102,7 +102,7 @@ ASKED = (
 APPLIED = (
     Signal("applied", description="what was applied, as if asked for"),
     truth("in_force", "what was asked for had its say"),
-    truth("follows", "the actuator moves without it, by hand or tracking"),
+    truth("follows", "the actuator moves without it, in manual or in tracking"),
 )
 
 

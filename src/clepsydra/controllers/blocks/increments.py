@@ -220,7 +220,7 @@ def _increments(s: Symbols, shape: PolynomialShape) -> Equations:
     known = ca.logic_and(s["numbers"], s["known"])
     asked = Asked(s["last_output"] + increment, known, s["numbers"], s["sensors"])
     applied, results, named = output_end(s, asked)
-    # The sample counts where its signals were there and something was moved by them or by hand.
+    # The sample counts where its signals were there and something was moved by them or in manual.
     acts = ca.logic_or(applied.in_force, applied.follows)
     counts_now = all_of([known, is_time_step(s["time_step"]), acts])
     state = {"last_output": applied.applied}

@@ -94,7 +94,7 @@ def pid_state(
 
     Examples
     --------
-    What was applied by hand is followed:
+    What was applied in manual is followed:
 
     >>> given = dict(integral=5, integral_used=5, proportional=2, increment=1, last_applied=7,
     ...              proportional_gain=2, setpoint_weight=1, last_proportional_gain=2,

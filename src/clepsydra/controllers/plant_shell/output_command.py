@@ -66,15 +66,15 @@ def output_command(*, limited: bool, rate: Rate) -> Block:
     """Return the block that tells who moves an output.
 
     Where a needed sensor has failed the output goes to its fail-safe value, and stays there until
-    good sensors are acknowledged, or the output is moved by hand while they are good; who
+    good sensors are acknowledged, or the output is moved in manual while they are good; who
     acknowledges bad sensors has to do it again. That holds in a mode that is none, too. An
-    operator who moves it by hand, or a controller that it tracks, always goes first.
+    operator who moves it in manual, or a controller that it tracks, always goes first.
 
     Coming back, and after a warm start, the law follows the last output for as many scans as it
     needs to take it up at the present measurements (`plant_shell.take_up`); scans without good
     sensors do not count.
 
-    The rate counts where the controller moves the actuator, by the law or by hand: in tracking
+    The rate counts where the controller moves the actuator, by the law or in manual: in tracking
     somebody else does, and a fail-safe value is not slowed. Limits win over the rate: an output
     beyond one is brought back at once.
 
@@ -183,7 +183,7 @@ def _commanded(s: Symbols, limited: bool, rate: Rate) -> Equations:
 #: What a reader is told above the steps.
 _WORDS = {
     "by_hand": "manual and tracking go before a fail-safe value",
-    "latched": "latch: a fault holds until good sensors are acknowledged, or moved by hand",
+    "latched": "latch: a fault holds until good sensors are acknowledged, or moved in manual",
     "scans_left": "how many scans the law is still to follow",
     "follows": "before the law moves the output again, it follows what that was last",
     "overruled": "what the law asks for does not count",
@@ -191,7 +191,7 @@ _WORDS = {
     "in_force": "the law moves the output",
     "held": "a fault is ridden through: the law holds",
     "tracked": "where the output goes if the law does not move it",
-    "rate_acts": "the rate limit acts in automatic and by hand",
+    "rate_acts": "the rate limit acts in automatic and in manual",
     "lowest": "limits, narrowed by the rate limit",
     "scans_to_follow": "a scan counts where its sensors and its time step are good",
 }

@@ -123,7 +123,7 @@ class SplitRangeBlock(WithoutSignals):
         def close(applied: Sequence[Applied]) -> tuple[Applied, ...]:
             in_force, follows = ca.SX(0), ca.SX(1)
             # What was asked, less what the actuators in automatic missed of it: beside one that
-            # is moved by hand they go on as they are. Else where the last of them stands.
+            # is moved in manual they go on as they are. Else where the last of them stands.
             reached, stands = limit(source.asked, ends.low, ends.high), ends.low
             for name, leg, each, result in zip(names, self.legs, found, applied, strict=True):
                 in_force = ca.logic_or(in_force, result.in_force)
