@@ -137,6 +137,12 @@ def test_load_steps_may_lead_from_one_end_of_the_range_to_the_other(tmp_path):
     assert [3600.0 * s.size for s in loads] == pytest.approx([20.0, -40.0])
 
 
+def test_an_averaging_level_is_not_studied_without_a_load(tmp_path):
+    calm = load(tmp_path, ('step = ["10 m^3/h", "-15 m^3/h"]\n', ""))
+    with refused(value="level, and no load step", expected="at least one"):
+        default_scenario(calm.linear)
+
+
 def test_the_setpoint_step_of_a_study_stays_near_the_middle_of_a_narrow_band(tmp_path):
     narrow = load(tmp_path, (BAND, 'band = ["0.9 m", "1.2 m"]'))
     sizes = [default_scenario(p.linear).segments[0].size for p in (narrow, load(tmp_path))]

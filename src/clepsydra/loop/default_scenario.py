@@ -94,8 +94,9 @@ def default_scenario(model: LinearModel, seed: int = 1) -> Scenario:
     ------
     InputError
         The model has no operating point, a measurement has no finite range, a setpoint step
-        has no room or cannot be held by the inputs, a level rests outside of its band, the
-        scenario would take more than a million samples, or the seed is no whole number from 0.
+        has no room or cannot be held by the inputs, a level rests outside of its band, one
+        that averages meets no load step, the scenario would take more than a million samples,
+        or the seed is no whole number from 0.
 
     References
     ----------
@@ -124,6 +125,13 @@ def default_scenario(model: LinearModel, seed: int = 1) -> Scenario:
         for element in process.elements
         for size in element.load_steps().get(signal.name, ())
     ]
+    if process.averaging and not loads:
+        raise InputError(
+            f"{process.address}, averaging",
+            f"{', '.join(process.averaging)}, and no load step",
+            "at least one, since an averaging level is judged by what loads do to the outflow",
+            'give what flows in a step, as under [flows.feed]: step = "10 m^3/h"',
+        )
     rest, each = segment_samples(model)
     samples = rest + (2 * len(process.controlled) + len(loads) + 1) * each
     if samples > MOST_SAMPLES:

@@ -24,6 +24,7 @@ from clepsydra.process.process import Process
 from clepsydra.studies.file.reader import StudyTable
 from clepsydra.studies.file.scenario_reader import ScenarioTable
 from clepsydra.studies.file.tuning_reader import Tuning
+from clepsydra.studies.ranking import of_averaging
 
 #: Designs of single loops, from the one that is preferred; what the reader calls each.
 _LOOPS = {
@@ -95,6 +96,7 @@ def new_study(process: Process, named: str, template: str) -> str:
         second=second,
         second_name=_OTHERS[second],
         pairing=f"{{ {pairing} }}",
+        objective=_objective(process),
         loops=_written_out(process, designed),
         **_bounds(process, designed),
         **_comments(first),
@@ -165,6 +167,14 @@ def _designed(name: str, analysis: Analysis) -> Controller:
     if not analysis.pairing:
         raise NotApplicable("the relative gains suggest no pairing")
     return design(analysis.model, analysis.pairing)
+
+
+def _objective(process: Process) -> str:
+    """Return what a process is tuned for: errors, and the outflow of levels that average."""
+    if not process.averaging:
+        return '"iae"'
+    held = [f"iae[{name}]" for name in process.controlled if name not in process.averaging]
+    return json.dumps([score for score, levels in of_averaging(process) if levels] + held)
 
 
 def _steps(process: Process, scenario: Scenario) -> str:
