@@ -40,6 +40,26 @@ def test_processes_names_every_process_with_source_and_variants(command):
         assert all(" ".join(each.split()) in text for each in said for text in (whole, alone))
 
 
+@pytest.mark.parametrize("columns", ["80", "100"])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("processes",),
+        ("processes", "averaging-tank"),
+        ("draw", "wet-well"),
+        ("new", "mine"),
+        ("new", "mine", "--from", "three-tanks"),
+        ("new", "mine", "--study"),
+    ],
+)
+def test_the_answer_is_a_screen(command, monkeypatch, tmp_path, columns, arguments):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", columns)
+    status, said, _ = command(*arguments)
+    lines = [line.rstrip() for line in said.splitlines()]
+    assert status == 0 and 1 <= len(lines) <= 25 and max(map(len, lines)) <= int(columns)
+
+
 def test_a_process_that_the_catalogue_does_not_have_is_refused(command):
     status, _, error = command("processes", "wetwell")
     assert status == 2 and "perhaps 'wet-well' was meant" in error
