@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from itertools import chain
+from typing import Any, TypeVar
 
 import casadi as ca
 
@@ -18,6 +19,8 @@ from clepsydra.process.flow import Flow
 from clepsydra.process.hybrid import Delay, Event
 from clepsydra.process.motion import FlowPath, Motion, MotionEvent
 from clepsydra.process.wiring import flow_order
+
+_Said = TypeVar("_Said")
 
 
 @dataclass(frozen=True)
@@ -127,31 +130,22 @@ class _Join:
         self.order = flow_order(elements)
         self.components = tuple(components)
         self.by_name = {element.name: element for element in elements}
-        self.state = self._all("states")
-        self.contents = self._all("contents")
-        self.memories = self._all("memories")
-        self.measurements = self._all("measurements")
+        self.state = _listed(e.states() for e in elements)
+        self.contents = _listed(e.contents() for e in elements)
+        self.memories = _listed(e.memories() for e in elements)
+        self.measurements = _listed(e.measurements() for e in elements)
         self.delays: tuple[Delay, ...] = tuple(d for e in elements for d in e.delays())
-        self.parameters = (*self._all("parameters"), gravity)
+        self.parameters = (*_listed(e.parameters() for e in elements), gravity)
         self.inputs, self.disturbances = self._roles(manipulated)
         self.conserved = conserved(components)
         self.balances = balance_totals(self.conserved, delayed=bool(self.delays))
-        self.totals = (*self._all("totals"), *self.balances)
-
-    def _all(self, what: str) -> tuple[Signal, ...]:
-        return tuple(signal for element in self.elements for signal in getattr(element, what)())
-
-    def _merged(self, what: str, *arguments: Any) -> dict[str, Any]:
-        """Return what a method of every element says by name, in one dictionary."""
-        merged: dict[str, Any] = {}
-        for element in self.elements:
-            merged |= getattr(element, what)(*arguments)
-        return merged
+        self.totals = (*_listed(e.totals() for e in elements), *self.balances)
 
     def _roles(
         self, manipulated: Sequence[str] | None
     ) -> tuple[tuple[Signal, ...], tuple[Signal, ...]]:
-        inputs, disturbances = self._all("inputs"), self._all("disturbances")
+        inputs = _listed(e.inputs() for e in self.elements)
+        disturbances = _listed(e.disturbances() for e in self.elements)
         if manipulated is None:
             return inputs, disturbances
         outside = {signal.name: signal for signal in (*inputs, *disturbances)}
@@ -177,9 +171,12 @@ class _Join:
             **_named(self.parameters, p),
         }
         states = _named(self.state, x)
-        to_contents = _stacked(self.contents, self._merged("to_contents", held | states))
+        in_states = held | states
+        to_contents = _stacked(
+            self.contents, _merged(e.to_contents(in_states) for e in self.elements)
+        )
         in_contents = held | _named(self.contents, c)
-        shown = self._merged("to_states", in_contents)
+        shown = _merged(e.to_states(in_contents) for e in self.elements)
         to_state = _stacked(self.state, shown)
         moving = self._evaluate(
             in_contents | shown | _named(self.memories, m), _named(self.delays, z)
@@ -187,7 +184,8 @@ class _Join:
         at_first = {s.name: ca.SX(s.initial) for s in self.memories}
         steady = self._evaluate(held | states | at_first, None)
         events = [event for e in self.elements for event in e.events(moving.symbols)]
-        updates = _named(self.memories, m) | self._merged("updates", moving.symbols)
+        updates = _named(self.memories, m)
+        updates |= _merged(e.updates(moving.symbols) for e in self.elements)
         arguments, names = [c, z, m, u, d, p], ["c", "z", "m", "u", "d", "p"]
         fired = ca.SX.sym("fired", len(events))
         stored = self._stored(in_contents | shown)
@@ -216,24 +214,26 @@ class _Join:
             ),
         )  # fmt: skip
         dynamics = self._state_rates(steady.rates, x, to_contents)
-        reading = _stacked(self.measurements, self._merged("readings", held | states))
+        readings = _merged(e.readings(in_states) for e in self.elements)
+        reading = _stacked(self.measurements, readings)
         return JoinedEquations(
             self.state,
             self.inputs,
             self.disturbances,
             self.measurements,
             self.parameters,
-            self._merged("measured_states"),
+            _merged(e.measured_states() for e in self.elements),
             ca.Function("dynamics", [x, u, d, p], [ca.cse(dynamics)], ["x", "u", "d", "p"], ["dx"]),
             ca.Function("measure", [x, p], [reading], ["x", "p"], ["y"]),
             self._display(),
-            self._merged("noises"),
+            _merged(e.noises() for e in self.elements),
             motion,
         )
 
     def _display(self) -> ca.Function:
         y = ca.SX.sym("y", len(self.measurements))
-        displayed = self._merged("displayed", _named(self.measurements, y))
+        read = _named(self.measurements, y)
+        displayed = _merged(e.displayed(read) for e in self.elements)
         shown = _stacked(self.measurements, displayed)
         return ca.Function("display", [y], [shown], ["y"], ["shown"])
 
@@ -374,6 +374,15 @@ class _Join:
                 rest -= slopes[row, column] * solved[column]
             solved.append(rest / slopes[row, row])
         return ca.vertcat(*solved)
+
+
+def _listed(said: Iterable[Iterable[Signal]]) -> tuple[Signal, ...]:
+    return tuple(chain.from_iterable(said))
+
+
+def _merged(said: Iterable[Mapping[str, _Said]]) -> dict[str, _Said]:
+    """Return what every element says by name, in one dictionary."""
+    return {name: value for each in said for name, value in each.items()}
 
 
 def _named(signals: Iterable[Signal | Delay], vector: ca.SX) -> dict[str, ca.SX]:

@@ -70,34 +70,18 @@ def _trends() -> list[Row]:
     of_y = _LEVEL_SWINGS, _OVERSHOOT
     of_u = _SWINGS, _VARIATION
     return [
-        _trend(
-            "section 6.1", "output by γ", "a slowdown of the process output y",
-            POLES, (_RISE,), rises=True,
-        ),
-        _trend("section 6.1", "oscillations of y by γ", "suppression of oscillations", POLES, of_y),
-        _trend(
-            "section 6.1", "oscillations of u by γ",
-            "Oscillations of the controller output were also suppressed", POLES, of_u,
-        ),
-        _trend(
-            "section 6.2", "output by q_u", "a slowdown of both the process output y",
-            PENALTIES, (_RISE,), rises=True,
-        ),
-        _trend(
-            "section 6.2", "inflow by q_u", "a slowdown of … the manipulated variable u",
-            PENALTIES, (_SPEED,),
-        ),
-        _trend(
-            "section 6.2", "oscillations by q_u", "also suppression of oscillations", PENALTIES,
-            (*of_y, *of_u),
-        ),
-    ]  # fmt: skip
+        _trend("section 6.1", "output by γ", POLES, (_RISE,), rises=True),
+        _trend("section 6.1", "oscillations of y by γ", POLES, of_y),
+        _trend("section 6.1", "oscillations of u by γ", POLES, of_u),
+        _trend("section 6.2", "output by q_u", PENALTIES, (_RISE,), rises=True),
+        _trend("section 6.2", "inflow by q_u", PENALTIES, (_SPEED,)),
+        _trend("section 6.2", "oscillations by q_u", PENALTIES, (*of_y, *of_u)),
+    ]
 
 
 def _trend(
     place: str,
     name: str,
-    claim: str,
     choices: Sequence[Choice],
     measures: Sequence[_Measure],
     *,
