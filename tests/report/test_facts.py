@@ -18,7 +18,7 @@ from clepsydra.controllers.structure.split_range_block import Leg, SplitRangeBlo
 from clepsydra.report.law_tables import law_facts, law_grids, law_words
 from clepsydra.report.pid_tables import equation, loop_settings
 from clepsydra.report.scheme_tables import scheme_blocks
-from clepsydra.report.settings_table import settings_table
+from clepsydra.report.settings_table import added_table, settings_table
 
 
 @pytest.fixture(scope="module")
@@ -63,6 +63,19 @@ def test_gains_are_in_the_units_of_the_displays(wet_well):
     assert facts["action"].startswith("direct: the output falls when the measurement falls")
     assert facts["the same in parallel form"] == "Kp = −12.50 %/mA, Ki = −0.1042 %/mA per s"
     assert facts["output limits"] == "0 to 100.0 %"
+
+
+def test_what_decouples_the_loops_stands_with_their_settings(four_tanks):
+    """Inverted decoupling: what pump_2 does to level_1 is undone by pump_1, −K12/K11."""
+    gains = cl.analyse(four_tanks).static_gain
+    assert added_table(cl.design.simc(four_tanks), four_tanks.process) is None
+    controller = cl.design.simc(four_tanks, decoupling="dynamic")
+    first, second = added_table(controller, four_tanks.process).rows
+    for row, own, other in ((first, 0, 1), (second, 1, 0)):
+        assert row[0] == f"pump_{own + 1} from pump_{other + 1}"
+        wanted = -gains[own, other] / gains[own, own]
+        assert float(row[2].replace("−", "-")) == pytest.approx(wanted, abs=5e-4)
+        assert row[1] == f"{row[2]} V/V" and row[-1].endswith(" s")
 
 
 def test_a_pid_names_its_derivative_and_the_other_forms(wet_well):

@@ -13,7 +13,7 @@ from clepsydra.report.margin_tables import margin_table
 from clepsydra.report.performance import figures_of, performance_words
 from clepsydra.report.quantities import number_text, time_cell
 from clepsydra.report.score_tables import standing_word
-from clepsydra.report.settings_table import settings_table
+from clepsydra.report.settings_table import added_table, settings_table
 from clepsydra.report.study_answer import better_words, watch_lines
 from clepsydra.studies.ranking import QUIET
 from clepsydra.studies.recommendation import Recommendation
@@ -143,7 +143,9 @@ def _settings(result: StudyResult, first: Candidate) -> Section:
         more = len(table.rows) - _LOOPS
         rest = [(f"{more} more", *[""] * (len(table.head) - 1))] if more > 0 else []
         table = Table("", ("", *table.head[1:]), (*table.rows[:_LOOPS], *rest))
-    return Section("Settings", (table, Line(f"ISA form, every {period}.")))
+    added = added_table(controller, result.process)
+    tables = (table,) if added is None else (table, added)
+    return Section("Settings", (*tables, Line(f"ISA form, every {period}.")))
 
 
 def _how_good(process: Process, first: Candidate, rival: Candidate | None) -> Section:

@@ -11,14 +11,14 @@ from clepsydra.base.words import listed
 from clepsydra.report.facts import told_table
 from clepsydra.report.performance import figures_of, performance_words
 from clepsydra.report.score_tables import ranking_note, reasons, standing_word
-from clepsydra.report.settings_table import settings_table
+from clepsydra.report.settings_table import added_table, settings_table
 from clepsydra.studies.ranking_words import TIE, trust_sentence
 from clepsydra.studies.recommendation import Recommendation, recommend
 from clepsydra.studies.result import Candidate, StudyResult
 from clepsydra.studies.watch import watched
 
 #: Of the answer: rows of the ranking, of settings, and warnings.
-RANKED, _LOOPS, _WATCHED = 5, 3, 2
+RANKED, _SETTINGS, _WATCHED = 5, 3, 2
 _EMPTY = Line("")
 
 
@@ -111,9 +111,9 @@ def advised(result: StudyResult, advice: Recommendation) -> list[Line | Table | 
     words = performance_words(process, simplest)
     said = [f"It {words}."] if words else []
     parts.append(Line(" ".join([*said, trust_sentence(simplest)])))
-    settings = settings_table(simplest.controller, process)
-    if settings is not None:
-        parts += [_EMPTY, _shortened(settings)]
+    settings = [found(simplest.controller, process) for found in (settings_table, added_table)]
+    tables = [_shortened(table) for table in settings if table is not None]
+    parts += [_EMPTY, *tables] if tables else []
     parts += watch_lines(simplest)
     if best is not simplest:
         parts.append(Line(better_words(advice)))
@@ -157,11 +157,11 @@ def _slowed(candidate: Candidate) -> str:
 
 
 def _shortened(settings: Table) -> Table:
-    more = len(settings.rows) - _LOOPS
+    more = len(settings.rows) - _SETTINGS
     if more <= 0:
         return settings
-    rest = (f"{more} more loops: in the report", *[""] * (len(settings.head) - 1))
-    return replace(settings, rows=(*settings.rows[:_LOOPS], rest))
+    rest = (f"{more} more rows: in the report", *[""] * (len(settings.head) - 1))
+    return replace(settings, rows=(*settings.rows[:_SETTINGS], rest))
 
 
 def _rest(result: StudyResult, every: bool, why: bool, refused: bool) -> str:

@@ -5,15 +5,19 @@ from __future__ import annotations
 import re
 
 from clepsydra.studies.result import Candidate
+from clepsydra.studies.warnings.accuracy import accuracy_warnings
 
 #: An overshoot worth watching [% of the step].
 _OVERSHOOT = 10.0
+#: An error of the simulation that is seen in numbers of three digits [share of a state's range].
+_SEEN = 1e-3
 
 
 def watched(candidate: Candidate) -> tuple[str, ...]:
     r"""Return what to watch with a controller, a sentence each; its standing is told elsewhere.
 
-    A level that averages is judged by the flow that it smooths, so its overshoot is left out.
+    A level that averages is judged by the flow that it smooths, so its overshoot is left out. An
+    error of the simulation that no figure here shows is no property of the controller.
 
     Examples
     --------
@@ -23,7 +27,7 @@ def watched(candidate: Candidate) -> tuple[str, ...]:
     It overshoots a step of the setpoint by 10 %.
     Its rule was slowed 1.22 times, until it was robust.
     """
-    averaging = candidate.run.process.averaging
+    run, averaging = candidate.run, candidate.run.process.averaging
     overshoot = max(
         (
             value
@@ -38,7 +42,8 @@ def watched(candidate: Candidate) -> tuple[str, ...]:
     if candidate.controller.slowed > 1.0:
         factor = f"{candidate.controller.slowed:.3g}"
         said.append(f"Its rule was slowed {factor} times, until it was robust.")
-    return (*said, *(_first_clause(words) for words in candidate.warnings))
+    unseen = accuracy_warnings(run) if (run.error_estimate or 0.0) < _SEEN else []
+    return (*said, *(_first_clause(words) for words in candidate.warnings if words not in unseen))
 
 
 def _first_clause(words: str) -> str:
