@@ -228,12 +228,12 @@ export class EventChart {
     u.over.addEventListener("mousedown", (event) => (from = event.clientX));
     u.over.addEventListener("click", (event) => {
       if (Math.abs(event.clientX - from) > 4 || event.detail > 1) return;
-      this.markAt(u);
+      this.markAt(u, event.clientX - u.over.getBoundingClientRect().left);
     });
   }
 
-  private markAt(u: uPlot): void {
-    const time = u.posToVal(u.cursor.left ?? 0, "x");
+  private markAt(u: uPlot, left: number): void {
+    const time = u.posToVal(left, "x");
     const { mark } = this.common;
     const near = mark !== null && Math.abs(u.valToPos(mark, "x") - u.valToPos(time, "x")) < 6;
     this.common.setMark(near ? null : time);
@@ -254,7 +254,7 @@ export class EventChart {
     const actions: Record<string, () => void> = {
       ArrowLeft: () => u.setCursor({ left: Math.max(0, left - step), top: 10 }),
       ArrowRight: () => u.setCursor({ left: Math.min(width, left + step), top: 10 }),
-      Enter: () => this.markAt(u),
+      Enter: () => this.markAt(u, left),
       Escape: () => (this.common.setMark(null), this.zoom(null)),
       "+": () => this.zoom(around(0.5)),
       "-": () => this.zoom(around(2)),
