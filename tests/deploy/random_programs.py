@@ -378,6 +378,11 @@ def _statements(block, outside: str):
 
 EVERYTHING = (
     (EXACT | LOGIC | COMPARISONS)
-    | {"ring", "Loop", "Conditional", "rings of a loop", "a single turn"}
-    | {"Loop in Loop", "Conditional in Loop", "Loop in Conditional", "Conditional in Conditional"}
+    | {"ring", "ForLoop", "Conditional", "rings of a loop", "a single turn"}
+    | {
+        "ForLoop in ForLoop",
+        "Conditional in ForLoop",
+        "ForLoop in Conditional",
+        "Conditional in Conditional",
+    }
 )
