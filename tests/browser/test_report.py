@@ -236,6 +236,7 @@ def test_the_readout_is_the_value_of_the_run_and_its_difference_from_a_mark(page
     drawn(page)
     difference = re.search(r"\(([+−][\d.]+)\)", value.inner_text()).group(1)
     assert float(difference) == pytest.approx(told() - start, abs=0.011)
+    page.wait_for_timeout(600)  # sooner it would be the second half of a double click
     over.click(position={"x": 2, "y": 20})
     drawn(page)
     over.hover(position={"x": width - 2, "y": 20})
