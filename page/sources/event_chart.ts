@@ -41,6 +41,8 @@ export class EventChart {
     readonly curves: Curves,
     private readonly common: Common,
     title: string,
+    /** Where the time at the cursor stands, once for all charts of the event. */
+    private readonly when: HTMLElement,
     private readonly last: boolean,
     private range: [number, number],
     /** Asks that all charts of the event show these times, or again what they showed at first. */
@@ -64,6 +66,8 @@ export class EventChart {
     this.chart?.destroy();
     const { signal, times, values } = this.curves;
     const controllers = this.common.shown.controllers;
+    // The lines that its values may take, lest the chart move under the mouse when they come.
+    this.readout.style.minHeight = `${1.05 * Math.ceil(controllers.length / 2)}rem`;
     const wanted = this.wanted();
     const data = [times, ...wanted.map(([curve]) => curve), ...controllers.map((each) => values[each]!)];
     const paths = signal.held ? { paths: uPlot.paths.stepped!({ align: 1 }) } : {};
@@ -152,7 +156,8 @@ export class EventChart {
       ],
       cursor: {
         sync: { key: "events", scales: ["x", null] },
-        drag: { x: true, y: false, setScale: false },
+        // What is a click, `over` decides: to uPlot it is a drag already where the page moved under it.
+        drag: { x: true, y: false, setScale: false, click: () => undefined },
         points: { size: 6 },
         bind: { dblclick: () => () => (this.zoom(null), null) },
       },
@@ -272,9 +277,11 @@ export class EventChart {
     title.textContent = unit ? `${name} [${unit}]` : name;
     this.readout.replaceChildren(title);
     const left = this.chart?.cursor.left ?? -1;
+    this.when.textContent = "";
     if (!this.chart || left < 0) return;
     const time = this.chart.posToVal(left, "x");
     const { mark, shown, names } = this.common;
+    this.when.textContent = mark === null ? timeText(time) : `${timeText(time)} (${timeText(time - mark, "+")})`;
     for (const controller of shown.controllers) {
       const curve = this.curves.values[controller]!;
       const value = this.at(curve, time);
@@ -287,10 +294,6 @@ export class EventChart {
       words.textContent = numberText(value) + difference;
       this.readout.append(words);
     }
-    const when = document.createElement("span");
-    when.className = "when";
-    when.textContent = mark === null ? timeText(time) : `${timeText(time)} (${differenceText(time - mark)} s)`;
-    this.readout.append(when);
   }
 
   /** Return the value of a curve at a time, level or on a line between points. */

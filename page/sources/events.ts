@@ -42,8 +42,10 @@ export function drawEvents(place: HTMLElement, data: PageData, shown: Shown): vo
 function column(data: PageData, event: ScenarioEvent, common: Common): [HTMLElement, EventChart[]] {
   const section = document.createElement("section");
   const title = document.createElement("h3");
+  const when = document.createElement("span");
+  when.className = "when";
   title.textContent = event.title;
-  section.append(title);
+  section.append(title, when);
   const times = decoded(event.samples, event.period) as number[];
   const charts: EventChart[] = [];
   const zoom = (range: [number, number] | null) => {
@@ -60,6 +62,7 @@ function column(data: PageData, event: ScenarioEvent, common: Common): [HTMLElem
       },
       common,
       event.title,
+      when,
       row === data.signals.length - 1,
       event.view,
       zoom,
