@@ -10,7 +10,8 @@ from rich.console import Console
 import clepsydra as cl
 from clepsydra.process.catalogue_names import catalogue_names
 from clepsydra.report.screen import Screen
-from clepsydra.report.study_answer import study_answer
+from clepsydra.report.study_answer import better_words, study_answer
+from clepsydra.studies.recommendation import Recommendation
 from clepsydra.studies.result import Standing
 
 
@@ -134,6 +135,25 @@ def test_a_best_of_the_same_kind_says_what_there_is_to_watch_with_it(result):
     second = replace(quiet, rank=2, mean_error=1.25)
     said = " ".join(screen(replace(result, ranking=(first, second)), 100))
     assert f"The best, {first.controller.title}, has 20 % less error; it rings." in said
+
+
+def test_a_best_with_nothing_to_watch_says_no_more_than_its_gain(result):
+    best = replace(result.ranking[0], scores={}, warnings=(), mean_error=1.0)
+    simplest = replace(best, rank=2, mean_error=1.25)
+    said = better_words(Recommendation(simplest, best))
+    assert said == f"The best, {best.controller.title}, has 20 % less error."
+
+
+def test_a_best_that_switches_at_levels_says_so():
+    plant = cl.load("wet-well:start-stop")
+    weak = cl.design.simc(plant).with_values({"level": {"K": 0.05, "Ti": 3600.0}})
+    controllers = [weak, cl.design.start_stop_levels(plant, starts_per_hour=6)]
+    load = [cl.step("inflow", "10 l/s", at="5 min")]
+    found = cl.study(plant, controllers, load, duration="1 h", accept=9)
+    assert found.best.controller.name == "Start/stop levels" != found.recommended.controller.name
+    said = " ".join(screen(found, 100))
+    assert "less error; it switches at levels, and holds no setpoint." in said
+    assert row_of(found, found.best)[-1] == "–"  # it has no max|S|
 
 
 def test_what_does_not_apply_is_counted_and_named_on_request(result):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import replace
@@ -88,7 +89,7 @@ def ranking_glance(shown: Sequence[Candidate]) -> Table:
             standing if several else "",
             *(figure.cell(process, each) for figure in figures),
             f"{each.relative_error:.2f}",
-            f"{each.maximum_sensitivity:.2f}",
+            "–" if math.isnan(each.maximum_sensitivity) else f"{each.maximum_sensitivity:.2f}",
         )
         for each, standing in zip(shown, standings, strict=True)
     ]
@@ -125,14 +126,17 @@ def better_words(advice: Recommendation) -> str:
     controller = advice.best.controller
     if advice.saved < TIE - 1.0:
         return f"{controller.name}, first of the ranking, is no better by more than 2 %."
-    if controller.further_measurements:
-        needs = f"it also measures {listed(controller.further_measurements)}"
-    elif controller.complexity is advice.simplest.controller.complexity:
-        needs = re.sub("^It", "it", watched(advice.best)[0].rstrip("."))
+    if not controller.setpoints:
+        needs = "; it switches at levels, and holds no setpoint"
+    elif controller.further_measurements:
+        needs = f"; it also measures {listed(controller.further_measurements)}"
+    elif controller.complexity is not advice.simplest.controller.complexity:
+        needs = f"; it needs {controller.complexity.words}"
     else:
-        needs = f"it needs {controller.complexity.words}"
+        said = watched(advice.best)
+        needs = re.sub("^; It", "; it", f"; {said[0].rstrip('.')}") if said else ""
     saved = f"has {100.0 * advice.saved:.0f} % less error"
-    return f"The best, {controller.title}, {saved}; {needs}."
+    return f"The best, {controller.title}, {saved}{needs}."
 
 
 def watch_lines(candidate: Candidate) -> tuple[Line, ...]:
