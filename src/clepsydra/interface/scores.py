@@ -9,6 +9,7 @@ from clepsydra.base.section import Section, Table
 from clepsydra.interface.shown import Answered
 from clepsydra.process.process import Process
 from clepsydra.scores.score import SCORES
+from clepsydra.scores.score_key import score_key
 
 if TYPE_CHECKING:
     pass
@@ -44,7 +45,7 @@ class Scores(Answered, dict[str, float]):
     def _table(self, keys: tuple[str, ...]) -> Section:
         from clepsydra.report.score_tables import score_text
 
-        signals = list(dict.fromkeys(name.partition("[")[2].removesuffix("]") for name in self))
+        signals = list(dict.fromkeys(score_key(name).signal for name in self))
         rows = []
         for key in keys:
             cells = [

@@ -20,7 +20,8 @@ from clepsydra.scores.extreme_levels import EXTREME_LEVELS
 from clepsydra.scores.marks import before, marks, per_step
 from clepsydra.scores.plant import is_own_loss
 from clepsydra.scores.sample import Held, Sample
-from clepsydra.scores.score import SCORES, Of, Score, split_score
+from clepsydra.scores.score import SCORES, Of, Score
+from clepsydra.scores.score_key import score_key
 
 
 def buffer_flows(process: Process, name: str, value: Mapping[str, ca.SX]) -> tuple[ca.SX, ca.SX]:
@@ -268,7 +269,7 @@ class RunningScores:
 
 def _score(name: str, process: Process) -> tuple[Score, str]:
     """Return the score of a name and the signal that it is of."""
-    key, signal = split_score(name)
+    key, signal = score_key(name)
     score = running_scores().get(key)
     known = score.of.signals(process) if score else ()
     if score is None or not known:

@@ -21,6 +21,7 @@ from clepsydra.report.quantities import (
 from clepsydra.report.resolution import DEVIATION, settled
 from clepsydra.scores.band import TIME_OUTSIDE
 from clepsydra.scores.score import SCORES
+from clepsydra.scores.score_key import by_signal
 from clepsydra.studies.departure import departures
 from clepsydra.studies.result import Candidate
 
@@ -51,11 +52,8 @@ class Figure:
 
     def worst(self, process: Process, candidate: Candidate) -> tuple[str, float] | None:
         """Return the signal that is worst beside its range, and its value [SI]; None for none."""
-        found = {
-            key.partition("[")[2].removesuffix("]"): value
-            for key, value in candidate.scores.items()
-            if key.partition("[")[0] == self.score and not math.isnan(value)
-        }
+        told = by_signal(candidate.scores, self.score)
+        found = {name: value for name, value in told.items() if not math.isnan(value)}
         if not found or (self.score in _OF_SWITCHES and candidate.controller.setpoints):
             return None
         if self.score == TIME_OUTSIDE.key and not departures(process, candidate.scores):

@@ -10,6 +10,7 @@ from clepsydra.process.process import Process
 from clepsydra.report.quantities import display_factor, number_text, time_cell, unit_text
 from clepsydra.report.resolution import DEVIATION, INTEGRAND, settled
 from clepsydra.scores.score import SCORES, Of, Score
+from clepsydra.scores.score_key import score_key
 from clepsydra.studies.ranking import RULE
 from clepsydra.studies.ranking_words import IDLE
 from clepsydra.studies.result import Candidate, Standing, StudyResult
@@ -114,8 +115,7 @@ def score_tables(process: Process, candidate: Candidate) -> list[Table]:
     """
     of_plant = [key for key, s in SCORES.items() if s.of in (Of.PUMP, Of.TANK, Of.INNER_LOOP)]
     of_signals = [key for key in SCORES if key not in of_plant]
-    named = [key.partition("[") for key in candidate.scores]
-    plant = dict.fromkeys(name.removesuffix("]") for key, _, name in named if key in of_plant)
+    plant = dict.fromkeys(name for key, name in map(score_key, candidate.scores) if key in of_plant)
     groups = (
         (process.controlled, of_signals),
         ([signal.name for signal in process.inputs], of_signals),
@@ -206,5 +206,5 @@ def glossary(result: StudyResult) -> list[tuple[str, str]]:
     >>> glossary(SimpleNamespace(ranking=(candidate,)))
     [('IAE', 'Integral of the absolute error over the whole run.')]
     """
-    present = {key.partition("[")[0] for entry in result.ranking for key in entry.scores}
+    present = {score_key(key).score for entry in result.ranking for key in entry.scores}
     return [(s.title, s.description) for key, s in SCORES.items() if key in present]

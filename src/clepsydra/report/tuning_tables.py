@@ -8,6 +8,7 @@ from clepsydra.report.facts import DIGITS
 from clepsydra.report.quantities import number_text
 from clepsydra.report.score_tables import score_text
 from clepsydra.scores.score import SCORES
+from clepsydra.scores.score_key import score_key
 from clepsydra.studies.tuning.result import TuningResult
 
 
@@ -39,14 +40,14 @@ def tuning_grid(tuning: TuningResult, process: Process, duration: float = 0.0) -
         ("max|S|", *(number_text(value) for value in peaks)),
     ]
     for key, value in tuning.scores.items():
-        name, _, signal = key.removesuffix("]").partition("[")
+        name, signal = score_key(key)
         before = tuning.start_scores[key]
         if name in SCORES and signal:
             cells = [
                 " ".join(score_text(process, signal, number, SCORES[name], duration)).strip()
                 for number in (before, value)
             ]
-            rows.append((f"{SCORES[name].title} of {signal}", *cells))
+            rows.append((score_key(key).title, *cells))
         else:
             rows.append((key, number_text(before), number_text(value)))
     return Table("Tuned by simulation", ("", "start", "tuned"), tuple(rows))

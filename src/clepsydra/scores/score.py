@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from clepsydra.base.errors import InputError
 from clepsydra.base.registry import Registry
 from clepsydra.scores.marks import along, elapsed
 from clepsydra.scores.sample import Expression, Fold, Sample
@@ -202,21 +201,3 @@ def in_sentence(title: str) -> str:
     ('total variation', 'IAE, load', 'load error')
     """
     return title if title[:2].isupper() else f"{title[:1].lower()}{title[1:]}"
-
-
-def split_score(name: str) -> tuple[str, str]:
-    """Return score and signal of "score[signal]".
-
-    Raises
-    ------
-    InputError
-
-    Examples
-    --------
-    >>> split_score("iae[level_1]")
-    ('iae', 'level_1')
-    """
-    score, bracket, rest = name.partition("[")
-    if not bracket or not rest.endswith("]"):
-        raise InputError("score", name, "a score of a signal", 'write it as in "iae[level_1]"')
-    return score, rest[:-1]

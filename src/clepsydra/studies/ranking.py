@@ -12,6 +12,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.process.process import Process
 from clepsydra.scores.band import TIME_OUTSIDE
 from clepsydra.scores.score import SCORES, in_sentence
+from clepsydra.scores.score_key import score_key
 from clepsydra.studies.departure import departures
 from clepsydra.studies.ranking_words import (
     IDLE,
@@ -246,7 +247,7 @@ class _Judge:
         } or {"error": [f"iae[{name}]" for name in process.controlled]}
         if best_of[0].standing is Standing.OUTSIDE:  # all others leave a band too
             usual = {TIME_OUTSIDE.title: [f"{TIME_OUTSIDE.key}[{name}]" for name in process.bands]}
-        self.judged = {_title(score): keys for score, keys in named.items()} or usual
+        self.judged = {score_key(score).title: keys for score, keys in named.items()} or usual
 
     def criteria(self, trial: Trial) -> dict[str, float]:
         """Return the mean multiple of each criterion."""
@@ -269,7 +270,7 @@ class _Judge:
         finite = [found for found in known if math.isfinite(found)]
         if not finite:
             return 1.0
-        less_is_better = SCORES[key.partition("[")[0]].smaller_is_better
+        less_is_better = score_key(key).declared.smaller_is_better
         better, worse = (min(finite), value) if less_is_better else (value, max(finite))
         if max(better, smallest) == 0.0:
             return 1.0 if worse == 0.0 else math.inf
@@ -277,7 +278,7 @@ class _Judge:
 
     def _smallest(self, key: str) -> float:
         """Return what of a score is only rounding."""
-        score, _, name = key.removesuffix("]").partition("[")
+        score, name = score_key(key)
         if score == "variance_ratio":
             return _SMALLEST_RATIO
         if score == "outflow_rate":
@@ -319,9 +320,9 @@ def _judged_by(process: Process) -> tuple[tuple[str, str, tuple[str, ...]], ...]
 
 def _keys(score: str, scores: Mapping[str, float]) -> list[str]:
     """Return the scores of a run that a name stands for."""
-    found = [key for key in scores if score in (key, key.partition("[")[0])]
+    found = [key for key in scores if score in (key, score_key(key).score)]
     if not found:
-        known = ", ".join(dict.fromkeys(key.partition("[")[0] for key in scores))
+        known = ", ".join(dict.fromkeys(score_key(key).score for key in scores))
         raise InputError(
             "ranking, scores", score, f"a score of this scenario and its signals: {known}",
             "choose one of them, or give the scenario the step that it judges",
@@ -330,10 +331,4 @@ def _keys(score: str, scores: Mapping[str, float]) -> list[str]:
 
 
 def _listed(scores: Sequence[str]) -> str:
-    return " and ".join(in_sentence(_title(score)) for score in scores)
-
-
-def _title(score: str) -> str:
-    """Return what a table calls a score, "IAE" or "IAE of level"."""
-    name, _, signal = score.removesuffix("]").partition("[")
-    return SCORES[name].title + (f" of {signal}" if signal else "")
+    return " and ".join(in_sentence(score_key(score).title) for score in scores)

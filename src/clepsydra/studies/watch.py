@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from clepsydra.scores.score_key import by_signal
 from clepsydra.studies.result import Candidate
 from clepsydra.studies.warnings.accuracy import accuracy_warnings
 
@@ -28,14 +29,9 @@ def watched(candidate: Candidate) -> tuple[str, ...]:
     Its rule was slowed 1.22 times, until it was robust.
     """
     run, averaging = candidate.run, candidate.run.process.averaging
-    overshoot = max(
-        (
-            value
-            for key, value in candidate.scores.items()
-            if key.startswith("overshoot[") and key[len("overshoot[") : -1] not in averaging
-        ),
-        default=0.0,
-    )
+    overshoots = by_signal(candidate.scores, "overshoot")
+    held = (value for name, value in overshoots.items() if name not in averaging)
+    overshoot = max(held, default=0.0)
     said = []
     if overshoot > _OVERSHOOT:
         said.append(f"It overshoots a step of the setpoint by {overshoot:.0f} %.")

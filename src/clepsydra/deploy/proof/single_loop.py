@@ -14,6 +14,7 @@ from clepsydra.loop.loop import Loop
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
 from clepsydra.scores.score import SCORES
+from clepsydra.scores.score_key import score_key
 from clepsydra.studies.ranking import Trial, rank
 from clepsydra.studies.trial import scores_of
 
@@ -128,12 +129,12 @@ def _ranking(runs: list[Run], scores: list[dict[str, float]]) -> float:
 
 def _natural_size(key: str, run: Run) -> float:
     """Return what a score is large against, in its own unit; 0 where nothing is known."""
-    score, _, rest = key.partition("[")
+    score, signal = score_key(key)
     by_range, by_time = _SIZES.get(SCORES[score].unit_rule, (0, 0)) if score in SCORES else (0, 0)
     if by_range == by_time == 0:
         return 100.0 if score in SCORES and SCORES[score].unit_rule.startswith("%") else 0.0
     spans = [s.span for s in (*run.process.measurements, *run.process.inputs)
-             if s.name == rest.rstrip("]")]  # fmt: skip
+             if s.name == signal]  # fmt: skip
     span = spans[0] if spans and math.isfinite(spans[0]) else 0.0
     return float(span**by_range * run.scenario.duration**by_time)
 

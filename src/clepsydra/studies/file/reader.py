@@ -18,6 +18,7 @@ from clepsydra.process.document import kind_of, parse
 from clepsydra.process.process import Process
 from clepsydra.process.table_reader import TableReader
 from clepsydra.scores.score import SCORES
+from clepsydra.scores.score_key import score_key
 from clepsydra.studies.file.controller_reader import controller_schema, read_controllers
 from clepsydra.studies.file.fields import table_below
 from clepsydra.studies.file.process_reference import read_process
@@ -39,21 +40,21 @@ def _scores(table: TableReader, key: str, known: Mapping[str, Any]) -> tuple[str
     names = table.names(key, "a list of scores", remedy)
     signals = _signals(process)
     for name in names:
-        score, bracket, rest = name.partition("[")
-        if score not in SCORES or (bracket and not rest.endswith("]")):
+        key_of, signal = score_key(name)
+        if key_of not in SCORES:
             raise table.refused(
                 key,
                 name[:60],
                 f"scores of {', '.join(SCORES)}, of all their signals or of one, as in "
                 '"iae[level_1]"',
-                suggestion(score, SCORES, "choose from these"),
+                suggestion(key_of, SCORES, "choose from these"),
             )
-        if bracket and rest[:-1] not in signals:
+        if signal and signal not in signals:
             raise table.refused(
                 key,
                 name[:60],
                 f"the score of a signal of {process.name} ({', '.join(signals)})",
-                suggestion(rest[:-1], signals, "choose one of them"),
+                suggestion(signal, signals, "choose one of them"),
             )
     return names
 

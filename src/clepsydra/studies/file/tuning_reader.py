@@ -17,6 +17,7 @@ from clepsydra.process.process import Process
 from clepsydra.process.signal_values import read_value
 from clepsydra.process.table_reader import TableReader, shown_value
 from clepsydra.scores.score import SCORES
+from clepsydra.scores.score_key import ScoreKey, score_key
 from clepsydra.studies.file.tuning_bounds import Bound
 from clepsydra.studies.file.tuning_request import TuningRequest, WeightedStart
 from clepsydra.studies.tuning.lqi_weights import KINDS
@@ -159,8 +160,8 @@ def _objective(table: TableReader, process: Process) -> Objective:
 
 def _scores(table: TableReader, name: str, process: Process) -> list[str]:
     """Return the scores of single signals that a name stands for."""
-    score, bracket, rest = name.partition("[")
-    if score not in judged() or (bracket and not rest.endswith("]")):
+    score, wanted = score_key(name)
+    if score not in judged():
         raise table.refused(
             "objective",
             name[:60],
@@ -176,14 +177,14 @@ def _scores(table: TableReader, name: str, process: Process) -> list[str]:
             f"a score that {process.name} has: it has no level that averages",
             "choose another, or name averaging in the process file",
         )
-    if not bracket:
-        return [f"{score}[{signal}]" for signal in known]
-    if rest[:-1] not in known:
+    if not wanted:
+        return [str(ScoreKey(score, signal)) for signal in known]
+    if wanted not in known:
         raise table.refused(
             "objective",
             name[:60],
             f"{score} of one of {', '.join(known)}",
-            suggestion(rest[:-1], known, "choose one of them"),
+            suggestion(wanted, known, "choose one of them"),
         )
     return [name]
 

@@ -20,7 +20,7 @@ from clepsydra.loop.running_scores import RunningScores, running_scores
 from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.step_size import MOST_SUBSTEPS
 from clepsydra.program.program import Program
-from clepsydra.scores.score import split_score
+from clepsydra.scores.score_key import score_key
 from clepsydra.studies.tuning.resting_states import resting_states
 
 
@@ -176,4 +176,4 @@ class BatchEvaluation:
 
 
 def _together(name: str, one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    return running_scores()[split_score(name)[0]].fold.together(one, other)
+    return running_scores()[score_key(name).score].fold.together(one, other)

@@ -12,7 +12,8 @@ import numpy as np
 
 from clepsydra.base.arguments import is_finite_number, require_type
 from clepsydra.base.errors import InputError
-from clepsydra.scores.score import SCORES, split_score
+from clepsydra.scores.score import SCORES
+from clepsydra.scores.score_key import score_key
 
 #: Above its limit by this share, a candidate still counts as one that stands on it.
 ON_LIMIT = 1e-6
@@ -62,9 +63,13 @@ class Objective:
         if not self.weights:
             raise InputError("tuning, objective", "none", "a score", 'name one: "iae[level_1]"')
         for name, weight in self.weights.items():
-            if split_score(name)[0] not in judged():
+            key = score_key(name)
+            if key.score not in judged() or not key.signal:
                 raise InputError(
-                    "tuning, objective", name, f"one of {', '.join(judged())}", "choose another"
+                    "tuning, objective",
+                    name,
+                    f"a signal's score of {', '.join(judged())}",
+                    'write as in "iae[level_1]"',
                 )
             if not is_finite_number(weight) or not weight > 0.0:
                 raise InputError(
@@ -100,18 +105,20 @@ class Objective:
             value = start[name]
             if self.relative and not (math.isfinite(value) and value != 0.0):
                 raise InputError(
-                    f"tuning, objective, {name}", value, "a finite score above 0 at the start",
+                    f"tuning, objective, {name}",
+                    value,
+                    "a finite score above 0 at the start",
                     "start from a controller that holds the loop, or take relative=False",
-                )  # fmt: skip
+                )
 
     @property
     def words(self) -> str:
         """The objective as a phrase."""
         named = []
         for name, weight in self.weights.items():
-            score, signal = split_score(name)
+            key = score_key(name)
             times = "" if weight == 1.0 else f"{weight:g} × "
-            named.append(f"{times}{SCORES[score].words} of {signal}")
+            named.append(f"{times}{key.declared.words} of {key.signal}")
         if len(named) > 1:
             lead = {"minimax": f"the large{'r' if len(named) == 2 else 'st'} of ",
                     "weighted": "the sum of "}[self.kind]  # fmt: skip
@@ -208,9 +215,11 @@ number above 1; 1.4 to 2 is customary.
         for name, limit in self.total_variation.items():
             if not isinstance(limit, Real) or not limit > 0.0:
                 raise InputError(
-                    f"{place}, total_variation, {name}", limit, "a number above 0",
+                    f"{place}, total_variation, {name}",
+                    limit,
+                    "a number above 0",
                     f"give it in the unit of {name}",
-                )  # fmt: skip
+                )
         _check_mapping(
             f"{place}, levels", self.levels, "levels with their lowest and highest value",
             '{"tank_1.level": (0.1, 0.9)}',
@@ -219,9 +228,11 @@ number above 1; 1.4 to 2 is customary.
             pair = isinstance(ends, tuple | list) and len(ends) == 2
             if not pair or not all(map(is_finite_number, ends)) or not ends[0] < ends[1]:
                 raise InputError(
-                    f"{place}, levels, {name}", ends if pair else "no pair of numbers",
-                    "a lowest level below a highest one", "give both in m",
-                )  # fmt: skip
+                    f"{place}, levels, {name}",
+                    ends if pair else "no pair of numbers",
+                    "a lowest level below a highest one",
+                    "give both in m",
+                )
 
 
 def _check_mapping(place: str, value: object, expected: str, example: str) -> None:

@@ -11,7 +11,7 @@ from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.designs.gain_units import percent_gain
 from clepsydra.process.joined_unit import BESIDE
 from clepsydra.process.process import Process
-from clepsydra.scores.score import split_score
+from clepsydra.scores.score_key import score_key
 from clepsydra.studies.tuning.search_space import NumberWords
 
 
@@ -93,7 +93,7 @@ def limit_words(name: str, limit: float, process: Process) -> str:
     >>> limit_words("lowest_under_load[level]", 0.3, load_process("equalisation-tank"))
     'level at least 30 % under load'
     """
-    score, signal = split_score(name)
+    score, signal = score_key(name)
     percent = score == "overshoot"
     shown = f"{limit:.4g} %" if percent else _quantity(process.signal(signal), limit)
     end, _, when = score.partition("_")

@@ -18,7 +18,7 @@ from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.lane_status import LaneStatus
 from clepsydra.loop.running_scores import running_scores
 from clepsydra.loop.scenario import Scenario
-from clepsydra.scores.score import split_score
+from clepsydra.scores.score_key import score_key
 from clepsydra.studies.tuning.batch import BatchEvaluation
 from clepsydra.studies.tuning.goal import Goal
 from clepsydra.studies.tuning.memory import Memory
@@ -300,6 +300,6 @@ class TuningProblem:
 
 def _margin(name: str, scores: np.ndarray, limit: float) -> np.ndarray:
     """Return the room to a limit, as a share of it [n]."""
-    smaller = running_scores()[split_score(name)[0]].smaller_is_better
+    smaller = running_scores()[score_key(name).score].smaller_is_better
     room = limit - scores if smaller else scores - limit
     return np.asarray(room / (abs(limit) or 1.0))

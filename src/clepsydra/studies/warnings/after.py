@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from clepsydra.loop.run import Run
+from clepsydra.scores.score_key import by_signal
 from clepsydra.studies.warnings.accuracy import accuracy_warnings
 from clepsydra.studies.warnings.harm import emptied, harms
 from clepsydra.studies.warnings.inner_setpoint import inner_setpoint_warnings
@@ -63,10 +64,7 @@ def warnings_after(run: Run, scores: Mapping[str, float]) -> tuple[str, ...]:
     --------
     See `run_warnings`, `settling.settling_warnings` and `unfinished.unfinished_warnings`.
     """
-    held = {
-        key: value
-        for key, value in scores.items()
-        if (name := key.partition("[")[2].removesuffix("]")) not in run.process.averaging
-        and name in run.controller.setpoints
-    }
+    followed = set(run.controller.setpoints) - set(run.process.averaging)
+    times = by_signal(scores, "settling_time")
+    held = {name: time for name, time in times.items() if name in followed}
     return (*run_warnings(run), *settling_warnings(held), *unfinished_warnings(run))
