@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -85,3 +86,6 @@ class Row:
             "verdict": self.verdict,
             "reason": self.reason,
         }
+
+
+Rows = Iterator[Row]

@@ -46,7 +46,7 @@ from clepsydra.papers.comparison import (
     stated,
 )
 from clepsydra.papers.document import Findings
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Row, Rows
 
 _A = symbols("A")
 _STRUCTURE = "Taken from the print, chosen and not computed: by (49) T11 alone compensates."
@@ -86,27 +86,24 @@ def run() -> Findings:
     return Findings(tuple(rows))
 
 
-def _pairing() -> list[Row]:
-    rows = []
+def _pairing() -> Rows:
     for section in _SECTIONS:
         G = plant(section.variant).transfer
         gains = G.multiply_elementwise(G.inv().T).applyfunc(simplify)
-        rows += compared_all(PRINTED, section.rga, entries("RGA", gains))
-    return rows
+        yield from compared_all(PRINTED, section.rga, entries("RGA", gains))
 
 
-def _decoupler() -> list[Row]:
+def _decoupler() -> Rows:
     first, second, wanted = symbols("G_p11 G_p12 T_11")
     (solved,) = solve(wanted * second + first, wanted)
     T = decoupler("outflow")
-    rows = compared_formulas(PRINTED, "(49)", {"T11": solved})
+    yield from compared_formulas(PRINTED, "(49)", {"T11": solved})
     for ending, found in (("", T), (" at rest", T.subs(AT_REST))):
         for (row, column), element in _ELEMENTS.items():
             line = PRINTED["(50)", f"{element}{ending} (row {row + 1}, column {column + 1})"]
             judged = compared_formula(line, found[row, column])
             # All but T11 are a choice of structure.
-            rows.append(judged if element == "T11" else circular(judged, _STRUCTURE))
-    return rows
+            yield (judged if element == "T11" else circular(judged, _STRUCTURE))
 
 
 def _loops(section: _Section, first: Expr, second: Expr) -> tuple[Any, Any]:
@@ -149,57 +146,50 @@ def _stability(place: str, gains: str, closed: Any, sign: int, note: str = "") -
     return claimed(PRINTED[place, f"stability, {place}"], stable, found, reason=reason)
 
 
-def _proportional(section: _Section) -> list[Row]:
+def _proportional(section: _Section) -> Rows:
     (place, of_error, at_rest), gains = section.p, section.gains[0]
     closed, error = _loops(section, K1, K2)
     if section.variant == "outflow":
-        rows = compared_formulas(PRINTED, place, entries("GCL", closed))
-        rows.append(_stability(place, gains, closed, 1))
+        yield from compared_formulas(PRINTED, place, entries("GCL", closed))
+        yield _stability(place, gains, closed, 1)
     else:
         # The -1 of f_out is left out here, to be found missing.
         bare, _ = closed_loop("inflow", controller(K1, K2))
         (pole,) = solve(denom(together(bare[1, 1])), s)
         holds = bool(pole.subs(K2, -K2).is_negative and pole.is_positive)
         without = PRINTED[place, "stability without the gain of -1"]
-        rows = [
-            *compared_formulas(PRINTED, place, entries("GCL", bare)),
-            claimed(without, holds, f"pole at s = {pole}"),
-            _stability(gains, gains, closed, -1),
-        ]
-    rows += compared_formulas(PRINTED, of_error, entries("GE", error))
-    return rows + compared_formulas(PRINTED, at_rest, entries("ess", _steady_state(error)))
+        yield from compared_formulas(PRINTED, place, entries("GCL", bare))
+        yield claimed(without, holds, f"pole at s = {pole}")
+        yield _stability(gains, gains, closed, -1)
+    yield from compared_formulas(PRINTED, of_error, entries("GE", error))
+    yield from compared_formulas(PRINTED, at_rest, entries("ess", _steady_state(error)))
 
 
-def _integral(section: _Section) -> list[Row]:
+def _integral(section: _Section) -> Rows:
     place, of_error, at_rest = section.pi
     closed, error = _loops(section, K1 * (1 + 1 / (Ti1 * s)), K2 * (1 + 1 / (Ti2 * s)))
     note = " They are those of (57) and (73); (56) is damaged." if place == "(56)" else ""
-    return [
-        *compared_formulas(PRINTED, place, entries("GCL", closed)),
-        _stability(place, section.gains[1], closed, section.sign, note),
-        *compared_formulas(PRINTED, of_error, entries("GE", error)),
-        *compared_formulas(PRINTED, at_rest, entries("ess", _steady_state(error))),
-    ]
+    yield from compared_formulas(PRINTED, place, entries("GCL", closed))
+    yield _stability(place, section.gains[1], closed, section.sign, note)
+    yield from compared_formulas(PRINTED, of_error, entries("GE", error))
+    yield from compared_formulas(PRINTED, at_rest, entries("ess", _steady_state(error)))
 
 
-def _derivative(section: _Section) -> list[Row]:
+def _derivative(section: _Section) -> Rows:
     first = K1 * (1 + 1 / (Ti1 * s) + Td1 * s)
     second = K2 * (1 + 1 / (Ti2 * s) + Td2 * s)
     closed, error = _loops(section, first, second)
     place, gains = section.pid, section.gains[2]
     loops = entries("GCL", closed)
-    rows = compared_formulas(
+    yield from compared_formulas(
         PRINTED, gains, entries("Gc", controller(first, section.sign * second))
     )
     if section.variant == "inflow":
-        rows.append(stated(PRINTED[place, "GCL11"], str(loops.pop("GCL11")), False))
-    return [
-        *rows,
-        *compared_formulas(PRINTED, place, loops),
-        _stability(place, gains, closed, section.sign),
-        claimed(
-            PRINTED[place, f"steady state, {place}"],
-            _steady_state(error) == Matrix.zeros(2, 2),
-            "zero in both loops",
-        ),
-    ]
+        yield stated(PRINTED[place, "GCL11"], str(loops.pop("GCL11")), False)
+    yield from compared_formulas(PRINTED, place, loops)
+    yield _stability(place, gains, closed, section.sign)
+    yield claimed(
+        PRINTED[place, f"steady state, {place}"],
+        _steady_state(error) == Matrix.zeros(2, 2),
+        "zero in both loops",
+    )

@@ -90,11 +90,7 @@ class ContinuousRun:
 
 @cache
 def continuous_run(
-    constants: Constants,
-    *,
-    free: bool = False,
-    horizon: float = 20.0,
-    longest_step: float = 1e-3,
+    constants: Constants, *, free: bool = False, horizon: float = 20.0, longest_step: float = 1e-3
 ) -> ContinuousRun:
     """Return the document's step of both references under PI control without a hold.
 

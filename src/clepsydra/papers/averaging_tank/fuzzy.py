@@ -44,7 +44,7 @@ from clepsydra.papers.averaging_tank.step_run import (
 from clepsydra.papers.averaging_tank.trends import trend_figure
 from clepsydra.papers.comparison import circular, claimed, compared, remark
 from clepsydra.papers.document import Findings
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Rows
 from clepsydra.process.document import parse
 from clepsydra.scores.step_response import overshoot
 
@@ -156,7 +156,7 @@ def _overshoot(found: Run, output: str) -> float:
     )
 
 
-def _table_8() -> list[Row]:
+def _table_8() -> Rows:
     filtered = indices(fuzzy_run(FILTERED))
     printed = printed_indices("Table 8")
     evidence = [
@@ -166,23 +166,22 @@ def _table_8() -> list[Row]:
             printed["ISE", "C"] / 0.125 < 0.2 * printed["IAE", "C"],
         ),
     ]
-    rows = []
     for index, output in printed:
         line = PRINTED["Table 8", f"{index} of {output}"]
         is_exponent = (index, output) == ("IAE", "C")
         row = compared(line, filtered[index, output], right_if=evidence if is_exponent else ())
         if row.verdict == "misprint":
             row = dataclasses.replace(row, reason=line.note)
-        rows.append(circular(row, "Filter and horizon were chosen by the cells of this table."))
-    return rows
+        yield circular(row, "Filter and horizon were chosen by the cells of this table.")
 
 
-def claims(reading: Reading) -> list[Row]:
+def claims(reading: Reading) -> Rows:
     """Judge what sections 3.3 to 5 say of the runs, in a reading."""
-    return [*_behaviour(reading), *_rest(reading)]
+    yield from _behaviour(reading)
+    yield from _rest(reading)
 
 
-def _behaviour(reading: Reading) -> list[Row]:
+def _behaviour(reading: Reading) -> Rows:
     found, finer = fuzzy_run(reading), fuzzy_run(reading, period=0.5 * PERIOD)
     free, limited = (continuous_run(OPTIMAL["outflow"], free=each) for each in (True, False))
     others: dict[str, Callable[[str], float]] = {
@@ -203,55 +202,53 @@ def _behaviour(reading: Reading) -> list[Row]:
     above_pi = [f"{i} of {o}" for (i, o), v in pi_indices().items() if printed[i, o] > v]
     below = [f"{i} of {o}" for (i, o), v in pi_indices().items() if printed[i, o] < v]
     told = "; ".join(f"{who} {t['C']:.2f} s" for who, t in slower.items())
-    return [
-        claimed(
-            PRINTED["section 4", "overshoot, fuzzy"],
-            max(over.values()) < 0.1 and max(less.values()) < 1e-3 * max(over.values()),
-            f"C {over['C']:.2g} %, V {over['V']:.2g} % of the step, sampled every 0.2 ms",
-            reason="The document's derivatives are continuous, and this comes from the sampling: "
-            f"at 0.1 ms it is {less['C']:.1g} and {less['V']:.1g} %. With a filter of 2 ms.",
-        ),
-        remark(PRINTED["section 4", "C, fuzzy against the others"], f"{times['C']:.3f} s; {told}"),
-        claimed(
-            PRINTED["section 4", "settling times, fuzzy against LQI"],
-            all(times[o] < 0.5 * slower["LQI"][o] for o in times),
-            ", ".join(f"{o} {times[o]:.3f} s against {slower['LQI'][o]:.3f} s" for o in times),
-        ),
-        claimed(
-            PRINTED["section 4", "control values, fuzzy"],
-            highest["inflow"] < HIGHEST_FLOW
-            and highest["outflow"] < HIGHEST_FLOW
-            and highest["inflow.impurity"] < HIGHEST_INLET * KMOL
-            and min(lowest.values()) > 0.0,
-            f"f_in {lowest['inflow']:.2f} to {highest['inflow']:.2f}, f_out "
-            f"{lowest['outflow']:.2f} to {highest['outflow']:.2f} m³/s, C_in "
-            f"{lowest['inflow.impurity'] / KMOL:.1f} to {highest['inflow.impurity'] / KMOL:.1f} "
-            "kmol/m³",
-        ),
-        remark(
-            PRINTED["section 4", "change rates, fuzzy"],
-            f"f_in {_rate(found, 'inflow'):.0f} m³/s², C_in "
-            f"{_rate(found, 'inflow.impurity') / KMOL:.0f} kmol/(m³ s)",
-            reason="Neither threshold nor sampling period is printed. Largest change between "
-            "samples, every 0.2 ms, after the jump at the first one, with a filter of 2 ms; with "
-            "half the period f_in changes at "
-            f"{_rate(finer, 'inflow') / _rate(found, 'inflow'):.1f} times the rate: it jumps.",
-        ),
-        claimed(
-            PRINTED["section 4", "indices, fuzzy against LQI"],
-            not above_lqi,
-            f"{len(of_lqi) - len(above_lqi)} of {len(of_lqi)} cells",
-        ),
-        remark(
-            PRINTED["section 4", "indices, fuzzy against all"],
-            f"Table 6 is lower in {', '.join(above_pi)}",
-            reason="By which index is not said: Table 8 against Table 6, f_out constant, of IE the "
-            f"size, IAE of C as 8.80E-03. It holds of {', '.join(below)}, and fails of the others.",
-        ),
-    ]
+    yield claimed(
+        PRINTED["section 4", "overshoot, fuzzy"],
+        max(over.values()) < 0.1 and max(less.values()) < 1e-3 * max(over.values()),
+        f"C {over['C']:.2g} %, V {over['V']:.2g} % of the step, sampled every 0.2 ms",
+        reason="The document's derivatives are continuous, and this comes from the sampling: "
+        f"at 0.1 ms it is {less['C']:.1g} and {less['V']:.1g} %. With a filter of 2 ms.",
+    )
+    yield remark(PRINTED["section 4", "C, fuzzy against the others"], f"{times['C']:.3f} s; {told}")
+    yield claimed(
+        PRINTED["section 4", "settling times, fuzzy against LQI"],
+        all(times[o] < 0.5 * slower["LQI"][o] for o in times),
+        ", ".join(f"{o} {times[o]:.3f} s against {slower['LQI'][o]:.3f} s" for o in times),
+    )
+    yield claimed(
+        PRINTED["section 4", "control values, fuzzy"],
+        highest["inflow"] < HIGHEST_FLOW
+        and highest["outflow"] < HIGHEST_FLOW
+        and highest["inflow.impurity"] < HIGHEST_INLET * KMOL
+        and min(lowest.values()) > 0.0,
+        f"f_in {lowest['inflow']:.2f} to {highest['inflow']:.2f}, f_out "
+        f"{lowest['outflow']:.2f} to {highest['outflow']:.2f} m³/s, C_in "
+        f"{lowest['inflow.impurity'] / KMOL:.1f} to {highest['inflow.impurity'] / KMOL:.1f} "
+        "kmol/m³",
+    )
+    yield remark(
+        PRINTED["section 4", "change rates, fuzzy"],
+        f"f_in {_rate(found, 'inflow'):.0f} m³/s², C_in "
+        f"{_rate(found, 'inflow.impurity') / KMOL:.0f} kmol/(m³ s)",
+        reason="Neither threshold nor sampling period is printed. Largest change between "
+        "samples, every 0.2 ms, after the jump at the first one, with a filter of 2 ms; with "
+        "half the period f_in changes at "
+        f"{_rate(finer, 'inflow') / _rate(found, 'inflow'):.1f} times the rate: it jumps.",
+    )
+    yield claimed(
+        PRINTED["section 4", "indices, fuzzy against LQI"],
+        not above_lqi,
+        f"{len(of_lqi) - len(above_lqi)} of {len(of_lqi)} cells",
+    )
+    yield remark(
+        PRINTED["section 4", "indices, fuzzy against all"],
+        f"Table 6 is lower in {', '.join(above_pi)}",
+        reason="By which index is not said: Table 8 against Table 6, f_out constant, of IE the "
+        f"size, IAE of C as 8.80E-03. It holds of {', '.join(below)}, and fails of the others.",
+    )
 
 
-def _rest(reading: Reading) -> list[Row]:
+def _rest(reading: Reading) -> Rows:
     """Judge what rules (103) do to the settling of C."""
     plain = reading._replace(added_rules=False)
     turned = []
@@ -260,11 +257,9 @@ def _rest(reading: Reading) -> list[Row]:
             settling(fuzzy_run(each, (size, 0.0), 20.0), "C", size) for each in (reading, plain)
         )
         turned.append((words, with_rules, without))
-    return [
-        claimed(
-            PRINTED["section 3.3", "rules (103)"],
-            all(with_rules < without for _, with_rules, without in turned)
-            and turned[1][2] - turned[1][1] > turned[0][2] - turned[0][1],
-            ", ".join(f"{a:.2f} s against {b:.2f} s ({words} step)" for words, a, b in turned),
-        ),
-    ]
+    yield claimed(
+        PRINTED["section 3.3", "rules (103)"],
+        all(with_rules < without for _, with_rules, without in turned)
+        and turned[1][2] - turned[1][1] > turned[0][2] - turned[0][1],
+        ", ".join(f"{a:.2f} s against {b:.2f} s ({words} step)" for words, a, b in turned),
+    )

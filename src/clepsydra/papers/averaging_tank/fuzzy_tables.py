@@ -7,13 +7,13 @@ from clepsydra.controllers.fuzzy.rule import Some, atoms
 from clepsydra.controllers.fuzzy.system import FuzzySystem
 from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.comparison import claimed, compared, remark, stated
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Rows
 
 #: Names of the sets of the flows, as printed; the file has one name for S and S0.
 _TABLE_3 = ("ZO", "S0", "M", "LM", "LL")
 
 
-def tables(system: FuzzySystem, with_printed_top: FuzzySystem) -> list[Row]:
+def tables(system: FuzzySystem, with_printed_top: FuzzySystem) -> Rows:
     """Judge Tables 2 to 5 by each other.
 
     Parameters
@@ -33,41 +33,39 @@ def tables(system: FuzzySystem, with_printed_top: FuzzySystem) -> list[Row]:
     assert isinstance(edge, Trapezoid)
     misread = with_printed_top.outputs[0].sets["LL"]
     degree = float(misread.degrees(flow.high))
-    return [
-        stated(
-            PRINTED["Table 2", "names of the last two sets of eV"], "PS, PL", set(printed) <= named
-        ),
-        compared(
-            PRINTED["Table 3", "top of LL"],
-            edge.end,
-            right_if=[
-                ("8.0 lies beyond the range 0 to 1, and LM ends at 0.8", 8.0 > flow.high == 1.0),
-                (
-                    "every other shoulder of Tables 2 and 3 reaches 1 within its range",
-                    degree < 0.1 and _shoulders_reach_one(system),
-                ),
-            ],
-        ),
-        stated(PRINTED["Table 4", "caption"], "regarding V(t)", lower == {"e_C", "de_C"}),
-        stated(PRINTED["Table 5", "caption"], "regarding C(t)", upper == {"e_V", "de_V"}),
-        stated(PRINTED["Table 4", "name of the set small"], "S0", "S" in _TABLE_3),
-        remark(
-            PRINTED["section 3.3", "union"], f"{unions} of {len(system.rules)} rules have an OR"
-        ),
-        compared(
-            PRINTED["(103a)", "number of the first added rule"], float(len(lower_rules) + 9 + 1)
-        ),
-        claimed(
-            PRINTED["Tables 2 and 3", "shapes"],
-            all(
-                _symmetrical(variable.sets[name]) == (name not in ("M", "LM"))
-                for variable in (*by_input.values(), flow, inlet)
-                for name in variable.sets
-                if _is_triangle(variable.sets[name])
+    yield stated(
+        PRINTED["Table 2", "names of the last two sets of eV"], "PS, PL", set(printed) <= named
+    )
+    yield compared(
+        PRINTED["Table 3", "top of LL"],
+        edge.end,
+        right_if=[
+            ("8.0 lies beyond the range 0 to 1, and LM ends at 0.8", 8.0 > flow.high == 1.0),
+            (
+                "every other shoulder of Tables 2 and 3 reaches 1 within its range",
+                degree < 0.1 and _shoulders_reach_one(system),
             ),
-            "all triangles but M and LM are symmetrical",
+        ],
+    )
+    yield stated(PRINTED["Table 4", "caption"], "regarding V(t)", lower == {"e_C", "de_C"})
+    yield stated(PRINTED["Table 5", "caption"], "regarding C(t)", upper == {"e_V", "de_V"})
+    yield stated(PRINTED["Table 4", "name of the set small"], "S0", "S" in _TABLE_3)
+    yield remark(
+        PRINTED["section 3.3", "union"], f"{unions} of {len(system.rules)} rules have an OR"
+    )
+    yield compared(
+        PRINTED["(103a)", "number of the first added rule"], float(len(lower_rules) + 9 + 1)
+    )
+    yield claimed(
+        PRINTED["Tables 2 and 3", "shapes"],
+        all(
+            _symmetrical(variable.sets[name]) == (name not in ("M", "LM"))
+            for variable in (*by_input.values(), flow, inlet)
+            for name in variable.sets
+            if _is_triangle(variable.sets[name])
         ),
-    ]
+        "all triangles but M and LM are symmetrical",
+    )
 
 
 def _has_union(condition: object) -> bool:

@@ -17,13 +17,7 @@ from clepsydra.papers.averaging_tank.lqi_runs import (
 )
 from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.printed_tables import KEYS
-from clepsydra.papers.averaging_tank.step_run import (
-    MEASURED,
-    PERIOD,
-    STEPS,
-    indices,
-    settling,
-)
+from clepsydra.papers.averaging_tank.step_run import MEASURED, PERIOD, STEPS, indices, settling
 from clepsydra.papers.averaging_tank.trends import trend_figure
 from clepsydra.papers.comparison import (
     circular,
@@ -37,7 +31,7 @@ from clepsydra.papers.comparison import (
 from clepsydra.papers.document import Findings
 from clepsydra.papers.figure import Figure
 from clepsydra.papers.printed import Printed, printed_number
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Row, Rows
 
 #: Pairs of columns: the same tuning with either flow constant; optimal after by hand.
 _BY_FLOW, _BY_TUNING = ((0, 2), (1, 3)), ((1, 0), (3, 2))
@@ -50,7 +44,7 @@ def run() -> Findings:
     return Findings((*_gains(), *_table_7(), *_squared_slopes(), *_claims()), _figures())
 
 
-def _gains() -> list[Row]:
+def _gains() -> Rows:
     hand, best, other, last = (_named(gains(column)) for column in COLUMNS)
     f12 = PRINTED["(97b)", "F12"].value
     square = (
@@ -58,18 +52,16 @@ def _gains() -> list[Row]:
         abs(hand["Fi12"] ** 2 - COLUMNS[0].states[3]) < 1e-6
         and abs((f12**2 - COLUMNS[0].states[1]) / 2.0 - hand["Fi12"]) < 2e-4,
     )
-    rows = [
-        *(
-            compared(PRINTED["(97b)", name], hand[name], right_if=[square] * (name == "Fi12"))
-            for name in _COUPLED
-        ),
-        *compared_all(PRINTED, "(98b)", {name: other[name] for name in _COUPLED}),
-    ]
+    yield from (
+        compared(PRINTED["(97b)", name], hand[name], right_if=[square] * (name == "Fi12"))
+        for name in _COUPLED
+    )
+    yield from compared_all(PRINTED, "(98b)", {name: other[name] for name in _COUPLED})
     for column, found in ((COLUMNS[1], best), (COLUMNS[3], last)):
         place = column.place.replace("a", "b")
-        rows += [_rounded(column, PRINTED[place, name]) for name in ("F12", "Fi12")]
-        rows += [_unreadable(PRINTED[place, name], found[name]) for name in _SECOND_ROW]
-    rows.append(_third_weight())
+        yield from [_rounded(column, PRINTED[place, name]) for name in ("F12", "Fi12")]
+        yield from [_unreadable(PRINTED[place, name], found[name]) for name in _SECOND_ROW]
+    yield _third_weight()
     for place, found, names in (
         ("(97b)", hand, "F11, F22, Fi11 and Fi22"),
         ("(98b)", other, "F11, F22, Fi11 and Fi22"),
@@ -77,8 +69,7 @@ def _gains() -> list[Row]:
         ("(101b)", last, "F11 and Fi11"),
     ):
         largest = max(abs(found[name]) for name in re.findall(r"Fi?\d\d", names))
-        rows.append(compared(PRINTED[place, names], largest, zero=1e-6))
-    return rows
+        yield compared(PRINTED[place, names], largest, zero=1e-6)
 
 
 def _named(matrix: np.ndarray) -> dict[str, float]:
@@ -147,8 +138,7 @@ def _third_weight() -> Row:
     return compared(PRINTED["(101a)", "Q3"], right, right_if=[evidence])
 
 
-def _table_7() -> list[Row]:
-    rows = []
+def _table_7() -> Rows:
     for index, output in KEYS:
         for column in COLUMNS:
             line = PRINTED["Table 7", f"{index} of {output}, {column.title}"]
@@ -162,8 +152,7 @@ def _table_7() -> list[Row]:
                 row = circular(row, _step_from(output, line.value))
             elif column is COLUMNS[3] and output == "C":
                 row = circular(row, "Q3 of (101a) was chosen by the four cells of C here.")
-            rows.append(row)
-    return rows
+            yield row
 
 
 def _error_per_step(column: Weights, output: str) -> float:
@@ -188,11 +177,10 @@ def _smooth(column: Weights, output: str) -> float:
     return indices_of(column)["ISE", output] + 0.5 * float(slopes @ slopes) / PERIOD
 
 
-def _squared_slopes() -> list[Row]:
+def _squared_slopes() -> Rows:
     """ISEG: one time, solved from the first cell, is nearly all of every cell."""
     first = _iseg("C", COLUMNS[0]).value - _smooth(COLUMNS[0], "C")
     time = 0.5 * STEPS["C"] ** 2 / first
-    rows = []
     for output in ("C", "V"):
         share = 0.5 * STEPS[output] ** 2 / time
         for column in COLUMNS:
@@ -207,15 +195,14 @@ def _squared_slopes() -> list[Row]:
                 f"where the control's own part is {own:.2f} %.{weight}"
             )
             row = compared(line, share + smooth, tolerance=1e-4, why=why)
-            rows.append(circular(row, "") if is_solved_from else row)
-    return rows
+            yield (circular(row, "") if is_solved_from else row)
 
 
 def _iseg(output: str, column: Weights) -> Printed:
     return PRINTED["Table 7", f"ISEG of {output}, {column.title}"]
 
 
-def _claims() -> list[Row]:
+def _claims() -> Rows:
     found = [indices_of(column) for column in COLUMNS]
     settled = [settling(lqi_run(column), "V") for column in COLUMNS]
     swings, tops = (
@@ -228,43 +215,40 @@ def _claims() -> list[Row]:
     inlet = [float(lqi_run(column).values["inflow.impurity"].max()) / KMOL for column in COLUMNS]
     chosen = COLUMNS[1]._replace(states=(1e-6, 1e-6, 100.0, 0.08))
     printed, better = (indices(lqi_run(weights, 2e-5, 4.0)) for weights in (COLUMNS[1], chosen))
-    return [
-        remark(
-            PRINTED["section 4", "LQI, which flow"],
-            f"{_count(found, _BY_FLOW)} of 16 pairs without ISEG",
-            reason="“With the exception of ISEG” ends the sentence. If it belongs to the "
-            "optimisation alone it fails, with ISEG of V, optimal, of "
-            f"{_iseg('V', COLUMNS[1]).text} against {_iseg('V', COLUMNS[3]).text}. Q3 of (101a) as "
-            "10.92.",
+    yield remark(
+        PRINTED["section 4", "LQI, which flow"],
+        f"{_count(found, _BY_FLOW)} of 16 pairs without ISEG",
+        reason="“With the exception of ISEG” ends the sentence. If it belongs to the "
+        "optimisation alone it fails, with ISEG of V, optimal, of "
+        f"{_iseg('V', COLUMNS[1]).text} against {_iseg('V', COLUMNS[3]).text}. Q3 of (101a) as "
+        "10.92.",
+    )
+    yield claimed(
+        PRINTED["section 4", "LQI, optimisation"],
+        _count(found, _BY_TUNING) == 16,
+        f"{_count(found, _BY_TUNING)} of 16 pairs",
+    )
+    yield remark(
+        PRINTED["section 4", "settling time of V, LQI"],
+        f"{settled[3] / settled[1]:.2f} times optimal, {settled[2] / settled[0]:.2f} times by hand",
+    )
+    yield remark(
+        PRINTED["section 4", "control effort, LQI"],
+        f"f_in to {tops[1]:.2f} against {tops[0]:.2f} m³/s by hand, C_in to {inlet[1]:.1f} "
+        f"against {inlet[0]:.1f} kmol/m³; f_out, with f_in constant, to {tops[3]:.3f} against "
+        f"{tops[2]:.3f} m³/s",
+        reason="f_out moves down, as V steps up by IE of V in Table 7: of its range it holds, "
+        f"{swings[3]:.2f} against {swings[2]:.2f} m³/s, of its maximum it fails. Inputs within "
+        "the ranges of section 3.3.",
+    )
+    yield claimed(
+        PRINTED["(100a)", "optimal weights"],
+        any(better["ITAE", o] >= printed["ITAE", o] for o in ("C", "V")),
+        ", ".join(
+            f"ITAE of {o} {better['ITAE', o]:.2e} against {printed['ITAE', o]:.2e}"
+            for o in ("C", "V")
         ),
-        claimed(
-            PRINTED["section 4", "LQI, optimisation"],
-            _count(found, _BY_TUNING) == 16,
-            f"{_count(found, _BY_TUNING)} of 16 pairs",
-        ),
-        remark(
-            PRINTED["section 4", "settling time of V, LQI"],
-            f"{settled[3] / settled[1]:.2f} times optimal, {settled[2] / settled[0]:.2f} times by "
-            "hand",
-        ),
-        remark(
-            PRINTED["section 4", "control effort, LQI"],
-            f"f_in to {tops[1]:.2f} against {tops[0]:.2f} m³/s by hand, C_in to {inlet[1]:.1f} "
-            f"against {inlet[0]:.1f} kmol/m³; f_out, with f_in constant, to {tops[3]:.3f} against "
-            f"{tops[2]:.3f} m³/s",
-            reason="f_out moves down, as V steps up by IE of V in Table 7: of its range it holds, "
-            f"{swings[3]:.2f} against {swings[2]:.2f} m³/s, of its maximum it fails. Inputs within "
-            "the ranges of section 3.3.",
-        ),
-        claimed(
-            PRINTED["(100a)", "optimal weights"],
-            any(better["ITAE", o] >= printed["ITAE", o] for o in ("C", "V")),
-            ", ".join(
-                f"ITAE of {o} {better['ITAE', o]:.2e} against {printed['ITAE', o]:.2e}"
-                for o in ("C", "V")
-            ),
-        ),
-    ]
+    )
 
 
 def _count(found: list[dict[tuple[str, str], float]], pairs: tuple[tuple[int, int], ...]) -> int:

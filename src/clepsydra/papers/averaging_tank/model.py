@@ -19,7 +19,7 @@ from clepsydra.papers.comparison import (
     stated,
 )
 from clepsydra.papers.document import Findings
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Row, Rows
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 
@@ -74,7 +74,7 @@ def numbers(constant: Variant) -> tuple[np.ndarray, np.ndarray]:
     return A + 0.0, B + 0.0
 
 
-def _balances() -> list[Row]:
+def _balances() -> Rows:
     t = symbols("t")
     C, V = Function("C")(t), Function("V")(t)
     inflow, outflow, inlet = symbols("f_in f_out C_in")
@@ -82,12 +82,10 @@ def _balances() -> list[Row]:
     mixed = product.subs(Derivative(V, t), inflow - outflow)
     volume_balance = inflow - outflow
     solved = (inflow * inlet - outflow * C - volume_balance * C) / V
-    return [
-        *compared_formulas(PRINTED, "(3)", {"left side": product}),
-        *compared_formulas(PRINTED, "(4)", {"left side": mixed}),
-        *compared_formulas(PRINTED, "(6)", {"dC/dt": solved}),
-        *compared_formulas(PRINTED, "(10)", {"f_V": volume_balance}),
-    ]
+    yield from compared_formulas(PRINTED, "(3)", {"left side": product})
+    yield from compared_formulas(PRINTED, "(4)", {"left side": mixed})
+    yield from compared_formulas(PRINTED, "(6)", {"dC/dt": solved})
+    yield from compared_formulas(PRINTED, "(10)", {"f_V": volume_balance})
 
 
 def _evaporation() -> Row:
@@ -106,7 +104,7 @@ def _evaporation() -> Row:
     )
 
 
-def _linear_model() -> list[Row]:
+def _linear_model() -> Rows:
     inflow, outflow = symbols("f_in0 f_out0")
     outflow_constant, inflow_constant = plant("outflow"), plant("inflow")
     by = outflow_constant.transfer
@@ -114,17 +112,13 @@ def _linear_model() -> list[Row]:
         "C by f_in": by[0, 0], "C by C_in": by[0, 1], "V by f_in": by[1, 0],
         "V by f_out": inflow_constant.transfer[1, 0],
     }  # fmt: skip
-    rows = [
-        stated(
-            PRINTED["(12)", "f_V at rest"],
-            str(inflow - outflow),
-            outflow - outflow == inflow - outflow,
-        ),
-        *compared_formulas(PRINTED, "(17)", transfer),
-    ]
+    yield stated(
+        PRINTED["(12)", "f_V at rest"], str(inflow - outflow), outflow - outflow == inflow - outflow
+    )
+    yield from compared_formulas(PRINTED, "(17)", transfer)
     for name, matrix in (("A", outflow_constant.A), ("B", outflow_constant.B)):
         line, right = PRINTED["(32)", name], str(matrix.tolist())
-        rows.append(stated(line, right, line.text == right))
+        yield stated(line, right, line.text == right)
     for place, found in (
         ("(34)", entries("A", inflow_constant.A) | entries("B", inflow_constant.B)),
         ("(45)", entries("Gp", by)),
@@ -132,46 +126,41 @@ def _linear_model() -> list[Row]:
         ("(46)", entries("Gp at rest ", by.subs(AT_REST))),
         ("(64)", entries("Gp at rest ", inflow_constant.transfer.subs(AT_REST))),
     ):
-        rows += compared_formulas(PRINTED, place, found)
-    return rows
+        yield from compared_formulas(PRINTED, place, found)
 
 
-def _matrices() -> list[Row]:
+def _matrices() -> Rows:
     """Compare what the process of the catalogue gives, not the symbols."""
     A, B = numbers("outflow")
     whole = np.block([[A, np.zeros((2, 2))], [np.eye(2), np.zeros((2, 2))]])
     input_matrix = PRINTED["(87)", "matrix before y_ref"]
-    return [
-        *compared_all(PRINTED, "(93)", entries("B", B)),
-        *compared_all(PRINTED, "(95)", entries("B", numbers("inflow")[1])),
-        *compared_all(PRINTED, "(92)", entries("A", whole)),
-        *_controllability(),
-        stated(PRINTED["(88)", "M"], "[0 0; 0 0]", (2, B.shape[1]) == (2, 3)),
-        stated(input_matrix, "[0; I]", (len(whole), B.shape[1]) == (2, 1)),
-    ]
+    yield from compared_all(PRINTED, "(93)", entries("B", B))
+    yield from compared_all(PRINTED, "(95)", entries("B", numbers("inflow")[1]))
+    yield from compared_all(PRINTED, "(92)", entries("A", whole))
+    yield from _controllability()
+    yield stated(PRINTED["(88)", "M"], "[0 0; 0 0]", (2, B.shape[1]) == (2, 3))
+    yield stated(input_matrix, "[0; I]", (len(whole), B.shape[1]) == (2, 1))
 
 
-def _controllability() -> list[Row]:
-    rows: list[Row] = []
+def _controllability() -> Rows:
     variants = tuple(zip(("(94)", "(96)"), VARIANTS, strict=True))
     for place, variant in variants:
         found = plant(variant)
         matrix = Matrix.hstack(found.B, found.A * found.B)
-        rows += compared_formulas(PRINTED, place, entries("M", matrix))
+        yield from compared_formulas(PRINTED, place, entries("M", matrix))
     A, _ = numbers("outflow")
     flat = (
         "A of (32) and (34), the primary system of the sentence, has a row of zeros",
         not A[1].any(),
     )
     rank = float(np.linalg.matrix_rank(A))
-    rows.append(compared(PRINTED["(94), (96)", "rank of A"], rank, right_if=[flat]))
+    yield compared(PRINTED["(94), (96)", "rank of A"], rank, right_if=[flat])
     for place, variant in variants:
         A, B = numbers(variant)
-        rows += compared_all(
+        yield from compared_all(
             PRINTED, place, {"rank of M": np.linalg.matrix_rank(np.hstack([B, A @ B]))}
         )
         whole = np.block([[A, B], [np.eye(2), np.zeros((2, 2))]])
         full = int(np.linalg.matrix_rank(whole))
         line = PRINTED[place, "the extended system"]
-        rows.append(claimed(line, full == 4, f"rank {full} of 4"))
-    return rows
+        yield claimed(line, full == 4, f"rank {full} of 4")

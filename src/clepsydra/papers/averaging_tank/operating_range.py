@@ -10,11 +10,7 @@ import numpy as np
 
 from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.model import KMOL
-from clepsydra.papers.averaging_tank.range_controllers import (
-    KINDS,
-    bench_of,
-    controller_of,
-)
+from clepsydra.papers.averaging_tank.range_controllers import KINDS, bench_of, controller_of
 from clepsydra.papers.averaging_tank.range_linear import linear_errors
 from clepsydra.papers.averaging_tank.sampling import sampling_row
 from clepsydra.papers.averaging_tank.step_run import MEASURED, high_model_of, step_scenario
@@ -22,7 +18,7 @@ from clepsydra.papers.averaging_tank.symbols import C0, V0, VARIANTS, Variant, c
 from clepsydra.papers.comparison import remark
 from clepsydra.papers.document import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Rows
 
 PERIOD, HORIZON = 0.01, 30.0  # [s]
 #: The document's own step, and half of the operating point, both ways; and one to C = 8 kmol/m³
@@ -138,7 +134,7 @@ def _worst(constant: Variant, kind: str) -> tuple[float, Step]:
     return max(declines, key=lambda pair: pair[0])
 
 
-def _declines() -> list[Row]:
+def _declines() -> Rows:
     found, causes = [], []
     for constant in VARIANTS:
         for kind in ("PI", "LQI"):
@@ -150,26 +146,22 @@ def _declines() -> list[Row]:
                 f"{kind}, {constant_flow(constant)}: {_times(linear)} on the linear model, "
                 f"{_times(without)} in the tank with anti-windup"
             )
-    return [
-        remark(
-            PRINTED["section 5", "large steps"],
-            "; ".join(found),
-            reason=f"IAE of {HORIZON:g} s over the size of the step, beside steps by a twentieth: "
-            "constants by hand, at 10 ms, the limits of section 3.3, no anti-windup, a tank of 6 "
-            "m³. Which steps are meant is not said: it holds of the worst of nine (C, V and both "
-            "by half, up and down, and to 8 kmol/m³ and 4 m³), and fails of some under LQI.",
-        ),
-        remark(PRINTED["section 5", "cause of the decline"], "; ".join(causes)),
-    ]
+    yield remark(
+        PRINTED["section 5", "large steps"],
+        "; ".join(found),
+        reason=f"IAE of {HORIZON:g} s over the size of the step, beside steps by a twentieth: "
+        "constants by hand, at 10 ms, the limits of section 3.3, no anti-windup, a tank of 6 "
+        "m³. Which steps are meant is not said: it holds of the worst of nine (C, V and both "
+        "by half, up and down, and to 8 kmol/m³ and 4 m³), and fails of some under LQI.",
+    )
+    yield remark(PRINTED["section 5", "cause of the decline"], "; ".join(causes))
 
 
-def _remedies() -> list[Row]:
+def _remedies() -> Rows:
     scheduled = [_remedy(c, kind, f"{kind}, scheduled") for c in VARIANTS for kind in _LAWS]
     cyclic = [_remedy(constant, "LQI", "LQI, recomputed") for constant in VARIANTS]
-    return [
-        remark(PRINTED["section 5", "gain scheduling"], "; ".join(scheduled)),
-        remark(PRINTED["section 5", "cyclic calculation"], "; ".join(cyclic)),
-    ]  # fmt: skip
+    yield remark(PRINTED["section 5", "gain scheduling"], "; ".join(scheduled))
+    yield remark(PRINTED["section 5", "cyclic calculation"], "; ".join(cyclic))
 
 
 def _remedy(constant: Variant, kind: str, remedy: str) -> str:

@@ -23,11 +23,7 @@ from clepsydra.papers.averaging_tank.continuous_pi import (
 )
 from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, lqi_run
 from clepsydra.papers.averaging_tank.model import KMOL
-from clepsydra.papers.averaging_tank.printed_tables import (
-    fuzzy_indices,
-    lqi_indices,
-    pi_indices,
-)
+from clepsydra.papers.averaging_tank.printed_tables import fuzzy_indices, lqi_indices, pi_indices
 from clepsydra.papers.averaging_tank.step_run import (
     STEPS,
     model_of,
@@ -40,7 +36,7 @@ from clepsydra.papers.averaging_tank.trends import trend_figure
 from clepsydra.papers.comparison import claimed, compared, compared_all, remark
 from clepsydra.papers.document import Findings
 from clepsydra.papers.printed import values
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Rows
 from clepsydra.studies.tuning.goal import Goal
 from clepsydra.studies.tuning.law_space import LawSpace
 from clepsydra.studies.tuning.objective import Objective
@@ -157,7 +153,7 @@ def inputs_at_rest(
     return held | {path(u, "tracking"): at[u] for u in moved}
 
 
-def _signed_error() -> list[Row]:
+def _signed_error() -> Rows:
     """IE, integrated with the loop, and the relation that it has to keep."""
     found = {v: continuous_run(OPTIMAL[v], free=True).indices for v in VARIANTS}
     of_c, of_v = (
@@ -165,16 +161,13 @@ def _signed_error() -> list[Row]:
         for output in ("C", "V")
     )
     against = "The cell and (83) contradict each other, and nothing tells which is wrong."
-    return [
-        *(
-            compared(line, found[variant]["IE", "C"], unprinted=f"{line.note} {against}")
-            for variant, line in of_c.items()
-        ),
-        *(
-            compared(line, found[variant]["IE", "V"], zero=_NO_ERROR)
-            for variant, line in of_v.items()
-        ),
-    ]
+    yield from (
+        compared(line, found[variant]["IE", "C"], unprinted=f"{line.note} {against}")
+        for variant, line in of_c.items()
+    )
+    yield from (
+        compared(line, found[variant]["IE", "V"], zero=_NO_ERROR) for variant, line in of_v.items()
+    )
 
 
 def _error_of(constants: Constants) -> float:
@@ -260,60 +253,56 @@ def without_limit(model: LinearModel) -> LinearModel:
     return dataclasses.replace(model, point=dataclasses.replace(point, process=process))
 
 
-def _table_6() -> list[Row]:
-    rows = []
+def _table_6() -> Rows:
     for index in ("IAE", "ISE", "ITAE"):
         for variant in VARIANTS:
             found = continuous_run(OPTIMAL[variant], free=True).indices
             cells = {
                 f"{index} of {o}, {constant_flow(variant)}": found[index, o] for o in ("C", "V")
             }
-            rows += compared_all(PRINTED, "Table 6", cells)
-    return rows
+            yield from compared_all(PRINTED, "Table 6", cells)
 
 
-def _claims() -> list[Row]:
+def _claims() -> Rows:
     hand = continuous_run(BY_HAND["outflow"])
     free, limited = (continuous_run(OPTIMAL["outflow"], free=f) for f in (True, False))
     other = continuous_run(OPTIMAL["inflow"], free=True)
     overshoot = free.overshoot("V")
     smaller = OPTIMAL["outflow"]._replace(time_c=OPTIMAL["outflow"].time_c / 10.0)
-    return [
-        claimed(
-            PRINTED["section 4", "PI, C with f_out constant"],
-            free.settling("C") < hand.settling("C") and free.rise_time("C") < hand.rise_time("C"),
-            f"C settles in {free.settling('C'):.3f} s against {hand.settling('C'):.3f} s by hand "
-            f"and rises in {free.rise_time('C'):.3f} s against {hand.rise_time('C'):.3f} s",
-            reason="Constants (80) and (81), to within 2 % and from 10 to 90 %, C_in free: within "
-            "0 to 25 kmol/m³ IAE of C by (81) would be "
-            f"{limited.indices['IAE', 'C']:.3f}, and Table 6 has "
-            f"{PRINTED['Table 6', 'IAE of C, f_out constant'].text}.",
-        ),
-        claimed(
-            PRINTED["section 4", "PI, overshoot of V with f_out constant"],
-            bool(overshoot > 1.0),
-            f"{overshoot:.1f} %",
-        ),
-        remark(
-            PRINTED["section 4", "PI, f_in with f_out constant"],
-            f"largest {float(free.flow.max()):.3f} m³/s, at the first instant",
-        ),
-        claimed(
-            PRINTED["section 4", "PI, f_out with f_in constant"],
-            other.at_limit("flow") > 0.5 * other.settling("V"),
-            f"{other.at_limit('flow'):.2f} s of the {other.settling('V'):.2f} s until V settles",
-        ),
-        claimed(
-            PRINTED["section 3.1.3", "PI, what IE chooses"],
-            _error_of(smaller) >= _error_of(OPTIMAL["outflow"]),
-            f"a tenth of T_iC makes IE of C {_error_of(smaller):.1e}",
-        ),
-        remark(
-            PRINTED["section 4", "PI against the others"],
-            f"Table 6 is lower in {', '.join(_wins())}; V settles in {free.settling('V'):.2f} s, "
-            f"with LQI in {settling(lqi_run(COLUMNS[1]), 'V'):.2f} s",
-        ),
-    ]
+    yield claimed(
+        PRINTED["section 4", "PI, C with f_out constant"],
+        free.settling("C") < hand.settling("C") and free.rise_time("C") < hand.rise_time("C"),
+        f"C settles in {free.settling('C'):.3f} s against {hand.settling('C'):.3f} s by hand "
+        f"and rises in {free.rise_time('C'):.3f} s against {hand.rise_time('C'):.3f} s",
+        reason="Constants (80) and (81), to within 2 % and from 10 to 90 %, C_in free: within "
+        "0 to 25 kmol/m³ IAE of C by (81) would be "
+        f"{limited.indices['IAE', 'C']:.3f}, and Table 6 has "
+        f"{PRINTED['Table 6', 'IAE of C, f_out constant'].text}.",
+    )
+    yield claimed(
+        PRINTED["section 4", "PI, overshoot of V with f_out constant"],
+        bool(overshoot > 1.0),
+        f"{overshoot:.1f} %",
+    )
+    yield remark(
+        PRINTED["section 4", "PI, f_in with f_out constant"],
+        f"largest {float(free.flow.max()):.3f} m³/s, at the first instant",
+    )
+    yield claimed(
+        PRINTED["section 4", "PI, f_out with f_in constant"],
+        other.at_limit("flow") > 0.5 * other.settling("V"),
+        f"{other.at_limit('flow'):.2f} s of the {other.settling('V'):.2f} s until V settles",
+    )
+    yield claimed(
+        PRINTED["section 3.1.3", "PI, what IE chooses"],
+        _error_of(smaller) >= _error_of(OPTIMAL["outflow"]),
+        f"a tenth of T_iC makes IE of C {_error_of(smaller):.1e}",
+    )
+    yield remark(
+        PRINTED["section 4", "PI against the others"],
+        f"Table 6 is lower in {', '.join(_wins())}; V settles in {free.settling('V'):.2f} s, "
+        f"with LQI in {settling(lqi_run(COLUMNS[1]), 'V'):.2f} s",
+    )
 
 
 def _wins() -> list[str]:

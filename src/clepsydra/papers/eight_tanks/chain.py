@@ -13,7 +13,7 @@ from clepsydra.papers.document import Findings
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.six_designs import GAIN, MINUTE, TANKS, chain
 from clepsydra.papers.printed import values
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Row, Rows
 
 _DIAMETER, _TIME, _AREA, _K1 = values(
     PRINTED, "section 2", "tank diameter d_T", "time constant T", "tank area F", "K1"
@@ -25,7 +25,7 @@ def run() -> Findings:
     return Findings((*_numbers(), *_transfer_function(), *_formulas()))
 
 
-def _numbers() -> list[Row]:
+def _numbers() -> Rows:
     area = np.pi * _DIAMETER**2 / 4.0
     coefficient = _AREA / _TIME
     gain = 1.0 / _K1
@@ -39,11 +39,9 @@ def _numbers() -> list[Row]:
     # Exponents of m and min: K1 is an area over a time.
     of_k1 = {"m": 2, "min": -1}
     of_gain = {unit: -power for unit, power in of_k1.items()}
-    return [
-        *compared_all(PRINTED, "section 2", {"tank area F": area, "K1": coefficient}),
-        compared(PRINTED["section 2", "static gain K_g = 1/K1"], gain, right_if=evidence),
-        stated(PRINTED["section 2", "unit of K_g"], "min/m²", of_gain == {"m": 2, "min": 1}),
-    ]  # fmt: skip
+    yield from compared_all(PRINTED, "section 2", {"tank area F": area, "K1": coefficient})
+    yield compared(PRINTED["section 2", "static gain K_g = 1/K1"], gain, right_if=evidence)
+    yield stated(PRINTED["section 2", "unit of K_g"], "min/m²", of_gain == {"m": 2, "min": 1})
 
 
 @cache

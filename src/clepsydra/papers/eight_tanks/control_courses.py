@@ -19,7 +19,7 @@ from clepsydra.papers.eight_tanks.six_designs import (
     turns,
 )
 from clepsydra.papers.figure import Curve, Figure, Panel
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Row, Rows
 from clepsydra.scores.step_response import rise_time
 
 _HORIZON = 160  # [min], ours
@@ -66,17 +66,15 @@ _SWINGS = _Measure("swings of the inflow", "", lambda run: float(run.swings))
 _VARIATION = _Measure("its total variation", "m³/min/m", lambda run: run.total_variation)
 
 
-def _trends() -> list[Row]:
+def _trends() -> Rows:
     of_y = _LEVEL_SWINGS, _OVERSHOOT
     of_u = _SWINGS, _VARIATION
-    return [
-        _trend("section 6.1", "output by γ", POLES, (_RISE,), rises=True),
-        _trend("section 6.1", "oscillations of y by γ", POLES, of_y),
-        _trend("section 6.1", "oscillations of u by γ", POLES, of_u),
-        _trend("section 6.2", "output by q_u", PENALTIES, (_RISE,), rises=True),
-        _trend("section 6.2", "inflow by q_u", PENALTIES, (_SPEED,)),
-        _trend("section 6.2", "oscillations by q_u", PENALTIES, (*of_y, *of_u)),
-    ]
+    yield _trend("section 6.1", "output by γ", POLES, (_RISE,), rises=True)
+    yield _trend("section 6.1", "oscillations of y by γ", POLES, of_y)
+    yield _trend("section 6.1", "oscillations of u by γ", POLES, of_u)
+    yield _trend("section 6.2", "output by q_u", PENALTIES, (_RISE,), rises=True)
+    yield _trend("section 6.2", "inflow by q_u", PENALTIES, (_SPEED,))
+    yield _trend("section 6.2", "oscillations by q_u", PENALTIES, (*of_y, *of_u))
 
 
 def _trend(

@@ -20,7 +20,7 @@ from clepsydra.papers.eight_tanks.six_designs import (
     printed_model,
 )
 from clepsydra.papers.figure import Curve, Figure, Panel
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Row, Rows
 
 #: The document prints neither; 0.04 m³/min is the step of section 3.2.
 _SAMPLES, _DEVIATION = 500, 0.04
@@ -61,32 +61,30 @@ def _counts(values_a_sample: int) -> np.ndarray:
     return np.bincount(chosen, minlength=len(DELAYS))
 
 
-def _shapes() -> list[Row]:
+def _shapes() -> Rows:
     order, delay = 2, PRINTED_D
     record = np.random.default_rng(1).normal(size=(2, _SAMPLES))
     F, y = regressors(record[0], record[1], order, delay)
     expected = (_SAMPLES - order - delay, 2 * order)
     parameters, errors = F.shape[1], len(y)
-    return [
-        claimed(
-            PRINTED["(11)", "dimension of F"],
-            F.shape == expected and len(y) == expected[0],
-            f"{F.shape[0]} × {F.shape[1]} for N = {_SAMPLES}, n = 2, d = 5",
-            reason=f"Counted in the matrix of (13) with n = 2, as in (14); N = {_SAMPLES} is ours.",
-        ),
-        stated(PRINTED["(11)", "regression"], "y = F Θ + e", parameters == errors),
-        compared(
-            PRINTED["(12)", "model order n"],
-            len(_ESTIMATES) / 2.0,
-            right_if=[
-                ("(12) gives 2n estimates, and (14) lists four", len(_ESTIMATES) == parameters),
-                ("with n = 8 there would be 16 of them", len(_ESTIMATES) != 2 * 8),
-            ],
-        ),
-    ]
+    yield claimed(
+        PRINTED["(11)", "dimension of F"],
+        F.shape == expected and len(y) == expected[0],
+        f"{F.shape[0]} × {F.shape[1]} for N = {_SAMPLES}, n = 2, d = 5",
+        reason=f"Counted in the matrix of (13) with n = 2, as in (14); N = {_SAMPLES} is ours.",
+    )
+    yield stated(PRINTED["(11)", "regression"], "y = F Θ + e", parameters == errors)
+    yield compared(
+        PRINTED["(12)", "model order n"],
+        len(_ESTIMATES) / 2.0,
+        right_if=[
+            ("(12) gives 2n estimates, and (14) lists four", len(_ESTIMATES) == parameters),
+            ("with n = 8 there would be 16 of them", len(_ESTIMATES) != 2 * 8),
+        ],
+    )
 
 
-def _delay() -> list[Row]:
+def _delay() -> Rows:
     chosen = int(np.argmax(_counts(1)))
     row = compared(
         PRINTED["section 3.1", "delay steps of the smallest J(d)"],
@@ -101,7 +99,7 @@ def _delay() -> list[Row]:
         f"The noise is not printed: with {fastest} values of it in a sampling period {PRINTED_D} "
         f"has the smallest J most often, with one {chosen} has."
     )
-    return [undecided(row, hangs_on) if agrees else row]
+    yield (undecided(row, hangs_on) if agrees else row)
 
 
 def _gain() -> Row:

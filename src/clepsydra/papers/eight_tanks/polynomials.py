@@ -18,7 +18,7 @@ from clepsydra.papers.comparison import claimed, compared_formulas, stated
 from clepsydra.papers.document import Findings
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.six_designs import PENALTIES, POLES, SIX, printed_model
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Row, Rows
 
 #: What the numerical roots leave of rounding.
 _ROUNDING = 1e-10
@@ -42,7 +42,7 @@ def _coefficients(found: TwoDegreeOfFreedom) -> int:
     return len(found.Q) + len(found.P) - 1
 
 
-def _counts() -> list[Row]:
+def _counts() -> Rows:
     plain, full = (controller(10.0, (0.5,), full=choice) for choice in (False, True))
     model = printed_model()
     D = assigned(spectral_factor(tuple(model.A), tuple(model.B), 10.0), (0.5,))
@@ -50,15 +50,13 @@ def _counts() -> list[Row]:
     right = product(rational([0.0, float(np.sum(model.B))]), plain.Q)
     exact = all(a + b == d for a, b, d in zip(left, right, rational(D.coefficients), strict=True))
     counts = _coefficients(plain), _coefficients(full)
-    return [
-        stated(
-            PRINTED["(22)", "feedback parameters"],
-            f"{counts[0]} with B(1), {counts[1]} with the full B",
-            7 in counts or not exact,
-            reason=f"(29) has degree {D.degree}, as A K: with B(1), as in Fig. 5, P is 1 and Q has "
-            f"{counts[0]} coefficients; with the full B P has one more beside its 1.",
-        ),
-    ]
+    yield stated(
+        PRINTED["(22)", "feedback parameters"],
+        f"{counts[0]} with B(1), {counts[1]} with the full B",
+        7 in counts or not exact,
+        reason=f"(29) has degree {D.degree}, as A K: with B(1), as in Fig. 5, P is 1 and Q has "
+        f"{counts[0]} coefficients; with the full B P has one more beside its 1.",
+    )
 
 
 def _feedforward() -> Row:
@@ -71,44 +69,39 @@ def _feedforward() -> Row:
     return stated(PRINTED["(24)", "r0"], f"{solution} at z = 1", solution == D / B)
 
 
-def _poles() -> list[Row]:
+def _poles() -> Rows:
     from sympy import I, Poly, expand, symbols
 
     z, a, b, c = symbols("z alpha beta gamma", real=True)
-    rows = []
     for place, product_of in (
         ("(31)", (z - a) * (z - b) * (z - c)),
         ("(33)", (z - a - I * b) * (z - a + I * b) * (z - c)),
     ):
         found = Poly(expand(product_of), z).all_coeffs()[1:]
         names = ("d1", "d2", "d3")
-        rows += compared_formulas(PRINTED, place, dict(zip(names, found, strict=True)))
-    return rows
+        yield from compared_formulas(PRINTED, place, dict(zip(names, found, strict=True)))
 
 
-def _factor() -> list[Row]:
+def _factor() -> Rows:
     model = printed_model()
     factors = {
         choice: spectral_factor(tuple(model.A), tuple(model.B), choice.penalty) for choice in SIX
     }
-    rows = [
-        claimed(
-            PRINTED["(27), (28)", "degree of the spectral factor"],
-            all(len(factor.coefficients) == 3 for factor in factors.values()),
-            "; ".join(
-                f"q_u = {choice.penalty:g}: d1 = {factor.coefficients[1]:.6f}, d2 = "
-                f"{factor.coefficients[2]:.6f}"
-                for choice, factor in factors.items()
-                if choice in (PENALTIES[0], POLES[0])
-            ),
+    yield claimed(
+        PRINTED["(27), (28)", "degree of the spectral factor"],
+        all(len(factor.coefficients) == 3 for factor in factors.values()),
+        "; ".join(
+            f"q_u = {choice.penalty:g}: d1 = {factor.coefficients[1]:.6f}, d2 = "
+            f"{factor.coefficients[2]:.6f}"
+            for choice, factor in factors.items()
+            if choice in (PENALTIES[0], POLES[0])
         ),
-        claimed(
-            PRINTED["section 7", "design without numerical methods"],
-            _largest_error() < _ROUNDING,
-            f"largest difference below {_ROUNDING:g}",
-        ),
-    ]
-    return rows
+    )
+    yield claimed(
+        PRINTED["section 7", "design without numerical methods"],
+        _largest_error() < _ROUNDING,
+        f"largest difference below {_ROUNDING:g}",
+    )
 
 
 @cache

@@ -16,15 +16,9 @@ from clepsydra.designs.polynomial.two_degree_of_freedom import (
 from clepsydra.papers.comparison import claimed, remark
 from clepsydra.papers.document import Findings
 from clepsydra.papers.eight_tanks import PRINTED
-from clepsydra.papers.eight_tanks.six_designs import (
-    POLES,
-    printed_model,
-    step_run,
-    trends,
-    turns,
-)
+from clepsydra.papers.eight_tanks.six_designs import POLES, printed_model, step_run, trends, turns
 from clepsydra.papers.figure import Figure
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Rows
 
 _SECOND_ORDER = (1.0, 10.0, 100.0, 1e3, 1e4, 1e6)
 _INTEGRATOR, _LOAD = 0.1, 0.05
@@ -66,28 +60,26 @@ def _sum(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     return total
 
 
-def _second_order() -> list[Row]:
+def _second_order() -> Rows:
     runs = [step_run(penalty, ()) for penalty in _SECOND_ORDER]
     third_of = POLES[2]
     third = step_run(third_of.penalty, (third_of.pole,))
     alone = ", ".join(str(_turns_on_the_model(penalty)) for penalty in _SECOND_ORDER)
-    return [
-        remark(
-            PRINTED["section 5", "second-order polynomial (28)"],
-            f"{', '.join(str(run.swings) for run in runs)} swings for q_u = 1, 10, 100, 10³, 10⁴, "
-            f"10⁶ on (8); {alone} on (21)",
-            reason="It holds where the controller acts on the chain (8), which section 2 takes for "
-            "simulation, and fails on (21) itself, which the sentence names. Turns of the "
-            f"inflow by more than 2 % of its final value in {_SAMPLES} min after a step.",
-        ),
-        claimed(
-            PRINTED["section 5", "another pole in (29)"],
-            third.swings == 0,
-            f"{third.swings} swings with {third_of.label}",
-            reason="Said to be possible, so that one pole is enough: with q_u = 10 the same count "
-            f"on (8) is {runs[1].swings} without it.",
-        ),
-    ]
+    yield remark(
+        PRINTED["section 5", "second-order polynomial (28)"],
+        f"{', '.join(str(run.swings) for run in runs)} swings for q_u = 1, 10, 100, 10³, 10⁴, "
+        f"10⁶ on (8); {alone} on (21)",
+        reason="It holds where the controller acts on the chain (8), which section 2 takes for "
+        "simulation, and fails on (21) itself, which the sentence names. Turns of the "
+        f"inflow by more than 2 % of its final value in {_SAMPLES} min after a step.",
+    )
+    yield claimed(
+        PRINTED["section 5", "another pole in (29)"],
+        third.swings == 0,
+        f"{third.swings} swings with {third_of.label}",
+        reason="Said to be possible, so that one pole is enough: with q_u = 10 the same count "
+        f"on (8) is {runs[1].swings} without it.",
+    )
 
 
 def _turns_on_the_model(penalty: float, poles: tuple[float, ...] = ()) -> int:
@@ -104,21 +96,19 @@ def _turns_on_the_model(penalty: float, poles: tuple[float, ...] = ()) -> int:
     return turns(inflow, 0.02 / model.static_gain)
 
 
-def _other_plants() -> list[Row]:
+def _other_plants() -> Rows:
     offset = _offset_on_integrator()
     model = SampledModel((0.1,), (-1.05,), 5, 1.0)
     unstable = closed_loop_radius(_placed(model), model, model)
-    return [
-        claimed(
-            PRINTED["section 1", "integrating and unstable processes"],
-            abs(offset) > 1e-3 and unstable > 1.0,
-            f"integrating: offset {offset:.3f} under a load of {_LOAD}; unstable: largest root "
-            f"{unstable:.3f}",
-            reason="Tested in its digital form with integral action and a perfect model, on y(k) = "
-            f"y(k−1) + {_INTEGRATOR} u(k−6), and on a process with a pole of 1.05, which stays "
-            "a root of the loop.",
-        ),
-    ]
+    yield claimed(
+        PRINTED["section 1", "integrating and unstable processes"],
+        abs(offset) > 1e-3 and unstable > 1.0,
+        f"integrating: offset {offset:.3f} under a load of {_LOAD}; unstable: largest root "
+        f"{unstable:.3f}",
+        reason="Tested in its digital form with integral action and a perfect model, on y(k) = "
+        f"y(k−1) + {_INTEGRATOR} u(k−6), and on a process with a pole of 1.05, which stays "
+        "a root of the loop.",
+    )
 
 
 def _placed(model: SampledModel) -> TwoDegreeOfFreedom:

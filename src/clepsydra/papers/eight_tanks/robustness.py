@@ -28,7 +28,7 @@ from clepsydra.papers.eight_tanks.six_designs import (
     without_limits,
 )
 from clepsydra.papers.figure import Curve, Figure, Panel
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Rows
 from clepsydra.studies.warnings.loop_response import loop_response
 
 #: The usual limits of max|S| and of the gain margin for a robust loop.
@@ -65,10 +65,7 @@ def judged(label: str, controller: Controller) -> Judged:
     response = loop_response(controller, chain().model)
     channel = response.channels["level_8"]
     return Judged(
-        label,
-        stepped(controller),
-        response.loop.maximum_sensitivity,
-        channel.gain_margin.value,
+        label, stepped(controller), response.loop.maximum_sensitivity, channel.gain_margin.value
     )
 
 
@@ -115,34 +112,30 @@ def run() -> Findings:
     return Findings((*_robust(), *_quality()), (_margins(), _beside_pid()))
 
 
-def _robust() -> list[Row]:
+def _robust() -> Rows:
     weak = [design for design in _six() if design.peak > _ROBUST and design.gain_margin < _ROBUST]
     assert all(
         design.peak > _LENIENT_PEAK and design.gain_margin < _LENIENT_GAIN for design in weak
     )
-    return [
-        claimed(
-            PRINTED["section 7", "robustness of Figs. 7 to 12"],
-            not weak,
-            f"max|S| {', '.join(f'{design.peak:.2f}' for design in _six())}",
-            reason=f"On (8). Of the usual bounds, max|S| up to {_ROBUST:g} and a gain margin of "
-            f"{_ROBUST:g} or more, {len(weak)} of {len(SIX)} keep neither.",
-        ),
-    ]
+    yield claimed(
+        PRINTED["section 7", "robustness of Figs. 7 to 12"],
+        not weak,
+        f"max|S| {', '.join(f'{design.peak:.2f}' for design in _six())}",
+        reason=f"On (8). Of the usual bounds, max|S| up to {_ROBUST:g} and a gain margin of "
+        f"{_ROBUST:g} or more, {len(weak)} of {len(SIX)} keep neither.",
+    )
 
 
-def _quality() -> list[Row]:
+def _quality() -> Rows:
     pid = others()[0]
     later = sum(each.run.settling_time > pid.run.settling_time for each in _six())
-    return [
-        remark(
-            PRINTED["section 7", "control quality"],
-            f"settled to 2 % after {', '.join(_minutes(design) for design in _six())} min in Figs. "
-            "7 to 12",
-            reason=f"What is good is not said: {later} of them settle later than a PID by AMIGO on "
-            f"the same chain, after {_minutes(pid)} min.",
-        ),
-    ]
+    yield remark(
+        PRINTED["section 7", "control quality"],
+        f"settled to 2 % after {', '.join(_minutes(design) for design in _six())} min in Figs. "
+        "7 to 12",
+        reason=f"What is good is not said: {later} of them settle later than a PID by AMIGO on "
+        f"the same chain, after {_minutes(pid)} min.",
+    )
 
 
 def _minutes(design: Judged) -> str:

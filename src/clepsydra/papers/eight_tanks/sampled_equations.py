@@ -23,7 +23,7 @@ from clepsydra.papers.eight_tanks.six_designs import (
     printed_model,
     sampled_chain,
 )
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Row, Rows
 
 #: Terms of a series in z^-1 that are compared.
 _TERMS = 40
@@ -66,7 +66,7 @@ def _held_chain() -> Row:
     return stated(PRINTED["(9)", "form of the chain, sampled"], words, is_right)
 
 
-def _second_order() -> list[Row]:
+def _second_order() -> Rows:
     """Write (10) with the operator x = z^-1 as an equation of samples, and with d = 5."""
     x, z, k, d, a1, a2, b1, b2 = symbols("x z k d a1 a2 b1 b2")
     y, u, noise = Function("y"), Function("u"), Function("e_s")
@@ -77,14 +77,11 @@ def _second_order() -> list[Row]:
         return sum(factor * signal(k - power - late) for (power,), factor in terms)
 
     predicted = moved(B, u, d) - moved(A - 1, y, 0 * d)
-    return [
-        compared_formula(PRINTED["(13)", "y(k)"], predicted + noise(k)),
-        compared_formula(PRINTED["(15)", "predicted output"], predicted),
-        compared_formula(
-            PRINTED["(18)", "model with five steps of delay"],
-            (B / A * x**PRINTED_D).subs(x, 1 / z),
-        ),
-    ]
+    yield compared_formula(PRINTED["(13)", "y(k)"], predicted + noise(k))
+    yield compared_formula(PRINTED["(15)", "predicted output"], predicted)
+    yield compared_formula(
+        PRINTED["(18)", "model with five steps of delay"], (B / A * x**PRINTED_D).subs(x, 1 / z)
+    )
 
 
 def _estimates() -> Row:

@@ -24,7 +24,7 @@ from clepsydra.papers.eight_tanks.six_designs import (
     sampled_chain,
 )
 from clepsydra.papers.figure import Curve, Figure, Panel
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Rows
 
 _STEP = 0.04  # [m³/min]
 _MINUTES = 80
@@ -56,7 +56,7 @@ def _free(minutes: int = _MINUTES) -> SimplexFit:
     return refined_coefficients(_fitted(minutes).model, *_record(minutes))
 
 
-def _coefficients() -> list[Row]:
+def _coefficients() -> Rows:
     model = _fitted(_PRINTED_SAMPLES).model
     chosen = (
         f"The length of the record, {_PRINTED_SAMPLES} samples, and what the search holds were "
@@ -66,7 +66,7 @@ def _coefficients() -> list[Row]:
         "Simplex search on the step response of (8) over a held continuous model of second order "
         "without zeros, 5 min of delay, gain 3.08."
     )
-    rows = [
+    yield from [
         circular(compared(PRINTED["(21)", name], value, why=why), chosen)
         for name, value in zip(
             ("a1", "a2", "b1", "b2"), (*model.denominator, *model.numerator), strict=True
@@ -74,30 +74,25 @@ def _coefficients() -> list[Row]:
     ]
     free = _free(_PRINTED_SAMPLES)
     b1, b2 = free.model.numerator
-    rows.append(
-        remark(
-            PRINTED["section 3.2", "how (21) was found"],
-            f"b1 = {b1:.4f}, b2 = {b2:.4f}, gain {free.model.static_gain:.3f}",
-        )
+    yield remark(
+        PRINTED["section 3.2", "how (21) was found"],
+        f"b1 = {b1:.4f}, b2 = {b2:.4f}, gain {free.model.static_gain:.3f}",
     )
-    return rows
 
 
-def _gain() -> list[Row]:
+def _gain() -> Rows:
     from sympy import symbols
 
     b1, b2, a1, a2, back = symbols("b1 b2 a1 a2 x")
     formula = ((b1 * back + b2 * back**2) / (1 + a1 * back + a2 * back**2) * back**5).subs(back, 1)
     low, high = _gain_range()
-    return [
-        compared_formula(PRINTED["(20)", "static gain of (18)"], formula),
-        compared(
-            PRINTED["(21)", "static gain, the same as in (8)"],
-            printed_model().static_gain,
-            tolerance=(high - low) / 2.0 / printed_model().static_gain,
-            why=f"The printed digits of (21) leave {low:.2f} to {high:.2f} open.",
-        ),
-    ]
+    yield compared_formula(PRINTED["(20)", "static gain of (18)"], formula)
+    yield compared(
+        PRINTED["(21)", "static gain, the same as in (8)"],
+        printed_model().static_gain,
+        tolerance=(high - low) / 2.0 / printed_model().static_gain,
+        why=f"The printed digits of (21) leave {low:.2f} to {high:.2f} open.",
+    )
 
 
 def _gain_range() -> tuple[float, float]:
@@ -116,18 +111,16 @@ def _difference(model: SampledModel) -> float:
     return float(np.max(np.abs(model.output(inflow) - level)) / (GAIN * _STEP) * 100.0)
 
 
-def _quality() -> list[Row]:
+def _quality() -> Rows:
     worst = _difference(printed_model())
     zero = float(printed_model().zeros[0].real)
-    return [
-        remark(
-            PRINTED["section 7", "low-order model of the chain"],
-            f"{worst:.1f} % of the rise at the most by (21)",
-            reason=f"Largest difference from the step response of (8) in {_MINUTES} min. How near "
-            "an approximation is, is not said: (21) is within 10 % and not within 5 %.",
-        ),
-        remark(PRINTED["section 4", "zero of B, which B(1) replaces"], f"z = {zero:.3f}"),
-    ]
+    yield remark(
+        PRINTED["section 7", "low-order model of the chain"],
+        f"{worst:.1f} % of the rise at the most by (21)",
+        reason=f"Largest difference from the step response of (8) in {_MINUTES} min. How near "
+        "an approximation is, is not said: (21) is within 10 % and not within 5 %.",
+    )
+    yield remark(PRINTED["section 4", "zero of B, which B(1) replaces"], f"z = {zero:.3f}")
 
 
 @cache

@@ -23,12 +23,7 @@ from clepsydra.designs.loop_shaping.precompensator import Precompensator, sample
 from clepsydra.designs.phase_margin import design_phase_margin
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.response import transfer_at
-from clepsydra.papers.four_tank_laboratory.set_ups import (
-    MINIMUM,
-    PHASE_MARGIN,
-    SetUp,
-    course_model,
-)
+from clepsydra.papers.four_tank_laboratory.set_ups import MINIMUM, PHASE_MARGIN, SetUp, course_model
 from clepsydra.process.process import Process
 
 #: The course's simulator has no anti-windup.

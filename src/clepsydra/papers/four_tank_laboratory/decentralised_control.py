@@ -5,16 +5,14 @@ from __future__ import annotations
 from clepsydra.papers.document import Findings
 from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.closed_loop import BAND
-from clepsydra.papers.four_tank_laboratory.readings import (
-    MEDIANS,
-)
+from clepsydra.papers.four_tank_laboratory.readings import MEDIANS
 from clepsydra.papers.four_tank_laboratory.set_ups import FULL_LEVEL
 from clepsydra.papers.four_tank_laboratory.step_and_pours import (
     beside_minimum,
     table_figures,
     table_rows,
 )
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Rows
 
 
 def run() -> Findings:
@@ -33,8 +31,7 @@ _ENDS = {
 }
 
 
-def _claims() -> list[Row]:
-    rows = []
+def _claims() -> Rows:
     for score, name in (
         ("rise", "response"),
         ("recovery", "recovery"),
@@ -45,5 +42,4 @@ def _claims() -> list[Row]:
             f"2 with PI controllers of ours, {MEDIANS}{_ENDS[score]}"
         )
         line = PRINTED["Exercise 4.1.2", name]
-        rows.append(beside_minimum("decentralised", line, score, 1.0, reason))
-    return rows
+        yield beside_minimum("decentralised", line, score, 1.0, reason)

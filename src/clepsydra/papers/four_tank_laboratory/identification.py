@@ -21,7 +21,7 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     SetUp,
     plant,
 )
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Row, Rows
 
 #: The report prints no g; from this one to 981 cm/s² is left open.
 OTHER_GRAVITY = 980.0  # cm/s²
@@ -35,30 +35,26 @@ def run() -> Findings:
     return Findings((*rows, _tank_of_23()))
 
 
-def _gains() -> list[Row]:
+def _gains() -> Rows:
     volts, duration = MINIMUM.voltages[0], 10.0
     runs = by_hand(MINIMUM, (volts, volts), duration=duration, plugged=True, every=1)
-    rows = []
     for pump in (1, 2):
         found = [
             1e6 * pump_gain(runs.time, 0.01 * level, np.full(len(level), volts), AREA * 1e-4).value
             for level in runs.levels[pump - 1]
         ]
         mean, error = float(np.mean(found)), float(np.std(found, ddof=1) / np.sqrt(len(found)))
-        rows.append(
-            circular(
-                compared(
-                    PRINTED["Exercise 2.1.7", f"k{pump}"],
-                    mean,
-                    tolerance=3.0 * error / mean,
-                    why=f"From {len(found)} runs of {duration:g} s with plugged outlets at "
-                    f"{volts:g} V and noisy pumps, with {OF_THE_COURSE}; standard error "
-                    f"{error:.3f}, of which three are left open.",
-                ),
-                "The simulator was given the printed gains.",
-            )
+        yield circular(
+            compared(
+                PRINTED["Exercise 2.1.7", f"k{pump}"],
+                mean,
+                tolerance=3.0 * error / mean,
+                why=f"From {len(found)} runs of {duration:g} s with plugged outlets at "
+                f"{volts:g} V and noisy pumps, with {OF_THE_COURSE}; standard error "
+                f"{error:.3f}, of which three are left open.",
+            ),
+            "The simulator was given the printed gains.",
         )
-    return rows
 
 
 def _printed_record(set_up: SetUp) -> dict[str, float]:

@@ -30,7 +30,7 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     course_model,
 )
 from clepsydra.papers.printed import Printed, values
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Row, Rows
 
 _TABLES = {MINIMUM: "Table 3", NON_MINIMUM: "Table 4"}
 #: Voltages with which the report keeps both lower levels at 15 cm, and where it shows that.
@@ -72,8 +72,7 @@ def run() -> Findings:
     return Findings((*rows, _by_relative_gains(), *_differences()), tuple(figures))
 
 
-def _table(set_up: SetUp) -> list[Row]:
-    rows = []
+def _table(set_up: SetUp) -> Rows:
     for tank in (1, 2, 3, 4):
         levels = {
             reading: _level(
@@ -82,7 +81,7 @@ def _table(set_up: SetUp) -> list[Row]:
             for reading in readings_of(set_up)
         }
         line = PRINTED[_TABLES[set_up], f"h{tank}, simulation"]
-        rows.append(_left_open(line, levels, f"At 7.5 V {_SIMULATOR}"))
+        yield _left_open(line, levels, f"At 7.5 V {_SIMULATOR}")
     again = (
         f"{set_up.level_table} prints it too, as the level that the hole was found from: the same "
         "number twice, and no forecast."
@@ -91,7 +90,7 @@ def _table(set_up: SetUp) -> list[Row]:
         f"h{tank}, calculated": level.value for tank, level in enumerate(set_up.levels, start=1)
     }
     calculated = compared_all(PRINTED, _TABLES[set_up], found)
-    return [*rows, *(circular(row, again) for row in calculated)]
+    yield from (circular(row, again) for row in calculated)
 
 
 def _level(runs: ManualRuns, tank: int) -> tuple[float, float]:
@@ -201,9 +200,8 @@ def _volts(set_up: SetUp) -> tuple[float, float]:
     return 0.01 * FULL_VOLTAGE * one, 0.01 * FULL_VOLTAGE * two
 
 
-def _levels_of_15(set_up: SetUp, volts: tuple[float, float]) -> list[Row]:
+def _levels_of_15(set_up: SetUp, volts: tuple[float, float]) -> Rows:
     """Compare the one number for both lower levels with the level that is farther from it."""
-    rows = []
     percents, *_ = _HELD[set_up]
     voltages = (
         "6.6 and 3.6 V" if set_up is MINIMUM else f"{percents[0]:g} % and {percents[1]:g} % of 15 V"
@@ -225,8 +223,7 @@ def _levels_of_15(set_up: SetUp, volts: tuple[float, float]) -> list[Row]:
             f"At {voltages}, of the one that is farther off, {_SIMULATOR}",
         )
         is_fitted = holes == "fitted"
-        rows.append(circular(row, "The holes were fitted to these levels.") if is_fitted else row)
-    return rows
+        yield (circular(row, "The holes were fitted to these levels.") if is_fitted else row)
 
 
 def _settled(set_up: SetUp, reading: Reading, band: float) -> float:
@@ -249,46 +246,41 @@ def _transient(set_up: SetUp, place: str) -> Row:
         "tanks were empty, is not said."
     )
     row = compared(
-        line,
-        late,
-        tolerance=(late - early) / late if all(agrees.values()) else 0.0,
-        why=words,
+        line, late, tolerance=(late - early) / late if all(agrees.values()) else 0.0, why=words
     )
     if agrees.get("fitted") and not agrees["report"]:
         row = undecided(row, "It agrees with the fitted holes, and not as computed here.")
     return dataclasses.replace(row, computed=f"{early:.0f} to {late:.0f}", difference=None)
 
 
-def _differences() -> list[Row]:
+def _differences() -> Rows:
     upper = [[hole.value for hole in set_up.holes[2:]] for set_up in SET_UPS]
     ratios = [two / one for one, two in zip(*upper, strict=True)]
     lower = [[hole.value for hole in set_up.holes[:2]] for set_up in SET_UPS]
     spreads = [abs(two / one - 1.0) for one, two in zip(*lower, strict=True)]
     zero = max(zero.real for zero in zeros(course_model(NON_MINIMUM)))
     times = [_settled(set_up, USUAL, 0.02) for set_up in SET_UPS]
-    return [
-        claimed(
-            PRINTED["Exercise 2.2.4", "upper holes"],
-            min(ratios) > 1.0 + 2.0 * max(spreads),
-            " and ".join(f"{100.0 * (ratio - 1.0):.1f} %" for ratio in ratios) + " larger",
-            reason="The printed holes; those of the lower tanks, a1 and a2, differ by "
-            + " and ".join(f"{100.0 * spread:.1f} %" for spread in spreads)
-            + ".",
+    yield claimed(
+        PRINTED["Exercise 2.2.4", "upper holes"],
+        min(ratios) > 1.0 + 2.0 * max(spreads),
+        " and ".join(f"{100.0 * (ratio - 1.0):.1f} %" for ratio in ratios) + " larger",
+        reason="The printed holes; those of the lower tanks, a1 and a2, differ by "
+        + " and ".join(f"{100.0 * spread:.1f} %" for spread in spreads)
+        + ".",
+    )
+    yield claimed(
+        PRINTED["Exercise 2.2.4", "zero in the right half-plane"],
+        zero > 0.0,
+        f"{zero:+.4f} rad/s",
+        reason="Transmission zero of the linear model at levels of the course's exercise "
+        f"and with {OF_THE_COURSE}; at any others it is positive as well.",
+    )
+    yield remark(
+        PRINTED["Exercise 2.2.4", "manual control"],
+        "; ".join(
+            f"{set_up.phase} {time:.0f} s" for set_up, time in zip(SET_UPS, times, strict=True)
         ),
-        claimed(
-            PRINTED["Exercise 2.2.4", "zero in the right half-plane"],
-            zero > 0.0,
-            f"{zero:+.4f} rad/s",
-            reason="Transmission zero of the linear model at levels of the course's exercise "
-            f"and with {OF_THE_COURSE}; at any others it is positive as well.",
-        ),
-        remark(
-            PRINTED["Exercise 2.2.4", "manual control"],
-            "; ".join(
-                f"{set_up.phase} {time:.0f} s" for set_up, time in zip(SET_UPS, times, strict=True)
-            ),
-            reason="How difficult it is, is measured nowhere: by the transient at constant "
-            "voltages, which section 2.2.3 has, it fails. From empty to within 2 %, the report's "
-            f"holes, with {OF_THE_COURSE}.",
-        ),
-    ]
+        reason="How difficult it is, is measured nowhere: by the transient at constant "
+        "voltages, which section 2.2.3 has, it fails. From empty to within 2 %, the report's "
+        f"holes, with {OF_THE_COURSE}.",
+    )

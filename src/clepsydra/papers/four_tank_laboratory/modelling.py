@@ -24,7 +24,7 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     OF_THE_COURSE,
     course_model,
 )
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Rows
 
 
 def run() -> Findings:
@@ -32,7 +32,7 @@ def run() -> Findings:
     return Findings((*_linear_model(), *_zeros(), *_relative_gains()))
 
 
-def _linear_model() -> list[Row]:
+def _linear_model() -> Rows:
     import sympy as sp
 
     A, a, h = (sp.symbols(f"{name}_1:5", positive=True) for name in "Aah")
@@ -69,14 +69,10 @@ def _linear_model() -> list[Row]:
         "(12)": {f"det G, {line} line": determinant for line in ("first", "second")},
         **_array(G),
     }
-    return [
-        compared_for_each(PRINTED["(10)", "T_i"], times),
-        *(
-            row
-            for place, found in by_place.items()
-            for row in compared_formulas(PRINTED, place, found)
-        ),
-    ]
+    yield compared_for_each(PRINTED["(10)", "T_i"], times)
+    yield from (
+        row for place, found in by_place.items() for row in compared_formulas(PRINTED, place, found)
+    )
 
 
 def _array(G: Any) -> dict[str, dict[str, Any]]:
@@ -94,7 +90,7 @@ def _array(G: Any) -> dict[str, dict[str, Any]]:
     }
 
 
-def _zeros() -> list[Row]:
+def _zeros() -> Rows:
     splits = np.linspace(0.02, 1.0, 50)
     one, two = np.meshgrid(splits, splits)
     times = -1.0 / course_model(MINIMUM).A.diagonal()[2:]
@@ -110,36 +106,32 @@ def _zeros() -> list[Row]:
         set_up.phase: max(zero.real for zero in zeros(course_model(set_up)))
         for set_up in (MINIMUM, NON_MINIMUM)
     }
-    return [
-        claimed(
-            PRINTED["(13)", "zeros for 1 < γ1 + γ2 ≤ 2"],
-            bool(np.all(rightmost[above] < 0.0)),
-            f"largest real part {rightmost[above].max():.3g} rad/s",
-            reason=f"Roots of (12) for {above.sum()} pairs of splits, T3 and T4 at the "
-            f"course's levels with {OF_THE_COURSE}; for any others their sum stays negative and "
-            "their product positive.",
-        ),
-        claimed(
-            PRINTED["(14)", "zeros for 0 < γ1 + γ2 ≤ 1"],
-            bool(np.all(rightmost[~above] >= -1e-12)),
-            f"smallest real part of the right one {rightmost[~above].min():.3g} rad/s",
-            reason=f"The right root of (12) for {(~above).sum()} pairs of splits, which makes the "
-            "process non-minimum phase; at γ1 + γ2 = 1 it stands at zero.",
-        ),
-        claimed(
-            PRINTED["Exercise 2.1.6", "the two set-ups"],
-            found["minimum phase"] < 0.0 < found["non-minimum phase"],
-            ", ".join(f"{phase}: {value:+.4f} rad/s" for phase, value in found.items()),
-            reason="Rightmost transmission zero of the linear model at levels of the course's "
-            f"exercise and with {OF_THE_COURSE}; its sign is that of 1 - γ1 - γ2 at any levels.",
-        ),
-    ]
+    yield claimed(
+        PRINTED["(13)", "zeros for 1 < γ1 + γ2 ≤ 2"],
+        bool(np.all(rightmost[above] < 0.0)),
+        f"largest real part {rightmost[above].max():.3g} rad/s",
+        reason=f"Roots of (12) for {above.sum()} pairs of splits, T3 and T4 at the "
+        f"course's levels with {OF_THE_COURSE}; for any others their sum stays negative and "
+        "their product positive.",
+    )
+    yield claimed(
+        PRINTED["(14)", "zeros for 0 < γ1 + γ2 ≤ 1"],
+        bool(np.all(rightmost[~above] >= -1e-12)),
+        f"smallest real part of the right one {rightmost[~above].min():.3g} rad/s",
+        reason=f"The right root of (12) for {(~above).sum()} pairs of splits, which makes the "
+        "process non-minimum phase; at γ1 + γ2 = 1 it stands at zero.",
+    )
+    yield claimed(
+        PRINTED["Exercise 2.1.6", "the two set-ups"],
+        found["minimum phase"] < 0.0 < found["non-minimum phase"],
+        ", ".join(f"{phase}: {value:+.4f} rad/s" for phase, value in found.items()),
+        reason="Rightmost transmission zero of the linear model at levels of the course's "
+        f"exercise and with {OF_THE_COURSE}; its sign is that of 1 - γ1 - γ2 at any levels.",
+    )
 
 
-def _relative_gains() -> list[Row]:
-    rows = []
+def _relative_gains() -> Rows:
     for set_up, place in ((MINIMUM, "(19)"), (NON_MINIMUM, "(20)")):
         array = relative_gain_array(static_gain(course_model(set_up)))
-        rows += compared_all(PRINTED, "Exercise 2.1.6", {f"λ, {set_up.phase}": array[0, 0]})
-        rows += compared_all(PRINTED, place, entries("RGA, row {}, column {}", array))
-    return rows
+        yield from compared_all(PRINTED, "Exercise 2.1.6", {f"λ, {set_up.phase}": array[0, 0]})
+        yield from compared_all(PRINTED, place, entries("RGA, row {}, column {}", array))

@@ -12,12 +12,7 @@ from clepsydra.papers.four_tank_laboratory.readings import (
     Reading,
     claimed_in_all,
 )
-from clepsydra.papers.four_tank_laboratory.set_ups import (
-    MINIMUM,
-    NON_MINIMUM,
-    SET_UPS,
-    SetUp,
-)
+from clepsydra.papers.four_tank_laboratory.set_ups import MINIMUM, NON_MINIMUM, SET_UPS, SetUp
 from clepsydra.papers.four_tank_laboratory.step_and_pours import (
     GLOVER,
     beside_minimum,
@@ -25,7 +20,7 @@ from clepsydra.papers.four_tank_laboratory.step_and_pours import (
     table_figures,
     table_rows,
 )
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Row, Rows
 
 _KINDS: tuple[Kind, Kind] = ("decentralised", "robust")
 
@@ -36,8 +31,7 @@ def run() -> Findings:
     return Findings(rows, tuple(table_figures("robust")))
 
 
-def _beside_decentralised() -> list[Row]:
-    rows = []
+def _beside_decentralised() -> Rows:
     for score, sign in (("overshoot", -1.0), ("rise", 1.0), ("recovery", -1.0)):
         pairs, of_score = _pairs(score), ""
         if score == "overshoot":
@@ -60,8 +54,7 @@ def _beside_decentralised() -> list[Row]:
             f"PI to {GLOVER} in both tanks of both set-ups, controllers of ours, "
             f"{MEDIANS}.{of_score}"
         )
-        rows.append(claimed_in_all(PRINTED["Exercise 4.2.2", score], holds, told, reason=reason))
-    return rows
+        yield claimed_in_all(PRINTED["Exercise 4.2.2", score], holds, told, reason=reason)
 
 
 def _pairs(score: str) -> dict[Reading | str, dict[SetUp, list[tuple[float, float]]]]:
@@ -105,8 +98,7 @@ def _trade() -> Row:
     )
 
 
-def _beside_minimum() -> list[Row]:
-    rows = []
+def _beside_minimum() -> Rows:
     for score, name, sign, end in (
         ("rise", "response", 1.0, "."),
         ("recovery", "recovery", 1.0, "."),
@@ -117,5 +109,4 @@ def _beside_minimum() -> list[Row]:
             f"{MEDIANS}; judged for each{end}"
         )
         line = PRINTED["Exercise 4.2.3", name]
-        rows.append(beside_minimum("robust", line, score, sign, reason))
-    return rows
+        yield beside_minimum("robust", line, score, sign, reason)

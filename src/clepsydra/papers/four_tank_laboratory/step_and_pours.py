@@ -40,7 +40,7 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     Units,
 )
 from clepsydra.papers.printed import Printed, PrintedNumber
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Row, Rows
 
 #: The report shows one run, so that what noise does to nearly all runs is left open.
 _CENTRAL = (0.025, 0.975)
@@ -200,13 +200,11 @@ def _is_open(spreads: list[_Spread], number: PrintedNumber) -> bool:
     return all(spread.holds(number.value, number.half_unit) for spread in spreads)
 
 
-def table_rows(kind: Kind) -> list[Row]:
+def table_rows(kind: Kind) -> Rows:
     """Return the rows of Table 5 or 6."""
-    rows = []
     for set_up, score in product(SET_UPS, SCORES):
         for tanks, line in _lines(kind, set_up, score).items():
-            rows.append(_row(kind, set_up, score, tanks, line))
-    return rows
+            yield _row(kind, set_up, score, tanks, line)
 
 
 def _row(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...], line: Printed) -> Row:

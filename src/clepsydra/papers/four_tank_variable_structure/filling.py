@@ -35,7 +35,7 @@ from clepsydra.papers.four_tank_variable_structure.rig import (
     in_volts,
 )
 from clepsydra.papers.four_tank_variable_structure.settling import speed
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Row, Rows
 
 PLACE = "section 5"
 #: So much of a filling is drawn [s].
@@ -48,18 +48,11 @@ _LANE = at_limit(USUAL.limit)
 
 def run() -> Findings:
     """Fill the tanks with both controllers, after decoupling and without."""
-    rows = [
-        *_overshoots(),
-        speed(),
-        _saturation(),
-        _without_saturation(),
-        _energy(),
-        _overflow(),
-    ]
+    rows = [*_overshoots(), speed(), _saturation(), _without_saturation(), _energy(), _overflow()]
     return Findings(tuple(rows), _figures())
 
 
-def _overshoots() -> list[Row]:
+def _overshoots() -> Rows:
     old, new = (decoupled(way) for way in _WAYS)
     in_volts = decoupled("variable_structure", DECOUPLED_READINGS[1])
     doubled = decoupled(CONVENTIONAL, DECOUPLED_READINGS[2])
@@ -70,25 +63,17 @@ def _overshoots() -> list[Row]:
     )
     why = f"The farther of h1 and h2; “around” is taken as 10 %. {READING}"
     conventional, other = (
-        compared(
-            line,
-            found,
-            tolerance=0.1,
-            why=why,
-        )
-        for found in (farther, agreeing)
+        compared(line, found, tolerance=0.1, why=why) for found in (farther, agreeing)
     )
     hangs_on = "It agrees with sensors of 1 V/cm and pumps to 20 V, and not as computed here."
-    return [
-        undecided(conventional, hangs_on) if other.verdict == "reproduced" else conventional,
-        remark(
-            PRINTED[PLACE, "overshoot, variable-structure PID"],
-            f"{both(new, 'overshoot', lane=_LANE)} with α on ν, "
-            f"{both(in_volts, 'overshoot', lane=_LANE)} with α in volts",
-            reason="h1 and h2. Neither what almost none is nor whether α acts on ν or in volts is "
-            f"printed. {IN_VOLTS} {READING}",
-        ),
-    ]
+    yield (undecided(conventional, hangs_on) if other.verdict == "reproduced" else conventional)
+    yield remark(
+        PRINTED[PLACE, "overshoot, variable-structure PID"],
+        f"{both(new, 'overshoot', lane=_LANE)} with α on ν, "
+        f"{both(in_volts, 'overshoot', lane=_LANE)} with α in volts",
+        reason="h1 and h2. Neither what almost none is nor whether α acts on ν or in volts is "
+        f"printed. {IN_VOLTS} {READING}",
+    )
 
 
 def _saturation() -> Row:

@@ -70,10 +70,7 @@ def _figure(run: Run, swapped: Run) -> Figure:
 
     time = run.time[every]
     panels = []
-    for name, found in (
-        ("decoupled by (9)", run),
-        ("PI, other pairing", swapped),
-    ):
+    for name, found in (("decoupled by (9)", run), ("PI, other pairing", swapped)):
         curves = [Curve(f"h{j}", time, level(found, j)) for j in range(1, 5)]
         panels.append(Panel(f"{name}: levels", "[cm]", tuple(curves)))
         voltages = [Curve(f"v{i}", time, found.values[f"pump_{i}"][every], "held") for i in (1, 2)]

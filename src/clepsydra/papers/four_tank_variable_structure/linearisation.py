@@ -24,7 +24,7 @@ from clepsydra.papers.document import Findings
 from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.rig import at_target
 from clepsydra.papers.four_tank_variable_structure.symbolic import to_sympy
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Rows
 
 if TYPE_CHECKING:
     import casadi as ca
@@ -105,7 +105,7 @@ def run() -> Findings:
     return Findings(tuple(rows))
 
 
-def _balances(s: Derived) -> list[Row]:
+def _balances(s: Derived) -> Rows:
     from sympy import symbols
 
     q_in, q_out = symbols("q_in q_out")
@@ -118,13 +118,13 @@ def _balances(s: Derived) -> list[Row]:
     # u is [v1, v2] in section 3.
     names = {"u1": v1, "u2": v2}
     rates = zip(("dy1/dt, read without its second plus sign", "dy2/dt"), s.rates[:2], strict=True)
-    return [
-        *compared_formulas(PRINTED, "section 2", balances),
-        *(compared_formula(PRINTED["section 3", name], rate, names=names) for name, rate in rates),
-    ]
+    yield from compared_formulas(PRINTED, "section 2", balances)
+    yield from (
+        compared_formula(PRINTED["section 3", name], rate, names=names) for name, rate in rates
+    )
 
 
-def _decoupling(s: Derived) -> list[Row]:
+def _decoupling(s: Derived) -> Rows:
     from sympy import Matrix
 
     place, degrees = "section 3", s.linearised.degrees
@@ -144,20 +144,19 @@ def _decoupling(s: Derived) -> list[Row]:
         f"{squared}, L_g L_f h {mixed}."
     )
     input_appears = PRINTED[place, "derivative in which the input appears"]
-    return [
-        *compared_all(PRINTED, place, {"relative degrees r1 = r2": degrees[0]}),
-        *compared_formulas(PRINTED, place, formulas),
-        claimed(PRINTED[place, "determinant of E"], bool(regular), str(determinant)),
-        stated(input_appears, "y^(r) = L_f^r h + L_g L_f^(r−1) h u", bool(squared == mixed), words),
-    ]
+    yield from compared_all(PRINTED, place, {"relative degrees r1 = r2": degrees[0]})
+    yield from compared_formulas(PRINTED, place, formulas)
+    yield claimed(PRINTED[place, "determinant of E"], bool(regular), str(determinant))
+    yield stated(
+        input_appears, "y^(r) = L_f^r h + L_g L_f^(r−1) h u", bool(squared == mixed), words
+    )
 
 
-def _new_inputs(s: Derived) -> list[Row]:
+def _new_inputs(s: Derived) -> Rows:
     from sympy import Matrix, diag, simplify, symbols
 
     nu, p, m0 = Matrix(symbols("nu1:3")), diag(*symbols("p1:3")), symbols("m0")
     L, M = Matrix(s.L), Matrix([m0 * s.h[0], m0 * s.h[1]])
-    rows = []
     for place, name, u in (
         ("(9)", "Y under u = −E⁻¹ L + E⁻¹ ν", s.E.inv() * (nu - L)),
         ("(12)", "Y under (10)", s.E.inv() * (p * nu - L - M)),
@@ -166,13 +165,10 @@ def _new_inputs(s: Derived) -> list[Row]:
         cases = [
             (simplify(entry), {"nu1": nu[j], "p1": p[j, j], "h1": s.h[j]}) for j, entry in outputs
         ]
-        rows.append(compared_for_each(PRINTED[place, name], cases))
+        yield compared_for_each(PRINTED[place, name], cases)
     closed = (p * nu - M)[0].subs(s.h[0], symbols("y"))
     K_P, K_I, alpha, excess = symbols("K_P K_I alpha excess", positive=True)
     told = "; ".join(f"{K_I * (-alpha * excess / gain)} with {gain}" for gain in (K_I, K_P))
-    return [
-        *rows,
-        *compared_formulas(PRINTED, "(11)", {"M1 as a sum up to n − 1": m0 * s.h[0]}),
-        *compared_formulas(PRINTED, "(13)", {"dy/dt for r = 1": closed}),
-        remark(PRINTED["(14)", "rate of the integral part K_I η while it saturates"], told),
-    ]
+    yield from compared_formulas(PRINTED, "(11)", {"M1 as a sum up to n − 1": m0 * s.h[0]})
+    yield from compared_formulas(PRINTED, "(13)", {"dy/dt for r = 1": closed})
+    yield remark(PRINTED["(14)", "rate of the integral part K_I η while it saturates"], told)

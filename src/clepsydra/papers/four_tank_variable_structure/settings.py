@@ -22,10 +22,7 @@ from clepsydra.papers.four_tank_variable_structure.decoupled import (
     shares_at_limit,
 )
 from clepsydra.papers.four_tank_variable_structure.filling import HIGH, PLACE
-from clepsydra.papers.four_tank_variable_structure.readings import (
-    USUAL,
-    both,
-)
+from clepsydra.papers.four_tank_variable_structure.readings import USUAL, both
 from clepsydra.papers.four_tank_variable_structure.rig import fill, in_volts
 from clepsydra.papers.four_tank_variable_structure.virtual_lanes import Setting, filled_with
 from clepsydra.papers.row import Row

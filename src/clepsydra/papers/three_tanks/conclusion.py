@@ -10,16 +10,11 @@ import numpy as np
 from clepsydra.papers.comparison import claimed, remark
 from clepsydra.papers.document import Findings
 from clepsydra.papers.printed import values
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Rows
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
 from clepsydra.papers.three_tanks.linear_quadratic import quadratic_loop
-from clepsydra.papers.three_tanks.pid_design import (
-    DERIVATIVE_GAIN,
-    GAIN,
-    INTEGRAL_GAIN,
-    loop_model,
-)
+from clepsydra.papers.three_tanks.pid_design import DERIVATIVE_GAIN, GAIN, INTEGRAL_GAIN, loop_model
 from clepsydra.papers.three_tanks.printed_model import AREA, printed_model
 from clepsydra.papers.three_tanks.state_feedback import STEP, placed_loop, settling
 
@@ -63,7 +58,7 @@ def run() -> Findings:
     return Findings(tuple(_claims(placed, calm, _of_pid())))
 
 
-def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Response) -> list[Row]:
+def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Response) -> Rows:
     best = placed[25]
     others = [*calm.values(), pid]
     names = [*(f"LQC, R = {weight}" for weight in calm), "PID"]
@@ -71,45 +66,41 @@ def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Respons
         "FSFB with poles -40 and -25 ± j25 on (2) before rounding, without a limit of the feed."
     )
     with_pid = f"{on_model} PID by (3) and the printed Kc, Ki and Kd."
-    return [
-        remark(
-            PRINTED["conclusion", "settling time"],
-            f"{best.settling:.3f} s to within 2 %, {best.settling_closely:.3f} s to within 1 %",
-            reason="“At least 0.2 seconds”, read as at most, are desired. Which band is not said: "
-            f"it holds to within 2 % and fails to within 1 %. {on_model}",
+    yield remark(
+        PRINTED["conclusion", "settling time"],
+        f"{best.settling:.3f} s to within 2 %, {best.settling_closely:.3f} s to within 1 %",
+        reason="“At least 0.2 seconds”, read as at most, are desired. Which band is not said: "
+        f"it holds to within 2 % and fails to within 1 %. {on_model}",
+    )
+    yield claimed(
+        PRINTED["conclusion", "overshoot"],
+        best.overshoot < pid.overshoot,
+        f"{best.overshoot:.1f} % against {pid.overshoot:.1f} %",
+        reason=with_pid,
+    )
+    yield claimed(
+        PRINTED["conclusion", "desired specifications"],
+        _keeps(best) == (True, True) and all(_keeps(each) == (False, False) for each in others),
+        f"FSFB {best.overshoot:.1f} % in {best.settling:.2f} s; "
+        + "; ".join(
+            f"{name} {each.overshoot:.1f} % in {each.settling:.3g} s"
+            for name, each in zip(names, others, strict=True)
         ),
-        claimed(
-            PRINTED["conclusion", "overshoot"],
-            best.overshoot < pid.overshoot,
-            f"{best.overshoot:.1f} % against {pid.overshoot:.1f} %",
-            reason=with_pid,
-        ),
-        claimed(
-            PRINTED["conclusion", "desired specifications"],
-            _keeps(best) == (True, True) and all(_keeps(each) == (False, False) for each in others),
-            f"FSFB {best.overshoot:.1f} % in {best.settling:.2f} s; "
-            + "; ".join(
-                f"{name} {each.overshoot:.1f} % in {each.settling:.3g} s"
-                for name, each in zip(names, others, strict=True)
-            ),
-            reason="Less than 3 % and 0.2 s are desired, settling to within 2 %: FSFB keeps both, "
-            f"each of the others neither. {with_pid} LQC on (2) before rounding.",
-        ),
-        claimed(
-            PRINTED["conclusion", "settling time, ISE and IAE"],
-            all(one < other for one, other in zip(best[:5], pid[:5], strict=True)),
-            f"{best.settling:.2f} against {pid.settling:.0f} s, ISE {best.squared:.2g} against "
-            f"{pid.squared:.0f} cm² s, IAE {best.absolute:.2g} against {pid.absolute:.0f} cm s",
-            reason=f"Setpoint step of 1 cm; settling to within 2 %, overshoot as above. {with_pid}",
-        ),
-        remark(
-            PRINTED["conclusion", "disturbance"],
-            f"FSFB {', '.join(f'{each.moved:.2g}' for each in placed.values())}; "
-            + "; ".join(
-                f"{name} {each.moved:.2g}" for name, each in zip(names, others, strict=True)
-            ),
-        ),
-    ]
+        reason="Less than 3 % and 0.2 s are desired, settling to within 2 %: FSFB keeps both, "
+        f"each of the others neither. {with_pid} LQC on (2) before rounding.",
+    )
+    yield claimed(
+        PRINTED["conclusion", "settling time, ISE and IAE"],
+        all(one < other for one, other in zip(best[:5], pid[:5], strict=True)),
+        f"{best.settling:.2f} against {pid.settling:.0f} s, ISE {best.squared:.2g} against "
+        f"{pid.squared:.0f} cm² s, IAE {best.absolute:.2g} against {pid.absolute:.0f} cm s",
+        reason=f"Setpoint step of 1 cm; settling to within 2 %, overshoot as above. {with_pid}",
+    )
+    yield remark(
+        PRINTED["conclusion", "disturbance"],
+        f"FSFB {', '.join(f'{each.moved:.2g}' for each in placed.values())}; "
+        + "; ".join(f"{name} {each.moved:.2g}" for name, each in zip(names, others, strict=True)),
+    )
 
 
 def _keeps(response: Response) -> tuple[bool, bool]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from clepsydra.papers.comparison import claimed, compared_formula, stated
 from clepsydra.papers.document import Findings
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Row, Rows
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.linear_quadratic import SIZES, WEIGHT, quadratic_loop
 from clepsydra.papers.three_tanks.state_feedback import DISTANCES, placed_loop
@@ -105,7 +105,7 @@ def _characteristic(symbols: Symbols) -> Row:
     return stated(printed, "det(s*I - A + B*K)", is_right)
 
 
-def _quadratic_cost(symbols: Symbols) -> list[Row]:
+def _quadratic_cost(symbols: Symbols) -> Rows:
     from sympy import hessian
 
     riccati = symbols.A.T * symbols.P + symbols.P * symbols.A + symbols.Q
@@ -124,13 +124,11 @@ def _quadratic_cost(symbols: Symbols) -> list[Row]:
         ),
         "control that minimises J": (symbols.best, "-R**-1*B.T*P*X"),
     }
-    rows = []
     for name, (derived, right) in found.items():
         printed = PRINTED[_LQC, name]
         if name.startswith("dV/dt"):
             symbols.names["Q"] = weight
-        rows.append(stated(printed, right, symbols.are_equal(printed.text, derived)))
-    return rows
+        yield stated(printed, right, symbols.are_equal(printed.text, derived))
 
 
 def _weights() -> Row:

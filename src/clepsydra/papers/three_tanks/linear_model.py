@@ -10,7 +10,7 @@ from clepsydra.papers.comparison import claimed, compared, compared_all, entries
 from clepsydra.papers.document import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.printed import values
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Rows
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.printed_model import (
     DENOMINATOR,
@@ -30,7 +30,7 @@ def run() -> Findings:
     return Findings(rows, (_open_loop(),))
 
 
-def _units() -> list[Row]:
+def _units() -> Rows:
     """Judge the units of table 1 by the equations that use them."""
     registry: pint.UnitRegistry[float] = pint.UnitRegistry()
     speed = (registry("m^2/s") * registry("m")).dimensionality
@@ -38,24 +38,22 @@ def _units() -> list[Row]:
     metres = printed_model().A
     second = linear_model_at(np.array([0.5, 0.0045, 0.4])).A
     third = linear_model_at(np.array([0.5, 0.45, 0.004])).A
-    return [
-        stated(PRINTED["Table 1", "unit of g"], "m/s²", is_speed),
-        stated(
-            PRINTED["Table 1", "unit of h2s"],
-            "m",
-            _rounds_to("A12", second[0, 1]),
-            reason=f"With h2s = 0.45 cm the first rate of (2) is {second[0, 1]:.4f} 1/s, "
-            f"with 0.45 m {metres[0, 1]:.4f}, as printed.",
-        ),
-        stated(
-            PRINTED["Table 1", "unit of h3s"],
-            "m",
-            _rounds_to("A23", third[1, 2]) and _rounds_to("A33", third[2, 2]),
-            reason=f"With h3s = 0.4 cm, h2s in metres, A23 and A33 of (2) are {third[1, 2]:.4f} "
-            f"and {third[2, 2]:.4f} 1/s, with 0.4 m {metres[1, 2]:.4f} and {metres[2, 2]:.4f}, as "
-            "printed.",
-        ),
-    ]
+    yield stated(PRINTED["Table 1", "unit of g"], "m/s²", is_speed)
+    yield stated(
+        PRINTED["Table 1", "unit of h2s"],
+        "m",
+        _rounds_to("A12", second[0, 1]),
+        reason=f"With h2s = 0.45 cm the first rate of (2) is {second[0, 1]:.4f} 1/s, "
+        f"with 0.45 m {metres[0, 1]:.4f}, as printed.",
+    )
+    yield stated(
+        PRINTED["Table 1", "unit of h3s"],
+        "m",
+        _rounds_to("A23", third[1, 2]) and _rounds_to("A33", third[2, 2]),
+        reason=f"With h3s = 0.4 cm, h2s in metres, A23 and A33 of (2) are {third[1, 2]:.4f} "
+        f"and {third[2, 2]:.4f} 1/s, with 0.4 m {metres[1, 2]:.4f} and {metres[2, 2]:.4f}, as "
+        "printed.",
+    )
 
 
 def _rounds_to(name: str, rate: float) -> bool:
@@ -64,35 +62,31 @@ def _rounds_to(name: str, rate: float) -> bool:
     return bool(abs(rate - printed.value) < printed.half_unit)
 
 
-def _rest() -> list[Row]:
+def _rest() -> Rows:
     flows = 1e6 * flows_at(LEVELS)
     shown = ", ".join(f"{flow:.1f}" for flow in flows)
-    return [
-        compared(
-            PRINTED["Table 1", "q2s at 0.40 m in tank 3"],
-            float(flows[2]),
-            unprinted="Flows in series are one flow at rest, but the levels of Table 1, read in "
-            f"metres as (2) needs them, and its coefficients make q12, q23 and q2 {shown} cm³/s; "
-            "nothing tells which is wrong.",
-        ),
-    ]
+    yield compared(
+        PRINTED["Table 1", "q2s at 0.40 m in tank 3"],
+        float(flows[2]),
+        unprinted="Flows in series are one flow at rest, but the levels of Table 1, read in "
+        f"metres as (2) needs them, and its coefficients make q12, q23 and q2 {shown} cm³/s; "
+        "nothing tells which is wrong.",
+    )
 
 
-def _matrices() -> list[Row]:
+def _matrices() -> Rows:
     model = printed_model()
     eigenvalues = np.linalg.eigvals(model.A)
     inputs = {f"B{i + 1}": value for i, value in enumerate(model.B[:, 0])}
-    return [
-        *compared_all(PRINTED, "(2)", entries("A", model.A) | inputs),
-        claimed(
-            PRINTED["simulation results", "open loop"],
-            bool(np.all(eigenvalues < 0.0)),
-            ", ".join(f"{value:.4f}" for value in sorted(eigenvalues.real)),
-        ),
-    ]
+    yield from compared_all(PRINTED, "(2)", entries("A", model.A) | inputs)
+    yield claimed(
+        PRINTED["simulation results", "open loop"],
+        bool(np.all(eigenvalues < 0.0)),
+        ", ".join(f"{value:.4f}" for value in sorted(eigenvalues.real)),
+    )
 
 
-def _transfer_function() -> list[Row]:
+def _transfer_function() -> Rows:
     model = printed_model()
     polynomial = np.poly(model.A)
     # Half a unit of each of the three rates whose sum it is.
@@ -109,14 +103,12 @@ def _transfer_function() -> list[Row]:
     lower = {"coefficient of s": polynomial[2], "constant coefficient": polynomial[3]}
     # Of the companion form x1 = h3, x2 = dh3/dt, x3 = d²h3/dt² of (3).
     companion = {f"A3{j + 1}": -polynomial[3 - j] for j in range(3)}
-    return [
-        *compared_all(PRINTED, "(3)", {"numerator": numerator}),
-        compared(square, float(polynomial[1]), tolerance=left / float(polynomial[1])),
-        *compared_all(PRINTED, "(3)", lower),
-        *compared_all(PRINTED, "(4)", companion),
-        compared(PRINTED["(4)", "B3"], NUMERATOR, right_if=[evidence]),
-        stated(PRINTED["(4)", "output"], "y = [1 0 0] x", bool(abs(rest[2]) > 1e-9)),
-    ]
+    yield from compared_all(PRINTED, "(3)", {"numerator": numerator})
+    yield compared(square, float(polynomial[1]), tolerance=left / float(polynomial[1]))
+    yield from compared_all(PRINTED, "(3)", lower)
+    yield from compared_all(PRINTED, "(4)", companion)
+    yield compared(PRINTED["(4)", "B3"], NUMERATOR, right_if=[evidence])
+    yield stated(PRINTED["(4)", "output"], "y = [1 0 0] x", bool(abs(rest[2]) > 1e-9))
 
 
 def _companion() -> np.ndarray:
@@ -125,7 +117,7 @@ def _companion() -> np.ndarray:
     return matrix
 
 
-def _controllability() -> list[Row]:
+def _controllability() -> Rows:
     model = printed_model()
     matrix = np.hstack([model.B, model.A @ model.B, model.A @ model.A @ model.B])
     as_printed = np.array(
@@ -151,13 +143,11 @@ def _controllability() -> list[Row]:
     proof = {"Qc12": [evidence, one_slip], "Qc13": [second, one_slip]}
     rank = np.linalg.matrix_rank(matrix)
     place = "controllability"
-    return [
-        *(
-            compared(PRINTED[place, name], float(value), right_if=proof.get(name, ()))
-            for name, value in entries("Qc", matrix).items()
-        ),
-        claimed(PRINTED[place, "rank"], rank == 3, f"rank {rank}"),
-    ]
+    yield from (
+        compared(PRINTED[place, name], float(value), right_if=proof.get(name, ()))
+        for name, value in entries("Qc", matrix).items()
+    )
+    yield claimed(PRINTED[place, "rank"], rank == 3, f"rank {rank}")
 
 
 def _open_loop() -> Figure:

@@ -9,7 +9,7 @@ import numpy as np
 from clepsydra.papers.comparison import claimed, compared_all, remark
 from clepsydra.papers.document import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel, bode_panels
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Rows
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
 from clepsydra.papers.three_tanks.printed_model import printed_model, rounded_model
@@ -56,8 +56,7 @@ def _eigenvalues(loop: FeedbackLoop) -> tuple[float, complex]:
     return real, complex(values[values.imag > 1e-9][0])
 
 
-def _table() -> list[Row]:
-    rows = []
+def _table() -> Rows:
     for weight in SIZES:
         loop = quadratic_loop(weight)
         alone, pair = _eigenvalues(loop)
@@ -68,12 +67,11 @@ def _table() -> list[Row]:
             "N": loop.setpoint_gain,
         }  # fmt: skip
         named = {f"{name}, {loop.label}": value for name, value in found.items()}
-        rows += compared_all(PRINTED, "Table 3", named)
-        rows.append(loop.margin_row(PRINTED["Table 3", f"VGM, {loop.label}"]))
-    return rows
+        yield from compared_all(PRINTED, "Table 3", named)
+        yield loop.margin_row(PRINTED["Table 3", f"VGM, {loop.label}"])
 
 
-def _claims() -> list[Row]:
+def _claims() -> Rows:
     loops = [quadratic_loop(weight) for weight in SIZES]
     slowest = [max(np.linalg.eigvals(loop.closed).real) for loop in loops]
     placed = [placed_loop(distance) for distance in DISTANCES]
@@ -88,47 +86,45 @@ def _claims() -> list[Row]:
     }
     efforts = [_effort(loop) for loop in loops]
     shares = [float(weight) * effort for weight, effort in zip(SIZES, efforts, strict=True)]
-    return [
-        claimed(
-            PRINTED["Table 3", "speed"],
-            slowest[0] > slowest[1] > slowest[2],
-            ", ".join(f"{value:.2f} 1/s" for value in slowest),
+    yield claimed(
+        PRINTED["Table 3", "speed"],
+        slowest[0] > slowest[1] > slowest[2],
+        ", ".join(f"{value:.2f} 1/s" for value in slowest),
+    )
+    yield remark(
+        PRINTED["design of the LQC", "effort"],
+        ", ".join(f"{effort:.3g} m⁶/s" for effort in efforts),
+        reason="∫(u - u∞)² dt after a setpoint step of 1 cm for R = 0.1, 0.01 and 0.001. Which "
+        "measure is meant is not said: of this it fails, of the share of J, R times this, it "
+        f"{'holds' if shares[0] > shares[1] > shares[2] else 'fails too'}.",
+    )
+    yield claimed(
+        PRINTED["stability analysis", "VGM of both controllers"],
+        any(min(pair) >= 3.5 and max(pair) <= 9.5 for pair in zip(*fast.values(), strict=True)),
+        "; ".join(
+            f"{name} {', '.join(f'{each:.2f}' for each in found)} dB"
+            for name, found in fast.items()
         ),
-        remark(
-            PRINTED["design of the LQC", "effort"],
-            ", ".join(f"{effort:.3g} m⁶/s" for effort in efforts),
-            reason="∫(u - u∞)² dt after a setpoint step of 1 cm for R = 0.1, 0.01 and 0.001. Which "
-            "measure is meant is not said: of this it fails, of the share of J, R times this, it "
-            f"{'holds' if shares[0] > shares[1] > shares[2] else 'fails too'}.",
+        reason="20 log10 max|S| at the feed and at levels 1 to 3: wherever the loop is opened, "
+        "FSFB is below 3.5 to 9.5 dB. Where the phase is -180°, as (6) of the vector gain "
+        f"margin takes |S|, both are, at most {crossed['FSFB']:.2f} and "
+        f"{crossed['LQC']:.2f} dB.",
+    )
+    yield remark(
+        PRINTED["simulation results", "magnitude plots"],
+        "; ".join(
+            f"{kind} "
+            + ", ".join(
+                f"{each.closed_gain_margin:.1f} dB and {each.closed_bandwidth:.1f} rad/s"
+                for each in group
+            )
+            for kind, group in (("FSFB", placed), ("LQC", loops))
         ),
-        claimed(
-            PRINTED["stability analysis", "VGM of both controllers"],
-            any(min(pair) >= 3.5 and max(pair) <= 9.5 for pair in zip(*fast.values(), strict=True)),
-            "; ".join(
-                f"{name} {', '.join(f'{each:.2f}' for each in found)} dB"
-                for name, found in fast.items()
-            ),
-            reason="20 log10 max|S| at the feed and at levels 1 to 3: wherever the loop is opened, "
-            "FSFB is below 3.5 to 9.5 dB. Where the phase is -180°, as (6) of the vector gain "
-            f"margin takes |S|, both are, at most {crossed['FSFB']:.2f} and "
-            f"{crossed['LQC']:.2f} dB.",
-        ),
-        remark(
-            PRINTED["simulation results", "magnitude plots"],
-            "; ".join(
-                f"{kind} "
-                + ", ".join(
-                    f"{each.closed_gain_margin:.1f} dB and {each.closed_bandwidth:.1f} rad/s"
-                    for each in group
-                )
-                for kind, group in (("FSFB", placed), ("LQC", loops))
-            ),
-        ),
-        remark(
-            PRINTED["abstract", "VGM of LQC and FSFB"],
-            f"level 3: LQC {third['LQC']} dB, FSFB {third['FSFB']} dB",
-        ),
-    ]
+    )
+    yield remark(
+        PRINTED["abstract", "VGM of LQC and FSFB"],
+        f"level 3: LQC {third['LQC']} dB, FSFB {third['FSFB']} dB",
+    )
 
 
 def _everywhere(loop: FeedbackLoop) -> list[float]:

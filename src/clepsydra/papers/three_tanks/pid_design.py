@@ -15,7 +15,7 @@ from clepsydra.papers.comparison import claimed, compared
 from clepsydra.papers.document import Findings
 from clepsydra.papers.figure import Figure, bode_panels
 from clepsydra.papers.printed import values
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Rows
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.printed_model import DENOMINATOR, NUMERATOR
 
@@ -66,7 +66,7 @@ def ultimate_of(model: FirstOrderDelay) -> Ultimate:
     return Ultimate(math.hypot(1.0, frequency * model.time_constant) / model.gain, frequency)
 
 
-def _two_points() -> list[Row]:
+def _two_points() -> Rows:
     from scipy.optimize import brentq
 
     first, second = (
@@ -74,24 +74,22 @@ def _two_points() -> list[Row]:
         for share in (0.333, 0.666)
     )
     time_constant = 1.43 * (second - first)
-    return [
-        compared(
-            PRINTED["two-point method", "τp"],
-            time_constant,
-            unprinted=f"From {first:.1f} and {second:.1f} s, at which the response of (3) passes "
-            "33.3 and 66.6 %; the times that were read are not printed.",
-        ),
-        compared(
-            PRINTED["two-point method", "td"],
-            first - 0.4 * time_constant,
-            unprinted=f"From {first:.1f} s, at which the response of (3) passes 33.3 %, and τp as "
-            "computed; the times that were read are not printed.",
-        ),
-        compared(PRINTED["two-point method", "Kp"], NUMERATOR / DENOMINATOR[3]),
-    ]
+    yield compared(
+        PRINTED["two-point method", "τp"],
+        time_constant,
+        unprinted=f"From {first:.1f} and {second:.1f} s, at which the response of (3) passes "
+        "33.3 and 66.6 %; the times that were read are not printed.",
+    )
+    yield compared(
+        PRINTED["two-point method", "td"],
+        first - 0.4 * time_constant,
+        unprinted=f"From {first:.1f} s, at which the response of (3) passes 33.3 %, and τp as "
+        "computed; the times that were read are not printed.",
+    )
+    yield compared(PRINTED["two-point method", "Kp"], NUMERATOR / DENOMINATOR[3])
 
 
-def _settings() -> list[Row]:
+def _settings() -> Rows:
     gain, lag, delay = values(PRINTED, "two-point method", "Kp", "τp", "td")
     point = ultimate_of(FirstOrderDelay(gain / lag, lag, delay))
     period = 2.0 * math.pi / point.frequency
@@ -107,19 +105,17 @@ def _settings() -> list[Row]:
         and abs(GAIN * derivative - DERIVATIVE_GAIN) < 5e-4
         and abs(GAIN / PRINTED["Ziegler-Nichols", "τi"].value - INTEGRAL_GAIN) > 1e-2,
     )
-    return [
-        compared(PRINTED["Ziegler-Nichols", "Kcu"], point.gain),
-        compared(PRINTED["Ziegler-Nichols", "Pu"], period, right_if=[is_frequency]),
-        compared(
-            PRINTED["Ziegler-Nichols", "Kc"],
-            0.6 * point.gain,
-            why=f"0.6 times the ultimate gain {point.gain:.5f} of (5).",
-        ),
-        compared(PRINTED["Ziegler-Nichols", "τi"], integral, right_if=[gains_need]),
-        compared(PRINTED["Ziegler-Nichols", "Ki"], GAIN / integral),
-        compared(PRINTED["Ziegler-Nichols", "τd"], derivative, right_if=[gains_need]),
-        compared(PRINTED["Ziegler-Nichols", "Kd"], GAIN * derivative),
-    ]
+    yield compared(PRINTED["Ziegler-Nichols", "Kcu"], point.gain)
+    yield compared(PRINTED["Ziegler-Nichols", "Pu"], period, right_if=[is_frequency])
+    yield compared(
+        PRINTED["Ziegler-Nichols", "Kc"],
+        0.6 * point.gain,
+        why=f"0.6 times the ultimate gain {point.gain:.5f} of (5).",
+    )
+    yield compared(PRINTED["Ziegler-Nichols", "τi"], integral, right_if=[gains_need])
+    yield compared(PRINTED["Ziegler-Nichols", "Ki"], GAIN / integral)
+    yield compared(PRINTED["Ziegler-Nichols", "τd"], derivative, right_if=[gains_need])
+    yield compared(PRINTED["Ziegler-Nichols", "Kd"], GAIN * derivative)
 
 
 @cache
@@ -138,7 +134,7 @@ def loop_model() -> LinearModel:
     return LinearModel(A, B, B[:, :0], C, D, names, ("error",), (), ("level_3",))
 
 
-def _loop() -> list[Row]:
+def _loop() -> Rows:
     numerator = NUMERATOR * np.array([DERIVATIVE_GAIN, GAIN, INTEGRAL_GAIN])
     closed = np.append(DENOMINATOR, 0.0) + np.append(np.zeros(2), numerator)
     place = "closed loop of the PID"
@@ -147,7 +143,7 @@ def _loop() -> list[Row]:
     found = dict(zip((*above, *below), map(float, (*numerator, *closed[1:])), strict=True))
     # Half a unit of the last digit of Kc, 0.0012, in the one coefficient that it leaves open.
     left = {"denominator s": 5e-5 * NUMERATOR}
-    rows = [
+    yield from [
         compared(PRINTED[place, name], value, tolerance=left.get(name, 0.0) / value)
         for name, value in found.items()
     ]
@@ -156,18 +152,15 @@ def _loop() -> list[Row]:
     peak = 20.0 * math.log10(margins.sensitivity.peak)
     poles = np.roots([1.0, *(PRINTED[place, name].value for name in below)])
     assert math.isinf(margins.gain_margin_up or 0.0)
-    rows += [
-        claimed(
-            PRINTED[place, "internal stability"],
-            bool(poles.real.max() >= 0.0) or not margins.stable,
-            f"stable, poles of the printed denominator at most at {poles.real.max():.4f} 1/s",
-            reason="Of the loop of (3) and the printed Kc, Ki and Kd. GM is infinite, since the "
-            f"phase reaches -180° at no finite frequency, and PM is {phase:.1f}°.",
-        ),
-        compared(PRINTED[place, "VGM"], peak),
-        claimed(PRINTED[place, "VGM of the PID"], peak > 9.5, f"{peak:.2f} dB"),
-    ]
-    return rows
+    yield claimed(
+        PRINTED[place, "internal stability"],
+        bool(poles.real.max() >= 0.0) or not margins.stable,
+        f"stable, poles of the printed denominator at most at {poles.real.max():.4f} 1/s",
+        reason="Of the loop of (3) and the printed Kc, Ki and Kd. GM is infinite, since the "
+        f"phase reaches -180° at no finite frequency, and PM is {phase:.1f}°.",
+    )
+    yield compared(PRINTED[place, "VGM"], peak)
+    yield claimed(PRINTED[place, "VGM of the PID"], peak > 9.5, f"{peak:.2f} dB")
 
 
 def _bode() -> Figure:

@@ -26,11 +26,7 @@ from clepsydra.papers.document import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
 from clepsydra.papers.three_tanks.linear_quadratic import quadratic_loop
-from clepsydra.papers.three_tanks.pid_design import (
-    DERIVATIVE_GAIN,
-    GAIN,
-    INTEGRAL_GAIN,
-)
+from clepsydra.papers.three_tanks.pid_design import DERIVATIVE_GAIN, GAIN, INTEGRAL_GAIN
 from clepsydra.papers.three_tanks.printed_model import FLOW, three_tanks
 from clepsydra.papers.three_tanks.state_feedback import STEP, placed_loop
 

@@ -11,7 +11,7 @@ import numpy as np
 from clepsydra.papers.comparison import claimed, compared, compared_all, entries
 from clepsydra.papers.document import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel, bode_panels
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Rows
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
 from clepsydra.papers.three_tanks.printed_model import printed_model, rounded_model
@@ -52,27 +52,23 @@ def placed_loop(distance: int, *, rounded: bool = False) -> FeedbackLoop:
     return FeedbackLoop(f"poles -{distance} ± j{distance}", gain[None, :], model)
 
 
-def _table() -> list[Row]:
+def _table() -> Rows:
     """Compare gains from (2) in three decimals, with which every K3 comes out, and the margins."""
-    rows = []
     for distance in DISTANCES:
         exact, used = placed_loop(distance), placed_loop(distance, rounded=True)
         values = [*used.gain[0].tolist(), used.setpoint_gain]
         names = [f"{name}, -{distance} ± j{distance}" for name in ("K1", "K2", "K3", "N")]
-        rows += compared_all(PRINTED, "Table 2", dict(zip(names, values, strict=True)))
-        rows.append(exact.margin_row(PRINTED["Table 2", f"VGM, {exact.label}"]))
-    return rows
+        yield from compared_all(PRINTED, "Table 2", dict(zip(names, values, strict=True)))
+        yield exact.margin_row(PRINTED["Table 2", f"VGM, {exact.label}"])
 
 
-def _closed_loop() -> list[Row]:
+def _closed_loop() -> Rows:
     place, gain = "closed loop with precompensator", float(printed_model().B[0, 0])
     in_qc = PRINTED["controllability", "Qc11"].number
     same = abs(gain - in_qc.value) < in_qc.half_unit + 1e-9
     evidence = ("1/A, as in Qc, and cut to 64.93 in (2)", same)
-    return [
-        *compared_all(PRINTED, place, entries("A", placed_loop(25, rounded=True).closed)),
-        compared(PRINTED[place, "B1"], gain, right_if=[evidence]),
-    ]
+    yield from compared_all(PRINTED, place, entries("A", placed_loop(25, rounded=True).closed))
+    yield compared(PRINTED[place, "B1"], gain, right_if=[evidence])
 
 
 def settling(time: np.ndarray, level: np.ndarray, band: float = 0.02) -> float:
@@ -81,23 +77,21 @@ def settling(time: np.ndarray, level: np.ndarray, band: float = 0.02) -> float:
     return float(time[outside[-1]])
 
 
-def _claims() -> list[Row]:
+def _claims() -> Rows:
     time = np.linspace(0.0, 3.0, 30001)
     loops = [placed_loop(distance) for distance in DISTANCES]
     settled = [settling(time, loop.step(STEP, time)[0][:, 2]) for loop in loops]
     nearest = min(1.0 / loop.margins.sensitivity.peak for loop in loops)
-    return [
-        claimed(
-            PRINTED["Table 2", "speed"],
-            settled[0] < settled[1] < settled[2],
-            ", ".join(f"{each:.2f} s" for each in settled),
-        ),
-        claimed(
-            PRINTED["simulation results", "Nyquist plot"],
-            all(loop.margins.stable for loop in loops),
-            f"nearest distance to -1: {nearest:.3f}",
-        ),
-    ]
+    yield claimed(
+        PRINTED["Table 2", "speed"],
+        settled[0] < settled[1] < settled[2],
+        ", ".join(f"{each:.2f} s" for each in settled),
+    )
+    yield claimed(
+        PRINTED["simulation results", "Nyquist plot"],
+        all(loop.margins.stable for loop in loops),
+        f"nearest distance to -1: {nearest:.3f}",
+    )
 
 
 def _servo_without() -> Figure:
