@@ -47,6 +47,12 @@ class Pin:
     used: bool = False
 
     @property
+    def inward(self) -> list[Point]:
+        """Points from the free end of the pin to what it belongs to."""
+        (x, y), (dx, dy) = self.lead[0], self.way
+        return [*self.lead[::-1], (x - dx, y - dy)]
+
+    @property
     def end(self) -> Point:
         """The outermost point."""
         return self.lead[-1]
@@ -303,7 +309,7 @@ def stub_body(name: str, x: int, y: int, label: tuple[str, ...], side: int, rim:
     # Words stand above the arrow, a little away from the pipes of pumps.
     middle = x + side
     areas = [(middle - words, y - 2, middle + words, y - 1), (x, y, x, rim)]
-    pins = [pin for dy in (0, 1) for pin in _lines(x, y + dy, (LEFT, 1), (RIGHT, 1), cost=dy)]
+    pins = [pin for dy in (0, 1) for pin in _lines(x, y + dy, (LEFT, 1), (RIGHT, 1), cost=2.0 * dy)]
     return Body(name, "stub", x, y, areas, pins, side)
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from clepsydra.report.drawing.bodies import UP, Body, Pin, Point
+from clepsydra.report.drawing.bodies import UP, Pin, Point
 from clepsydra.report.drawing.control_functions import ControlFunction
 from clepsydra.report.drawing.flow_graph import FlowGraph
 from clepsydra.report.drawing.frame import Labels
@@ -107,68 +107,59 @@ def route(graph: FlowGraph, labels: Labels, functions: Sequence[ControlFunction]
     return router.routes
 
 
-@dataclass(eq=False)
-class _End:
-    """An end of a pipe that is to be laid: a body with the role of its pins, or a reservoir."""
-
-    name: str
-    role: str
-    body: Body | None
-
-
-@dataclass(eq=False)
+@dataclass(frozen=True)
 class _Way:
-    """A pipe or a signal line that is to be laid."""
+    """A pipe or a signal line that is to be laid between pins of two roles."""
 
     line: str
-    start: _End
-    goal: _End
+    source: str
+    role: str
+    end: str
+    role_there: str
     kind: Kind = "pipe"
 
     @property
     def ends(self) -> tuple[str, str]:
-        return (self.start.name, self.goal.name)
+        return (self.source, self.end)
 
 
 class _Router:
     def __init__(self, placement: Placement, *, through: bool) -> None:
         self.placement, self.through = placement, through
-        self.routes = Routes(placement, basin_uses=list(placement.draws))
+        self.routes = Routes(placement)
         self.grid = GridRouter(placement.width + 4, placement.height + 2)
         for body in placement.bodies.values():
             for area in body.areas:
                 self.grid.block(area)
             for pin in body.pins:
                 self.grid.dear[pin.end] = 4.0
-        for shelf, row in enumerate(placement.basin_rows):
-            for x, there, _ in placement.draws:
-                if there == shelf:
-                    self.grid.block((x - 2, row + 1, x + 2, row + 3))
-            for x in range(self.grid.width):
-                self.grid.dear[x, row] = 8.0
+        self.grid.dear[:, placement.basin_rows] = 8.0
+        for draw in placement.draws:
+            self._use(*draw)
+
+    def _use(self, x: int, shelf: int, reservoir: str) -> None:
+        """Keep the place below where a pipe reaches a reservoir for its name."""
+        self.routes.basin_uses.append((x, shelf, reservoir))
+        row = self.placement.basin_rows[shelf]
+        self.grid.block((x - 2, row + 1, x + 2, row + 3))
 
     def lay_all(self, urgent: Sequence[tuple[str, str]]) -> tuple[str, str] | None:
         """Lay every pipe, some before others; return source and end of one that found no way."""
-        for name, points in self.placement.fixed:
+        placement = self.placement
+        targets = {link.name: link.targets for link in placement.graph.links}
+        for name, points in placement.fixed:
             self.grid.lay(points)
             line = name.removesuffix("<")
-            body = self.placement.bodies[line]
-            ends = body.symbol == "stub" or (not self._link_targets(line) and len(points) == 2)
-            self.routes.pipes.append(Pipe(line, line, line, points, arrow=ends))
-        ways = self._ways()
-        order = {way: (ORDER.index(way.kind), self._length(way)) for way in ways}
-        ways.sort(key=lambda way: (way.ends not in urgent, order[way]))
-        for way in ways:
-            if not self._lay(way) and not self.through:
-                return way.ends
-        return None
-
-    def _link_targets(self, name: str) -> tuple[str, ...]:
-        return next(
-            (link.targets for link in self.placement.graph.links if link.name == name), ("",)
+            ends = len(points) == 2 and not targets.get(line, ("",))
+            arrow = ends or placement.bodies[line].symbol == "stub"
+            self.routes.pipes.append(Pipe(line, line, line, points, arrow))
+        ways = sorted(
+            self._ways(),
+            key=lambda way: (way.ends not in urgent, ORDER.index(way.kind), self._length(way)),
         )
+        return next((way.ends for way in ways if not self._lay(way) and not self.through), None)
 
-    def _ways(self) -> list[_Way]:
+    def _ways(self) -> Iterator[_Way]:
         placement, graph = self.placement, self.placement.graph
         joined = {
             (line, other.name)
@@ -177,94 +168,80 @@ class _Router:
             if (other.x, other.y) == points[-1]
         }
         fallen = {name for name, points in placement.fixed if points[0][1] < points[1][1]}
-        ways = []
         for link in graph.links:
-            body, shelf = placement.bodies[link.name], placement.shelf_of(link.name)
+            name, body = link.name, placement.bodies[link.name]
             if body.symbol == "stub":
                 continue
             for source in link.sources:
-                hangs = link.name in fallen and source in graph.vessels
-                if not hangs and (body.x, shelf, source) not in placement.draws:
-                    ways.append(self._way(link.name, source, "side", link.name, "in"))
+                hangs = name in fallen and source in graph.vessels
+                if not hangs and (body.x, placement.shelf_of(name), source) not in placement.draws:
+                    yield _Way(name, source, "side", name, "in")
             for target in link.targets:
-                if (link.name, target) not in joined:
-                    role = "side" if link.submerged else "in"
-                    ways.append(self._way(link.name, link.name, "out", target, role))
+                if (name, target) not in joined:
+                    yield _Way(name, name, "out", target, "side" if link.submerged else "in")
         for junction in graph.junctions:
             for _, target in junction.branches:
-                ways.append(self._way(junction.name, junction.name, "out", target, "in"))
+                yield _Way(junction.name, junction.name, "out", target, "in")
         for of, to in placement.signals:
-            ways.append(self._way(of, of, "signal", to, "signal", "signal"))
+            yield _Way(of, of, "signal", to, "signal", "signal")
         tapped: dict[str, str] = {}
         for instrument in graph.instruments:
             if instrument.seat in placement.bodies:
                 # Meters of one flow share its tap.
                 seat = tapped.get(instrument.seat, instrument.seat)
-                ways.append(self._way(seat, seat, "tap", instrument.name, "tap", "tap"))
+                yield _Way(seat, seat, "tap", instrument.name, "tap", "tap")
                 if instrument.seat not in graph.vessels:
                     tapped[instrument.seat] = instrument.name
-        return ways
-
-    def _way(
-        self, line: str, source: str, role: str, end: str, role_there: str, kind: Kind = "pipe"
-    ) -> _Way:
-        start = _End(source, role, self.placement.bodies.get(source))
-        return _Way(line, start, _End(end, role_there, self.placement.bodies.get(end)), kind)
 
     def _length(self, way: _Way) -> float:
         """Return about how long a pipe will be; feeds of junctions come first."""
-        one, other = way.start.body, way.goal.body
-        row = self.placement.basin_rows[self.placement.shelf_of(way.line)]
+        bodies = self.placement.bodies
+        one, other = bodies.get(way.source), bodies.get(way.end)
         if one is None or other is None:
             known = one or other
+            row = self.placement.basin_rows[self.placement.shelf_of(way.line)]
             return 0.0 if known is None else abs(known.y - row)
         into = other.symbol in ("splitter", "header", "delay")
         return abs(one.x - other.x) + abs(one.y - other.y) - (1000.0 if into else 0.0)
 
     def _lay(self, way: _Way) -> bool:
         shelf = self.placement.shelf_of(way.line)
-        starts, goals = self._ends(way.start, shelf), self._ends(way.goal, shelf)
-        points = self.grid.find([e[0] for e in starts], [e[0] for e in goals], through=self.through)
+        starts, goals = (
+            self._pins(way.source, way.role, shelf),
+            self._pins(way.end, way.role_there, shelf),
+        )
+        points = self.grid.find(starts, goals, through=self.through)
         if not points:
             return False
-        for end, point in ((way.start, points[0]), (way.goal, points[-1])):
-            if end.body is None:
-                self.routes.basin_uses.append((point[0], shelf, end.name))
-                row = self.placement.basin_rows[shelf]
-                self.grid.block((point[0] - 2, row + 1, point[0] + 2, row + 3))
-        first, last = self._inner(starts, points[0]), self._inner(goals, points[-1])
-        points = straightened([*first[::-1], *points, *last])
+        first, last = (
+            next(pin for pin in pins if pin.end == point)
+            for pins, point in ((starts, points[0]), (goals, points[-1]))
+        )
+        for pin, name in ((first, way.source), (last, way.end)):
+            pin.used = True
+            if name not in self.placement.bodies:
+                self._use(pin.end[0], shelf, name)
+        points = straightened([*first.inward[::-1], *points, *last.inward])
         self.grid.lay(points)
-        goal = way.goal.body
-        into = goal is None or (goal.symbol == "tank" and way.goal.role == "in")
+        goal = self.placement.bodies.get(way.end)
+        into = goal is None or (goal.symbol == "tank" and way.role_there == "in")
         arrow = into or way.kind == "signal"
         self.routes.pipes.append(Pipe(way.line, *way.ends, points, arrow, way.kind))
         return True
 
-    def _ends(self, end: _End, shelf: int) -> list[tuple[tuple[Point, Point, float], Pin | None]]:
-        if end.body is not None:
-            pins = end.body.free(end.role) or (end.body.taken(end.role) if self.through else [])
-            return [((pin.end, pin.way, pin.cost), pin) for pin in pins]
-        uses = [(use, name) for use, there, name in self.routes.basin_uses if there == shelf]
+    def _pins(self, name: str, role: str, shelf: int) -> list[Pin]:
+        """Return where a line may end at a body, or at the surface of a reservoir."""
+        body = self.placement.bodies.get(name)
+        if body is not None:
+            return body.free(role) or (body.taken(role) if self.through else [])
+        row, uses = self.placement.basin_rows[shelf], self.routes.basin_uses
         # Reservoirs beside each other need room for their names.
-        room = {name: 3 + (len(name) + len(end.name)) * 9 // 32 for _, name in uses}
+        room = {n: 1 if n == name else 3 + (len(n) + len(name)) * 9 // 32 for _, _, n in uses}
         return [
-            (((x, self.placement.basin_rows[shelf]), UP, 0.0), None)
+            Pin([(x, row - 1)], UP, role)
             for x in range(3, self.placement.width - 2)
-            if all(abs(x - at) > (1 if name == end.name else room[name]) for at, name in uses)
+            if all(abs(x - at) > room[n] for at, there, n in uses if there == shelf)
         ]
-
-    def _inner(
-        self, ends: Iterable[tuple[tuple[Point, Point, float], Pin | None]], point: Point
-    ) -> list[Point]:
-        """Return the points from the free end of the pin inward, and take the pin."""
-        pin = next((pin for (place, _, _), pin in ends if place == point), None)
-        if pin is None:
-            return []
-        pin.used = True
-        dx, dy = pin.way
-        x, y = pin.lead[0]
-        return [*pin.lead[::-1], (x - dx, y - dy)]
 
 
 def _close_up(routes: Routes) -> None:
