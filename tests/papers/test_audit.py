@@ -11,12 +11,12 @@ import pytest
 from clepsydra import papers
 from clepsydra.papers import audit as audits
 from clepsydra.papers.document import documents, load_document
-from clepsydra.papers.printed import printed_table
+from clepsydra.papers.printed_table import printed_table
 
 TINY = {
     "__init__.py": """
         from clepsydra.papers.document import Document
-        from clepsydra.papers.printed import printed_table
+        from clepsydra.papers.printed_table import printed_table
 
         DOCUMENT = Document(__name__, 0, "One tank", "Nobody, 2026", {"first-part": "Its area"})
         PRINTED = printed_table(__name__)
@@ -29,16 +29,13 @@ TINY = {
     "first_part.py": """
         from math import pi
 
-        from clepsydra.papers.comparison import compared_all
-        from clepsydra.papers.document import Findings
-        from clepsydra.papers.printed import values
         from clepsydra.papers.tiny_tank import PRINTED
 
 
         def run():
-            (diameter,) = values(PRINTED, "section 1", "diameter")
+            (diameter,) = PRINTED.numbers("section 1", "diameter")
             area = pi * diameter**2 / 4.0
-            return Findings(tuple(compared_all(PRINTED, "section 1", {"area": area})))
+            return PRINTED.compared("section 1", {"area": area})
         """,
 }
 
@@ -68,7 +65,7 @@ def test_a_document_is_its_own_folder(tiny):
 
 def test_two_rows_of_one_name_are_a_mistake(tiny):
     part = tiny / "first_part.py"
-    part.write_text(part.read_text("utf-8").replace("tuple(", "2 * tuple("), "utf-8")
+    part.write_text(part.read_text("utf-8").replace("return ", "return 2 * "), "utf-8")
     with pytest.raises(AssertionError, match="more than once"):
         audits.audit(["tiny-tank"])
 

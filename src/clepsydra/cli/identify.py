@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from clepsydra.cli.options import JsonOption, OutputOption
+from clepsydra.cli.options import JsonOption
 from clepsydra.cli.verb import verb
 
 
@@ -47,17 +47,19 @@ def identify(
     ] = None,
     every: Annotated[bool, typer.Option("--all", help="Show every parameter and remark.")] = False,
     as_json: JsonOption = False,
-    folder: OutputOption = None,
+    folder: Annotated[
+        Path, typer.Option("--output", "-o", metavar="FOLDER", help="Where the page is written.")
+    ] = Path(),
 ) -> None:
     """Identify a model from a record: ARX, FOPDT, SOPDT, IPDT, or parameters of a process."""
     from clepsydra.base.errors import InputError
-    from clepsydra.cli.output import make_folder, named_options, print_json, show, written_files
+    from clepsydra.cli.output import make_folder, named_options, output_file, print_json, show
     from clepsydra.interface.identify import FittedPlant, Identification
     from clepsydra.interface.identify import identify as identify_model
     from clepsydra.interface.plant import load
 
     make_folder(folder)
-    files = written_files(folder, f"{data.stem}-identification", as_json, page="html")
+    page = output_file(folder / f"{data.stem}-identification.html")
     for option, given in (("--parameters", parameters), ("--write", write)):
         if given is not None and process is None:
             raise InputError(
@@ -78,14 +80,14 @@ def identify(
         else:
             names = [name.strip() for name in (parameters or "").split(",") if name.strip()]
             found = identify_model(data, plant=load(process), parameters=names)
-    for page in files.values():
-        found.report(page)
+    found.report(page)
+    written = {"page": str(page)}
     if write is not None and isinstance(found, FittedPlant):
         found.write(write)
-        files["process file"] = write
+        written["process file"] = str(write)
     if as_json:
-        print_json({**found.as_dict(), **files})
+        print_json({**found.as_dict(), **written})
         return
     show(found.shown(every=every))
-    for what, where in files.items():
+    for what, where in written.items():
         typer.echo(f"{what.capitalize()}: {where}")

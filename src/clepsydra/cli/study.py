@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from clepsydra.cli.options import JsonOption, OutputOption
+from clepsydra.cli.options import JsonOption
 from clepsydra.cli.verb import verb
 
 
@@ -21,7 +22,15 @@ def study(
         ),
     ],
     as_json: JsonOption = False,
-    folder: OutputOption = None,
+    folder: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FOLDER",
+            help="Where report and data are written: here if left out, with --json nowhere.",
+        ),
+    ] = None,
     every: Annotated[
         bool, typer.Option("--all", help="Show the whole ranking, not only its first five.")
     ] = False,
@@ -49,18 +58,22 @@ def study(
     ] = None,
 ) -> None:
     """Design, tune, simulate, score and rank controllers; write report and data."""
-    from clepsydra.cli.output import make_folder, print_json, show, written_files
+    from clepsydra.cli.output import make_folder, output_file, print_json, show
     from clepsydra.cli.progress import shown_progress
     from clepsydra.interface.study import so_far
     from clepsydra.interface.study import study as study_of
     from clepsydra.interface.subject import read_subject
 
-    make_folder(folder)
+    here = folder or Path()
+    make_folder(here)
     request = read_subject(subject, seed)
     named = {"report": "html", "trajectories": "parquet"}
-    files = written_files(folder, request.file_stem, as_json, **named)
+    files = {
+        what: output_file(here / f"{request.file_stem}.{ending}")
+        for what, ending in ({} if as_json and folder is None else named).items()
+    }
     with shown_progress(so_far, quiet=as_json) as tell:
-        result = study_of(request, seed=seed, accept=accept, progress=tell, folder=folder or ".")
+        result = study_of(request, seed=seed, accept=accept, progress=tell, folder=here)
     if not as_json:
         show(result.shown(every=every, why=why, refused=refused))
     if files:
@@ -70,6 +83,6 @@ def study(
         else:
             del files["trajectories"]
     if as_json:
-        print_json({**result.as_dict(), **files})
+        print_json({**result.as_dict(), **{what: str(path) for what, path in files.items()}})
     else:
         typer.echo(f"Written: {files['report']}{' and .parquet' if result.ranking else ''}")

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-import dataclasses
 import importlib
 import pkgutil
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 
 from clepsydra import papers
 from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
 from clepsydra.papers.figure import Figure
 from clepsydra.papers.row import Row
+
+#: What an experiment returns or yields, in the order of the document.
+Found = Iterable[Row | Figure]
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,7 @@ class Document:
     Parameters
     ----------
     package : str
-        The folder, in which each experiment is a module with a function ``run() -> Findings``, and
+        The folder, in which each experiment is a module with a function ``run() -> Found``, and
         ``printed.csv`` the table of what is printed.
     number : int
         Documents are told in this order.
@@ -67,11 +69,12 @@ class Document:
     def findings(self, experiment: str) -> Findings:
         """Run an experiment, and return its rows with the keys of document and experiment."""
         module = importlib.import_module(f"{self.package}.{experiment.replace('-', '_')}")
-        found: Findings = module.run()
-        rows = tuple(
-            dataclasses.replace(row, document=self.key, experiment=experiment) for row in found.rows
+        found = tuple(module.run())
+        rows = (each for each in found if isinstance(each, Row))
+        return Findings(
+            tuple(replace(row, document=self.key, experiment=experiment) for row in rows),
+            tuple(each for each in found if isinstance(each, Figure)),
         )
-        return Findings(rows, found.figures)
 
 
 def documents() -> dict[str, Document]:

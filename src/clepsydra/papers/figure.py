@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -55,31 +55,30 @@ class Panel:
 
     title: str
     y_label: str
-    curves: tuple[Curve, ...]
+    curves: Sequence[Curve]
     x_label: str = "time [s]"
     logarithmic_x: bool = False
     logarithmic_y: bool = False
+
+
+def curves(
+    x: np.ndarray, values: Mapping[str, np.ndarray], kind: CurveKind = "line"
+) -> list[Curve]:
+    """Return curves over the same places by name."""
+    return [Curve(name, x, y, kind) for name, y in values.items()]
 
 
 def bode_panels(
     frequencies: np.ndarray, responses: Mapping[str, np.ndarray]
 ) -> tuple[Panel, Panel]:
     """Return magnitude and phase of frequency responses by name, over frequencies [rad/s]."""
-    kinds: dict[str, Callable[[np.ndarray], np.ndarray]] = {
-        "magnitude [dB]": lambda values: 20.0 * np.log10(np.abs(values)),
-        "phase [°]": lambda values: np.degrees(np.unwrap(np.angle(values))),
-    }
-    magnitude, phase = (
-        Panel(
-            label.partition(" ")[0],
-            label,
-            tuple(Curve(name, frequencies, of(values)) for name, values in responses.items()),
-            "frequency [rad/s]",
-            logarithmic_x=True,
-        )
-        for label, of in kinds.items()
+    sizes = {name: 20.0 * np.log10(np.abs(values)) for name, values in responses.items()}
+    phases = {k: np.degrees(np.unwrap(np.angle(values))) for k, values in responses.items()}
+    over = "frequency [rad/s]", True
+    return (
+        Panel("magnitude", "magnitude [dB]", curves(frequencies, sizes), *over),
+        Panel("phase", "phase [°]", curves(frequencies, phases), *over),
     )
-    return magnitude, phase
 
 
 @dataclass(frozen=True)
@@ -105,5 +104,5 @@ class Figure:
 
     number: str
     title: str
-    panels: tuple[Panel, ...]
+    panels: Sequence[Panel]
     note: str = ""

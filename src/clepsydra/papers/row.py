@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 Verdict = Literal[
@@ -75,17 +75,53 @@ class Row:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the row under the names that a JSON document has for it."""
-        return {
-            "document": self.document,
-            "place": self.place,
-            "name": self.name,
-            "printed": self.printed,
-            "computed": self.computed,
-            "unit": self.unit,
-            "difference": self.difference,
-            "verdict": self.verdict,
-            "reason": self.reason,
-        }
+        names = "document place name printed computed unit difference verdict reason"
+        return {name: getattr(self, name) for name in names.split()}
+
+    def circular(self, solved_from: str) -> Row:
+        """Return a row whose agreement proves nothing: "consistent" where it was "reproduced".
+
+        Parameters
+        ----------
+        solved_from : str
+            What the computed number was solved from or fitted to, the printed one among it.
+
+        Examples
+        --------
+        >>> from clepsydra.papers.printed import Printed
+        >>> row = Printed("Table 7", "IE of V", "1.24E-02").compared(0.01242)
+        >>> row.circular("The step follows from this cell.").verdict
+        'consistent'
+        """
+        if self.verdict not in ("reproduced", "claim holds"):
+            return self
+        return replace(self, verdict="consistent", reason=joined(solved_from, self.reason))
+
+    def undecided(self, hangs_on: str) -> Row:
+        """Return a number that agrees in one reading and not in another as a remark.
+
+        What is reproduced in the reading that stands in the row is as it was.
+
+        Parameters
+        ----------
+        hangs_on : str
+            In which readings it agrees.
+
+        Examples
+        --------
+        >>> from clepsydra.papers.printed import Printed
+        >>> row = Printed("Table 5", "rise", "6.3", note="The controller.").compared(7.7)
+        >>> row.undecided("It agrees in 1 of 4 readings.").verdict
+        'remark'
+        """
+        if self.verdict != "not reproducible":
+            return self
+        return replace(self, verdict="remark", reason=joined(hangs_on, self.reason))
 
 
 Rows = Iterator[Row]
+
+
+def joined(*sentences: str) -> str:
+    """Return sentences as one text, without those that are empty."""
+    return " ".join(sentence for sentence in sentences if sentence)

@@ -171,12 +171,11 @@ def _more(result: StudyResult) -> list[Section]:
         Line(_PID_WORDS),
         facts_table("Bits of the status word of an output", bits),
     )
-    caveats = marked(Mark.WATCH, result.caveats)
-    computed = facts_table("", _computation(result))
+    how = (facts_table("", _computation(result)), _segments(result))
     return [
         *found,
         Section("What the numbers mean, and what decides the order", meanings, folded=True),
-        Section("How this was computed", (computed, *caveats, _segments(result)), folded=True),
+        Section("How this was computed", how, folded=True),
     ]
 
 

@@ -130,8 +130,7 @@ def _centroid(name: str, output: LinguisticVariable, points: np.ndarray) -> Bloc
             first, stop = varying[0][0], varying[-1][1]
             words = f"how far the points from {first} on are {each}"
             values = tuple(degree[first:stop].tolist())
-            lines = output.sets[each].edges
-            tables.append(Table(path("degree", each), values, first, words, "point", lines))
+            tables.append(Table(path("degree", each), values, first, words))
 
     def equations(heights: Symbols) -> Equations:
         sums, named = ca.SX.zeros(2), dict[str, ca.SX]()

@@ -1,7 +1,7 @@
 """Kolankowski and Piotrowski 2022: an averaging tank with variable filling."""
 
 from clepsydra.papers.document import Document
-from clepsydra.papers.printed import printed_table
+from clepsydra.papers.printed_table import printed_table
 
 DOCUMENT = Document(
     __name__,

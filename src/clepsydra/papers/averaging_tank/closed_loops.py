@@ -36,16 +36,8 @@ from clepsydra.papers.averaging_tank.symbols import (
     plant,
     s,
 )
-from clepsydra.papers.comparison import (
-    circular,
-    claimed,
-    compared_all,
-    compared_formula,
-    compared_formulas,
-    entries,
-    stated,
-)
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
+from clepsydra.papers.printed_table import entries
 from clepsydra.papers.row import Row, Rows
 
 _A = symbols("A")
@@ -78,32 +70,32 @@ _SECTIONS = (
 )  # fmt: skip
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return the rows on the loops in symbols."""
     rows = [*_pairing(), *_decoupler()]
     for section in _SECTIONS:
         rows += [*_proportional(section), *_integral(section), *_derivative(section)]
-    return Findings(tuple(rows))
+    return rows
 
 
 def _pairing() -> Rows:
     for section in _SECTIONS:
         G = plant(section.variant).transfer
         gains = G.multiply_elementwise(G.inv().T).applyfunc(simplify)
-        yield from compared_all(PRINTED, section.rga, entries("RGA", gains))
+        yield from PRINTED.compared(section.rga, entries("RGA", gains))
 
 
 def _decoupler() -> Rows:
     first, second, wanted = symbols("G_p11 G_p12 T_11")
     (solved,) = solve(wanted * second + first, wanted)
     T = decoupler("outflow")
-    yield from compared_formulas(PRINTED, "(49)", {"T11": solved})
+    yield from PRINTED.formulas("(49)", {"T11": solved})
     for ending, found in (("", T), (" at rest", T.subs(AT_REST))):
         for (row, column), element in _ELEMENTS.items():
             line = PRINTED["(50)", f"{element}{ending} (row {row + 1}, column {column + 1})"]
-            judged = compared_formula(line, found[row, column])
+            judged = line.formula(found[row, column])
             # All but T11 are a choice of structure.
-            yield (judged if element == "T11" else circular(judged, _STRUCTURE))
+            yield (judged if element == "T11" else judged.circular(_STRUCTURE))
 
 
 def _loops(section: _Section, first: Expr, second: Expr) -> tuple[Any, Any]:
@@ -143,14 +135,14 @@ def _stability(place: str, gains: str, closed: Any, sign: int, note: str = "") -
             f"The gain of -1 is in {gains} already: the V loop has the denominator {parts[1]}, "
             f"which asks for K_p2 > 0{far}.{times}"
         )  # fmt: skip
-    return claimed(PRINTED[place, f"stability, {place}"], stable, found, reason=reason)
+    return PRINTED[place, f"stability, {place}"].claimed(stable, found, reason=reason)
 
 
 def _proportional(section: _Section) -> Rows:
     (place, of_error, at_rest), gains = section.p, section.gains[0]
     closed, error = _loops(section, K1, K2)
     if section.variant == "outflow":
-        yield from compared_formulas(PRINTED, place, entries("GCL", closed))
+        yield from PRINTED.formulas(place, entries("GCL", closed))
         yield _stability(place, gains, closed, 1)
     else:
         # The -1 of f_out is left out here, to be found missing.
@@ -158,21 +150,21 @@ def _proportional(section: _Section) -> Rows:
         (pole,) = solve(denom(together(bare[1, 1])), s)
         holds = bool(pole.subs(K2, -K2).is_negative and pole.is_positive)
         without = PRINTED[place, "stability without the gain of -1"]
-        yield from compared_formulas(PRINTED, place, entries("GCL", bare))
-        yield claimed(without, holds, f"pole at s = {pole}")
+        yield from PRINTED.formulas(place, entries("GCL", bare))
+        yield without.claimed(holds, f"pole at s = {pole}")
         yield _stability(gains, gains, closed, -1)
-    yield from compared_formulas(PRINTED, of_error, entries("GE", error))
-    yield from compared_formulas(PRINTED, at_rest, entries("ess", _steady_state(error)))
+    yield from PRINTED.formulas(of_error, entries("GE", error))
+    yield from PRINTED.formulas(at_rest, entries("ess", _steady_state(error)))
 
 
 def _integral(section: _Section) -> Rows:
     place, of_error, at_rest = section.pi
     closed, error = _loops(section, K1 * (1 + 1 / (Ti1 * s)), K2 * (1 + 1 / (Ti2 * s)))
     note = " They are those of (57) and (73); (56) is damaged." if place == "(56)" else ""
-    yield from compared_formulas(PRINTED, place, entries("GCL", closed))
+    yield from PRINTED.formulas(place, entries("GCL", closed))
     yield _stability(place, section.gains[1], closed, section.sign, note)
-    yield from compared_formulas(PRINTED, of_error, entries("GE", error))
-    yield from compared_formulas(PRINTED, at_rest, entries("ess", _steady_state(error)))
+    yield from PRINTED.formulas(of_error, entries("GE", error))
+    yield from PRINTED.formulas(at_rest, entries("ess", _steady_state(error)))
 
 
 def _derivative(section: _Section) -> Rows:
@@ -181,15 +173,11 @@ def _derivative(section: _Section) -> Rows:
     closed, error = _loops(section, first, second)
     place, gains = section.pid, section.gains[2]
     loops = entries("GCL", closed)
-    yield from compared_formulas(
-        PRINTED, gains, entries("Gc", controller(first, section.sign * second))
-    )
+    yield from PRINTED.formulas(gains, entries("Gc", controller(first, section.sign * second)))
     if section.variant == "inflow":
-        yield stated(PRINTED[place, "GCL11"], str(loops.pop("GCL11")), False)
-    yield from compared_formulas(PRINTED, place, loops)
+        yield PRINTED[place, "GCL11"].stated(str(loops.pop("GCL11")), False)
+    yield from PRINTED.formulas(place, loops)
     yield _stability(place, gains, closed, section.sign)
-    yield claimed(
-        PRINTED[place, f"steady state, {place}"],
-        _steady_state(error) == Matrix.zeros(2, 2),
-        "zero in both loops",
+    yield PRINTED[place, f"steady state, {place}"].claimed(
+        _steady_state(error) == Matrix.zeros(2, 2), "zero in both loops"
     )

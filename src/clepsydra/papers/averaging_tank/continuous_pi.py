@@ -16,13 +16,12 @@ import numpy as np
 from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.step_run import STEPS
 from clepsydra.papers.averaging_tank.symbols import C0, FLOW, INLET, V0, Variant, constant_flow
-from clepsydra.papers.printed import values
 from clepsydra.scores.step_response import rise_time, settling_time
 
 #: Between points that are kept [s].
 _KEPT = 1e-4
-HIGHEST_FLOW, HIGHEST_INLET = values(
-    PRINTED, "section 3.3", "highest f_in and f_out", "highest C_in"
+HIGHEST_FLOW, HIGHEST_INLET = PRINTED.numbers(
+    "section 3.3", "highest f_in and f_out", "highest C_in"
 )
 _REST = {"C": C0, "V": V0}
 _OUTPUTS = ("C", "V")

@@ -42,8 +42,7 @@ from clepsydra.papers.averaging_tank.step_run import (
     step_run,
 )
 from clepsydra.papers.averaging_tank.trends import trend_figure
-from clepsydra.papers.comparison import circular, claimed, compared, remark
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.row import Rows
 from clepsydra.process.document import parse
 from clepsydra.scores.step_response import overshoot
@@ -76,7 +75,7 @@ class Reading(NamedTuple):
 LITERAL, FILTERED = Reading(), Reading(filter_time=10.0 * PERIOD)
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return the rows on fuzzy control, Fig. 9, and pictures of sets and surfaces."""
     runs = {"no filter": fuzzy_run(LITERAL), "derivatives over 2 ms": fuzzy_run(FILTERED)}
     figure = trend_figure(
@@ -86,7 +85,7 @@ def run() -> Findings:
     system, with_printed_top = (fuzzy_file(each).system for each in (LITERAL, Reading(top="8.0")))
     pictures = fuzzy_pictures.sets_and_surfaces(system)
     tables = fuzzy_tables.tables(system, with_printed_top)
-    return Findings((*tables, *_table_8(), *claims(FILTERED)), (figure, *pictures))
+    return (*tables, *_table_8(), *claims(FILTERED), figure, *pictures)
 
 
 @cache
@@ -169,10 +168,10 @@ def _table_8() -> Rows:
     for index, output in printed:
         line = PRINTED["Table 8", f"{index} of {output}"]
         is_exponent = (index, output) == ("IAE", "C")
-        row = compared(line, filtered[index, output], right_if=evidence if is_exponent else ())
+        row = line.compared(filtered[index, output], right_if=evidence if is_exponent else ())
         if row.verdict == "misprint":
             row = dataclasses.replace(row, reason=line.note)
-        yield circular(row, "Filter and horizon were chosen by the cells of this table.")
+        yield row.circular("Filter and horizon were chosen by the cells of this table.")
 
 
 def claims(reading: Reading) -> Rows:
@@ -202,21 +201,18 @@ def _behaviour(reading: Reading) -> Rows:
     above_pi = [f"{i} of {o}" for (i, o), v in pi_indices().items() if printed[i, o] > v]
     below = [f"{i} of {o}" for (i, o), v in pi_indices().items() if printed[i, o] < v]
     told = "; ".join(f"{who} {t['C']:.2f} s" for who, t in slower.items())
-    yield claimed(
-        PRINTED["section 4", "overshoot, fuzzy"],
+    yield PRINTED["section 4", "overshoot, fuzzy"].claimed(
         max(over.values()) < 0.1 and max(less.values()) < 1e-3 * max(over.values()),
         f"C {over['C']:.2g} %, V {over['V']:.2g} % of the step, sampled every 0.2 ms",
         reason="The document's derivatives are continuous, and this comes from the sampling: "
         f"at 0.1 ms it is {less['C']:.1g} and {less['V']:.1g} %. With a filter of 2 ms.",
     )
-    yield remark(PRINTED["section 4", "C, fuzzy against the others"], f"{times['C']:.3f} s; {told}")
-    yield claimed(
-        PRINTED["section 4", "settling times, fuzzy against LQI"],
+    yield PRINTED["section 4", "C, fuzzy against the others"].remark(f"{times['C']:.3f} s; {told}")
+    yield PRINTED["section 4", "settling times, fuzzy against LQI"].claimed(
         all(times[o] < 0.5 * slower["LQI"][o] for o in times),
         ", ".join(f"{o} {times[o]:.3f} s against {slower['LQI'][o]:.3f} s" for o in times),
     )
-    yield claimed(
-        PRINTED["section 4", "control values, fuzzy"],
+    yield PRINTED["section 4", "control values, fuzzy"].claimed(
         highest["inflow"] < HIGHEST_FLOW
         and highest["outflow"] < HIGHEST_FLOW
         and highest["inflow.impurity"] < HIGHEST_INLET * KMOL
@@ -226,8 +222,7 @@ def _behaviour(reading: Reading) -> Rows:
         f"{lowest['inflow.impurity'] / KMOL:.1f} to {highest['inflow.impurity'] / KMOL:.1f} "
         "kmol/m³",
     )
-    yield remark(
-        PRINTED["section 4", "change rates, fuzzy"],
+    yield PRINTED["section 4", "change rates, fuzzy"].remark(
         f"f_in {_rate(found, 'inflow'):.0f} m³/s², C_in "
         f"{_rate(found, 'inflow.impurity') / KMOL:.0f} kmol/(m³ s)",
         reason="Neither threshold nor sampling period is printed. Largest change between "
@@ -235,13 +230,10 @@ def _behaviour(reading: Reading) -> Rows:
         "half the period f_in changes at "
         f"{_rate(finer, 'inflow') / _rate(found, 'inflow'):.1f} times the rate: it jumps.",
     )
-    yield claimed(
-        PRINTED["section 4", "indices, fuzzy against LQI"],
-        not above_lqi,
-        f"{len(of_lqi) - len(above_lqi)} of {len(of_lqi)} cells",
+    yield PRINTED["section 4", "indices, fuzzy against LQI"].claimed(
+        not above_lqi, f"{len(of_lqi) - len(above_lqi)} of {len(of_lqi)} cells"
     )
-    yield remark(
-        PRINTED["section 4", "indices, fuzzy against all"],
+    yield PRINTED["section 4", "indices, fuzzy against all"].remark(
         f"Table 6 is lower in {', '.join(above_pi)}",
         reason="By which index is not said: Table 8 against Table 6, f_out constant, of IE the "
         f"size, IAE of C as 8.80E-03. It holds of {', '.join(below)}, and fails of the others.",
@@ -257,8 +249,7 @@ def _rest(reading: Reading) -> Rows:
             settling(fuzzy_run(each, (size, 0.0), 20.0), "C", size) for each in (reading, plain)
         )
         turned.append((words, with_rules, without))
-    yield claimed(
-        PRINTED["section 3.3", "rules (103)"],
+    yield PRINTED["section 3.3", "rules (103)"].claimed(
         all(with_rules < without for _, with_rules, without in turned)
         and turned[1][2] - turned[1][1] > turned[0][2] - turned[0][1],
         ", ".join(f"{a:.2f} s against {b:.2f} s ({words} step)" for words, a, b in turned),

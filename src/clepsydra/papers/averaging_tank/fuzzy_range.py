@@ -17,8 +17,7 @@ from clepsydra.papers.averaging_tank.sampling import CYCLE
 from clepsydra.papers.averaging_tank.step_run import MEASURED, STEPS, indices
 from clepsydra.papers.averaging_tank.symbols import VARIANTS, constant_flow
 from clepsydra.papers.averaging_tank.trends import trend_figure
-from clepsydra.papers.comparison import remark
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Figure
 from clepsydra.papers.row import Row
 
@@ -34,9 +33,9 @@ _BY_HAND = {
 }
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return the rows on large steps and on scans, and a picture of the scans."""
-    return Findings((large_steps(FILTERED), scans(FILTERED)), (_figure(),))
+    return (large_steps(FILTERED), scans(FILTERED), _figure())
 
 
 def fuzzy_error(reading: Reading, step: Step) -> float:
@@ -60,8 +59,7 @@ def large_steps(reading: Reading) -> Row:
             beaten.append(f"{step.words}, {error:.2f} s ({'; '.join(below)})")
     worst = max(worse, key=lambda step: worse[step])
     named = " nor of ".join(beaten)
-    return remark(
-        PRINTED["section 5", "fuzzy control, large steps"],
+    return PRINTED["section 5", "fuzzy control, large steps"].remark(
         f"smallest error in {best} of {len(LARGE_STEPS)} steps; not of {named}; at worst "
         f"{worse[worst]:.1f} times that of a small step, {worst.words}",
         reason=f"Steps, limits and measure are those of the row on large steps, IAE of {HORIZON:g} "
@@ -91,7 +89,7 @@ def scans(reading: Reading) -> Row:
             f"{1e3 * scan:g} ms: C within {of_c:.1f} %, V {of_v:.1f} %, f_in {low:.2f} to "
             f"{high:.2f} m³/s"
         )
-    return remark(PRINTED["section 5", "fuzzy control in a PLC"], "; ".join(told))
+    return PRINTED["section 5", "fuzzy control in a PLC"].remark("; ".join(told))
 
 
 def _figure() -> Figure:

@@ -6,7 +6,6 @@ from clepsydra.controllers.fuzzy.membership import Trapezoid
 from clepsydra.controllers.fuzzy.rule import Some, atoms
 from clepsydra.controllers.fuzzy.system import FuzzySystem
 from clepsydra.papers.averaging_tank import PRINTED
-from clepsydra.papers.comparison import claimed, compared, remark, stated
 from clepsydra.papers.row import Rows
 
 #: Names of the sets of the flows, as printed; the file has one name for S and S0.
@@ -33,11 +32,10 @@ def tables(system: FuzzySystem, with_printed_top: FuzzySystem) -> Rows:
     assert isinstance(edge, Trapezoid)
     misread = with_printed_top.outputs[0].sets["LL"]
     degree = float(misread.degrees(flow.high))
-    yield stated(
-        PRINTED["Table 2", "names of the last two sets of eV"], "PS, PL", set(printed) <= named
+    yield PRINTED["Table 2", "names of the last two sets of eV"].stated(
+        "PS, PL", set(printed) <= named
     )
-    yield compared(
-        PRINTED["Table 3", "top of LL"],
+    yield PRINTED["Table 3", "top of LL"].compared(
         edge.end,
         right_if=[
             ("8.0 lies beyond the range 0 to 1, and LM ends at 0.8", 8.0 > flow.high == 1.0),
@@ -47,17 +45,16 @@ def tables(system: FuzzySystem, with_printed_top: FuzzySystem) -> Rows:
             ),
         ],
     )
-    yield stated(PRINTED["Table 4", "caption"], "regarding V(t)", lower == {"e_C", "de_C"})
-    yield stated(PRINTED["Table 5", "caption"], "regarding C(t)", upper == {"e_V", "de_V"})
-    yield stated(PRINTED["Table 4", "name of the set small"], "S0", "S" in _TABLE_3)
-    yield remark(
-        PRINTED["section 3.3", "union"], f"{unions} of {len(system.rules)} rules have an OR"
+    yield PRINTED["Table 4", "caption"].stated("regarding V(t)", lower == {"e_C", "de_C"})
+    yield PRINTED["Table 5", "caption"].stated("regarding C(t)", upper == {"e_V", "de_V"})
+    yield PRINTED["Table 4", "name of the set small"].stated("S0", "S" in _TABLE_3)
+    yield PRINTED["section 3.3", "union"].remark(
+        f"{unions} of {len(system.rules)} rules have an OR"
     )
-    yield compared(
-        PRINTED["(103a)", "number of the first added rule"], float(len(lower_rules) + 9 + 1)
+    yield PRINTED["(103a)", "number of the first added rule"].compared(
+        float(len(lower_rules) + 9 + 1)
     )
-    yield claimed(
-        PRINTED["Tables 2 and 3", "shapes"],
+    yield PRINTED["Tables 2 and 3", "shapes"].claimed(
         all(
             _symmetrical(variable.sets[name]) == (name not in ("M", "LM"))
             for variable in (*by_input.values(), flow, inlet)

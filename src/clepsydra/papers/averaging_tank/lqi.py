@@ -19,18 +19,11 @@ from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.printed_tables import KEYS
 from clepsydra.papers.averaging_tank.step_run import MEASURED, PERIOD, STEPS, indices, settling
 from clepsydra.papers.averaging_tank.trends import trend_figure
-from clepsydra.papers.comparison import (
-    circular,
-    claimed,
-    compared,
-    compared_all,
-    entries,
-    remark,
-    stated,
-)
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Figure
-from clepsydra.papers.printed import Printed, printed_number
+from clepsydra.papers.printed import Printed
+from clepsydra.papers.printed_number import printed_number
+from clepsydra.papers.printed_table import entries
 from clepsydra.papers.row import Row, Rows
 
 #: Pairs of columns: the same tuning with either flow constant; optimal after by hand.
@@ -39,9 +32,9 @@ _BY_FLOW, _BY_TUNING = ((0, 2), (1, 3)), ((1, 0), (3, 2))
 _COUPLED, _SECOND_ROW = ("F12", "F21", "Fi12", "Fi21"), ("F21", "F22", "Fi21", "Fi22")
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return the rows on LQI control, and Fig. 8."""
-    return Findings((*_gains(), *_table_7(), *_squared_slopes(), *_claims()), _figures())
+    return (*_gains(), *_table_7(), *_squared_slopes(), *_claims(), *_figures())
 
 
 def _gains() -> Rows:
@@ -53,10 +46,10 @@ def _gains() -> Rows:
         and abs((f12**2 - COLUMNS[0].states[1]) / 2.0 - hand["Fi12"]) < 2e-4,
     )
     yield from (
-        compared(PRINTED["(97b)", name], hand[name], right_if=[square] * (name == "Fi12"))
+        PRINTED["(97b)", name].compared(hand[name], right_if=[square] * (name == "Fi12"))
         for name in _COUPLED
     )
-    yield from compared_all(PRINTED, "(98b)", {name: other[name] for name in _COUPLED})
+    yield from PRINTED.compared("(98b)", {name: other[name] for name in _COUPLED})
     for column, found in ((COLUMNS[1], best), (COLUMNS[3], last)):
         place = column.place.replace("a", "b")
         yield from [_rounded(column, PRINTED[place, name]) for name in ("F12", "Fi12")]
@@ -69,7 +62,7 @@ def _gains() -> Rows:
         ("(101b)", last, "F11 and Fi11"),
     ):
         largest = max(abs(found[name]) for name in re.findall(r"Fi?\d\d", names))
-        yield compared(PRINTED[place, names], largest, zero=1e-6)
+        yield PRINTED[place, names].compared(largest, zero=1e-6)
 
 
 def _named(matrix: np.ndarray) -> dict[str, float]:
@@ -80,8 +73,7 @@ def _named(matrix: np.ndarray) -> dict[str, float]:
 def _rounded(weights: Weights, line: Printed) -> Row:
     """Judge an optimal gain, with the tolerance that the printed weights leave."""
     share = _left_open(weights, line.name)
-    return compared(
-        line,
+    return line.compared(
         _named(gains(weights))[line.name],
         tolerance=share,
         why=f"Riccati equation of (87). Half a unit in the last digits of Q and R of "
@@ -110,7 +102,7 @@ def _left_open(weights: Weights, name: str) -> float:
 def _unreadable(line: Printed, value: float) -> Row:
     """Judge an entry of the second rows of F and Fi, which are garbled."""
     right = f"{value + 0.0:.1f}" if abs(value) > 1e-6 else "0"
-    return stated(line, right, line.text == right)
+    return line.stated(right, line.text == right)
 
 
 def _third_weight() -> Row:
@@ -125,7 +117,7 @@ def _third_weight() -> Row:
     for weight in (0.1 * printed, printed, 10.0 * printed, right, 10.0 * right):
         found = indices_of(COLUMNS[3].with_third(weight))
         fits[weight] = sum(
-            compared(cell, found[key], unprinted="-").verdict == "reproduced"
+            cell.compared(found[key], unprinted="-").verdict == "reproduced"
             for key, cell in cells.items()
         )
     evidence = (
@@ -135,7 +127,7 @@ def _third_weight() -> Row:
         and fits[printed] == 0
         and all(n < 2 for w, n in fits.items() if w != right),
     )
-    return compared(PRINTED["(101a)", "Q3"], right, right_if=[evidence])
+    return PRINTED["(101a)", "Q3"].compared(right, right_if=[evidence])
 
 
 def _table_7() -> Rows:
@@ -147,11 +139,11 @@ def _table_7() -> Rows:
             else:
                 found = indices_of(column)[index, output]
             digit = f"Its last digit hangs on the solver, which is not printed. {line.note}"
-            row = compared(line, found, unprinted=digit)
+            row = line.compared(found, unprinted=digit)
             if index == "IE" and column is COLUMNS[0]:
-                row = circular(row, _step_from(output, line.value))
+                row = row.circular(_step_from(output, line.value))
             elif column is COLUMNS[3] and output == "C":
-                row = circular(row, "Q3 of (101a) was chosen by the four cells of C here.")
+                row = row.circular("Q3 of (101a) was chosen by the four cells of C here.")
             yield row
 
 
@@ -194,8 +186,8 @@ def _squared_slopes() -> Rows:
                 f"{1e4 * time:.4f}e-4 s, solved from {where}; 0.01 % is left open for the solver, "
                 f"where the control's own part is {own:.2f} %.{weight}"
             )
-            row = compared(line, share + smooth, tolerance=1e-4, why=why)
-            yield (circular(row, "") if is_solved_from else row)
+            row = line.compared(share + smooth, tolerance=1e-4, why=why)
+            yield (row.circular("") if is_solved_from else row)
 
 
 def _iseg(output: str, column: Weights) -> Printed:
@@ -215,25 +207,20 @@ def _claims() -> Rows:
     inlet = [float(lqi_run(column).values["inflow.impurity"].max()) / KMOL for column in COLUMNS]
     chosen = COLUMNS[1]._replace(states=(1e-6, 1e-6, 100.0, 0.08))
     printed, better = (indices(lqi_run(weights, 2e-5, 4.0)) for weights in (COLUMNS[1], chosen))
-    yield remark(
-        PRINTED["section 4", "LQI, which flow"],
+    yield PRINTED["section 4", "LQI, which flow"].remark(
         f"{_count(found, _BY_FLOW)} of 16 pairs without ISEG",
         reason="“With the exception of ISEG” ends the sentence. If it belongs to the "
         "optimisation alone it fails, with ISEG of V, optimal, of "
         f"{_iseg('V', COLUMNS[1]).text} against {_iseg('V', COLUMNS[3]).text}. Q3 of (101a) as "
         "10.92.",
     )
-    yield claimed(
-        PRINTED["section 4", "LQI, optimisation"],
-        _count(found, _BY_TUNING) == 16,
-        f"{_count(found, _BY_TUNING)} of 16 pairs",
+    yield PRINTED["section 4", "LQI, optimisation"].claimed(
+        _count(found, _BY_TUNING) == 16, f"{_count(found, _BY_TUNING)} of 16 pairs"
     )
-    yield remark(
-        PRINTED["section 4", "settling time of V, LQI"],
-        f"{settled[3] / settled[1]:.2f} times optimal, {settled[2] / settled[0]:.2f} times by hand",
+    yield PRINTED["section 4", "settling time of V, LQI"].remark(
+        f"{settled[3] / settled[1]:.2f} times optimal, {settled[2] / settled[0]:.2f} times by hand"
     )
-    yield remark(
-        PRINTED["section 4", "control effort, LQI"],
+    yield PRINTED["section 4", "control effort, LQI"].remark(
         f"f_in to {tops[1]:.2f} against {tops[0]:.2f} m³/s by hand, C_in to {inlet[1]:.1f} "
         f"against {inlet[0]:.1f} kmol/m³; f_out, with f_in constant, to {tops[3]:.3f} against "
         f"{tops[2]:.3f} m³/s",
@@ -241,8 +228,7 @@ def _claims() -> Rows:
         f"{swings[3]:.2f} against {swings[2]:.2f} m³/s, of its maximum it fails. Inputs within "
         "the ranges of section 3.3.",
     )
-    yield claimed(
-        PRINTED["(100a)", "optimal weights"],
+    yield PRINTED["(100a)", "optimal weights"].claimed(
         any(better["ITAE", o] >= printed["ITAE", o] for o in ("C", "V")),
         ", ".join(
             f"ITAE of {o} {better['ITAE', o]:.2e} against {printed['ITAE', o]:.2e}"

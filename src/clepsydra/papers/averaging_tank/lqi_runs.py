@@ -22,7 +22,6 @@ from clepsydra.papers.averaging_tank.step_run import (
     step_run,
 )
 from clepsydra.papers.averaging_tank.symbols import Variant, constant_flow
-from clepsydra.papers.printed import values
 
 
 class Weights(NamedTuple):
@@ -46,7 +45,7 @@ class Weights(NamedTuple):
 
 
 def _printed(place: str, constant: Variant, tuned: str) -> Weights:
-    q1, q2, q3, q4, r1, r2 = values(PRINTED, place, "Q1", "Q2", "Q3", "Q4", "R1", "R2")
+    q1, q2, q3, q4, r1, r2 = PRINTED.numbers(place, "Q1", "Q2", "Q3", "Q4", "R1", "R2")
     return Weights(place, constant, tuned, (q1, q2, q3, q4), (r1, r2))
 
 

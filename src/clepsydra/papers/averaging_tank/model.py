@@ -10,15 +10,8 @@ from sympy import Derivative, Function, Matrix, symbols
 from clepsydra.linear.analysis import analyse
 from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.symbols import AT_REST, VARIANTS, Variant, plant
-from clepsydra.papers.comparison import (
-    claimed,
-    compared,
-    compared_all,
-    compared_formulas,
-    entries,
-    stated,
-)
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
+from clepsydra.papers.printed_table import entries
 from clepsydra.papers.row import Row, Rows
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
@@ -27,9 +20,9 @@ from clepsydra.process.reader import load_process
 KMOL = 1e3
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return the rows on the model."""
-    return Findings((*_balances(), _evaporation(), *_linear_model(), *_matrices()))
+    return (*_balances(), _evaporation(), *_linear_model(), *_matrices())
 
 
 def tank(constant: Variant) -> Process:
@@ -82,10 +75,10 @@ def _balances() -> Rows:
     mixed = product.subs(Derivative(V, t), inflow - outflow)
     volume_balance = inflow - outflow
     solved = (inflow * inlet - outflow * C - volume_balance * C) / V
-    yield from compared_formulas(PRINTED, "(3)", {"left side": product})
-    yield from compared_formulas(PRINTED, "(4)", {"left side": mixed})
-    yield from compared_formulas(PRINTED, "(6)", {"dC/dt": solved})
-    yield from compared_formulas(PRINTED, "(10)", {"f_V": volume_balance})
+    yield from PRINTED.formulas("(3)", {"left side": product})
+    yield from PRINTED.formulas("(4)", {"left side": mixed})
+    yield from PRINTED.formulas("(6)", {"dC/dt": solved})
+    yield from PRINTED.formulas("(10)", {"f_V": volume_balance})
 
 
 def _evaporation() -> Row:
@@ -97,10 +90,8 @@ def _evaporation() -> Row:
     volume, concentration = (
         z * rate.diff(z).subs(at_rest) for rate in (of_volume, of_concentration)
     )
-    return claimed(
-        PRINTED["section 3.1", "evaporation z(t)"],
-        volume.diff(z) != 0,
-        f"dV/dt by {volume}, dC/dt by {concentration}",
+    return PRINTED["section 3.1", "evaporation z(t)"].claimed(
+        volume.diff(z) != 0, f"dV/dt by {volume}, dC/dt by {concentration}"
     )
 
 
@@ -112,13 +103,13 @@ def _linear_model() -> Rows:
         "C by f_in": by[0, 0], "C by C_in": by[0, 1], "V by f_in": by[1, 0],
         "V by f_out": inflow_constant.transfer[1, 0],
     }  # fmt: skip
-    yield stated(
-        PRINTED["(12)", "f_V at rest"], str(inflow - outflow), outflow - outflow == inflow - outflow
+    yield PRINTED["(12)", "f_V at rest"].stated(
+        str(inflow - outflow), outflow - outflow == inflow - outflow
     )
-    yield from compared_formulas(PRINTED, "(17)", transfer)
+    yield from PRINTED.formulas("(17)", transfer)
     for name, matrix in (("A", outflow_constant.A), ("B", outflow_constant.B)):
         line, right = PRINTED["(32)", name], str(matrix.tolist())
-        yield stated(line, right, line.text == right)
+        yield line.stated(right, line.text == right)
     for place, found in (
         ("(34)", entries("A", inflow_constant.A) | entries("B", inflow_constant.B)),
         ("(45)", entries("Gp", by)),
@@ -126,7 +117,7 @@ def _linear_model() -> Rows:
         ("(46)", entries("Gp at rest ", by.subs(AT_REST))),
         ("(64)", entries("Gp at rest ", inflow_constant.transfer.subs(AT_REST))),
     ):
-        yield from compared_formulas(PRINTED, place, found)
+        yield from PRINTED.formulas(place, found)
 
 
 def _matrices() -> Rows:
@@ -134,12 +125,12 @@ def _matrices() -> Rows:
     A, B = numbers("outflow")
     whole = np.block([[A, np.zeros((2, 2))], [np.eye(2), np.zeros((2, 2))]])
     input_matrix = PRINTED["(87)", "matrix before y_ref"]
-    yield from compared_all(PRINTED, "(93)", entries("B", B))
-    yield from compared_all(PRINTED, "(95)", entries("B", numbers("inflow")[1]))
-    yield from compared_all(PRINTED, "(92)", entries("A", whole))
+    yield from PRINTED.compared("(93)", entries("B", B))
+    yield from PRINTED.compared("(95)", entries("B", numbers("inflow")[1]))
+    yield from PRINTED.compared("(92)", entries("A", whole))
     yield from _controllability()
-    yield stated(PRINTED["(88)", "M"], "[0 0; 0 0]", (2, B.shape[1]) == (2, 3))
-    yield stated(input_matrix, "[0; I]", (len(whole), B.shape[1]) == (2, 1))
+    yield PRINTED["(88)", "M"].stated("[0 0; 0 0]", (2, B.shape[1]) == (2, 3))
+    yield input_matrix.stated("[0; I]", (len(whole), B.shape[1]) == (2, 1))
 
 
 def _controllability() -> Rows:
@@ -147,20 +138,20 @@ def _controllability() -> Rows:
     for place, variant in variants:
         found = plant(variant)
         matrix = Matrix.hstack(found.B, found.A * found.B)
-        yield from compared_formulas(PRINTED, place, entries("M", matrix))
+        yield from PRINTED.formulas(place, entries("M", matrix))
     A, _ = numbers("outflow")
     flat = (
         "A of (32) and (34), the primary system of the sentence, has a row of zeros",
         not A[1].any(),
     )
     rank = float(np.linalg.matrix_rank(A))
-    yield compared(PRINTED["(94), (96)", "rank of A"], rank, right_if=[flat])
+    yield PRINTED["(94), (96)", "rank of A"].compared(rank, right_if=[flat])
     for place, variant in variants:
         A, B = numbers(variant)
-        yield from compared_all(
-            PRINTED, place, {"rank of M": np.linalg.matrix_rank(np.hstack([B, A @ B]))}
+        yield from PRINTED.compared(
+            place, {"rank of M": np.linalg.matrix_rank(np.hstack([B, A @ B]))}
         )
         whole = np.block([[A, B], [np.eye(2), np.zeros((2, 2))]])
         full = int(np.linalg.matrix_rank(whole))
         line = PRINTED[place, "the extended system"]
-        yield claimed(line, full == 4, f"rank {full} of 4")
+        yield line.claimed(full == 4, f"rank {full} of 4")

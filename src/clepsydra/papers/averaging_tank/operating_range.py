@@ -15,8 +15,7 @@ from clepsydra.papers.averaging_tank.range_linear import linear_errors
 from clepsydra.papers.averaging_tank.sampling import sampling_row
 from clepsydra.papers.averaging_tank.step_run import MEASURED, high_model_of, step_scenario
 from clepsydra.papers.averaging_tank.symbols import C0, V0, VARIANTS, Variant, constant_flow
-from clepsydra.papers.comparison import remark
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.row import Rows
 
@@ -71,11 +70,9 @@ LARGE_STEPS = (
 )
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return the rows on large steps, sampling and actuators, and their figures."""
-    return Findings(
-        (*_declines(), *_remedies(), sampling_row()), (*_trends(), _by_size(), _by_period())
-    )
+    return (*_declines(), *_remedies(), sampling_row(), *_trends(), _by_size(), _by_period())
 
 
 @cache
@@ -146,22 +143,21 @@ def _declines() -> Rows:
                 f"{kind}, {constant_flow(constant)}: {_times(linear)} on the linear model, "
                 f"{_times(without)} in the tank with anti-windup"
             )
-    yield remark(
-        PRINTED["section 5", "large steps"],
+    yield PRINTED["section 5", "large steps"].remark(
         "; ".join(found),
         reason=f"IAE of {HORIZON:g} s over the size of the step, beside steps by a twentieth: "
         "constants by hand, at 10 ms, the limits of section 3.3, no anti-windup, a tank of 6 "
         "m³. Which steps are meant is not said: it holds of the worst of nine (C, V and both "
         "by half, up and down, and to 8 kmol/m³ and 4 m³), and fails of some under LQI.",
     )
-    yield remark(PRINTED["section 5", "cause of the decline"], "; ".join(causes))
+    yield PRINTED["section 5", "cause of the decline"].remark("; ".join(causes))
 
 
 def _remedies() -> Rows:
     scheduled = [_remedy(c, kind, f"{kind}, scheduled") for c in VARIANTS for kind in _LAWS]
     cyclic = [_remedy(constant, "LQI", "LQI, recomputed") for constant in VARIANTS]
-    yield remark(PRINTED["section 5", "gain scheduling"], "; ".join(scheduled))
-    yield remark(PRINTED["section 5", "cyclic calculation"], "; ".join(cyclic))
+    yield PRINTED["section 5", "gain scheduling"].remark("; ".join(scheduled))
+    yield PRINTED["section 5", "cyclic calculation"].remark("; ".join(cyclic))
 
 
 def _remedy(constant: Variant, kind: str, remedy: str) -> str:

@@ -33,9 +33,7 @@ from clepsydra.papers.averaging_tank.step_run import (
 )
 from clepsydra.papers.averaging_tank.symbols import VARIANTS, Variant, constant_flow
 from clepsydra.papers.averaging_tank.trends import trend_figure
-from clepsydra.papers.comparison import claimed, compared, compared_all, remark
-from clepsydra.papers.document import Findings
-from clepsydra.papers.printed import values
+from clepsydra.papers.document import Found
 from clepsydra.papers.row import Rows
 from clepsydra.studies.tuning.goal import Goal
 from clepsydra.studies.tuning.law_space import LawSpace
@@ -46,7 +44,7 @@ from clepsydra.studies.tuning.tune import Search, tune
 
 BY_HAND, OPTIMAL = (
     {
-        variant: Constants(variant, tuned, *values(PRINTED, place, "K_pC", "T_iC", "K_pV", "T_iV"))
+        variant: Constants(variant, tuned, *PRINTED.numbers(place, "K_pC", "T_iC", "K_pV", "T_iV"))
         for variant, place in zip(VARIANTS, places, strict=True)
     }
     for tuned, places in (("by hand", ("(80)", "(82)")), ("optimal", ("(81)", "(83)")))
@@ -74,7 +72,7 @@ _BOUNDS = {
 _CONTAINED: dict[Actions, Actions] = {"PI": "P", "PID": "PI"}
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return the rows on PI control, and Fig. 7."""
     figure = trend_figure(
         "Fig. 7", "Steps of both references under PI control",
@@ -83,7 +81,7 @@ def run() -> Findings:
         "With the printed optimum C_in swings between its limits: an integral time of a "
         "millisecond makes IE small and the loop ring.",
     )  # fmt: skip
-    return Findings((*_signed_error(), *_table_6(), *_claims()), (figure,))
+    return (*_signed_error(), *_table_6(), *_claims(), figure)
 
 
 def _drawn(constants: Constants) -> Run:
@@ -162,11 +160,11 @@ def _signed_error() -> Rows:
     )
     against = "The cell and (83) contradict each other, and nothing tells which is wrong."
     yield from (
-        compared(line, found[variant]["IE", "C"], unprinted=f"{line.note} {against}")
+        line.compared(found[variant]["IE", "C"], unprinted=f"{line.note} {against}")
         for variant, line in of_c.items()
     )
     yield from (
-        compared(line, found[variant]["IE", "V"], zero=_NO_ERROR) for variant, line in of_v.items()
+        line.compared(found[variant]["IE", "V"], zero=_NO_ERROR) for variant, line in of_v.items()
     )
 
 
@@ -260,7 +258,7 @@ def _table_6() -> Rows:
             cells = {
                 f"{index} of {o}, {constant_flow(variant)}": found[index, o] for o in ("C", "V")
             }
-            yield from compared_all(PRINTED, "Table 6", cells)
+            yield from PRINTED.compared("Table 6", cells)
 
 
 def _claims() -> Rows:
@@ -269,8 +267,7 @@ def _claims() -> Rows:
     other = continuous_run(OPTIMAL["inflow"], free=True)
     overshoot = free.overshoot("V")
     smaller = OPTIMAL["outflow"]._replace(time_c=OPTIMAL["outflow"].time_c / 10.0)
-    yield claimed(
-        PRINTED["section 4", "PI, C with f_out constant"],
+    yield PRINTED["section 4", "PI, C with f_out constant"].claimed(
         free.settling("C") < hand.settling("C") and free.rise_time("C") < hand.rise_time("C"),
         f"C settles in {free.settling('C'):.3f} s against {hand.settling('C'):.3f} s by hand "
         f"and rises in {free.rise_time('C'):.3f} s against {hand.rise_time('C'):.3f} s",
@@ -279,29 +276,23 @@ def _claims() -> Rows:
         f"{limited.indices['IAE', 'C']:.3f}, and Table 6 has "
         f"{PRINTED['Table 6', 'IAE of C, f_out constant'].text}.",
     )
-    yield claimed(
-        PRINTED["section 4", "PI, overshoot of V with f_out constant"],
-        bool(overshoot > 1.0),
-        f"{overshoot:.1f} %",
+    yield PRINTED["section 4", "PI, overshoot of V with f_out constant"].claimed(
+        bool(overshoot > 1.0), f"{overshoot:.1f} %"
     )
-    yield remark(
-        PRINTED["section 4", "PI, f_in with f_out constant"],
-        f"largest {float(free.flow.max()):.3f} m³/s, at the first instant",
+    yield PRINTED["section 4", "PI, f_in with f_out constant"].remark(
+        f"largest {float(free.flow.max()):.3f} m³/s, at the first instant"
     )
-    yield claimed(
-        PRINTED["section 4", "PI, f_out with f_in constant"],
+    yield PRINTED["section 4", "PI, f_out with f_in constant"].claimed(
         other.at_limit("flow") > 0.5 * other.settling("V"),
         f"{other.at_limit('flow'):.2f} s of the {other.settling('V'):.2f} s until V settles",
     )
-    yield claimed(
-        PRINTED["section 3.1.3", "PI, what IE chooses"],
+    yield PRINTED["section 3.1.3", "PI, what IE chooses"].claimed(
         _error_of(smaller) >= _error_of(OPTIMAL["outflow"]),
         f"a tenth of T_iC makes IE of C {_error_of(smaller):.1e}",
     )
-    yield remark(
-        PRINTED["section 4", "PI against the others"],
+    yield PRINTED["section 4", "PI against the others"].remark(
         f"Table 6 is lower in {', '.join(_wins())}; V settles in {free.settling('V'):.2f} s, "
-        f"with LQI in {settling(lqi_run(COLUMNS[1]), 'V'):.2f} s",
+        f"with LQI in {settling(lqi_run(COLUMNS[1]), 'V'):.2f} s"
     )
 
 

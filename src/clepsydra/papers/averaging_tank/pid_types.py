@@ -7,14 +7,13 @@ from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.best_values import best_values
 from clepsydra.papers.averaging_tank.pi import minimax_tuned
 from clepsydra.papers.averaging_tank.symbols import VARIANTS, Variant, constant_flow
-from clepsydra.papers.comparison import remark
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 
 _TYPES: tuple[Actions, ...] = ("P", "PI", "PID")
 _INDICES = ("IAE", "ISE", "ITAE")
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return what tuning each type anew says of Table 6, and of which type is best."""
     shown = []
     for variant in VARIANTS:
@@ -22,12 +21,10 @@ def run() -> Findings:
             found = {actions: best_index(variant, index, actions) for actions in _TYPES}
             values = ", ".join(f"{actions} {value:.3e}" for actions, value in found.items())
             shown.append(f"{index}, {constant_flow(variant)}: {values}")
-    return Findings(
-        (
-            best_values(),
-            remark(PRINTED["section 3.1.3", "best type of controller"], "; ".join(shown)),
-        )
-    )  # fmt: skip
+    return (
+        best_values(),
+        PRINTED["section 3.1.3", "best type of controller"].remark("; ".join(shown)),
+    )
 
 
 def best_index(variant: Variant, index: str, actions: Actions) -> float:

@@ -15,7 +15,6 @@ from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, lqi_of
 from clepsydra.papers.averaging_tank.pi import BY_HAND, OPTIMAL, pi_controller
 from clepsydra.papers.averaging_tank.step_run import model_of
 from clepsydra.papers.averaging_tank.symbols import VARIANTS, Variant, constant_flow
-from clepsydra.papers.comparison import remark
 from clepsydra.papers.row import Row
 
 #: A usual cycle of a programmable logic controller [s].
@@ -34,8 +33,7 @@ def sampling_row() -> Row:
         for law in _LAWS
         for tuned in _TUNINGS
     ]
-    return remark(
-        PRINTED["section 5", "sampling"],
+    return PRINTED["section 5", "sampling"].remark(
         "; ".join(periods),
         reason="No sampling period is printed. Longest at which the linear model under the "
         "sampled law is stable, inputs held, errors summed up to the one before, Q3 of (101a) "

@@ -15,8 +15,7 @@ from clepsydra.papers.averaging_tank.continuous_pi import Constants, ContinuousR
 from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, indices_of
 from clepsydra.papers.averaging_tank.pi import BY_HAND
 from clepsydra.papers.averaging_tank.step_run import PERIOD, STEPS
-from clepsydra.papers.comparison import claimed, remark
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.row import Row
 from clepsydra.scores.integral_errors import WEIGHT
 
@@ -27,9 +26,9 @@ _TIME = 10.0
 _BY_INDEX = Constants("inflow", "by ISEG", _TIME / math.sqrt(WEIGHT), _TIME, 5.0, 30.0)
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return the rows on ISE and ISEG."""
-    return Findings((_weights(), _generalised()))
+    return (_weights(), _generalised())
 
 
 def _weights() -> Row:
@@ -37,8 +36,7 @@ def _weights() -> Row:
     q1, _, _, q4 = COLUMNS[3].states
     other = COLUMNS[3]._replace(states=(q1, 0.1, 50.0, q4))
     printed, better = (indices_of(each) for each in (COLUMNS[3], other))
-    return claimed(
-        PRINTED["(101a)", "optimal weights"],
+    return PRINTED["(101a)", "optimal weights"].claimed(
         any(better["ISE", output] >= printed["ISE", output] for output in _OUTPUTS),
         ", ".join(
             f"ISE of {output} {better['ISE', output]:.2e} against {printed['ISE', output]:.2e}"
@@ -58,8 +56,7 @@ def _generalised() -> Row:
     jump = {output: WEIGHT * STEPS[output] ** 2 / PERIOD for output in _OUTPUTS}
     own = {(who, o): without_jump(run, o) for who, run in found.items() for o in _OUTPUTS}
     hand, index = found
-    return remark(
-        PRINTED["section 3.1.3", "ISEG of PID control"],
+    return PRINTED["section 3.1.3", "ISEG of PID control"].remark(
         f"C {jump['C'] + own[hand, 'C']:.2f} by hand and {jump['C'] + own[index, 'C']:.2f} by "
         f"ISEG, V {jump['V'] + own[hand, 'V']:.2f}",
         reason="What makes them invalid is not said. By (79e) as printed it holds: the derivative "

@@ -1,7 +1,7 @@
 """Polynomial digital control of eight equal liquid tanks in series, Bobál et al."""
 
 from clepsydra.papers.document import Document
-from clepsydra.papers.printed import printed_table
+from clepsydra.papers.printed_table import printed_table
 
 DOCUMENT = Document(
     __name__,

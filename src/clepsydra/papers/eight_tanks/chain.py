@@ -8,21 +8,19 @@ from typing import Any
 import numpy as np
 
 from clepsydra.linear.static_gain import static_gain
-from clepsydra.papers.comparison import circular, compared, compared_all, compared_formulas, stated
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.six_designs import GAIN, MINUTE, TANKS, chain
-from clepsydra.papers.printed import values
 from clepsydra.papers.row import Row, Rows
 
-_DIAMETER, _TIME, _AREA, _K1 = values(
-    PRINTED, "section 2", "tank diameter d_T", "time constant T", "tank area F", "K1"
+_DIAMETER, _TIME, _AREA, _K1 = PRINTED.numbers(
+    "section 2", "tank diameter d_T", "time constant T", "tank area F", "K1"
 )  # [m], [min], [m²], [m²/min]
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return the rows of section 2."""
-    return Findings((*_numbers(), *_transfer_function(), *_formulas()))
+    return (*_numbers(), *_transfer_function(), *_formulas())
 
 
 def _numbers() -> Rows:
@@ -39,9 +37,9 @@ def _numbers() -> Rows:
     # Exponents of m and min: K1 is an area over a time.
     of_k1 = {"m": 2, "min": -1}
     of_gain = {unit: -power for unit, power in of_k1.items()}
-    yield from compared_all(PRINTED, "section 2", {"tank area F": area, "K1": coefficient})
-    yield compared(PRINTED["section 2", "static gain K_g = 1/K1"], gain, right_if=evidence)
-    yield stated(PRINTED["section 2", "unit of K_g"], "min/m²", of_gain == {"m": 2, "min": 1})
+    yield from PRINTED.compared("section 2", {"tank area F": area, "K1": coefficient})
+    yield PRINTED["section 2", "static gain K_g = 1/K1"].compared(gain, right_if=evidence)
+    yield PRINTED["section 2", "unit of K_g"].stated("min/m²", of_gain == {"m": 2, "min": 1})
 
 
 @cache
@@ -59,12 +57,9 @@ def _transfer_function() -> list[Row]:
         f"{1.0 / _K1:.3f} min/m², see K_g in section 2."
     )
     others = {"time constant of a tank": time_constant, "order": len(_poles())}
-    rows = [
-        compared(PRINTED["(8)", "static gain"], gain, why=why),
-        *compared_all(PRINTED, "(8)", others),
-    ]
+    rows = [PRINTED["(8)", "static gain"].compared(gain, why=why), *PRINTED.compared("(8)", others)]
     taken = "The process eight-tanks:paper was made from (8), to be the document's chain."
-    return [circular(row, taken) for row in rows]
+    return [row.circular(taken) for row in rows]
 
 
 def _formulas() -> list[Row]:
@@ -95,6 +90,4 @@ def _formulas() -> list[Row]:
         },
         "(6), (7)": {"level of tank n over inflow of tank 1, n = 8": last[level] / inflow},
     }
-    return [
-        row for place, found in by_place.items() for row in compared_formulas(PRINTED, place, found)
-    ]
+    return [row for place, found in by_place.items() for row in PRINTED.formulas(place, found)]

@@ -6,8 +6,7 @@ from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-from clepsydra.papers.comparison import claimed, remark
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.six_designs import (
     PENALTIES,
@@ -27,9 +26,9 @@ _COUNTED = " A swing is a turn by more than 2 % of the final value, in 240 min."
 _VARIED = " The variation is that after the first move."
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return the rows of section 6 and Figs. 7 to 12."""
-    return Findings((*_trends(), _amplitude(), _prevented()), tuple(map(_figure, SIX)))
+    return (*_trends(), _amplitude(), _prevented(), *map(_figure, SIX))
 
 
 def _run(choice: Choice) -> StepRun:
@@ -100,21 +99,16 @@ def _trend(
         words = " From the samples, one a minute, joined by lines."
     if _SPEED in measures:
         words = " Slower is read as: its first move is a smaller share of its largest value."
-    return claimed(
-        PRINTED[place, name],
-        holds,
-        "; ".join(found),
-        reason=f"After a step of the setpoint, on (8): {settings}.{words}",
+    return PRINTED[place, name].claimed(
+        holds, "; ".join(found), reason=f"After a step of the setpoint, on (8): {settings}.{words}"
     )
 
 
 def _amplitude() -> Row:
     choices = sorted((*PENALTIES, POLES[1]), key=lambda choice: choice.penalty)
     peaks = [_run(choice).largest_inflow for choice in choices]
-    return claimed(
-        PRINTED["section 5", "amplitude of the controller output"],
-        all(a > b for a, b in pairwise(peaks)),
-        ", ".join(f"{peak:.3f}" for peak in peaks),
+    return PRINTED["section 5", "amplitude of the controller output"].claimed(
+        all(a > b for a, b in pairwise(peaks)), ", ".join(f"{peak:.3f}" for peak in peaks)
     )
 
 
@@ -124,8 +118,7 @@ def _prevented() -> Row:
         pole: ", ".join(str(step_run(penalty, (pole,)).swings) for penalty in penalties)
         for pole in (0.5, 0.9)
     }
-    return remark(
-        PRINTED["section 7", "penalisation of the manipulated variable"],
+    return PRINTED["section 7", "penalisation of the manipulated variable"].remark(
         "; ".join(f"γ = {pole:g}: {counts} swings" for pole, counts in swings.items()),
         reason="For q_u = 1, 10, 100, 10⁴, 10⁶, on the chain (8)."
         f"{_COUNTED} It holds with γ = 0.9, and fails with γ = 0.5, with which the document varies "

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from clepsydra.papers.comparison import stated
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.six_designs import PENALTIES
 from clepsydra.papers.row import Row
@@ -45,10 +44,10 @@ _REFERENCES = (
 )
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return a row for each wrong reference."""
     rows = [_row(*reference) for reference in _REFERENCES]
-    return Findings((*rows, _second_order(), _caption()))
+    return (*rows, _second_order(), _caption())
 
 
 def _row(place: str, words: str, meant: str, shape: str) -> Row:
@@ -59,7 +58,7 @@ def _row(place: str, words: str, meant: str, shape: str) -> Row:
     }
     right = next(number for number, what in known.items() if what == meant)
     reason = f"The words speak of the {meant}; {line.text} is the {known[line.text]}."
-    return stated(line, right, right == line.text, reason)
+    return line.stated(right, right == line.text, reason)
 
 
 def _second_order() -> Row:
@@ -67,15 +66,13 @@ def _second_order() -> Row:
         f"(20) is the {EQUATIONS[20]}; the second-order model with d = 5 is (18) in letters and "
         "(21) in numbers."
     )
-    return stated(
-        PRINTED["section 4", "reference: second-order linear model"], "(21)", False, reason
+    return PRINTED["section 4", "reference: second-order linear model"].stated(
+        "(21)", False, reason
     )
 
 
 def _caption() -> Row:
     penalties, poles = ({getattr(each, what) for each in PENALTIES} for what in ("penalty", "pole"))
-    return stated(
-        PRINTED["section 6.2", "what differs in Figs. 10 to 12"],
-        "individual penalization factors q_u",
-        len(poles) > 1 or len(penalties) == 1,
+    return PRINTED["section 6.2", "what differs in Figs. 10 to 12"].stated(
+        "individual penalization factors q_u", len(poles) > 1 or len(penalties) == 1
     )

@@ -8,8 +8,7 @@ import numpy as np
 
 from clepsydra.identification.arx import regressors
 from clepsydra.identification.arx_choice import DelayChoice, choose_delay
-from clepsydra.papers.comparison import claimed, compared, remark, stated, undecided
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.six_designs import (
     GAIN,
@@ -33,9 +32,9 @@ _ESTIMATES = ("a1", "a2", "b1", "b2")
 _FASTER = (1, 2, 5, 10)
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return the rows of section 3.1 and Fig. 3."""
-    return Findings((*_shapes(), *_delay(), _gain()), (_criterion(),))
+    return (*_shapes(), *_delay(), _gain(), _criterion())
 
 
 @cache
@@ -67,15 +66,13 @@ def _shapes() -> Rows:
     F, y = regressors(record[0], record[1], order, delay)
     expected = (_SAMPLES - order - delay, 2 * order)
     parameters, errors = F.shape[1], len(y)
-    yield claimed(
-        PRINTED["(11)", "dimension of F"],
+    yield PRINTED["(11)", "dimension of F"].claimed(
         F.shape == expected and len(y) == expected[0],
         f"{F.shape[0]} × {F.shape[1]} for N = {_SAMPLES}, n = 2, d = 5",
         reason=f"Counted in the matrix of (13) with n = 2, as in (14); N = {_SAMPLES} is ours.",
     )
-    yield stated(PRINTED["(11)", "regression"], "y = F Θ + e", parameters == errors)
-    yield compared(
-        PRINTED["(12)", "model order n"],
+    yield PRINTED["(11)", "regression"].stated("y = F Θ + e", parameters == errors)
+    yield PRINTED["(12)", "model order n"].compared(
         len(_ESTIMATES) / 2.0,
         right_if=[
             ("(12) gives 2n estimates, and (14) lists four", len(_ESTIMATES) == parameters),
@@ -86,8 +83,7 @@ def _shapes() -> Rows:
 
 def _delay() -> Rows:
     chosen = int(np.argmax(_counts(1)))
-    row = compared(
-        PRINTED["section 3.1", "delay steps of the smallest J(d)"],
+    row = PRINTED["section 3.1", "delay steps of the smallest J(d)"].compared(
         float(chosen),
         unprinted="Least squares (12) with n = 2 on (8), without noise of measurement, white noise "
         f"held for a sampling period; the most frequent of {_RECORDS} records of {_SAMPLES} "
@@ -99,14 +95,13 @@ def _delay() -> Rows:
         f"The noise is not printed: with {fastest} values of it in a sampling period {PRINTED_D} "
         f"has the smallest J most often, with one {chosen} has."
     )
-    yield (undecided(row, hangs_on) if agrees else row)
+    yield (row.undecided(hangs_on) if agrees else row)
 
 
 def _gain() -> Row:
     mean = float(np.mean([each.fits[PRINTED_D].model.static_gain for each in _records(1)]))
     fails = _squares_of_the_print() > 1.0
-    return remark(
-        PRINTED["section 3.2", "least squares against fminsearch"],
+    return PRINTED["section 3.2", "least squares against fminsearch"].remark(
         f"gain {mean:.2f} by least squares at d = 5, {printed_model().static_gain:.3f} of (21), "
         f"{GAIN} of (8)",
         reason="By the gain (20) it holds; by the sum of squares (17), which least squares make "

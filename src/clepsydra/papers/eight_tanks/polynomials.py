@@ -14,8 +14,7 @@ from clepsydra.designs.polynomial.two_degree_of_freedom import (
     assigned,
     two_degree_of_freedom,
 )
-from clepsydra.papers.comparison import claimed, compared_formulas, stated
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.six_designs import PENALTIES, POLES, SIX, printed_model
 from clepsydra.papers.row import Row, Rows
@@ -24,9 +23,9 @@ from clepsydra.papers.row import Row, Rows
 _ROUNDING = 1e-10
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return the rows of section 5."""
-    return Findings((*_counts(), _feedforward(), *_poles(), *_factor()))
+    return (*_counts(), _feedforward(), *_poles(), *_factor())
 
 
 def controller(penalty: float, poles: tuple[float, ...], *, full: bool) -> TwoDegreeOfFreedom:
@@ -50,8 +49,7 @@ def _counts() -> Rows:
     right = product(rational([0.0, float(np.sum(model.B))]), plain.Q)
     exact = all(a + b == d for a, b, d in zip(left, right, rational(D.coefficients), strict=True))
     counts = _coefficients(plain), _coefficients(full)
-    yield stated(
-        PRINTED["(22)", "feedback parameters"],
+    yield PRINTED["(22)", "feedback parameters"].stated(
         f"{counts[0]} with B(1), {counts[1]} with the full B",
         7 in counts or not exact,
         reason=f"(29) has degree {D.degree}, as A K: with B(1), as in Fig. 5, P is 1 and Q has "
@@ -66,7 +64,7 @@ def _feedforward() -> Row:
     # S (1 − x) + B R = D at x = 1.
     left = (S * (1 - back) + B * R).subs(back, 1)
     (solution,) = solve(left - D, R)
-    return stated(PRINTED["(24)", "r0"], f"{solution} at z = 1", solution == D / B)
+    return PRINTED["(24)", "r0"].stated(f"{solution} at z = 1", solution == D / B)
 
 
 def _poles() -> Rows:
@@ -79,7 +77,7 @@ def _poles() -> Rows:
     ):
         found = Poly(expand(product_of), z).all_coeffs()[1:]
         names = ("d1", "d2", "d3")
-        yield from compared_formulas(PRINTED, place, dict(zip(names, found, strict=True)))
+        yield from PRINTED.formulas(place, dict(zip(names, found, strict=True)))
 
 
 def _factor() -> Rows:
@@ -87,8 +85,7 @@ def _factor() -> Rows:
     factors = {
         choice: spectral_factor(tuple(model.A), tuple(model.B), choice.penalty) for choice in SIX
     }
-    yield claimed(
-        PRINTED["(27), (28)", "degree of the spectral factor"],
+    yield PRINTED["(27), (28)", "degree of the spectral factor"].claimed(
         all(len(factor.coefficients) == 3 for factor in factors.values()),
         "; ".join(
             f"q_u = {choice.penalty:g}: d1 = {factor.coefficients[1]:.6f}, d2 = "
@@ -97,10 +94,8 @@ def _factor() -> Rows:
             if choice in (PENALTIES[0], POLES[0])
         ),
     )
-    yield claimed(
-        PRINTED["section 7", "design without numerical methods"],
-        _largest_error() < _ROUNDING,
-        f"largest difference below {_ROUNDING:g}",
+    yield PRINTED["section 7", "design without numerical methods"].claimed(
+        _largest_error() < _ROUNDING, f"largest difference below {_ROUNDING:g}"
     )
 
 

@@ -13,8 +13,7 @@ from clepsydra.designs.polynomial.two_degree_of_freedom import (
     assigned,
     two_degree_of_freedom,
 )
-from clepsydra.papers.comparison import claimed, remark
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.six_designs import POLES, printed_model, step_run, trends, turns
 from clepsydra.papers.figure import Figure
@@ -25,9 +24,9 @@ _INTEGRATOR, _LOAD = 0.1, 0.05
 _SAMPLES = 240  # one a minute
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return the rows on the predictor and on the second-order polynomial, with a picture."""
-    return Findings((*_second_order(), *_other_plants()), (_picture(),))
+    return (*_second_order(), *_other_plants(), _picture())
 
 
 def closed_loop_radius(
@@ -65,16 +64,14 @@ def _second_order() -> Rows:
     third_of = POLES[2]
     third = step_run(third_of.penalty, (third_of.pole,))
     alone = ", ".join(str(_turns_on_the_model(penalty)) for penalty in _SECOND_ORDER)
-    yield remark(
-        PRINTED["section 5", "second-order polynomial (28)"],
+    yield PRINTED["section 5", "second-order polynomial (28)"].remark(
         f"{', '.join(str(run.swings) for run in runs)} swings for q_u = 1, 10, 100, 10³, 10⁴, "
         f"10⁶ on (8); {alone} on (21)",
         reason="It holds where the controller acts on the chain (8), which section 2 takes for "
         "simulation, and fails on (21) itself, which the sentence names. Turns of the "
         f"inflow by more than 2 % of its final value in {_SAMPLES} min after a step.",
     )
-    yield claimed(
-        PRINTED["section 5", "another pole in (29)"],
+    yield PRINTED["section 5", "another pole in (29)"].claimed(
         third.swings == 0,
         f"{third.swings} swings with {third_of.label}",
         reason="Said to be possible, so that one pole is enough: with q_u = 10 the same count "
@@ -100,8 +97,7 @@ def _other_plants() -> Rows:
     offset = _offset_on_integrator()
     model = SampledModel((0.1,), (-1.05,), 5, 1.0)
     unstable = closed_loop_radius(_placed(model), model, model)
-    yield claimed(
-        PRINTED["section 1", "integrating and unstable processes"],
+    yield PRINTED["section 1", "integrating and unstable processes"].claimed(
         abs(offset) > 1e-3 and unstable > 1.0,
         f"integrating: offset {offset:.3f} under a load of {_LOAD}; unstable: largest root "
         f"{unstable:.3f}",

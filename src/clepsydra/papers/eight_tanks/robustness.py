@@ -15,8 +15,7 @@ from clepsydra.designs.amigo import design_amigo
 from clepsydra.designs.sampled.sampled_loop import SampledLoops
 from clepsydra.designs.simc import design_simc
 from clepsydra.designs.smith_predictor import design_smith_predictor
-from clepsydra.papers.comparison import claimed, remark
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.six_designs import (
     SIX,
@@ -107,9 +106,9 @@ def _tuned_pid() -> Controller:
     return dataclasses.replace(plain, values=with_gain(low))
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return the rows on robustness and quality, with two pictures."""
-    return Findings((*_robust(), *_quality()), (_margins(), _beside_pid()))
+    return (*_robust(), *_quality(), _margins(), _beside_pid())
 
 
 def _robust() -> Rows:
@@ -117,8 +116,7 @@ def _robust() -> Rows:
     assert all(
         design.peak > _LENIENT_PEAK and design.gain_margin < _LENIENT_GAIN for design in weak
     )
-    yield claimed(
-        PRINTED["section 7", "robustness of Figs. 7 to 12"],
+    yield PRINTED["section 7", "robustness of Figs. 7 to 12"].claimed(
         not weak,
         f"max|S| {', '.join(f'{design.peak:.2f}' for design in _six())}",
         reason=f"On (8). Of the usual bounds, max|S| up to {_ROBUST:g} and a gain margin of "
@@ -129,8 +127,7 @@ def _robust() -> Rows:
 def _quality() -> Rows:
     pid = others()[0]
     later = sum(each.run.settling_time > pid.run.settling_time for each in _six())
-    yield remark(
-        PRINTED["section 7", "control quality"],
+    yield PRINTED["section 7", "control quality"].remark(
         f"settled to 2 % after {', '.join(_minutes(design) for design in _six())} min in Figs. "
         "7 to 12",
         reason=f"What is good is not said: {later} of them settle later than a PID by AMIGO on "

@@ -11,8 +11,7 @@ from sympy import Expr, Function, Poly, symbols
 
 from clepsydra.identification.arx import fit_arx
 from clepsydra.identification.arx_choice import choose_delay
-from clepsydra.papers.comparison import compared_formula, remark, stated
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.identification import DELAYS, record
 from clepsydra.papers.eight_tanks.six_designs import (
@@ -34,9 +33,9 @@ _EXACT = 1e-6
 _ORDER, _RECORDS = 2, 40
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return the rows of these equations."""
-    return Findings((_held_chain(), *_second_order(), _estimates(), _first_error()))
+    return (_held_chain(), *_second_order(), _estimates(), _first_error())
 
 
 def held_coefficients() -> np.ndarray:
@@ -63,7 +62,7 @@ def _held_chain() -> Row:
         f"{name}1 = {values[0]:.4g}, {name}{len(values)} = {values[-1]:.4g}"
         for name, values in (("b", model.numerator), ("a", model.denominator))
     )
-    return stated(PRINTED["(9)", "form of the chain, sampled"], words, is_right)
+    return PRINTED["(9)", "form of the chain, sampled"].stated(words, is_right)
 
 
 def _second_order() -> Rows:
@@ -77,10 +76,10 @@ def _second_order() -> Rows:
         return sum(factor * signal(k - power - late) for (power,), factor in terms)
 
     predicted = moved(B, u, d) - moved(A - 1, y, 0 * d)
-    yield compared_formula(PRINTED["(13)", "y(k)"], predicted + noise(k))
-    yield compared_formula(PRINTED["(15)", "predicted output"], predicted)
-    yield compared_formula(
-        PRINTED["(18)", "model with five steps of delay"], (B / A * x**PRINTED_D).subs(x, 1 / z)
+    yield PRINTED["(13)", "y(k)"].formula(predicted + noise(k))
+    yield PRINTED["(15)", "predicted output"].formula(predicted)
+    yield PRINTED["(18)", "model with five steps of delay"].formula(
+        (B / A * x**PRINTED_D).subs(x, 1 / z)
     )
 
 
@@ -93,14 +92,13 @@ def _estimates() -> Row:
     made = np.array([*model.denominator, *model.numerator])
     words = ", ".join(f"{value:.4g}" for value in found)
     is_right = float(np.max(np.abs(found - made))) < _EXACT
-    return stated(PRINTED["(14)", "order of the estimates"], words, is_right)
+    return PRINTED["(14)", "order of the estimates"].stated(words, is_right)
 
 
 def _first_error() -> Row:
     first = _ORDER + PRINTED_D + 1
     whole = [_from_rest(seed) for seed in range(_RECORDS)]
-    return remark(
-        PRINTED["(17)", "first sample of the sum"],
+    return PRINTED["(17)", "first sample of the sum"].remark(
         f"k = {first} for d = {PRINTED_D}",
         reason="(15) reaches back to u(k−2−d), so that of N samples the first error is that of "
         "k = n + d + 1, and (11) has N−n−d of them. From k = 1 it holds of a record that begins at "

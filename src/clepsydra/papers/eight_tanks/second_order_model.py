@@ -12,8 +12,7 @@ from clepsydra.identification.simplex_refinement import (
     refined_coefficients,
     second_order_of_gain,
 )
-from clepsydra.papers.comparison import circular, compared, compared_formula, remark
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.six_designs import (
     GAIN,
@@ -32,9 +31,9 @@ _MINUTES = 80
 _PRINTED_SAMPLES = 49
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return the rows of section 3.2 and Fig. 4."""
-    return Findings((*_coefficients(), *_gain(), *_quality()), (_steps(),))
+    return (*_coefficients(), *_gain(), *_quality(), _steps())
 
 
 @cache
@@ -67,16 +66,15 @@ def _coefficients() -> Rows:
         "without zeros, 5 min of delay, gain 3.08."
     )
     yield from [
-        circular(compared(PRINTED["(21)", name], value, why=why), chosen)
+        PRINTED["(21)", name].compared(value, why=why).circular(chosen)
         for name, value in zip(
             ("a1", "a2", "b1", "b2"), (*model.denominator, *model.numerator), strict=True
         )
     ]
     free = _free(_PRINTED_SAMPLES)
     b1, b2 = free.model.numerator
-    yield remark(
-        PRINTED["section 3.2", "how (21) was found"],
-        f"b1 = {b1:.4f}, b2 = {b2:.4f}, gain {free.model.static_gain:.3f}",
+    yield PRINTED["section 3.2", "how (21) was found"].remark(
+        f"b1 = {b1:.4f}, b2 = {b2:.4f}, gain {free.model.static_gain:.3f}"
     )
 
 
@@ -86,9 +84,8 @@ def _gain() -> Rows:
     b1, b2, a1, a2, back = symbols("b1 b2 a1 a2 x")
     formula = ((b1 * back + b2 * back**2) / (1 + a1 * back + a2 * back**2) * back**5).subs(back, 1)
     low, high = _gain_range()
-    yield compared_formula(PRINTED["(20)", "static gain of (18)"], formula)
-    yield compared(
-        PRINTED["(21)", "static gain, the same as in (8)"],
+    yield PRINTED["(20)", "static gain of (18)"].formula(formula)
+    yield PRINTED["(21)", "static gain, the same as in (8)"].compared(
         printed_model().static_gain,
         tolerance=(high - low) / 2.0 / printed_model().static_gain,
         why=f"The printed digits of (21) leave {low:.2f} to {high:.2f} open.",
@@ -114,13 +111,12 @@ def _difference(model: SampledModel) -> float:
 def _quality() -> Rows:
     worst = _difference(printed_model())
     zero = float(printed_model().zeros[0].real)
-    yield remark(
-        PRINTED["section 7", "low-order model of the chain"],
+    yield PRINTED["section 7", "low-order model of the chain"].remark(
         f"{worst:.1f} % of the rise at the most by (21)",
         reason=f"Largest difference from the step response of (8) in {_MINUTES} min. How near "
         "an approximation is, is not said: (21) is within 10 % and not within 5 %.",
     )
-    yield remark(PRINTED["section 4", "zero of B, which B(1) replaces"], f"z = {zero:.3f}")
+    yield PRINTED["section 4", "zero of B, which B(1) replaces"].remark(f"z = {zero:.3f}")
 
 
 @cache

@@ -19,7 +19,6 @@ from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.figure import Curve, Panel
-from clepsydra.papers.printed import values
 from clepsydra.process.reader import load_process
 from clepsydra.scores.effort import TOTAL_VARIATION
 from clepsydra.scores.step_response import overshoot, settling_time
@@ -27,10 +26,10 @@ from clepsydra.scores.step_response import overshoot, settling_time
 #: T0 [s]
 MINUTE = 60.0
 #: Model (21) in minutes and m³/min: B, A and d.
-PRINTED_B, PRINTED_A = values(PRINTED, "(21)", "b1", "b2"), values(PRINTED, "(21)", "a1", "a2")
+PRINTED_B, PRINTED_A = PRINTED.numbers("(21)", "b1", "b2"), PRINTED.numbers("(21)", "a1", "a2")
 PRINTED_D = int(PRINTED["section 3.1", "delay steps of the smallest J(d)"].value)
 #: Equation (8): gain [min/m²], time constant of a tank [min], tanks.
-GAIN, TIME_CONSTANT = values(PRINTED, "(8)", "static gain", "time constant of a tank")
+GAIN, TIME_CONSTANT = PRINTED.numbers("(8)", "static gain", "time constant of a tank")
 TANKS = int(PRINTED["(8)", "order"].value)
 #: Of the inflow after a step, as `StepRun` has it; some designs still swing when a run ends.
 FINAL_INFLOW = 1.0 / GAIN
@@ -57,7 +56,7 @@ class Choice:
 
 #: Section 6.1 and 6.2.
 SIX = tuple(
-    Choice(figure, *values(PRINTED, figure, "q_u", "γ"))
+    Choice(figure, *PRINTED.numbers(figure, "q_u", "γ"))
     for figure in (f"Fig. {number}" for number in range(7, 13))
 )
 POLES, PENALTIES = SIX[:3], SIX[3:]

@@ -1,7 +1,7 @@
 """The four-tank laboratory report of the course EL2520: its experiments, one a file."""
 
 from clepsydra.papers.document import Document
-from clepsydra.papers.printed import printed_table
+from clepsydra.papers.printed_table import printed_table
 
 DOCUMENT = Document(
     __name__,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.closed_loop import BAND
 from clepsydra.papers.four_tank_laboratory.readings import MEDIANS
@@ -15,11 +15,9 @@ from clepsydra.papers.four_tank_laboratory.step_and_pours import (
 from clepsydra.papers.row import Rows
 
 
-def run() -> Findings:
+def run() -> Found:
     """Step both references and pour, with the PI control."""
-    return Findings(
-        (*table_rows("decentralised"), *_claims()), tuple(table_figures("decentralised"))
-    )
+    return (*table_rows("decentralised"), *_claims(), *table_figures("decentralised"))
 
 
 #: What a claim on a score is judged by, beside the medians.

@@ -7,8 +7,7 @@ import numpy as np
 from clepsydra.identification.orifice_areas import orifice_areas_at_rest
 from clepsydra.identification.pump_gains import pump_gain
 from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.papers.comparison import circular, compared, short
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.manual_runs import by_hand
 from clepsydra.papers.four_tank_laboratory.set_ups import (
@@ -21,18 +20,19 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     SetUp,
     plant,
 )
+from clepsydra.papers.printed import short
 from clepsydra.papers.row import Row, Rows
 
 #: The report prints no g; from this one to 981 cm/s² is left open.
 OTHER_GRAVITY = 980.0  # cm/s²
 
 
-def run() -> Findings:
+def run() -> Found:
     """Find gains and holes from levels, as the report does."""
     rows = [*_gains()]
     for set_up in SET_UPS:
         rows += [*_areas(set_up), *_levels(set_up)]
-    return Findings((*rows, _tank_of_23()))
+    return (*rows, _tank_of_23())
 
 
 def _gains() -> Rows:
@@ -44,16 +44,16 @@ def _gains() -> Rows:
             for level in runs.levels[pump - 1]
         ]
         mean, error = float(np.mean(found)), float(np.std(found, ddof=1) / np.sqrt(len(found)))
-        yield circular(
-            compared(
-                PRINTED["Exercise 2.1.7", f"k{pump}"],
+        yield (
+            PRINTED["Exercise 2.1.7", f"k{pump}"]
+            .compared(
                 mean,
                 tolerance=3.0 * error / mean,
                 why=f"From {len(found)} runs of {duration:g} s with plugged outlets at "
                 f"{volts:g} V and noisy pumps, with {OF_THE_COURSE}; standard error "
                 f"{error:.3f}, of which three are left open.",
-            ),
-            "The simulator was given the printed gains.",
+            )
+            .circular("The simulator was given the printed gains.")
         )
 
 
@@ -68,8 +68,7 @@ def _areas(set_up: SetUp) -> list[Row]:
     ratio = float(np.sqrt(GRAVITY / OTHER_GRAVITY))
     areas = [1e4 * found[f"outlet_{tank}"] for tank in (1, 2, 3, 4)]
     return [
-        compared(
-            line,
+        line.compared(
             area,
             tolerance=ratio - 1.0,
             why=f"Balances (6) at the levels of {set_up.level_table} and 7.5 V, with "
@@ -90,16 +89,12 @@ def _levels(set_up: SetUp) -> list[Row]:
     # the pump gives whatever a₃ and g are; so half a unit of the last digit of a leaves this open.
     rooms = [1e-4 / hole.value + gravity for hole in set_up.holes]
     return [
-        circular(
-            compared(
-                line,
-                level,
-                tolerance=room,
-                why="At rest with both pumps at 7.5 V. The digits of the hole and g leave "
-                f"{level * (1.0 - room):.2f} to {level * (1.0 + room):.2f} cm open.",
-            ),
-            "The way back: the printed hole comes from this level.",
-        )
+        line.compared(
+            level,
+            tolerance=room,
+            why="At rest with both pumps at 7.5 V. The digits of the hole and g leave "
+            f"{level * (1.0 - room):.2f} to {level * (1.0 + room):.2f} cm open.",
+        ).circular("The way back: the printed hole comes from this level.")
         for line, level, room in zip(set_up.levels, levels, rooms, strict=True)
     ]
 
@@ -114,8 +109,7 @@ def _tank_of_23() -> Row:
     areas = {tank: flow / speed for tank, flow in flows.items()}
     printed = MINIMUM.holes[3].value
     nearest = min(areas, key=lambda tank: abs(areas[tank] - printed))
-    return compared(
-        PRINTED["text before (23)", "tank that rests at 23.5 cm"],
+    return PRINTED["text before (23)", "tank that rests at 23.5 cm"].compared(
         float(nearest),
         right_if=(
             ("Table 1 has 23.5 cm as h4", MINIMUM.levels[3].text == "23.5"),

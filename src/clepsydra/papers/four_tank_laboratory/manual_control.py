@@ -7,8 +7,7 @@ import dataclasses
 from clepsydra.linear.relative_gain_array import relative_gain_array
 from clepsydra.linear.static_gain import static_gain
 from clepsydra.linear.zeros import zeros
-from clepsydra.papers.comparison import circular, claimed, compared, compared_all, remark, undecided
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.manual_runs import SEEDS, ManualRuns, by_hand
@@ -29,13 +28,13 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     SetUp,
     course_model,
 )
-from clepsydra.papers.printed import Printed, values
+from clepsydra.papers.printed import Printed
 from clepsydra.papers.row import Row, Rows
 
 _TABLES = {MINIMUM: "Table 3", NON_MINIMUM: "Table 4"}
 #: Voltages with which the report keeps both lower levels at 15 cm, and where it shows that.
 _HELD = {
-    set_up: (values(PRINTED, f"Exercise 2.2.3, {figure}", "input1", "input2"), figure)
+    set_up: (PRINTED.numbers(f"Exercise 2.2.3, {figure}", "input1", "input2"), figure)
     for set_up, figure in ((MINIMUM, "Fig. 5"), (NON_MINIMUM, "Fig. 6"))
 }
 #: Which levels one pump moves, as the report reads Figs. 1 to 4.
@@ -55,7 +54,7 @@ _SIMULATOR = (
 _DEVIATIONS = 3.0
 
 
-def run() -> Findings:
+def run() -> Found:
     """Run the simulator by hand, as the report does."""
     rows: list[Row] = []
     figures = []
@@ -69,7 +68,7 @@ def run() -> Findings:
         found, figure = _held(set_up)
         rows += found
         figures.append(figure)
-    return Findings((*rows, _by_relative_gains(), *_differences()), tuple(figures))
+    return (*rows, _by_relative_gains(), *_differences(), *figures)
 
 
 def _table(set_up: SetUp) -> Rows:
@@ -89,8 +88,8 @@ def _table(set_up: SetUp) -> Rows:
     found = {
         f"h{tank}, calculated": level.value for tank, level in enumerate(set_up.levels, start=1)
     }
-    calculated = compared_all(PRINTED, _TABLES[set_up], found)
-    yield from (circular(row, again) for row in calculated)
+    calculated = PRINTED.compared(_TABLES[set_up], found)
+    yield from (row.circular(again) for row in calculated)
 
 
 def _level(runs: ManualRuns, tank: int) -> tuple[float, float]:
@@ -107,8 +106,7 @@ def _left_open(line: Printed, levels: dict[Reading, tuple[float, float]], what: 
     }
     reading, (level, room) = next(iter(levels.items()))
     words = f"{what}, {level:.2f} ± {room:.2f} cm with {reading}"
-    row = compared(
-        line,
+    row = line.compared(
         level,
         tolerance=room / level if all(holding.values()) else 0.0,
         why=f"{words}; the other readings leave it open as well.",
@@ -118,7 +116,7 @@ def _left_open(line: Printed, levels: dict[Reading, tuple[float, float]], what: 
         next((reading for reading, holds in holding.items() if holds is each), None)
         for each in (True, False)
     )
-    return undecided(row, f"It agrees with {inside}, and not with {outside}.") if inside else row
+    return row.undecided(f"It agrees with {inside}, and not with {outside}.") if inside else row
 
 
 def _coupling(set_up: SetUp, pump: int, tanks: tuple[int, int], place: str) -> tuple[Row, Figure]:
@@ -155,10 +153,8 @@ def _coupling(set_up: SetUp, pump: int, tanks: tuple[int, int], place: str) -> t
 
 def _by_relative_gains() -> Row:
     array = relative_gain_array(static_gain(course_model(MINIMUM)))
-    return claimed(
-        PRINTED["Exercise 2.2.2", "coupling of tanks 1 and 4"],
-        array.shape[0] >= 4,
-        f"an array of {array.shape[0]} outputs, the levels of tanks 1 and 2",
+    return PRINTED["Exercise 2.2.2", "coupling of tanks 1 and 4"].claimed(
+        array.shape[0] >= 4, f"an array of {array.shape[0]} outputs, the levels of tanks 1 and 2"
     )
 
 
@@ -182,7 +178,7 @@ def _held(set_up: SetUp) -> tuple[list[Row], Figure]:
             f"voltage of pump {pump}, {set_up.phase}": 7.5 / 50.0 * percent
             for pump, percent in enumerate(percents, start=1)
         }
-        rows += compared_all(PRINTED, "Exercise 2.2.3", volts)
+        rows += PRINTED.compared("Exercise 2.2.3", volts)
     rows += [*_levels_of_15(set_up, pair), _transient(set_up, place)]
     noisy = by_hand(set_up, pair, "fitted" if set_up is MINIMUM else "report")
     figure = Figure(
@@ -223,7 +219,7 @@ def _levels_of_15(set_up: SetUp, volts: tuple[float, float]) -> Rows:
             f"At {voltages}, of the one that is farther off, {_SIMULATOR}",
         )
         is_fitted = holes == "fitted"
-        yield (circular(row, "The holes were fitted to these levels.") if is_fitted else row)
+        yield (row.circular("The holes were fitted to these levels.") if is_fitted else row)
 
 
 def _settled(set_up: SetUp, reading: Reading, band: float) -> float:
@@ -245,11 +241,11 @@ def _transient(set_up: SetUp, place: str) -> Row:
         f"of the report and with {OF_THE_COURSE}; whether 5 % or 2 % is meant, and whether the "
         "tanks were empty, is not said."
     )
-    row = compared(
-        line, late, tolerance=(late - early) / late if all(agrees.values()) else 0.0, why=words
+    row = line.compared(
+        late, tolerance=(late - early) / late if all(agrees.values()) else 0.0, why=words
     )
     if agrees.get("fitted") and not agrees["report"]:
-        row = undecided(row, "It agrees with the fitted holes, and not as computed here.")
+        row = row.undecided("It agrees with the fitted holes, and not as computed here.")
     return dataclasses.replace(row, computed=f"{early:.0f} to {late:.0f}", difference=None)
 
 
@@ -260,23 +256,20 @@ def _differences() -> Rows:
     spreads = [abs(two / one - 1.0) for one, two in zip(*lower, strict=True)]
     zero = max(zero.real for zero in zeros(course_model(NON_MINIMUM)))
     times = [_settled(set_up, USUAL, 0.02) for set_up in SET_UPS]
-    yield claimed(
-        PRINTED["Exercise 2.2.4", "upper holes"],
+    yield PRINTED["Exercise 2.2.4", "upper holes"].claimed(
         min(ratios) > 1.0 + 2.0 * max(spreads),
         " and ".join(f"{100.0 * (ratio - 1.0):.1f} %" for ratio in ratios) + " larger",
         reason="The printed holes; those of the lower tanks, a1 and a2, differ by "
         + " and ".join(f"{100.0 * spread:.1f} %" for spread in spreads)
         + ".",
     )
-    yield claimed(
-        PRINTED["Exercise 2.2.4", "zero in the right half-plane"],
+    yield PRINTED["Exercise 2.2.4", "zero in the right half-plane"].claimed(
         zero > 0.0,
         f"{zero:+.4f} rad/s",
         reason="Transmission zero of the linear model at levels of the course's exercise "
         f"and with {OF_THE_COURSE}; at any others it is positive as well.",
     )
-    yield remark(
-        PRINTED["Exercise 2.2.4", "manual control"],
+    yield PRINTED["Exercise 2.2.4", "manual control"].remark(
         "; ".join(
             f"{set_up.phase} {time:.0f} s" for set_up, time in zip(SET_UPS, times, strict=True)
         ),

@@ -14,8 +14,7 @@ from clepsydra.designs.loop_shaping.coprime_factors import coprime_factors
 from clepsydra.designs.loop_shaping.precompensator import Precompensator, precompensator_of
 from clepsydra.designs.loop_shaping.robust_controller import robust_controller
 from clepsydra.designs.loop_shaping.shaped_plant import shaped_plant
-from clepsydra.papers.comparison import remark
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.closed_loop import Kind
@@ -46,10 +45,10 @@ _KINDS: tuple[Kind, ...] = ("decentralised", "robust")
 _NAMES = {"decentralised": "PI", "robust": "Glover-McFarlane"}
 
 
-def run() -> Findings:
+def run() -> Found:
     """Compute both, since the simulator hands percent to a controller that was made for volts."""
     figures = tuple(_figure(set_up) for set_up in SET_UPS)
-    return Findings((_guarantee(),), figures)
+    return (_guarantee(), *figures)
 
 
 @cache
@@ -63,7 +62,7 @@ def response(set_up: SetUp, kind: Kind, units: Units) -> LoopResponse:
 def _guarantee() -> Row:
     """Ask whether the robust controllers keep the norm that they promise."""
     found = {set_up: _norm(set_up) for set_up in SET_UPS}
-    return remark(PRINTED["Exercise 4.2.2", "Glover-McFarlane"], "; ".join(
+    return PRINTED["Exercise 4.2.2", "Glover-McFarlane"].remark("; ".join(
             f"{set_up.phase}: γ_min = {smallest:.3f}, γ = {gamma:.3f}, norm {designed:.3f} in "
             f"volts and {tripled:.3g} at three times the gain"
             for set_up, (smallest, gamma, designed, tripled) in found.items()

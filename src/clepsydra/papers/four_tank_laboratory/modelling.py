@@ -9,14 +9,7 @@ import numpy as np
 from clepsydra.linear.relative_gain_array import relative_gain_array
 from clepsydra.linear.static_gain import static_gain
 from clepsydra.linear.zeros import zeros
-from clepsydra.papers.comparison import (
-    claimed,
-    compared_all,
-    compared_for_each,
-    compared_formulas,
-    entries,
-)
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     MINIMUM,
@@ -24,12 +17,13 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     OF_THE_COURSE,
     course_model,
 )
+from clepsydra.papers.printed_table import entries
 from clepsydra.papers.row import Rows
 
 
-def run() -> Findings:
+def run() -> Found:
     """Derive what the report derives from its balances (4)."""
-    return Findings((*_linear_model(), *_zeros(), *_relative_gains()))
+    return (*_linear_model(), *_zeros(), *_relative_gains())
 
 
 def _linear_model() -> Rows:
@@ -69,10 +63,8 @@ def _linear_model() -> Rows:
         "(12)": {f"det G, {line} line": determinant for line in ("first", "second")},
         **_array(G),
     }
-    yield compared_for_each(PRINTED["(10)", "T_i"], times)
-    yield from (
-        row for place, found in by_place.items() for row in compared_formulas(PRINTED, place, found)
-    )
+    yield PRINTED["(10)", "T_i"].formula_in(times)
+    yield from (row for place, found in by_place.items() for row in PRINTED.formulas(place, found))
 
 
 def _array(G: Any) -> dict[str, dict[str, Any]]:
@@ -106,23 +98,20 @@ def _zeros() -> Rows:
         set_up.phase: max(zero.real for zero in zeros(course_model(set_up)))
         for set_up in (MINIMUM, NON_MINIMUM)
     }
-    yield claimed(
-        PRINTED["(13)", "zeros for 1 < γ1 + γ2 ≤ 2"],
+    yield PRINTED["(13)", "zeros for 1 < γ1 + γ2 ≤ 2"].claimed(
         bool(np.all(rightmost[above] < 0.0)),
         f"largest real part {rightmost[above].max():.3g} rad/s",
         reason=f"Roots of (12) for {above.sum()} pairs of splits, T3 and T4 at the "
         f"course's levels with {OF_THE_COURSE}; for any others their sum stays negative and "
         "their product positive.",
     )
-    yield claimed(
-        PRINTED["(14)", "zeros for 0 < γ1 + γ2 ≤ 1"],
+    yield PRINTED["(14)", "zeros for 0 < γ1 + γ2 ≤ 1"].claimed(
         bool(np.all(rightmost[~above] >= -1e-12)),
         f"smallest real part of the right one {rightmost[~above].min():.3g} rad/s",
         reason=f"The right root of (12) for {(~above).sum()} pairs of splits, which makes the "
         "process non-minimum phase; at γ1 + γ2 = 1 it stands at zero.",
     )
-    yield claimed(
-        PRINTED["Exercise 2.1.6", "the two set-ups"],
+    yield PRINTED["Exercise 2.1.6", "the two set-ups"].claimed(
         found["minimum phase"] < 0.0 < found["non-minimum phase"],
         ", ".join(f"{phase}: {value:+.4f} rad/s" for phase, value in found.items()),
         reason="Rightmost transmission zero of the linear model at levels of the course's "
@@ -133,5 +122,5 @@ def _zeros() -> Rows:
 def _relative_gains() -> Rows:
     for set_up, place in ((MINIMUM, "(19)"), (NON_MINIMUM, "(20)")):
         array = relative_gain_array(static_gain(course_model(set_up)))
-        yield from compared_all(PRINTED, "Exercise 2.1.6", {f"λ, {set_up.phase}": array[0, 0]})
-        yield from compared_all(PRINTED, place, entries("RGA, row {}, column {}", array))
+        yield from PRINTED.compared("Exercise 2.1.6", {f"λ, {set_up.phase}": array[0, 0]})
+        yield from PRINTED.compared(place, entries("RGA, row {}, column {}", array))

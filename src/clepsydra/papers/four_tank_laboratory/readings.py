@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from clepsydra.papers.comparison import claimed, remark
 from clepsydra.papers.four_tank_laboratory.closed_loop import SEEDS
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     MINIMUM,
@@ -90,6 +89,6 @@ def claimed_in_all(
     if not agreeing or not against:
         others = [key for key in (ON_PAPER, DESIGNED) if key in holds]
         said = f"So in all readings of noise and holes{''.join(f', by {key}' for key in others)}."
-        return claimed(printed, not against, computed, reason=f"{reason} {said}")
+        return printed.claimed(not against, computed, reason=f"{reason} {said}")
     words = f"{reason} It holds by {agreeing[0]}, and fails by {against[0]}."
-    return remark(printed, computed, reason=words)
+    return printed.remark(computed, reason=words)

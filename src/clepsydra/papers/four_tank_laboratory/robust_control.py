@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.closed_loop import Kind
 from clepsydra.papers.four_tank_laboratory.readings import (
@@ -25,10 +25,10 @@ from clepsydra.papers.row import Row, Rows
 _KINDS: tuple[Kind, Kind] = ("decentralised", "robust")
 
 
-def run() -> Findings:
+def run() -> Found:
     """Step both references and pour, with the robust control."""
     rows = *table_rows("robust"), *_beside_decentralised(), _trade(), *_beside_minimum()
-    return Findings(rows, tuple(table_figures("robust")))
+    return (*rows, *table_figures("robust"))
 
 
 def _beside_decentralised() -> Rows:

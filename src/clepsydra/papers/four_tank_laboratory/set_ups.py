@@ -12,7 +12,7 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.papers.four_tank_laboratory import PRINTED
-from clepsydra.papers.printed import Printed, values
+from clepsydra.papers.printed import Printed
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 
@@ -27,7 +27,7 @@ AREA, GRAVITY = 15.5179, 981.0  # cm², cm/s²
 #: What a reason says of it.
 OF_THE_COURSE = f"the course's {AREA:.2f} cm² per tank, which the report does not print"
 #: k_c [V/cm], k [cm³/(s V)].
-SENSOR_GAIN, PUMP_GAINS = 0.2, values(PRINTED, "Exercise 2.1.7", "k1", "k2")
+SENSOR_GAIN, PUMP_GAINS = 0.2, PRINTED.numbers("Exercise 2.1.7", "k1", "k2")
 #: What the simulator makes of a controller that was designed in volts.
 UNCONVERTED = (
     "with the same numbers in the simulator's percent, at "

@@ -15,7 +15,6 @@ from itertools import product
 
 import numpy as np
 
-from clepsydra.papers.comparison import compared, undecided
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.closed_loop import BAND, SEEDS, TARGET, Kind, Runs, runs
@@ -39,7 +38,8 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     SetUp,
     Units,
 )
-from clepsydra.papers.printed import Printed, PrintedNumber
+from clepsydra.papers.printed import Printed
+from clepsydra.papers.printed_number import PrintedNumber
 from clepsydra.papers.row import Row, Rows
 
 #: The report shows one run, so that what noise does to nearly all runs is left open.
@@ -225,8 +225,7 @@ def _row(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...], line: Pr
         f"empty tanks, {USUAL}, pours of 6.25 cm, with {OF_THE_COURSE}. "
         f"{_HOW[score]}, median of {SEEDS} runs{of_both}."
     )
-    row = compared(
-        line,
+    row = line.compared(
         usual.value,
         tolerance=reach / usual.value if always and usual.value else 0.0,
         why=f"{words} The middle {_NEARLY_ALL} of them are {usual.low:.3g} to "
@@ -235,7 +234,7 @@ def _row(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...], line: Pr
         unprinted=words,
     )
     within = _within(spreads, line.number)
-    return undecided(row, within) if within else row
+    return row.undecided(within) if within else row
 
 
 def _within(spreads: dict[Reading, list[_Spread]], number: PrintedNumber) -> str:

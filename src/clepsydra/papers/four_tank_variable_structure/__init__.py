@@ -1,7 +1,7 @@
 """Four tanks with input constraint under variable-structure PID, Wang and Han 2018."""
 
 from clepsydra.papers.document import Document
-from clepsydra.papers.printed import printed_table
+from clepsydra.papers.printed_table import printed_table
 
 DOCUMENT = Document(
     __name__,

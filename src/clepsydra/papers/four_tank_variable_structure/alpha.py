@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clepsydra.papers.comparison import remark
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.rig import (
@@ -25,14 +24,14 @@ LIMIT = 10.0
 _DERIVATIVE = 0.125
 
 
-def run() -> Findings:
+def run() -> Found:
     """Fill the tanks with many an α."""
     lanes = {f"controller.level_{j}.saturation_rate": RATES for j in (1, 2)}
     volts = fill(in_volts("variable_structure"), LIMIT, parameters=lanes)
     nu = fill(in_nu("variable_structure"), LIMIT, parameters=lanes)
     differentiated = [Setting(derivative=_DERIVATIVE)] * len(RATES)
     damped = filled_with("variable_structure", differentiated, LIMIT, RATES)
-    return Findings((_adjusts(volts, nu, damped),), (_figure(volts, nu),))
+    return (_adjusts(volts, nu, damped), _figure(volts, nu))
 
 
 def _adjusts(volts: Filling, nu: Filling, damped: Filling) -> Row:
@@ -43,8 +42,7 @@ def _adjusts(volts: Filling, nu: Filling, damped: Filling) -> Row:
         f"(α = {RATES[int(np.argmax(each))]:.2g})"
         for each in settled
     ]
-    return remark(
-        PRINTED["section 4, feature (2)", "settling time of h1 over α"],
+    return PRINTED["section 4, feature (2)", "settling time of h1 over α"].remark(
         f"without decoupling {ranges[0]}; after decoupling, α in ν {ranges[1]}, and with "
         f"derivative action, Td = Ti/{1 / _DERIVATIVE:g}, {ranges[2]}",
         reason="Shortest and longest to 2 %, α from 0.001 to 10 1/s. As more than twice it holds "

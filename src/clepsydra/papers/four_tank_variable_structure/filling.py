@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clepsydra.papers.comparison import claimed, compared, remark, undecided
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.decoupled import (
@@ -46,10 +45,10 @@ _WAYS = (CONVENTIONAL, "variable_structure")
 _LANE = at_limit(USUAL.limit)
 
 
-def run() -> Findings:
+def run() -> Found:
     """Fill the tanks with both controllers, after decoupling and without."""
     rows = [*_overshoots(), speed(), _saturation(), _without_saturation(), _energy(), _overflow()]
-    return Findings(tuple(rows), _figures())
+    return (*rows, *_figures())
 
 
 def _overshoots() -> Rows:
@@ -63,12 +62,11 @@ def _overshoots() -> Rows:
     )
     why = f"The farther of h1 and h2; “around” is taken as 10 %. {READING}"
     conventional, other = (
-        compared(line, found, tolerance=0.1, why=why) for found in (farther, agreeing)
+        line.compared(found, tolerance=0.1, why=why) for found in (farther, agreeing)
     )
     hangs_on = "It agrees with sensors of 1 V/cm and pumps to 20 V, and not as computed here."
-    yield (undecided(conventional, hangs_on) if other.verdict == "reproduced" else conventional)
-    yield remark(
-        PRINTED[PLACE, "overshoot, variable-structure PID"],
+    yield (conventional.undecided(hangs_on) if other.verdict == "reproduced" else conventional)
+    yield PRINTED[PLACE, "overshoot, variable-structure PID"].remark(
         f"{both(new, 'overshoot', lane=_LANE)} with α on ν, "
         f"{both(in_volts, 'overshoot', lane=_LANE)} with α in volts",
         reason="h1 and h2. Neither what almost none is nor whether α acts on ν or in volts is "
@@ -89,8 +87,7 @@ def _saturation() -> Row:
         for pump in (1, 2)
     ]
     old, new = (decoupled(way) for way in _WAYS)
-    return claimed(
-        PRINTED[PLACE, "time of the pumps at a limit"],
+    return PRINTED[PLACE, "time of the pumps at a limit"].claimed(
         max(shares) < 1.0 and max(undecoupled) < 1.0,
         _pumps(new, old, _LANE),
         reason="The sentence is garbled; read as a shorter time at both limits, as it is too with "
@@ -113,10 +110,8 @@ def _without_saturation() -> Row:
         for controller in (in_nu, in_volts)
         for old, new in [[fill(controller(way), limits=1000.0) for way in _WAYS]]
     ]
-    return claimed(
-        PRINTED["section 4, feature (1)", "behaviour without saturation"],
-        max(apart) == 0.0,
-        f"{max(apart):.1g}",
+    return PRINTED["section 4, feature (1)", "behaviour without saturation"].claimed(
+        max(apart) == 0.0, f"{max(apart):.1g}"
     )
 
 
@@ -125,8 +120,7 @@ def _energy() -> Row:
     squares, volumes = (
         [getattr(run, what)(_LANE) for run in (new, old)] for what in ("electric", "pumped")
     )
-    return remark(
-        PRINTED[PLACE, "energy of a filling"],
+    return PRINTED[PLACE, "energy of a filling"].remark(
         f"{squares[0]:.0f} against {squares[1]:.0f} V² s, "
         f"{volumes[0]:.2f} against {volumes[1]:.2f} l",
         reason="Neither a measure nor what is significant is printed: squared voltage of both "
@@ -136,8 +130,7 @@ def _energy() -> Row:
 
 def _overflow() -> Row:
     old, limited = (fill(each(CONVENTIONAL), target=HIGH) for each in (in_nu, in_volts))
-    return claimed(
-        PRINTED[PLACE, "water over the rims"],
+    return PRINTED[PLACE, "water over the rims"].claimed(
         min(old.spilt(), limited.spilt()) > 0.0,
         f"{old.spilt():.0f}",
         reason=f"Conventional PID, both levels filled to {100 * HIGH[0]:g} cm in tanks 20 cm high, "

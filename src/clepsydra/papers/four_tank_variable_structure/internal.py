@@ -16,7 +16,7 @@ from clepsydra.linear.analysis import Analysis, analyse
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.four_tank_variable_structure.rig import VOLTS_PER_METRE, plant
 
@@ -25,9 +25,9 @@ STEP = 0.005
 BEFORE, DURATION = 30.0, 900.0
 
 
-def run() -> Findings:
+def run() -> Found:
     """Run P+ under (9) regardless of its internal dynamics, for the picture alone."""
-    return Findings((), (_figure(_regardless(STEP), _swapped()),))
+    return (_figure(_regardless(STEP), _swapped()),)
 
 
 @cache

@@ -10,20 +10,11 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from clepsydra.linear.relative_degree import VectorRelativeDegree, relative_degree
-from clepsydra.papers.comparison import (
-    claimed,
-    compared_all,
-    compared_for_each,
-    compared_formula,
-    compared_formulas,
-    entries,
-    remark,
-    stated,
-)
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.rig import at_target
 from clepsydra.papers.four_tank_variable_structure.symbolic import to_sympy
+from clepsydra.papers.printed_table import entries
 from clepsydra.papers.row import Rows
 
 if TYPE_CHECKING:
@@ -98,11 +89,11 @@ def ca_names(symbols: ca.SX) -> list[str]:
     return [symbols[k].name() for k in range(symbols.numel())]
 
 
-def run() -> Findings:
+def run() -> Found:
     """Derive what the document derives, and compare every entry."""
     derived = Derived()
     rows = [*_balances(derived), *_decoupling(derived), *_new_inputs(derived)]
-    return Findings(tuple(rows))
+    return rows
 
 
 def _balances(s: Derived) -> Rows:
@@ -118,10 +109,8 @@ def _balances(s: Derived) -> Rows:
     # u is [v1, v2] in section 3.
     names = {"u1": v1, "u2": v2}
     rates = zip(("dy1/dt, read without its second plus sign", "dy2/dt"), s.rates[:2], strict=True)
-    yield from compared_formulas(PRINTED, "section 2", balances)
-    yield from (
-        compared_formula(PRINTED["section 3", name], rate, names=names) for name, rate in rates
-    )
+    yield from PRINTED.formulas("section 2", balances)
+    yield from (PRINTED["section 3", name].formula(rate, names=names) for name, rate in rates)
 
 
 def _decoupling(s: Derived) -> Rows:
@@ -144,12 +133,10 @@ def _decoupling(s: Derived) -> Rows:
         f"{squared}, L_g L_f h {mixed}."
     )
     input_appears = PRINTED[place, "derivative in which the input appears"]
-    yield from compared_all(PRINTED, place, {"relative degrees r1 = r2": degrees[0]})
-    yield from compared_formulas(PRINTED, place, formulas)
-    yield claimed(PRINTED[place, "determinant of E"], bool(regular), str(determinant))
-    yield stated(
-        input_appears, "y^(r) = L_f^r h + L_g L_f^(r−1) h u", bool(squared == mixed), words
-    )
+    yield from PRINTED.compared(place, {"relative degrees r1 = r2": degrees[0]})
+    yield from PRINTED.formulas(place, formulas)
+    yield PRINTED[place, "determinant of E"].claimed(bool(regular), str(determinant))
+    yield input_appears.stated("y^(r) = L_f^r h + L_g L_f^(r−1) h u", bool(squared == mixed), words)
 
 
 def _new_inputs(s: Derived) -> Rows:
@@ -165,10 +152,10 @@ def _new_inputs(s: Derived) -> Rows:
         cases = [
             (simplify(entry), {"nu1": nu[j], "p1": p[j, j], "h1": s.h[j]}) for j, entry in outputs
         ]
-        yield compared_for_each(PRINTED[place, name], cases)
+        yield PRINTED[place, name].formula_in(cases)
     closed = (p * nu - M)[0].subs(s.h[0], symbols("y"))
     K_P, K_I, alpha, excess = symbols("K_P K_I alpha excess", positive=True)
     told = "; ".join(f"{K_I * (-alpha * excess / gain)} with {gain}" for gain in (K_I, K_P))
-    yield from compared_formulas(PRINTED, "(11)", {"M1 as a sum up to n − 1": m0 * s.h[0]})
-    yield from compared_formulas(PRINTED, "(13)", {"dy/dt for r = 1": closed})
-    yield remark(PRINTED["(14)", "rate of the integral part K_I η while it saturates"], told)
+    yield from PRINTED.formulas("(11)", {"M1 as a sum up to n − 1": m0 * s.h[0]})
+    yield from PRINTED.formulas("(13)", {"dy/dt for r = 1": closed})
+    yield PRINTED["(14)", "rate of the integral part K_I η while it saturates"].remark(told)

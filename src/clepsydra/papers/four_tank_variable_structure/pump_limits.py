@@ -10,8 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from clepsydra.papers.comparison import claimed
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.decoupled import (
@@ -47,14 +46,14 @@ _SETTINGS = (
 )
 
 
-def run() -> Findings:
+def run() -> Found:
     """Fill the tanks with every way against windup and every limit."""
     runs = {
         _WITHOUT: {way: fill(in_volts(way), LIMITS) for way in WAYS},
         _AFTER: {way: decoupled(way) for way in WAYS},
     }
     figures = tuple(_figure(reading, found) for reading, found in runs.items())
-    return Findings((_returns(runs),), figures)
+    return (_returns(runs), *figures)
 
 
 def _shares(runs: dict[str, Filling], least: float = SATURATED) -> list[float]:
@@ -63,8 +62,9 @@ def _shares(runs: dict[str, Filling], least: float = SATURATED) -> list[float]:
 
 def _returns(runs: dict[str, dict[str, Filling]]) -> Row:
     shares = {reading: _shares(found) for reading, found in runs.items()}
-    return claimed(
-        PRINTED["section 4, feature (3)", "time of the pumps at a limit, from 4 to 20 V"],
+    return PRINTED[
+        "section 4, feature (3)", "time of the pumps at a limit, from 4 to 20 V"
+    ].claimed(
         all(max(each) < 1.0 for each in shares.values())
         and all(max(_shares(found, _SHORTEST)) <= 1.0 for found in runs.values()),
         "; ".join(

@@ -7,8 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from clepsydra.papers.comparison import remark
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.decoupled import READING
 from clepsydra.papers.four_tank_variable_structure.readings import (
@@ -25,7 +24,7 @@ _SPREAD = 0.2
 _SCORES = {"overshoot": "%", "settling": "s"}
 
 
-def run() -> Findings:
+def run() -> Found:
     """Fill the tanks of every corner of ±20 % with both controllers, decoupled and not."""
     corners = np.array(list(itertools.product((1 - _SPREAD, 1 + _SPREAD), repeat=len(_VARIED))))
     parameters = {
@@ -51,14 +50,13 @@ def run() -> Findings:
         for place in saturating()
         if worst[place]["settling"][0] > worst[place]["settling"][1]
     )
-    row = remark(
-        PRINTED["section 6", "worst overshoot and settling time"],
+    row = PRINTED["section 6", "worst overshoot and settling time"].remark(
         _words(others),
         reason="No measure is printed: worst of 16 corners, pump gains and lower outlets each 20 % "
         "more or less than assumed. As computed here it holds of both; of the settling time it "
         f"fails without decoupling with {slower}. {READING}",
     )
-    return Findings((row,))
+    return (row,)
 
 
 def _worst(run: Filling, what: str, count: int, place: int = 0) -> float:

@@ -11,8 +11,7 @@ import itertools
 import numpy as np
 
 from clepsydra.controllers.virtual_input import VirtualAntiWindup
-from clepsydra.papers.comparison import remark
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.decoupled import (
     LIMITS,
@@ -37,9 +36,9 @@ _WAYS: tuple[VirtualAntiWindup, ...] = ("variable_structure", "none")
 _LANE = at_limit(USUAL.limit)
 
 
-def run() -> Findings:
+def run() -> Found:
     """Fill the tanks with settings other than Johansson's."""
-    return Findings((_derivative(), _settings(), _adjustable()))
+    return (_derivative(), _settings(), _adjustable())
 
 
 def _derivative() -> Row:
@@ -64,8 +63,7 @@ def _derivative() -> Row:
         )
     ]
     unsaturated = " and ".join(f"Ti/{1 / share:g}" for share in idle)
-    return remark(
-        PRINTED["section 5", "overshoot with derivative action"],
+    return PRINTED["section 5", "overshoot with derivative action"].remark(
         ". ".join(words),
         reason="h1 and h2, variable structure against conventional. That there is a derivative "
         "action follows from the name alone; no setting, filter or input of it is printed, and "
@@ -92,8 +90,7 @@ def _settings() -> Row:
         for tank in (1, 2)
     )
     setting, run = nearest[2], nearest[3]
-    return remark(
-        PRINTED["section 5", "overshoot over the settings"],
+    return PRINTED["section 5", "overshoot over the settings"].remark(
         f"{ranges[0]} against {ranges[1]}",
         reason="h1 and h2, variable structure against conventional, K and Ti each half, once and "
         f"twice Johansson's. That paper's settings are not printed here. Nearest to the 12 % that "
@@ -113,8 +110,7 @@ def _adjustable() -> Row:
         f"{both(old, 'overshoot', lane=lane)}"
         for lane, share in enumerate(1.0 - np.array(_WEIGHTS))
     ]
-    return remark(
-        PRINTED["(11)", "overshoot over the share of m_0 in the proportional part"],
+    return PRINTED["(11)", "overshoot over the share of m_0 in the proportional part"].remark(
         ", ".join(told),
         reason="h1 and h2, variable structure against conventional. No m_0 or p is printed, and "
         "the other rows have m_0 = 0 and p = 1. With r = 1 and PI of ν, the level acts through "

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from clepsydra.papers.comparison import remark
 from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.decoupled import READING, at_limit, decoupled
 from clepsydra.papers.four_tank_variable_structure.readings import CONVENTIONAL, USUAL, both
@@ -18,8 +17,7 @@ def speed() -> Row:
         )
         for what, form in (("settling", ".0f"), ("rise", ".1f"))
     )
-    return remark(
-        PRINTED["section 5", "speed of the response"],
+    return PRINTED["section 5", "speed of the response"].remark(
         f"settling {settling} s; rise {rise} s",
         reason="h1 and h2. Which time is meant is not said: it holds of settling to 2 %, and fails "
         f"of the rise from 10 to 90 %. {READING}",

@@ -1,7 +1,7 @@
 """Nagammai and Latha 2016: three coupled tanks."""
 
 from clepsydra.papers.document import Document
-from clepsydra.papers.printed import printed_table
+from clepsydra.papers.printed_table import printed_table
 
 DOCUMENT = Document(
     __name__,

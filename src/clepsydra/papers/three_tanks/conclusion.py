@@ -7,21 +7,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from clepsydra.papers.comparison import claimed, remark
-from clepsydra.papers.document import Findings
-from clepsydra.papers.printed import values
+from clepsydra.papers.document import Found
 from clepsydra.papers.row import Rows
 from clepsydra.papers.three_tanks import PRINTED
-from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
+from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop, from_rest
 from clepsydra.papers.three_tanks.linear_quadratic import quadratic_loop
 from clepsydra.papers.three_tanks.pid_design import DERIVATIVE_GAIN, GAIN, INTEGRAL_GAIN, loop_model
 from clepsydra.papers.three_tanks.printed_model import AREA, printed_model
 from clepsydra.papers.three_tanks.state_feedback import STEP, placed_loop, settling
 
 #: What the design of the FSFB controller desires: overshoot [%] and settling time [s].
-OVERSHOOT, SETTLING = values(PRINTED, "design of the FSFB controller", "overshoot", "settling time")
+OVERSHOOT, SETTLING = PRINTED.numbers("design of the FSFB controller", "overshoot", "settling time")
 #: Flow into tank 3 [m³/s], ours; only ratios of what it does are compared.
 LOAD = 1e-5
+#: What that adds to the rates of the levels [m/s].
+_LOADED = LOAD / AREA * np.eye(3)[2]
 #: Of a response.
 STEPS = 6000
 
@@ -49,13 +49,13 @@ class Response(NamedTuple):
     moved: float
 
 
-def run() -> Findings:
+def run() -> Found:
     """Judge the conclusion's claims."""
     placed = {distance: _of_feedback(placed_loop(distance), 3.0) for distance in (25, 10, 5)}
     calm = {
         weight: _of_feedback(quadratic_loop(weight), 12.0) for weight in ("0.1", "0.01", "0.001")
     }
-    return Findings(tuple(_claims(placed, calm, _of_pid())))
+    return _claims(placed, calm, _of_pid())
 
 
 def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Response) -> Rows:
@@ -66,20 +66,17 @@ def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Respons
         "FSFB with poles -40 and -25 ± j25 on (2) before rounding, without a limit of the feed."
     )
     with_pid = f"{on_model} PID by (3) and the printed Kc, Ki and Kd."
-    yield remark(
-        PRINTED["conclusion", "settling time"],
+    yield PRINTED["conclusion", "settling time"].remark(
         f"{best.settling:.3f} s to within 2 %, {best.settling_closely:.3f} s to within 1 %",
         reason="“At least 0.2 seconds”, read as at most, are desired. Which band is not said: "
         f"it holds to within 2 % and fails to within 1 %. {on_model}",
     )
-    yield claimed(
-        PRINTED["conclusion", "overshoot"],
+    yield PRINTED["conclusion", "overshoot"].claimed(
         best.overshoot < pid.overshoot,
         f"{best.overshoot:.1f} % against {pid.overshoot:.1f} %",
         reason=with_pid,
     )
-    yield claimed(
-        PRINTED["conclusion", "desired specifications"],
+    yield PRINTED["conclusion", "desired specifications"].claimed(
         _keeps(best) == (True, True) and all(_keeps(each) == (False, False) for each in others),
         f"FSFB {best.overshoot:.1f} % in {best.settling:.2f} s; "
         + "; ".join(
@@ -89,17 +86,15 @@ def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Respons
         reason="Less than 3 % and 0.2 s are desired, settling to within 2 %: FSFB keeps both, "
         f"each of the others neither. {with_pid} LQC on (2) before rounding.",
     )
-    yield claimed(
-        PRINTED["conclusion", "settling time, ISE and IAE"],
+    yield PRINTED["conclusion", "settling time, ISE and IAE"].claimed(
         all(one < other for one, other in zip(best[:5], pid[:5], strict=True)),
         f"{best.settling:.2f} against {pid.settling:.0f} s, ISE {best.squared:.2g} against "
         f"{pid.squared:.0f} cm² s, IAE {best.absolute:.2g} against {pid.absolute:.0f} cm s",
         reason=f"Setpoint step of 1 cm; settling to within 2 %, overshoot as above. {with_pid}",
     )
-    yield remark(
-        PRINTED["conclusion", "disturbance"],
+    yield PRINTED["conclusion", "disturbance"].remark(
         f"FSFB {', '.join(f'{each.moved:.2g}' for each in placed.values())}; "
-        + "; ".join(f"{name} {each.moved:.2g}" for name, each in zip(names, others, strict=True)),
+        + "; ".join(f"{name} {each.moved:.2g}" for name, each in zip(names, others, strict=True))
     )
 
 
@@ -110,29 +105,26 @@ def _keeps(response: Response) -> tuple[bool, bool]:
 
 def _of_feedback(loop: FeedbackLoop, end: float) -> Response:
     time = np.linspace(0.0, end, STEPS + 1)
-    level = loop.step(STEP, time)[0][:, 2]
-    return _response(time, level, _moved(loop.closed, end))
+    load = from_rest(loop.closed, _LOADED, time)
+    return _response(time, loop.step(STEP, time)[0][:, 2], load)
 
 
 @cache
 def _of_pid() -> Response:
-    """Return the response with PID control, derivative on the error as printed."""
-    from scipy.signal import StateSpace, step
-
-    loop = loop_model()
-    closed = StateSpace(loop.A - loop.B @ loop.C, loop.B, loop.C, loop.D)
-    time, level = step(closed, T=np.linspace(0.0, 2000.0, 20001))
+    """Return the response of (2) under the PID by (3), of the setpoint step by (3) alone."""
+    loop, time = loop_model(), np.linspace(0.0, 2000.0, 20001)
+    states = from_rest(loop.A - loop.B @ loop.C, STEP * loop.B[:, 0], time)
     # Of (2) with u = -Kp h3 - Ki ∫h3 - Kd dh3/dt; the load enters dh3/dt as well.
     model = printed_model()
     feed = -np.append(GAIN * np.eye(3)[2] + DERIVATIVE_GAIN * model.A[2], INTEGRAL_GAIN)
-    whole = np.zeros((4, 4))
+    whole, entry = np.zeros((4, 4)), np.append(model.B[:, 0], 0.0)
     whole[:3, :3], whole[3, 2] = model.A, 1.0
-    entry = np.append(model.B[:, 0], 0.0)
-    shock = -DERIVATIVE_GAIN / AREA * entry
-    return _response(time, STEP * level, _moved(whole + np.outer(entry, feed), 2000.0, shock))
+    loaded = np.append(_LOADED, 0.0) - DERIVATIVE_GAIN * LOAD / AREA * entry
+    load = from_rest(whole + np.outer(entry, feed), loaded, np.linspace(0.0, 2000.0, STEPS + 1))
+    return _response(time, states @ loop.C[0], load)
 
 
-def _response(time: np.ndarray, level: np.ndarray, moved: float) -> Response:
+def _response(time: np.ndarray, level: np.ndarray, load: np.ndarray) -> Response:
     error = 100.0 * np.abs(STEP - level)
     return Response(
         100.0 * (float(level.max()) / STEP - 1.0),
@@ -140,21 +132,5 @@ def _response(time: np.ndarray, level: np.ndarray, moved: float) -> Response:
         settling(time, level, 0.01),
         float(np.trapezoid(error, time)),
         float(np.trapezoid(error**2, time)),
-        moved,
+        100.0 * float(np.abs(load[:, 2]).max()),
     )
-
-
-def _moved(closed: np.ndarray, end: float, shock: np.ndarray | float = 0.0) -> float:
-    """Return the largest deviation of level 3 after the load [cm]."""
-    from scipy.linalg import expm
-
-    size = len(closed)
-    whole = np.zeros((size + 1, size + 1))
-    whole[:size, :size] = closed
-    whole[:size, size] = LOAD * (np.eye(size)[2] / AREA + shock)
-    move, state = expm(whole * end / STEPS), np.eye(size + 1)[size]
-    largest = 0.0
-    for _ in range(STEPS):
-        state = move @ state
-        largest = max(largest, abs(float(state[2])))
-    return 100.0 * largest

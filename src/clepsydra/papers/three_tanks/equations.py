@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from clepsydra.papers.comparison import claimed, compared_formula, stated
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.row import Row, Rows
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.linear_quadratic import SIZES, WEIGHT, quadratic_loop
@@ -75,18 +74,16 @@ class Symbols:
         return all(expand(each) == 0 for each in difference)
 
 
-def run() -> Findings:
+def run() -> Found:
     """Derive what (5) to (7) rest on, and compare."""
     symbols = Symbols()
-    return Findings(
-        (
-            _two_point_model(symbols),
-            _characteristic(symbols),
-            *_quadratic_cost(symbols),
-            _weights(),
-            _riccati(),
-            _vector_margin(),
-        )
+    return (
+        _two_point_model(symbols),
+        _characteristic(symbols),
+        *_quadratic_cost(symbols),
+        _weights(),
+        _riccati(),
+        _vector_margin(),
     )
 
 
@@ -95,14 +92,14 @@ def _two_point_model(symbols: Symbols) -> Row:
 
     gain, delay, lag = (sympify(PRINTED["two-point method", n].text) for n in ("Kp", "td", "τp"))
     found = gain * exp(-delay * symbols.s) / (lag * symbols.s + 1)
-    return compared_formula(PRINTED["(5)", "G(s)"], found)
+    return PRINTED["(5)", "G(s)"].formula(found)
 
 
 def _characteristic(symbols: Symbols) -> Row:
     closed = symbols.A - symbols.B * symbols.K
     printed = PRINTED["(6)", "left side, whose roots are the closed-loop poles"]
     is_right = symbols.are_equal(printed.text, closed.charpoly(symbols.s).as_expr())
-    return stated(printed, "det(s*I - A + B*K)", is_right)
+    return printed.stated("det(s*I - A + B*K)", is_right)
 
 
 def _quadratic_cost(symbols: Symbols) -> Rows:
@@ -128,17 +125,15 @@ def _quadratic_cost(symbols: Symbols) -> Rows:
         printed = PRINTED[_LQC, name]
         if name.startswith("dV/dt"):
             symbols.names["Q"] = weight
-        yield stated(printed, right, symbols.are_equal(printed.text, derived))
+        yield printed.stated(right, symbols.are_equal(printed.text, derived))
 
 
 def _weights() -> Row:
     Q = np.diag([0.0, 0.0, WEIGHT])
     (idle, *_), directions = np.linalg.eigh(Q)
     level = int(np.argmax(np.abs(directions[:, 0])))
-    return claimed(
-        PRINTED["(7)", "XᵀQX"],
-        bool(idle > 0.0),
-        f"{idle:g} where only h{level + 1} is off its rest",
+    return PRINTED["(7)", "XᵀQX"].claimed(
+        bool(idle > 0.0), f"{idle:g} where only h{level + 1} is off its rest"
     )
 
 
@@ -148,8 +143,7 @@ def _riccati() -> Row:
         definite = [P for P in _solutions(weight) if np.linalg.eigvalsh(P)[0] > 0.0]
         counts.append(len(definite))
         smallest.append(float(np.linalg.eigvalsh(definite[0])[0]) if definite else np.nan)
-    return claimed(
-        PRINTED[_LQC, "P"],
+    return PRINTED[_LQC, "P"].claimed(
         counts == [1] * len(SIZES),
         ", ".join(
             f"R = {weight}: {count} with eigenvalues from {least:.2g}"
@@ -178,14 +172,13 @@ def _solutions(weight: str) -> list[np.ndarray]:
 def _vector_margin() -> Row:
     loops = [*map(placed_loop, DISTANCES), *map(quadratic_loop, SIZES)]
     apart = {
-        loop.label: (loop.vector_gain_margin, loop.sensitivity_at_phase_crossings)
+        loop.label: (loop.vector_gain_margins[0], loop.sensitivity_at_phase_crossings[0])
         for loop in loops
-        if loop.sensitivity_at_phase_crossings
+        if loop.sensitivity_at_phase_crossings[0]
     }
     is_right = all(abs(max(sizes) - peak) < _SAME for peak, sizes in apart.values())
     label, (peak, sizes) = next(reversed(apart.items()))
-    return stated(
-        PRINTED["second equation (6)", "frequency at which 1/|1 + L| is taken"],
+    return PRINTED["second equation (6)", "frequency at which 1/|1 + L| is taken"].stated(
         "that of its maximum",
         is_right,
         "The document takes the vector margin as the distance of the Nyquist plot from -1 and its "

@@ -10,13 +10,26 @@ import numpy as np
 
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.loop_margins import LoopMargins, loop_margins
-from clepsydra.papers.comparison import compared
 from clepsydra.papers.figure import Curve
 from clepsydra.papers.printed import Printed
 from clepsydra.papers.row import Row
 from clepsydra.papers.three_tanks.printed_model import printed_model
 
 _LEVEL_3 = np.array([[0.0, 0.0, 1.0]])
+
+
+def from_rest(A: np.ndarray, entry: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """Return the states [samples, n] of dx/dt = A x + entry from zero, A stable.
+
+    Examples
+    --------
+    >>> from_rest(-np.eye(1), np.ones(1), np.array([0.0, 1.0])).round(3).ravel().tolist()
+    [0.0, 0.632]
+    """
+    poles, modes = np.linalg.eig(A)
+    rest = np.linalg.solve(A, -entry)
+    shares = np.linalg.solve(modes, rest)
+    return rest - ((np.exp(np.outer(time, poles)) * shares) @ modes.T).real
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,45 +66,33 @@ class FeedbackLoop:
         return float(-1.0 / (_LEVEL_3 @ np.linalg.solve(self.closed, self.model.B))[0, 0])
 
     @cached_property
-    def margins(self) -> LoopMargins:
-        """Margins with the loop broken at the feed."""
-        return self._margins(self.model.A, self.gain)
-
-    def _margins(self, A: np.ndarray, gain: np.ndarray) -> LoopMargins:
-        B, states = self.model.B, tuple(self.model.states)
-        return loop_margins(
-            LinearModel(
-                A, B, B[:, :0], gain, np.zeros((1, 1)), states, ("feed",), (), ("demand",)
-            )
-        )  # fmt: skip
-
-    @property
-    def vector_gain_margin(self) -> float:
-        """20 log10 max\\|S\\| at the feed [dB]."""
-        return 20.0 * math.log10(self.margins.sensitivity.peak)
-
-    @cached_property
-    def vector_gain_margins_at_levels(self) -> list[float]:
-        """20 log10 max\\|S\\| with the loop opened at one level, closed at the others [dB]."""
+    def margins(self) -> list[LoopMargins]:
+        """Margins with the loop opened at the feed, and at one level, closed at the others."""
+        B, D, states = self.model.B, np.zeros((1, 1)), tuple(self.model.states)
         return [
-            20.0 * math.log10(self._margins(A, gain).sensitivity.peak)
-            for A, gain in self._opened_at_levels()
+            loop_margins(LinearModel(A, B, B[:, :0], gain, D, states, ("feed",), (), ("demand",)))
+            for A, gain in self._opened()
         ]
 
-    def _opened_at_levels(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Return A with the feedback of the other levels closed, and the gain of one, of each."""
-        alone = [np.where(np.arange(3) == place, self.gain, 0.0) for place in range(3)]
-        return [(self.model.A - self.model.B @ (self.gain - gain), gain) for gain in alone]
+    @property
+    def vector_gain_margins(self) -> list[float]:
+        r"""20 log10 max\|S\| with the loop opened at the feed and at each level [dB]."""
+        return [20.0 * math.log10(each.sensitivity.peak) for each in self.margins]
+
+    def _opened(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Return A with the other feedback closed, and the gain of what is opened, of each."""
+        levels = [np.where(np.arange(3) == place, self.gain, 0.0) for place in range(3)]
+        return [(self.model.A - self.model.B @ (self.gain - k), k) for k in (self.gain, *levels)]
 
     @property
-    def sensitivity_at_phase_crossings(self) -> list[float]:
-        """20 log10 \\|S\\| where the phase of L is -180° at the feed [dB]."""
-        return self._at_phase_crossings(self.model.A)
+    def sensitivity_at_phase_crossings(self) -> list[list[float]]:
+        r"""20 log10 \|S\| where the phase of L is -180°, opened at the feed and levels [dB]."""
+        return [self._at_phase_crossings(A) for A, _ in self._opened()]
 
     @property
-    def sensitivity_at_phase_crossings_of_levels(self) -> list[float]:
-        """The same with the loop opened at one level, closed at the others [dB]."""
-        return [size for A, _ in self._opened_at_levels() for size in self._at_phase_crossings(A)]
+    def largest_crossing(self) -> float:
+        """The largest of them [dB]."""
+        return max(each for sizes in self.sensitivity_at_phase_crossings for each in sizes)
 
     def _at_phase_crossings(self, A: np.ndarray) -> list[float]:
         """With S = O / C, open over closed polynomial, L is real where S is: a quadratic in ω²."""
@@ -111,64 +112,46 @@ class FeedbackLoop:
         The reason says what it is at other places, and by (6), which takes \\|S\\| where the phase
         is -180°.
         """
-        assert math.isinf(self.margins.gain_margin_up or 0.0)
-        level = max(self.vector_gain_margins_at_levels)
-        crossed = max(
-            *self.sensitivity_at_phase_crossings, *self.sensitivity_at_phase_crossings_of_levels
-        )
+        assert math.isinf(self.margins[0].gain_margin_up or 0.0)
+        at_feed, *at_levels = self.vector_gain_margins
         words = (
             "Where the loop is opened is not said. 20 log10 max|S|, the document's S∞, at the "
-            f"feed; at a level it is at most {level:.2f} dB, and where the phase is -180°, as in "
-            f"(6) of the vector gain margin, at most {crossed:.2f} dB."
+            f"feed; at a level it is at most {max(at_levels):.2f} dB, and where the phase is "
+            f"-180°, as in (6) of the vector gain margin, at most {self.largest_crossing:.2f} dB."
         )
-        return compared(printed, self.vector_gain_margin, unprinted=words)
+        return printed.compared(at_feed, unprinted=words)
 
     @property
     def closed_gain_margin(self) -> float:
-        """Gain margin of the closed loop from setpoint to level 3, as of an open one [dB].
-
-        It has no zeros: a₀ / (s³ + a₂ s² + a₁ s + a₀), which turns by 180° at √a₁.
-        """
+        """Gain margin that is read off the magnitude of the closed loop, as in Fig. 11 [dB]."""
         _, second, first, last = np.poly(self.closed).real
         return 20.0 * math.log10((second * first - last) / last)
 
     @property
     def closed_bandwidth(self) -> float:
-        """Frequency to which the closed loop from setpoint to level 3 is above -3 dB [rad/s]."""
-        polynomial = np.poly(self.closed).real
+        """Frequency at which the closed loop has lost 3 dB [rad/s]."""
         frequencies = np.logspace(-1.0, 4.0, 20000)
-        size = np.abs(polynomial[-1] / np.polyval(polynomial, 1j * frequencies))
-        return float(frequencies[size > math.sqrt(0.5)][-1])
+        sizes = np.abs(self.closed_response(frequencies))
+        return float(frequencies[sizes > math.sqrt(0.5)][-1])
 
     def step(self, size: float, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return deviations of the levels [n, 3] and of the feed [n] after a setpoint step."""
-        from scipy.linalg import expm
-
-        grid = time[1] - time[0]
-        whole = np.zeros((4, 4))
-        whole[:3, :3] = self.closed
-        whole[:3, 3] = self.model.B[:, 0] * self.setpoint_gain * size
-        move = expm(whole * grid)
-        state = np.array([0.0, 0.0, 0.0, 1.0])
-        states = np.empty((len(time), 3))
-        for k in range(len(time)):
-            states[k] = state[:3]
-            state = move @ state
-        feed = self.setpoint_gain * size - states @ self.gain[0]
-        return states, feed
+        """Return levels [n, 3] and feed [n] after a setpoint step at the start, from rest."""
+        demand = self.setpoint_gain * size
+        states = from_rest(self.closed, self.model.B[:, 0] * demand, time)
+        return states, demand - states @ self.gain[0]
 
     def closed_response(self, frequencies: np.ndarray) -> np.ndarray:
-        """Return the closed loop from setpoint to level 3 [n]."""
-        points = 1j * frequencies[:, None, None] * np.eye(3) - self.closed
-        level = np.linalg.solve(points, self.model.B)[:, 2, 0]
-        return np.asarray(level * self.setpoint_gain)
+        """Return level 3 by the setpoint at frequencies [rad/s]."""
+        return self.setpoint_gain * self._response(self.closed, _LEVEL_3, frequencies)
+
+    def frequency_response(self, frequencies: np.ndarray) -> np.ndarray:
+        """Return L at frequencies [rad/s], the loop broken at the feed."""
+        return self._response(self.model.A, self.gain, frequencies)
+
+    def _response(self, A: np.ndarray, C: np.ndarray, frequencies: np.ndarray) -> np.ndarray:
+        points = 1j * frequencies[:, None, None] * np.eye(3) - A
+        return np.asarray(C @ np.linalg.solve(points, self.model.B))[:, 0, 0]
 
     def step_without_precompensator(self, time: np.ndarray) -> Curve:
         """Return level 3 over a setpoint step that is fed in as it is."""
         return Curve(self.label, time, self.step(1.0, time)[0][:, 2] / self.setpoint_gain)
-
-    def frequency_response(self, frequencies: np.ndarray) -> np.ndarray:
-        """Return L at the feed, K (jω - A)⁻¹ B [n]."""
-        model = self.model
-        points = 1j * frequencies[:, None, None] * np.eye(3) - model.A
-        return np.asarray(self.gain @ np.linalg.solve(points, model.B))[:, 0, 0]

@@ -6,10 +6,9 @@ import numpy as np
 import pint
 
 from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.papers.comparison import claimed, compared, compared_all, entries, stated
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Curve, Figure, Panel
-from clepsydra.papers.printed import values
+from clepsydra.papers.printed_table import entries
 from clepsydra.papers.row import Rows
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.printed_model import (
@@ -17,6 +16,7 @@ from clepsydra.papers.three_tanks.printed_model import (
     FLOW,
     LEVELS,
     NUMERATOR,
+    companion,
     flows_at,
     linear_model_at,
     printed_model,
@@ -24,10 +24,10 @@ from clepsydra.papers.three_tanks.printed_model import (
 )
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return the rows on the model, and the open-loop response."""
     rows = (*_units(), *_rest(), *_matrices(), *_transfer_function(), *_controllability())
-    return Findings(rows, (_open_loop(),))
+    return (*rows, _open_loop())
 
 
 def _units() -> Rows:
@@ -38,16 +38,14 @@ def _units() -> Rows:
     metres = printed_model().A
     second = linear_model_at(np.array([0.5, 0.0045, 0.4])).A
     third = linear_model_at(np.array([0.5, 0.45, 0.004])).A
-    yield stated(PRINTED["Table 1", "unit of g"], "m/s²", is_speed)
-    yield stated(
-        PRINTED["Table 1", "unit of h2s"],
+    yield PRINTED["Table 1", "unit of g"].stated("m/s²", is_speed)
+    yield PRINTED["Table 1", "unit of h2s"].stated(
         "m",
         _rounds_to("A12", second[0, 1]),
         reason=f"With h2s = 0.45 cm the first rate of (2) is {second[0, 1]:.4f} 1/s, "
         f"with 0.45 m {metres[0, 1]:.4f}, as printed.",
     )
-    yield stated(
-        PRINTED["Table 1", "unit of h3s"],
+    yield PRINTED["Table 1", "unit of h3s"].stated(
         "m",
         _rounds_to("A23", third[1, 2]) and _rounds_to("A33", third[2, 2]),
         reason=f"With h3s = 0.4 cm, h2s in metres, A23 and A33 of (2) are {third[1, 2]:.4f} "
@@ -65,8 +63,7 @@ def _rounds_to(name: str, rate: float) -> bool:
 def _rest() -> Rows:
     flows = 1e6 * flows_at(LEVELS)
     shown = ", ".join(f"{flow:.1f}" for flow in flows)
-    yield compared(
-        PRINTED["Table 1", "q2s at 0.40 m in tank 3"],
+    yield PRINTED["Table 1", "q2s at 0.40 m in tank 3"].compared(
         float(flows[2]),
         unprinted="Flows in series are one flow at rest, but the levels of Table 1, read in "
         f"metres as (2) needs them, and its coefficients make q12, q23 and q2 {shown} cm³/s; "
@@ -78,9 +75,8 @@ def _matrices() -> Rows:
     model = printed_model()
     eigenvalues = np.linalg.eigvals(model.A)
     inputs = {f"B{i + 1}": value for i, value in enumerate(model.B[:, 0])}
-    yield from compared_all(PRINTED, "(2)", entries("A", model.A) | inputs)
-    yield claimed(
-        PRINTED["simulation results", "open loop"],
+    yield from PRINTED.compared("(2)", entries("A", model.A) | inputs)
+    yield PRINTED["simulation results", "open loop"].claimed(
         bool(np.all(eigenvalues < 0.0)),
         ", ".join(f"{value:.4f}" for value in sorted(eigenvalues.real)),
     )
@@ -92,7 +88,7 @@ def _transfer_function() -> Rows:
     # Half a unit of each of the three rates whose sum it is.
     left = 3 * 5e-5
     gain = NUMERATOR / DENOMINATOR[3]
-    rest = np.linalg.solve(_companion(), -np.array([0.0, 0.0, 1.0]))
+    rest = np.linalg.solve(companion(), -np.array([0.0, 0.0, 1.0]))
     evidence = (
         f"with it the static gain to x1, the level of tank 3, is the {gain:.4g} s/m² of (3), and "
         f"with B3 = 1 {rest[0]:.4g}",
@@ -102,19 +98,13 @@ def _transfer_function() -> Rows:
     square = PRINTED["(3)", "coefficient of s²"]
     lower = {"coefficient of s": polynomial[2], "constant coefficient": polynomial[3]}
     # Of the companion form x1 = h3, x2 = dh3/dt, x3 = d²h3/dt² of (3).
-    companion = {f"A3{j + 1}": -polynomial[3 - j] for j in range(3)}
-    yield from compared_all(PRINTED, "(3)", {"numerator": numerator})
-    yield compared(square, float(polynomial[1]), tolerance=left / float(polynomial[1]))
-    yield from compared_all(PRINTED, "(3)", lower)
-    yield from compared_all(PRINTED, "(4)", companion)
-    yield compared(PRINTED["(4)", "B3"], NUMERATOR, right_if=[evidence])
-    yield stated(PRINTED["(4)", "output"], "y = [1 0 0] x", bool(abs(rest[2]) > 1e-9))
-
-
-def _companion() -> np.ndarray:
-    matrix = np.diag([1.0, 1.0], 1)
-    matrix[2] = -DENOMINATOR[:0:-1]
-    return matrix
+    last_row = {f"A3{j + 1}": -polynomial[3 - j] for j in range(3)}
+    yield from PRINTED.compared("(3)", {"numerator": numerator})
+    yield square.compared(float(polynomial[1]), tolerance=left / float(polynomial[1]))
+    yield from PRINTED.compared("(3)", lower)
+    yield from PRINTED.compared("(4)", last_row)
+    yield PRINTED["(4)", "B3"].compared(NUMERATOR, right_if=[evidence])
+    yield PRINTED["(4)", "output"].stated("y = [1 0 0] x", bool(abs(rest[2]) > 1e-9))
 
 
 def _controllability() -> Rows:
@@ -123,7 +113,7 @@ def _controllability() -> Rows:
     as_printed = np.array(
         [[PRINTED["(2)", f"A{i}{j}"].value for j in (1, 2, 3)] for i in (1, 2, 3)]
     )
-    qc11, qc12, qc13, qc22 = values(PRINTED, "controllability", "Qc11", "Qc12", "Qc13", "Qc22")
+    qc11, qc12, qc13, qc22 = PRINTED.numbers("controllability", "Qc11", "Qc12", "Qc13", "Qc22")
     by_print = qc11 * as_printed[:, 0]
     evidence = (
         "its column sums to zero, as tank 1 gives tank 2 what it loses, and has 2.1",
@@ -144,10 +134,10 @@ def _controllability() -> Rows:
     rank = np.linalg.matrix_rank(matrix)
     place = "controllability"
     yield from (
-        compared(PRINTED[place, name], float(value), right_if=proof.get(name, ()))
+        PRINTED[place, name].compared(float(value), right_if=proof.get(name, ()))
         for name, value in entries("Qc", matrix).items()
     )
-    yield claimed(PRINTED[place, "rank"], rank == 3, f"rank {rank}")
+    yield PRINTED[place, "rank"].claimed(rank == 3, f"rank {rank}")
 
 
 def _open_loop() -> Figure:

@@ -6,8 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from clepsydra.papers.comparison import claimed, compared_all, remark
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Curve, Figure, Panel, bode_panels
 from clepsydra.papers.row import Rows
 from clepsydra.papers.three_tanks import PRINTED
@@ -20,9 +19,9 @@ WEIGHT = PRINTED["design of the LQC", "Q33"].value
 SIZES = ("0.1", "0.01", "0.001")
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return the rows on linear-quadratic control, and its pictures."""
-    return Findings((*_table(), *_claims()), (_servo_without(), _servo(), _bode()))
+    return (*_table(), *_claims(), _servo_without(), _servo(), _bode())
 
 
 @cache
@@ -67,7 +66,7 @@ def _table() -> Rows:
             "N": loop.setpoint_gain,
         }  # fmt: skip
         named = {f"{name}, {loop.label}": value for name, value in found.items()}
-        yield from compared_all(PRINTED, "Table 3", named)
+        yield from PRINTED.compared("Table 3", named)
         yield loop.margin_row(PRINTED["Table 3", f"VGM, {loop.label}"])
 
 
@@ -75,31 +74,28 @@ def _claims() -> Rows:
     loops = [quadratic_loop(weight) for weight in SIZES]
     slowest = [max(np.linalg.eigvals(loop.closed).real) for loop in loops]
     placed = [placed_loop(distance) for distance in DISTANCES]
-    fast = {"FSFB, -25 ± j25": _everywhere(placed[0]), "LQC, R = 0.001": _everywhere(loops[-1])}
+    ends = {"FSFB, -25 ± j25": placed[0], "LQC, R = 0.001": loops[-1]}
+    fast = {name: loop.vector_gain_margins for name, loop in ends.items()}
     third = {
-        kind: ", ".join(f"{loop.vector_gain_margins_at_levels[2]:.2f}" for loop in each)
+        kind: ", ".join(f"{loop.vector_gain_margins[3]:.2f}" for loop in each)
         for kind, each in (("LQC", loops), ("FSFB", placed))
     }
     crossed = {
-        kind: max(map(max, (each.sensitivity_at_phase_crossings_of_levels for each in group)))
+        kind: max(each.largest_crossing for each in group)
         for kind, group in (("LQC", loops), ("FSFB", placed))
     }
     efforts = [_effort(loop) for loop in loops]
     shares = [float(weight) * effort for weight, effort in zip(SIZES, efforts, strict=True)]
-    yield claimed(
-        PRINTED["Table 3", "speed"],
-        slowest[0] > slowest[1] > slowest[2],
-        ", ".join(f"{value:.2f} 1/s" for value in slowest),
+    yield PRINTED["Table 3", "speed"].claimed(
+        slowest[0] > slowest[1] > slowest[2], ", ".join(f"{value:.2f} 1/s" for value in slowest)
     )
-    yield remark(
-        PRINTED["design of the LQC", "effort"],
+    yield PRINTED["design of the LQC", "effort"].remark(
         ", ".join(f"{effort:.3g} m⁶/s" for effort in efforts),
         reason="∫(u - u∞)² dt after a setpoint step of 1 cm for R = 0.1, 0.01 and 0.001. Which "
         "measure is meant is not said: of this it fails, of the share of J, R times this, it "
         f"{'holds' if shares[0] > shares[1] > shares[2] else 'fails too'}.",
     )
-    yield claimed(
-        PRINTED["stability analysis", "VGM of both controllers"],
+    yield PRINTED["stability analysis", "VGM of both controllers"].claimed(
         any(min(pair) >= 3.5 and max(pair) <= 9.5 for pair in zip(*fast.values(), strict=True)),
         "; ".join(
             f"{name} {', '.join(f'{each:.2f}' for each in found)} dB"
@@ -110,8 +106,7 @@ def _claims() -> Rows:
         f"margin takes |S|, both are, at most {crossed['FSFB']:.2f} and "
         f"{crossed['LQC']:.2f} dB.",
     )
-    yield remark(
-        PRINTED["simulation results", "magnitude plots"],
+    yield PRINTED["simulation results", "magnitude plots"].remark(
         "; ".join(
             f"{kind} "
             + ", ".join(
@@ -119,17 +114,11 @@ def _claims() -> Rows:
                 for each in group
             )
             for kind, group in (("FSFB", placed), ("LQC", loops))
-        ),
+        )
     )
-    yield remark(
-        PRINTED["abstract", "VGM of LQC and FSFB"],
-        f"level 3: LQC {third['LQC']} dB, FSFB {third['FSFB']} dB",
+    yield PRINTED["abstract", "VGM of LQC and FSFB"].remark(
+        f"level 3: LQC {third['LQC']} dB, FSFB {third['FSFB']} dB"
     )
-
-
-def _everywhere(loop: FeedbackLoop) -> list[float]:
-    """Return 20 log10 max\\|S\\| at the feed and at each level [dB]."""
-    return [loop.vector_gain_margin, *loop.vector_gain_margins_at_levels]
 
 
 def _effort(loop: FeedbackLoop) -> float:

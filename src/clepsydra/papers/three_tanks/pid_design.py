@@ -11,16 +11,15 @@ import numpy as np
 from clepsydra.designs.models.first_order_delay import FirstOrderDelay
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.loop_margins import LoopMargins, loop_margins
-from clepsydra.papers.comparison import claimed, compared
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Figure, bode_panels
-from clepsydra.papers.printed import values
 from clepsydra.papers.row import Rows
 from clepsydra.papers.three_tanks import PRINTED
-from clepsydra.papers.three_tanks.printed_model import DENOMINATOR, NUMERATOR
+from clepsydra.papers.three_tanks.feedback_loop import from_rest
+from clepsydra.papers.three_tanks.printed_model import DENOMINATOR, NUMERATOR, companion
 
 #: The settings that the document goes on with: K_c [m²/s], K_i [m²/s²], K_d [m²].
-GAIN, INTEGRAL_GAIN, DERIVATIVE_GAIN = values(PRINTED, "Ziegler-Nichols", "Kc", "Ki", "Kd")
+GAIN, INTEGRAL_GAIN, DERIVATIVE_GAIN = PRINTED.numbers("Ziegler-Nichols", "Kc", "Ki", "Kd")
 
 
 class Ultimate(NamedTuple):
@@ -30,23 +29,20 @@ class Ultimate(NamedTuple):
     frequency: float
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return the rows on PID control, and its Bode plot."""
-    return Findings((*_two_points(), *_settings(), *_loop()), (_bode(),))
+    return (*_two_points(), *_settings(), *_loop(), _bode())
 
 
 def response(time: float) -> float:
-    """Return the step response of (3) as a share of its final value.
+    """Return the unit step response of (3) over its static gain.
 
     Examples
     --------
     >>> round(response(175.748), 4)
     0.333
     """
-    poles = np.roots(DENOMINATOR)
-    weights = [DENOMINATOR[3] / (p * np.prod([p - q for q in poles if q != p])) for p in poles]
-    moving = sum((w * np.exp(p * time)).real for w, p in zip(weights, poles, strict=True))
-    return float(1.0 + moving)
+    return float(from_rest(companion(), DENOMINATOR[3] * np.eye(3)[2], np.array([time]))[0, 0])
 
 
 def ultimate_of(model: FirstOrderDelay) -> Ultimate:
@@ -74,23 +70,21 @@ def _two_points() -> Rows:
         for share in (0.333, 0.666)
     )
     time_constant = 1.43 * (second - first)
-    yield compared(
-        PRINTED["two-point method", "τp"],
+    yield PRINTED["two-point method", "τp"].compared(
         time_constant,
         unprinted=f"From {first:.1f} and {second:.1f} s, at which the response of (3) passes "
         "33.3 and 66.6 %; the times that were read are not printed.",
     )
-    yield compared(
-        PRINTED["two-point method", "td"],
+    yield PRINTED["two-point method", "td"].compared(
         first - 0.4 * time_constant,
         unprinted=f"From {first:.1f} s, at which the response of (3) passes 33.3 %, and τp as "
         "computed; the times that were read are not printed.",
     )
-    yield compared(PRINTED["two-point method", "Kp"], NUMERATOR / DENOMINATOR[3])
+    yield PRINTED["two-point method", "Kp"].compared(NUMERATOR / DENOMINATOR[3])
 
 
 def _settings() -> Rows:
-    gain, lag, delay = values(PRINTED, "two-point method", "Kp", "τp", "td")
+    gain, lag, delay = PRINTED.numbers("two-point method", "Kp", "τp", "td")
     point = ultimate_of(FirstOrderDelay(gain / lag, lag, delay))
     period = 2.0 * math.pi / point.frequency
     integral, derivative = period / 2.0, period / 8.0
@@ -105,17 +99,15 @@ def _settings() -> Rows:
         and abs(GAIN * derivative - DERIVATIVE_GAIN) < 5e-4
         and abs(GAIN / PRINTED["Ziegler-Nichols", "τi"].value - INTEGRAL_GAIN) > 1e-2,
     )
-    yield compared(PRINTED["Ziegler-Nichols", "Kcu"], point.gain)
-    yield compared(PRINTED["Ziegler-Nichols", "Pu"], period, right_if=[is_frequency])
-    yield compared(
-        PRINTED["Ziegler-Nichols", "Kc"],
-        0.6 * point.gain,
-        why=f"0.6 times the ultimate gain {point.gain:.5f} of (5).",
+    yield PRINTED["Ziegler-Nichols", "Kcu"].compared(point.gain)
+    yield PRINTED["Ziegler-Nichols", "Pu"].compared(period, right_if=[is_frequency])
+    yield PRINTED["Ziegler-Nichols", "Kc"].compared(
+        0.6 * point.gain, why=f"0.6 times the ultimate gain {point.gain:.5f} of (5)."
     )
-    yield compared(PRINTED["Ziegler-Nichols", "τi"], integral, right_if=[gains_need])
-    yield compared(PRINTED["Ziegler-Nichols", "Ki"], GAIN / integral)
-    yield compared(PRINTED["Ziegler-Nichols", "τd"], derivative, right_if=[gains_need])
-    yield compared(PRINTED["Ziegler-Nichols", "Kd"], GAIN * derivative)
+    yield PRINTED["Ziegler-Nichols", "τi"].compared(integral, right_if=[gains_need])
+    yield PRINTED["Ziegler-Nichols", "Ki"].compared(GAIN / integral)
+    yield PRINTED["Ziegler-Nichols", "τd"].compared(derivative, right_if=[gains_need])
+    yield PRINTED["Ziegler-Nichols", "Kd"].compared(GAIN * derivative)
 
 
 @cache
@@ -144,7 +136,7 @@ def _loop() -> Rows:
     # Half a unit of the last digit of Kc, 0.0012, in the one coefficient that it leaves open.
     left = {"denominator s": 5e-5 * NUMERATOR}
     yield from [
-        compared(PRINTED[place, name], value, tolerance=left.get(name, 0.0) / value)
+        PRINTED[place, name].compared(value, tolerance=left.get(name, 0.0) / value)
         for name, value in found.items()
     ]
     margins = pid_margins()
@@ -152,15 +144,14 @@ def _loop() -> Rows:
     peak = 20.0 * math.log10(margins.sensitivity.peak)
     poles = np.roots([1.0, *(PRINTED[place, name].value for name in below)])
     assert math.isinf(margins.gain_margin_up or 0.0)
-    yield claimed(
-        PRINTED[place, "internal stability"],
+    yield PRINTED[place, "internal stability"].claimed(
         bool(poles.real.max() >= 0.0) or not margins.stable,
         f"stable, poles of the printed denominator at most at {poles.real.max():.4f} 1/s",
         reason="Of the loop of (3) and the printed Kc, Ki and Kd. GM is infinite, since the "
         f"phase reaches -180° at no finite frequency, and PM is {phase:.1f}°.",
     )
-    yield compared(PRINTED[place, "VGM"], peak)
-    yield claimed(PRINTED[place, "VGM of the PID"], peak > 9.5, f"{peak:.2f} dB")
+    yield PRINTED[place, "VGM"].compared(peak)
+    yield PRINTED[place, "VGM of the PID"].claimed(peak > 9.5, f"{peak:.2f} dB")
 
 
 def _bode() -> Figure:

@@ -10,19 +10,31 @@ import numpy as np
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.papers.printed import values
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 
-LEVELS = np.array(values(PRINTED, "Table 1", "h1s", "h2s", "h3s"))  # [m]
+LEVELS = np.array(PRINTED.numbers("Table 1", "h1s", "h2s", "h3s"))  # [m]
 FLOW = PRINTED["Table 1", "q2s at 0.40 m in tank 3"].value / 1e6  # [m³/s]
 AREA = PRINTED["Table 1", "A"].value  # [m²]
 #: Of the transfer function (3), and the coefficient of s³ is 1.
-NUMERATOR, *_BELOW = values(
-    PRINTED, "(3)", "numerator", "coefficient of s²", "coefficient of s", "constant coefficient"
+NUMERATOR, *_BELOW = PRINTED.numbers(
+    "(3)", "numerator", "coefficient of s²", "coefficient of s", "constant coefficient"
 )
 DENOMINATOR = np.array([1.0, *_BELOW])
+
+
+def companion() -> np.ndarray:
+    """Return A [3, 3] of (4) from the denominator of (3).
+
+    Examples
+    --------
+    >>> float(companion()[0, 1])
+    1.0
+    """
+    matrix = np.diag([1.0, 1.0], 1)
+    matrix[2] = -DENOMINATOR[:0:-1]
+    return matrix
 
 
 @cache

@@ -22,7 +22,7 @@ from clepsydra.linear.linearise import linearise
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario, Segment
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
 from clepsydra.papers.three_tanks.linear_quadratic import quadratic_loop
@@ -37,9 +37,9 @@ _LOAD_AT, _END = 1500.0, 3000.0  # [s]
 _FAST, _USUAL = 0.01, 1.0  # [s]
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return the pictures."""
-    return Findings((), (_pid(), _all()))
+    return (_pid(), _all())
 
 
 @cache

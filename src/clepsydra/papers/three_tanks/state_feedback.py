@@ -8,9 +8,9 @@ from functools import cache
 
 import numpy as np
 
-from clepsydra.papers.comparison import claimed, compared, compared_all, entries
-from clepsydra.papers.document import Findings
+from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Curve, Figure, Panel, bode_panels
+from clepsydra.papers.printed_table import entries
 from clepsydra.papers.row import Rows
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
@@ -22,10 +22,10 @@ _THIRD = PRINTED["design of the FSFB controller", "third pole"].value  # [1/s]
 STEP = 0.01  # ours [m]; the document's is not printed
 
 
-def run() -> Findings:
+def run() -> Found:
     """Return the rows on state feedback, and its pictures."""
     figures = (_servo_without(), _servo(), _magnitudes(), _nyquist())
-    return Findings((*_table(), *_closed_loop(), *_claims()), figures)
+    return (*_table(), *_closed_loop(), *_claims(), *figures)
 
 
 @cache
@@ -58,7 +58,7 @@ def _table() -> Rows:
         exact, used = placed_loop(distance), placed_loop(distance, rounded=True)
         values = [*used.gain[0].tolist(), used.setpoint_gain]
         names = [f"{name}, -{distance} ± j{distance}" for name in ("K1", "K2", "K3", "N")]
-        yield from compared_all(PRINTED, "Table 2", dict(zip(names, values, strict=True)))
+        yield from PRINTED.compared("Table 2", dict(zip(names, values, strict=True)))
         yield exact.margin_row(PRINTED["Table 2", f"VGM, {exact.label}"])
 
 
@@ -67,8 +67,8 @@ def _closed_loop() -> Rows:
     in_qc = PRINTED["controllability", "Qc11"].number
     same = abs(gain - in_qc.value) < in_qc.half_unit + 1e-9
     evidence = ("1/A, as in Qc, and cut to 64.93 in (2)", same)
-    yield from compared_all(PRINTED, place, entries("A", placed_loop(25, rounded=True).closed))
-    yield compared(PRINTED[place, "B1"], gain, right_if=[evidence])
+    yield from PRINTED.compared(place, entries("A", placed_loop(25, rounded=True).closed))
+    yield PRINTED[place, "B1"].compared(gain, right_if=[evidence])
 
 
 def settling(time: np.ndarray, level: np.ndarray, band: float = 0.02) -> float:
@@ -81,16 +81,12 @@ def _claims() -> Rows:
     time = np.linspace(0.0, 3.0, 30001)
     loops = [placed_loop(distance) for distance in DISTANCES]
     settled = [settling(time, loop.step(STEP, time)[0][:, 2]) for loop in loops]
-    nearest = min(1.0 / loop.margins.sensitivity.peak for loop in loops)
-    yield claimed(
-        PRINTED["Table 2", "speed"],
-        settled[0] < settled[1] < settled[2],
-        ", ".join(f"{each:.2f} s" for each in settled),
+    nearest = min(1.0 / loop.margins[0].sensitivity.peak for loop in loops)
+    yield PRINTED["Table 2", "speed"].claimed(
+        settled[0] < settled[1] < settled[2], ", ".join(f"{each:.2f} s" for each in settled)
     )
-    yield claimed(
-        PRINTED["simulation results", "Nyquist plot"],
-        all(loop.margins.stable for loop in loops),
-        f"nearest distance to -1: {nearest:.3f}",
+    yield PRINTED["simulation results", "Nyquist plot"].claimed(
+        all(loop.margins[0].stable for loop in loops), f"nearest distance to -1: {nearest:.3f}"
     )
 
 

@@ -22,10 +22,10 @@ _SATURATED = 0.05
 _MOSTLY = 0.5
 
 
-def resting_saturation_words(
+def resting_saturation_warnings(
     controller: Controller, point: OperatingPoint, rests: list[Rest]
 ) -> list[str]:
-    """Return in sentences which manipulated variables have no room, before simulating.
+    """Return warnings of manipulated variables without room, foreseen before simulating.
 
     One that rests within 2 % of a limit at the operating point; and one that would have to rest
     beyond a limit, by the linear model, to hold a setpoint or a load of the scenario.
@@ -39,7 +39,7 @@ def resting_saturation_words(
 
     Examples
     --------
-    See `clepsydra.studies.warnings.before.caveats_before`.
+    See `clepsydra.studies.warnings.before.warnings_before`.
     """
     process, at, words = point.process, point.as_dict(), []
     for name in controller.manipulated:
