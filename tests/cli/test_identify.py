@@ -68,11 +68,11 @@ def test_two_columns_need_no_option(identified, tank):
 
 
 def test_json_is_what_the_function_returns(identified, tank):
-    status, output, _ = identified("tank.csv", "--json")
+    status, output, _ = identified("tank.csv", "--json", "-o", "here")
     assert status == 0
     found = json.loads(output)
     expected = json.loads(json.dumps(cl.identify("tank.csv").as_dict()))
-    assert found.pop("page") == "tank-identification.html"
+    assert found.pop("page") == "here/tank-identification.html"
     assert {k: v for k, v in found.items() if k != "models"} == {
         k: v for k, v in expected.items() if k != "models"
     }

@@ -52,7 +52,7 @@ def test_json_is_what_the_function_returns(simulated, tmp_path):
     status, output, _ = simulated(
         "quadruple-tank", "--json", "--input", "pump_1=3.5V@60s",
         "--input", "pump_1=4V@1.5min..2min",
-        "--duration", "5 min", "--state", "tank_1.level=5cm", "--format", "csv",
+        "--duration", "5 min", "--state", "tank_1.level=5cm", "--format", "csv", "-o", "here",
     )  # fmt: skip
     assert status == 0
     found = json.loads(output)
@@ -72,7 +72,9 @@ def test_json_is_what_the_function_returns(simulated, tmp_path):
     assert found["changes"][1] == {
         "signal": "pump_1", "value": 4.0, "unit": "V", "start": 90.0, "stop": 120.0,
     }  # fmt: skip
-    assert names(tmp_path) == ["quadruple-tank-simulation.csv", "quadruple-tank-simulation.html"]
+    written = names(tmp_path / "here")
+    assert written == ["quadruple-tank-simulation.csv", "quadruple-tank-simulation.html"]
+    assert found["trajectories"] == "here/quadruple-tank-simulation.csv"
 
 
 @pytest.mark.thorough

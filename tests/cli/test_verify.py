@@ -89,7 +89,7 @@ def test_c_that_differs_ends_in_status_1(command, proved, tmp_path, monkeypatch)
         (tmp_path / name).write_text(ERRING.format(python=sys.executable, compiler=need_compiler()))
         (tmp_path / name).chmod(0o755)
     monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
-    status, out, _ = command("verify", "one.toml", "--json")
+    status, out, _ = command("verify", "one.toml", "--json", "-o", ".")
     document = json.loads(out)
     assert status == 1 and not document["holds"]
     differing = {row["target"] for row in document["rows"] if row["verdict"] == "differs"}

@@ -213,3 +213,35 @@ def test_loops_read_stretches_of_named_tables():
     single = InterpretedText(program, "single").run(inputs)[:, 0]
     assert np.ptp(single - expected) > 0.0
     np.testing.assert_allclose(single, expected, rtol=1e-5, atol=1e-5)
+
+
+@pytest.mark.parametrize("changed", [None, 7])
+def test_numbers_are_computed_only_where_every_bit_is_theirs(changed):
+    """Points at equal distances and a degree on lines over them, and both off by one bit."""
+    need_grammar()
+    points = np.linspace(-1.0, 3.0, 21)
+    degrees = np.maximum(0.0, np.minimum(0.5 * (points + 1.0), 0.8 * (2.0 - points)))
+    if changed:
+        points[changed], degrees[changed] = np.nextafter((points[changed], degrees[changed]), 9.0)
+    tables = (
+        Table("point", tuple(points.tolist())),
+        Table("degree", tuple(degrees.tolist()), 0, "", "point", ((0.5, -1.0), (-0.8, 2.0))),
+    )
+
+    def weighed(s):
+        row, total, u = ca.SX.sym("row", 2), ca.SX.sym("total"), ca.SX.sym("u")
+        turn = ca.Function("turn", [row, total, u], [total + row[0] * ca.fmin(row[1], u)])
+        numbers = [table.values for table in tables]
+        found = counted_loop("sum", 21, turn, carried=ca.SX(0), tables=numbers, invariants=s["u"])
+        return Equations({}, {"y": found})
+
+    block = Block("weigh", (Signal("u"),), (), (Signal("y"),), weighed, tables=tables)
+    ports = {"inputs": block.inputs, "outputs": block.outputs, "parameters": (), "state": ()}
+    law = step_law("law", **ports, equations=lambda s: block("scale", s, {}))
+    program, inputs = structured_program_of(law), {"u": scans()["u"]}
+    text = print_structured_text(program)
+    assert ("point := 0.2 * DINT_TO_LREAL(i) - 1.0;" in text) is (changed is None)
+    assert ("0.5 * (point + 1.0)" in text) is (changed is None)
+    assert text.count("ARRAY[0..20]") == (2 if changed else 0)
+    expected = Kernel(program_of(law)).run(SCANS, inputs=inputs).output("y")[0]
+    np.testing.assert_array_equal(InterpretedText(program).run(inputs)[:, 0], expected)

@@ -383,10 +383,12 @@ def test_a_pump_points_where_it_delivers():
     drawing = process_drawing(process, None)
     bodies = route(flow_graph(process), {}).placement.bodies
     assert bodies["standby"].y > bodies["well"].y
-    path = re.search(r"<title>pump standby</title><circle[^>]*/><path d=\"M([^Z]*)Z", drawing)
+    # A pump is drawn as it delivers upward, and turned half round.
+    turned = r'rotate\(180\)"><title>pump standby</title><circle[^>]*/><path d="M([^Z]*)Z'
+    path = re.search(turned, drawing)
     corners = [tuple(float(n) for n in pair.split()) for pair in path.group(1).split("L")]
     (_, left), (_, tip), (_, right) = corners
-    assert left == right < tip
+    assert left == right > tip
 
 
 @dataclass(frozen=True)
@@ -467,7 +469,9 @@ def test_a_flow_from_outside_is_hollow_while_nothing_flows():
     process = load_process("eight-tanks")  # the feed runs, the load inflow_1 rests
     drawing = process_drawing(process, find_equilibrium(process))
     fills = {
-        name: re.search(rf'<g><title>[^<]*{name}\b[^<]*</title><[^>]*fill="([^"]*)"', drawing)[1]
+        name: re.search(
+            rf'<g tr[^>]*><title>[^<]*{name}\b[^<]*</title><[^>]*fill="([^"]*)"', drawing
+        )[1]
         for name in ("feed", "inflow_1")
     }
     assert fills == {"feed": PIPE, "inflow_1": PAPER}

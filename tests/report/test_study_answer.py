@@ -113,6 +113,21 @@ def test_what_to_watch_is_short_and_the_rest_is_counted(result):
     assert told[0] in " ".join(screen(replace(result, ranking=(first,)), 100, why=True))
 
 
+def test_a_scenario_without_a_load_is_told_once_for_all_controllers():
+    plant = cl.load("three-tanks")
+    controllers = [cl.design.simc(plant), cl.design.amigo(plant)]
+    step = [cl.step("level_3", "2 cm", at="1 min")]
+    found = cl.study(plant, controllers, step, duration="20 min")
+    said = " ".join(screen(found, 100))
+    assert "In every run: no load changes in the scenario, so that nothing says how well" in said
+    said = " ".join(screen(found, 100, why=True))
+    assert said.count("Every controller: No load changes in the scenario") == 1
+    assert all(each.warnings == () for each in found.ranking)
+    with_load = [*step, cl.step("inflow_3", "10 cm^3/s", at="10 min")]
+    (other, _) = cl.study(plant, controllers, with_load, duration="20 min").ranking
+    assert other.caveats == ()
+
+
 def test_the_ranking_is_cut_at_five_and_shown_whole_on_request(result):
     several = tuple(replace(result.ranking[0], rank=rank) for rank in range(1, 9))
     many = replace(result, ranking=several)

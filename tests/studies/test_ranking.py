@@ -15,7 +15,7 @@ import clepsydra as cl
 from clepsydra.loop.motion_block import recorded_signals
 from clepsydra.process.process import Process
 from clepsydra.studies.ranking import RULE, Standing, Trial, rank, verdict
-from clepsydra.studies.warnings.after import run_warnings
+from clepsydra.studies.warnings.after import caveats_after, run_warnings
 from clepsydra.studies.warnings.harm import harms
 
 SAMPLES = 100
@@ -484,7 +484,7 @@ def test_what_is_unusual_is_said_with_its_number(resting, name, value, harmed, w
 
 
 def test_a_coarse_integration_is_said(resting):
-    (warning,) = run_warnings(replace(resting, error_estimate=3.2e-5))
-    assert "0.0032 % of its range, more than the 0.0001 % aimed at" in warning
-    assert "empty" not in warning  # the reason is not known
-    assert run_warnings(replace(resting, error_estimate=0.9e-6)) == ()
+    (caveat,) = caveats_after(replace(resting, error_estimate=3.2e-5))
+    assert "0.0032 % of its range, more than the 0.0001 % aimed at" in caveat.words
+    assert "empty" not in caveat.words  # the reason is not known
+    assert caveats_after(replace(resting, error_estimate=0.9e-6)) == ()

@@ -162,7 +162,7 @@ def test_every_run_met_its_error_estimate_or_says_so(result):
     for candidate in result.ranking:
         name, estimate = candidate.controller.name, candidate.run.error_estimate
         assert estimate is not None, name
-        assert estimate <= 1e-6 or any("Halving" in warning for warning in candidate.warnings), name
+        assert estimate <= 1e-6 or any(each.about == "accuracy" for each in candidate.caveats), name
 
 
 @pytest.mark.thorough
@@ -358,12 +358,14 @@ def test_an_interrupted_tuning_is_told_and_goes_on(tmp_path):
             raise KeyboardInterrupt
 
     (cut,) = cl.study(file, progress=interrupt, folder=tmp_path).ranking
-    assert cut.tuning.interrupted and "interrupted after" in cut.warnings[0]
+    assert cut.tuning.interrupted and "interrupted after" in cut.caveats[0].words
     (kept,) = tmp_path.glob("*.tuning.json")
     (ended,) = cl.study(file, folder=tmp_path).ranking
     assert not kept.exists()
     (whole,) = cl.study(file).ranking
-    assert not whole.tuning.interrupted and not any("interrupted" in w for w in whole.warnings)
+    assert not whole.tuning.interrupted and not any(
+        each.about == "tuning" for each in whole.caveats
+    )
     assert ended.controller.values == whole.controller.values
     assert ended.tuning.objective == whole.tuning.objective <= cut.tuning.objective
 

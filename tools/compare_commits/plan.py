@@ -21,7 +21,7 @@ VERBS = (
 )  # fmt: skip
 #: The process of what is run for one process only, and a controller of its study.
 _ONE, _CONTROLLER = "quadruple-tank", "PI, SIMC"
-#: A study writes its report and its trajectories here, as `--json` alone does not.
+#: Pages, trajectories and proofs are written here, as by `--json` alone they are not.
 _WRITTEN = ("--json", "--output", ".")
 #: Of its steps: enough to identify a model of one loop.
 _RECORD = ("pump_1=3.3V@60s", "pump_1=2.8V@300s", "pump_1=3.1V@500s", "pump_2=3.2V@200s")
@@ -72,11 +72,11 @@ class Command:
 def first_commands() -> list[Command]:
     """Return what can be run before anything is known of the commit."""
     record = [word for step in _RECORD for word in ("--input", step)]
-    simulate = ("simulate", _ONE, *record, "--duration", "20 min", "--format", "csv", "--json")
+    simulate = ("simulate", _ONE, *record, "--duration", "20 min", "--format", "csv", *_WRITTEN)
     data = f"{_ONE}-simulation.csv"
     loop = ("--manipulated", "pump_1", "--measured", "level_1")
     fit = ("--process", _ONE, "--parameters", "outlet_1.area,pump_1.gain", "--write", "fit.toml")
-    proof = ("verify", _ONE, "--controller", _CONTROLLER, "--json")
+    proof = ("verify", _ONE, "--controller", _CONTROLLER, *_WRITTEN)
     study = (("new", "mine", "--study"), ("study", "mine.toml", *_WRITTEN))
     return [
         Command("processes", "", "", (("processes", "--json"),), 9),
@@ -84,8 +84,8 @@ def first_commands() -> list[Command]:
         Command("verify", _ONE, _CONTROLLER, (proof,), 7),
         Command("study of a file", _ONE, "", study, 6),
         Command("new", "", "", (("new", "mine"), ("analyse", "mine.toml", "--json"))),
-        Command("identify", _ONE, "model", (simulate, ("identify", data, *loop, "--json"))),
-        Command("identify", _ONE, "parameters", (simulate, ("identify", data, *fit, "--json"))),
+        Command("identify", _ONE, "model", (simulate, ("identify", data, *loop, *_WRITTEN))),
+        Command("identify", _ONE, "parameters", (simulate, ("identify", data, *fit, *_WRITTEN))),
         Command("help", "", "", (("--help",),)),
         *(Command("help", verb, "", ((verb, "--help"),)) for verb in VERBS),
     ]
@@ -143,10 +143,10 @@ def _simulations(subject: str, document: dict[str, Any]) -> list[Command]:
         value = float(f"{point.get(name, 0.0) * _STEP:.3g}")
         unit = units.get(name, "1").removeprefix("1")
         steps += ["--input", f"{name}={value!r} {unit}@{number * _BETWEEN}s"]
-    stepped = ("simulate", subject, *steps, "--json")
+    stepped = ("simulate", subject, *steps, *_WRITTEN)
     if ":" in subject:
         return [Command("simulate", subject, "steps", ((*stepped, "--duration", _SHORT),))]
-    empty = ("simulate", subject, "--start", "empty", "--format", "csv", "--json")
+    empty = ("simulate", subject, "--start", "empty", "--format", "csv", *_WRITTEN)
     solved = Command("simulate", subject, "by CVODES", ((*stepped, "--solver", "reference"),))
     return [
         Command("simulate", subject, "steps", (stepped,)),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import PurePath
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,8 @@ import numpy as np
 def json_values(value: Any) -> Any:
     """Return a result as dictionaries, lists and numbers.
 
-    A complex number is {"re": …, "im": …}, a named tuple a dictionary. JSON knows neither
-    infinity nor not-a-number: such numbers are None.
+    A complex number is {"re": …, "im": …}, a named tuple a dictionary, a path text. JSON
+    knows neither infinity nor not-a-number: such numbers are None.
 
     Examples
     --------
@@ -21,6 +22,8 @@ def json_values(value: Any) -> Any:
     """
     if isinstance(value, np.ndarray):
         return json_values(value.tolist())
+    if isinstance(value, PurePath):
+        return str(value)
     if hasattr(value, "_asdict"):
         value = value._asdict()
     if isinstance(value, dict):

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from clepsydra.cli.options import JsonOption
+from clepsydra.cli.options import JsonOption, OutputOption
 from clepsydra.cli.verb import verb
 
 
@@ -47,19 +47,17 @@ def identify(
     ] = None,
     every: Annotated[bool, typer.Option("--all", help="Show every parameter and remark.")] = False,
     as_json: JsonOption = False,
-    folder: Annotated[
-        Path, typer.Option("--output", "-o", metavar="FOLDER", help="Where the page is written.")
-    ] = Path(),
+    folder: OutputOption = None,
 ) -> None:
     """Identify a model from a record: ARX, FOPDT, SOPDT, IPDT, or parameters of a process."""
     from clepsydra.base.errors import InputError
-    from clepsydra.cli.output import make_folder, named_options, output_file, print_json, show
+    from clepsydra.cli.output import make_folder, named_options, print_json, show, written_files
     from clepsydra.interface.identify import FittedPlant, Identification
     from clepsydra.interface.identify import identify as identify_model
     from clepsydra.interface.plant import load
 
     make_folder(folder)
-    page = output_file(folder / f"{data.stem}-identification.html")
+    files = written_files(folder, f"{data.stem}-identification", as_json, page="html")
     for option, given in (("--parameters", parameters), ("--write", write)):
         if given is not None and process is None:
             raise InputError(
@@ -80,14 +78,14 @@ def identify(
         else:
             names = [name.strip() for name in (parameters or "").split(",") if name.strip()]
             found = identify_model(data, plant=load(process), parameters=names)
-    found.report(page)
-    written = {"page": str(page)}
+    for page in files.values():
+        found.report(page)
     if write is not None and isinstance(found, FittedPlant):
         found.write(write)
-        written["process file"] = str(write)
+        files["process file"] = write
     if as_json:
-        print_json({**found.as_dict(), **written})
+        print_json({**found.as_dict(), **files})
         return
     show(found.shown(every=every))
-    for what, where in written.items():
+    for what, where in files.items():
         typer.echo(f"{what.capitalize()}: {where}")

@@ -13,8 +13,10 @@ from typing import Any
 from clepsydra.base.errors import InputError, reason_of
 
 
-def make_folder(folder: Path) -> None:
+def make_folder(folder: Path | None) -> None:
     """Make the folder that results go to where it is missing, before any work is done."""
+    if folder is None:
+        return
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as error:
@@ -22,6 +24,25 @@ def make_folder(folder: Path) -> None:
             "--output", str(folder), "a folder, or a place for one",
             f"choose another ({reason_of(error)})",
         ) from None  # fmt: skip
+
+
+def written_files(folder: Path | None, stem: str, as_json: bool, **endings: str) -> dict[str, Path]:
+    """Return what is written, to its path: here, or with --json only in a folder that is given.
+
+    Parameters
+    ----------
+    folder : Path or None
+        Of `--output`.
+    stem : str
+        Of all names.
+    as_json : bool
+    **endings : str
+        What it is to the ending of its file.
+    """
+    if folder is None and as_json:
+        return {}
+    here = folder or Path()
+    return {what: output_file(here / f"{stem}.{ending}") for what, ending in endings.items()}
 
 
 def output_file(path: Path) -> Path:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from clepsydra.cli.options import JsonOption
+from clepsydra.cli.options import JsonOption, OutputOption
 from clepsydra.cli.verb import verb
 
 
@@ -21,25 +20,23 @@ def papers(
         bool, typer.Option("--all", help="Show every row that is not as printed.")
     ] = False,
     as_json: JsonOption = False,
-    folder: Annotated[
-        Path,
-        typer.Option("--output", "-o", metavar="FOLDER", help="Where papers.html is written."),
-    ] = Path(),
+    folder: OutputOption = None,
 ) -> None:
     """Run the experiments of five published documents and judge every printed number."""
     import os
 
-    from clepsydra.cli.output import make_folder, output_file, print_json, show
+    from clepsydra.cli.output import make_folder, print_json, show, written_files
     from clepsydra.cli.progress import shown_progress
     from clepsydra.interface.papers import audit
 
     make_folder(folder)
-    page = output_file(folder / "papers.html")
+    files = written_files(folder, "papers", as_json, page="html")
     with shown_progress(quiet=as_json) as tell:
         result = audit(documents or (), workers=os.cpu_count() or 1, progress=tell)
+    for page in files.values():
+        result.report(page)
     if as_json:
         print_json([row.as_dict() for row in result.rows])
         return
     show(result.shown(every=every))
-    result.report(page)
-    typer.echo(f"\nNext: open {page} for the reasons and the redrawn figures.")
+    typer.echo(f"\nNext: open {files['page']} for the reasons and the redrawn figures.")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from clepsydra.cli.options import JsonOption, ProcessArgument
+from clepsydra.cli.options import JsonOption, OutputOption, ProcessArgument
 from clepsydra.cli.verb import verb
 
 if TYPE_CHECKING:
@@ -84,20 +84,17 @@ def simulate(
         bool, typer.Option("--all", help="Show every signal and balance, with times.")
     ] = False,
     as_json: JsonOption = False,
-    folder: Annotated[
-        Path,
-        typer.Option("--output", "-o", metavar="FOLDER", help="Where report and data are written."),
-    ] = Path(),
+    folder: OutputOption = None,
 ) -> None:
     """Simulate a process without a controller; write report and trajectories."""
-    from clepsydra.cli.output import make_folder, named_options, output_file, print_json, show
+    from clepsydra.cli.output import make_folder, named_options, print_json, show, written_files
     from clepsydra.interface.plant import load
     from clepsydra.interface.simulate import simulate as simulated
 
     make_folder(folder)
     plant = load(process)
-    name = f"{plant.file_stem}-simulation"
-    report, data = (output_file(folder / f"{name}.{end}") for end in ("html", data_format.value))
+    stem, named = f"{plant.file_stem}-simulation", {"report": "html", "trajectories": data_format}
+    files = written_files(folder, stem, as_json, **named)
     changes, begins = _changes(plant, inputs or [], profile), _states(state or [])
     with named_options("state", "duration"):
         run = simulated(
@@ -109,14 +106,14 @@ def simulate(
             state=begins,
             solver=solver.value,
         )
-    run.report(report)
-    run.save(data)
-    written = {"report": str(report), "trajectories": str(data)}
+    if files:
+        run.report(files["report"])
+        run.save(files["trajectories"])
     if as_json:
-        print_json({**run.as_dict(), **written})
+        print_json({**run.as_dict(), **files})
         return
     show(run.shown(every=every))
-    for what, where in written.items():
+    for what, where in files.items():
         typer.echo(f"{what.capitalize()}: {where}")
 
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from clepsydra.cli.options import JsonOption
+from clepsydra.cli.options import JsonOption, OutputOption
 from clepsydra.cli.verb import verb
 
 
@@ -22,15 +21,7 @@ def study(
         ),
     ],
     as_json: JsonOption = False,
-    folder: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="FOLDER",
-            help="Where report and data are written: here if left out, with --json nowhere.",
-        ),
-    ] = None,
+    folder: OutputOption = None,
     every: Annotated[
         bool, typer.Option("--all", help="Show the whole ranking, not only its first five.")
     ] = False,
@@ -58,22 +49,18 @@ def study(
     ] = None,
 ) -> None:
     """Design, tune, simulate, score and rank controllers; write report and data."""
-    from clepsydra.cli.output import make_folder, output_file, print_json, show
+    from clepsydra.cli.output import make_folder, print_json, show, written_files
     from clepsydra.cli.progress import shown_progress
     from clepsydra.interface.study import so_far
     from clepsydra.interface.study import study as study_of
     from clepsydra.interface.subject import read_subject
 
-    here = folder or Path()
-    make_folder(here)
+    make_folder(folder)
     request = read_subject(subject, seed)
     named = {"report": "html", "trajectories": "parquet"}
-    files = {
-        what: output_file(here / f"{request.file_stem}.{ending}")
-        for what, ending in ({} if as_json and folder is None else named).items()
-    }
+    files = written_files(folder, request.file_stem, as_json, **named)
     with shown_progress(so_far, quiet=as_json) as tell:
-        result = study_of(request, seed=seed, accept=accept, progress=tell, folder=here)
+        result = study_of(request, seed=seed, accept=accept, progress=tell, folder=folder or ".")
     if not as_json:
         show(result.shown(every=every, why=why, refused=refused))
     if files:
@@ -83,6 +70,6 @@ def study(
         else:
             del files["trajectories"]
     if as_json:
-        print_json({**result.as_dict(), **{what: str(path) for what, path in files.items()}})
+        print_json({**result.as_dict(), **files})
     else:
         typer.echo(f"Written: {files['report']}{' and .parquet' if result.ranking else ''}")

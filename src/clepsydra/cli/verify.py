@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from clepsydra.cli.options import JsonOption
+from clepsydra.cli.options import JsonOption, OutputOption
 from clepsydra.cli.plant_options import (
     FailSafeOption,
     RateLimitOption,
@@ -53,10 +53,7 @@ def verify(
         bool, typer.Option("--all", help="Show every target, with notes and versions.")
     ] = False,
     as_json: JsonOption = False,
-    folder: Annotated[
-        Path,
-        typer.Option("--output", "-o", metavar="FOLDER", help="Where the proof is written."),
-    ] = Path(),
+    folder: OutputOption = None,
 ) -> None:
     """Run every controller as C, Structured Text and FMU, and compare it with the simulation.
 
@@ -75,6 +72,7 @@ def verify(
     from clepsydra.interface.verify import verify as prove
 
     make_folder(folder)
+    here = folder or Path()
     targets = proved_targets(to or None)
     request = read_subject(subject, seed)
     options = shell_options(
@@ -88,9 +86,9 @@ def verify(
     stem = request.file_stem
     if controller is None:
         with shown_progress(ranked, quiet=as_json) as tell:
-            study = study_of(request, seed=seed, progress=tell, folder=folder)
+            study = study_of(request, seed=seed, progress=tell, folder=here)
     else:
-        study = study_of_one(request, controller, seed, folder, quiet=as_json)
+        study = study_of_one(request, controller, seed, here, quiet=as_json)
         stem = f"{stem}-{identifier_of(controller).replace('_', '-')}"
     chosen = [
         each.controller for each in study.ranking if controller in (None, each.controller.name)
@@ -103,7 +101,7 @@ def verify(
             scans=scans,
             seed=1 if seed is None else seed,
             scenario=study.scenario,
-            folder=folder,
+            folder=None if as_json and folder is None else here,
             stem=stem,
             progress=tell,
             **options,

@@ -86,6 +86,11 @@ class Table:
     first : int
         What the first of them is the entry for.
     description : str
+    over : str
+        The table of places for which these are the degrees, if they are.
+    lines : tuple of (float, float)
+        Slope and zero of the lines over the places, of which the smallest, from 0 to 1, is the
+        entry.
 
     Examples
     --------
@@ -100,6 +105,8 @@ class Table:
     values: tuple[float, ...]
     first: int = 0
     description: str = ""
+    over: str = ""
+    lines: tuple[tuple[float, float], ...] = ()
 
     def like(self, other: Table) -> bool:
         """Whether another table has the same entries; by their texts, since zeros have signs."""

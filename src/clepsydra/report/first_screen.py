@@ -122,7 +122,7 @@ def cards(result: StudyResult, first: Candidate, rival: Candidate | None) -> lis
         _how_good(result.process, first, rival),
         _how_sure(result.process, first),
     ]
-    lines = watch_lines(first)
+    lines = watch_lines(result, first)
     return [*found, Section("Watch", lines)] if lines else found
 
 

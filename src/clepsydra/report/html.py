@@ -171,11 +171,12 @@ def _more(result: StudyResult) -> list[Section]:
         Line(_PID_WORDS),
         facts_table("Bits of the status word of an output", bits),
     )
-    how = (facts_table("", _computation(result)), _segments(result))
+    caveats = marked(Mark.WATCH, result.caveats)
+    computed = facts_table("", _computation(result))
     return [
         *found,
         Section("What the numbers mean, and what decides the order", meanings, folded=True),
-        Section("How this was computed", how, folded=True),
+        Section("How this was computed", (computed, *caveats, _segments(result)), folded=True),
     ]
 
 

@@ -13,10 +13,11 @@ from clepsydra.report.facts import told_table
 from clepsydra.report.performance import figures_of, performance_words
 from clepsydra.report.score_tables import ranking_note, reasons, standing_word
 from clepsydra.report.settings_table import added_table, settings_table
+from clepsydra.scores.score import in_sentence
 from clepsydra.studies.ranking_words import TIE, trust_sentence
 from clepsydra.studies.recommendation import Recommendation, recommend
 from clepsydra.studies.result import Candidate, StudyResult
-from clepsydra.studies.watch import watched
+from clepsydra.studies.watch import first_clause, watched
 
 #: Of the answer: rows of the ranking, of settings, and warnings.
 RANKED, _SETTINGS, _WATCHED = 5, 3, 2
@@ -115,7 +116,7 @@ def advised(result: StudyResult, advice: Recommendation) -> list[Line | Table | 
     settings = [found(simplest.controller, process) for found in (settings_table, added_table)]
     tables = [_shortened(table) for table in settings if table is not None]
     parts += [_EMPTY, *tables] if tables else []
-    parts += watch_lines(simplest)
+    parts += watch_lines(result, simplest)
     if best is not simplest:
         parts.append(Line(better_words(advice)))
     return parts
@@ -139,9 +140,14 @@ def better_words(advice: Recommendation) -> str:
     return f"The best, {controller.title}, {saved}{needs}."
 
 
-def watch_lines(candidate: Candidate) -> tuple[Line, ...]:
-    """Return the first of what to watch with a controller, and how much more there is."""
-    said = watched(candidate)
+def watch_lines(result: StudyResult, candidate: Candidate) -> tuple[Line, ...]:
+    """Return the first of what to watch with a controller and its run, and how much more."""
+    said = [*watched(candidate)]
+    for caveat in candidate.caveats:
+        if caveat.seen:
+            shared = [any(c.about == caveat.about for c in each.caveats) for each in result.ranking]
+            where = "In every run" if all(shared) and len(shared) > 1 else "In this run"
+            said.append(f"{where}: {in_sentence(first_clause(caveat.words))}")
     more = len(said) - _WATCHED
     rest = (f"{more} more to watch: --why.",) if more > 0 else ()
     return marked(Mark.WATCH, (*said[:_WATCHED], *rest))
@@ -185,6 +191,7 @@ def _reasons(result: StudyResult) -> list[Line | Table | Section]:
     for each in result.ranking:
         titled = (f"{each.controller.title}: {words}" for words in each.warnings)
         parts += marked(Mark.WATCH, titled)
+    parts += marked(Mark.WATCH, result.caveats)
     return [*parts, _EMPTY, Line(ranking_note(result))]
 
 

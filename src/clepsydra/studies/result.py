@@ -16,6 +16,7 @@ from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
 from clepsydra.studies.tuning.result import TuningResult
+from clepsydra.studies.warnings.caveat import Caveat, told_once
 from clepsydra.studies.warnings.loop_response import LoopResponse
 
 #: The relative error that is good enough beside the best.
@@ -46,6 +47,9 @@ class TriedController:
         Largest singular value of S over frequency, at the process output; not a number for a
         controller without setpoints, which has no linear loop.
     warnings : tuple of str
+        What there is to watch with the controller.
+    caveats : tuple of Caveat
+        What the simulation and the scenario leave open, which no controller is to blame for.
     response : LoopResponse or None
         Sensitivity and margins of its exact sampled loop, where it has one.
     tuning : TuningResult or None
@@ -57,6 +61,7 @@ class TriedController:
     scores: dict[str, float]
     maximum_sensitivity: float
     warnings: tuple[str, ...]
+    caveats: tuple[Caveat, ...] = ()
     response: LoopResponse | None = None
     tuning: TuningResult | None = None
 
@@ -169,6 +174,11 @@ class StudyResult:
         """The linear model from all inputs to the controlled outputs."""
         return self.analysis.model
 
+    @property
+    def caveats(self) -> tuple[str, ...]:
+        """What simulations and scenario leave open, each once, with whom it is true of."""
+        return told_once((each.controller.title, each.caveats) for each in self.ranking)
+
     def as_dict(self) -> dict[str, Any]:
         """Return the study as values for JSON, in SI; an unreached score is infinite."""
         return {
@@ -216,6 +226,7 @@ def _candidate(candidate: Candidate) -> dict[str, Any]:
         "wear": candidate.wear,
         "reason": candidate.reason,
         "warnings": list(candidate.warnings),
+        "caveats": [each.words for each in candidate.caveats],
         "error_estimate": run.error_estimate,
         "substeps": run.substeps,
     }

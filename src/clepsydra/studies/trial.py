@@ -19,8 +19,9 @@ from clepsydra.scores.plant import plant_trajectories
 from clepsydra.scores.scored_run import ScoredRun
 from clepsydra.studies.ranking import Trial
 from clepsydra.studies.tuning.result import TuningResult
-from clepsydra.studies.warnings.after import warnings_after
-from clepsydra.studies.warnings.before import warnings_before
+from clepsydra.studies.warnings.after import caveats_after, warnings_after
+from clepsydra.studies.warnings.before import caveats_before, warnings_before
+from clepsydra.studies.warnings.caveat import Caveat
 from clepsydra.studies.warnings.loop_response import LoopResponse, loop_response
 
 #: A loop that noise drives from limit to limit converges slowly; its estimate is then told.
@@ -78,19 +79,25 @@ def trial_of(
         run=run,
         scores=scores,
         maximum_sensitivity=peak,
-        warnings=(*_cut_short(tuning), *before, *warnings_after(run, scores)),
+        warnings=(*before, *warnings_after(run, scores)),
+        caveats=(
+            *_cut_short(tuning),
+            *caveats_before(model, controller, scenario),
+            *caveats_after(run),
+        ),
         response=response,
         tuning=tuning,
     )
 
 
-def _cut_short(tuning: TuningResult | None) -> tuple[str, ...]:
+def _cut_short(tuning: TuningResult | None) -> tuple[Caveat, ...]:
     if tuning is None or not tuning.interrupted:
         return ()
-    return (
+    words = (
         f"The tuning was interrupted after {tuning.evaluations} candidates, and this is the best "
-        "of them: run the same study again, and it goes on from there.",
+        "of them: run the same study again, and it goes on from there."
     )
+    return (Caveat(words, "tuning"),)
 
 
 def scores_of(run: Run) -> dict[str, float]:

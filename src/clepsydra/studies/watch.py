@@ -6,19 +6,16 @@ import re
 
 from clepsydra.scores.score_key import by_signal
 from clepsydra.studies.result import Candidate
-from clepsydra.studies.warnings.accuracy import accuracy_warnings
 
 #: An overshoot worth watching [% of the step].
 _OVERSHOOT = 10.0
-#: An error of the simulation that is seen in numbers of three digits [share of a state's range].
-_SEEN = 1e-3
 
 
 def watched(candidate: Candidate) -> tuple[str, ...]:
     r"""Return what to watch with a controller, a sentence each; its standing is told elsewhere.
 
-    A level that averages is judged by the flow that it smooths, so its overshoot is left out. An
-    error of the simulation that no figure here shows is no property of the controller.
+    A level that averages is judged by the flow that it smooths, so its overshoot is left out. What
+    simulation and scenario leave open is no property of the controller: see `Candidate.caveats`.
 
     Examples
     --------
@@ -28,7 +25,7 @@ def watched(candidate: Candidate) -> tuple[str, ...]:
     It overshoots a step of the setpoint by 10 %.
     Its rule was slowed 1.22 times, until it was robust.
     """
-    run, averaging = candidate.run, candidate.run.process.averaging
+    averaging = candidate.run.process.averaging
     overshoots = by_signal(candidate.scores, "overshoot")
     held = (value for name, value in overshoots.items() if name not in averaging)
     overshoot = max(held, default=0.0)
@@ -38,10 +35,15 @@ def watched(candidate: Candidate) -> tuple[str, ...]:
     if candidate.controller.slowed > 1.0:
         factor = f"{candidate.controller.slowed:.3g}"
         said.append(f"Its rule was slowed {factor} times, until it was robust.")
-    unseen = accuracy_warnings(run) if (run.error_estimate or 0.0) < _SEEN else []
-    return (*said, *(_first_clause(words) for words in candidate.warnings if words not in unseen))
+    return (*said, *map(first_clause, candidate.warnings))
 
 
-def _first_clause(words: str) -> str:
-    """Return what a warning is about, without what it means and what to do."""
+def first_clause(words: str) -> str:
+    """Return what a warning is about, without what it means and what to do.
+
+    Examples
+    --------
+    >>> first_clause("pump_1 winds up: its integral has no anti-windup; choose another form.")
+    'pump_1 winds up.'
+    """
     return f"{re.split('[;:] ', words)[0].rstrip('.')}."

@@ -17,7 +17,7 @@ from clepsydra.loop.scenario import Segment
 from clepsydra.process.catalogue_names import catalogue_names
 from clepsydra.program.step_law import Equations, step_law
 from clepsydra.studies.warnings.bandwidth import bandwidth_warnings, blocking_zeros
-from clepsydra.studies.warnings.before import warnings_before
+from clepsydra.studies.warnings.before import caveats_before, warnings_before
 from clepsydra.studies.warnings.loop_response import loop_response
 from clepsydra.studies.warnings.margins import margin_warnings
 from clepsydra.studies.warnings.sampling import sampling_warnings
@@ -27,7 +27,11 @@ from clepsydra.studies.warnings.wind_up import winds_up
 
 
 def told(analysis, controller, scenario):
-    return warnings_before(analysis, linearise(analysis.operating_point), controller, scenario)
+    """All that is said before a simulation, but that no load changes, as none does in most."""
+    model = linearise(analysis.operating_point)
+    caveats = [each.words for each in caveats_before(model, controller, scenario)]
+    warned = warnings_before(analysis, model, controller, scenario)
+    return (*(words for words in caveats if not words.startswith("No load changes")), *warned)
 
 
 def with_values(controller, **values):

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from clepsydra.loop.loop import Loop
-from clepsydra.studies.warnings.after import warnings_after
-from clepsydra.studies.warnings.unfinished import unfinished_warnings
+from clepsydra.studies.warnings.after import caveats_after, warnings_after
+from clepsydra.studies.warnings.unfinished import unfinished_caveats
 
 
 @pytest.fixture
@@ -25,19 +25,19 @@ def averaging(tank, proportional, stepped):
 def test_a_level_that_is_still_on_its_way_is_told_by_how_much(averaging):
     """Each sample leaves 0.95 of the error; the segment has 45 samples, its last tenth 4."""
     run = averaging(0.25)
-    (warning,) = unfinished_warnings(run)
+    (caveat,) = unfinished_caveats(run)
     share = (0.95**41 - 0.95**44) / (1.0 - 0.95**44)
-    assert "level is not at rest when the setpoint step of level ends after 45 s" in warning
-    assert f"moves by {100 * share:.2g} % of its way" in warning
-    assert warning in warnings_after(run, {})
+    assert "level is not at rest when the setpoint step of level ends after 45 s" in caveat.words
+    assert f"moves by {100 * share:.2g} % of its way" in caveat.words
+    assert caveat in caveats_after(run) and warnings_after(run, {}) == ()
 
 
 def test_a_level_that_came_to_rest_raises_none(averaging):
     """0.8 of the error in each sample; and the slow one of before in five times the time."""
-    assert unfinished_warnings(averaging(1.0)) == []
-    assert unfinished_warnings(averaging(0.25, length=250)) == []
+    assert unfinished_caveats(averaging(1.0)) == []
+    assert unfinished_caveats(averaging(0.25, length=250)) == []
 
 
 def test_a_level_that_is_held_is_left_to_the_warning_about_settling(averaging):
     run = averaging(0.25)
-    assert unfinished_warnings(replace(run, process=replace(run.process, averaging=()))) == []
+    assert unfinished_caveats(replace(run, process=replace(run.process, averaging=()))) == []

@@ -130,7 +130,8 @@ def _centroid(name: str, output: LinguisticVariable, points: np.ndarray) -> Bloc
             first, stop = varying[0][0], varying[-1][1]
             words = f"how far the points from {first} on are {each}"
             values = tuple(degree[first:stop].tolist())
-            tables.append(Table(path("degree", each), values, first, words))
+            lines = output.sets[each].edges
+            tables.append(Table(path("degree", each), values, first, words, "point", lines))
 
     def equations(heights: Symbols) -> Equations:
         sums, named = ca.SX.zeros(2), dict[str, ca.SX]()

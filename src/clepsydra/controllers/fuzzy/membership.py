@@ -65,6 +65,16 @@ class Trapezoid:
         """The places at which the slope changes."""
         return tuple(place for place in astuple(self) if math.isfinite(place))
 
+    @property
+    def edges(self) -> tuple[tuple[float, float], ...]:
+        """Slope and zero of the edges that are not upright.
+
+        >>> triangle(-1.0, 0.0, 2.0).edges, left_shoulder(1.0, 5.0).edges
+        (((1.0, -1.0), (-0.5, 2.0)), ((-0.25, 5.0),))
+        """
+        sides = (self.top - self.foot, self.foot), (self.end_of_top - self.end, self.end)
+        return tuple((1.0 / width, zero) for width, zero in sides if abs(width) > 0.0)
+
     def degrees(self, x: object) -> np.ndarray:
         """Return the degrees of membership of numbers [n]."""
         x = np.asarray(x, dtype=float)
@@ -72,21 +82,15 @@ class Trapezoid:
 
     def expression(self, x: ca.SX) -> ca.SX:
         """Return the degree as an expression that every target computes to the same bit."""
-        edges, upright = [], []
-        for inside, width in (
-            (x - self.foot, self.top - self.foot),
-            (self.end - x, self.end - self.end_of_top),
-        ):
-            if width > 0.0:
-                edges.append(inside * (1.0 / width))
-            elif width == 0.0:
-                upright.append(inside >= 0)
+        edges = [(x - zero if slope > 0.0 else zero - x) * abs(slope) for slope, zero in self.edges]
         # d · (1/d), rounded twice, is never above 1: where the edges meet they are the limit.
         if len(edges) < 2 or self.top < self.end_of_top:
             edges.append(ca.SX(1))
         degree = ca.fmax(0, reduce(ca.fmin, edges))
-        for condition in upright:
-            degree = ca.if_else(condition, degree, 0)
+        if self.top - self.foot == 0.0:
+            degree = ca.if_else(x - self.foot >= 0, degree, 0)
+        if self.end - self.end_of_top == 0.0:
+            degree = ca.if_else(self.end - x >= 0, degree, 0)
         return degree
 
 
@@ -117,6 +121,7 @@ class Gaussian:
     width: float
     #: None: it is smooth.
     corners: ClassVar[tuple[float, ...]] = ()
+    edges: ClassVar[tuple[tuple[float, float], ...]] = ()
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.centre) and 0.0 < self.width < math.inf):

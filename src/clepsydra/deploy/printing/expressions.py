@@ -252,6 +252,9 @@ class Notation:
         Operation to the names of its function's parameters, where they are written.
     truths : (str, str)
         What does not hold, and what does.
+    computes : bool
+        Whether entries of a table are computed where that gives every bit of them: a list of
+        numbers takes memory, in some systems in each instance.
 
     Examples
     --------
@@ -270,6 +273,7 @@ class Notation:
     suffix: str = ""
     formal: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     truths: tuple[str, str] = ("FALSE", "TRUE")
+    computes: bool = False
 
     def writes(self, expression: Expression) -> bool:
         """Whether an expression can be part of another one.

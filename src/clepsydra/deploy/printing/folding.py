@@ -6,6 +6,7 @@ import re
 from collections.abc import Container, Mapping, Sequence
 
 from clepsydra.base.signal import Kind
+from clepsydra.deploy.printing.computed_tables import equal_steps, on_lines
 from clepsydra.deploy.printing.expressions import (
     Expression,
     Notation,
@@ -108,6 +109,8 @@ class FoldedBlock:
         self.tables: dict[str, Table] = around.tables if around else {}
         self._named: Sequence[Table] = around._named if around else tables
         self._indices: list[str] = around._indices if around else []
+        #: Variables of the entries that are computed, by their table and the index.
+        self._counted: dict[tuple[str, str], str] = around._counted if around else {}
         self._depth: int = around._depth if around else 0
         self.statements: list[ListingStatement] = []
         block, self._uses = needed_part(block)
@@ -271,7 +274,7 @@ class FoldedBlock:
         loop = statement if isinstance(statement, ForLoop) else None
         index, rings = self._index() if loop else "", loop.rings if loop else ()
         turns, named = self._turns(loop, read) if loop else (range(1), {})
-        inside = self._entries(loop, index, read, named) if loop else []
+        inside, counted = self._entries(loop, index, read, named) if loop else ([], [])
         first, of_rings = len(inside), len(inside) + len(statement.targets)
         carried = self._carry(statement, live)
         starts = (Assignment(name, before[statement.carried[k]]) for k, name in carried.items())
@@ -291,7 +294,7 @@ class FoldedBlock:
         self._depth += 1 if loop else 0
         made = FoldedBlock(needed, inside, self._notation, self._names, around=self)
         self._depth -= 1 if loop else 0
-        body, results = made.statements, made.results
+        body, results = [*counted, *made.statements], made.results
         update = self._update(list(carried.values()), results[: len(live)], body)
         if not (loop or body or update):
             # Neither is its condition needed.
@@ -319,20 +322,33 @@ class FoldedBlock:
 
     def _entries(
         self, loop: ForLoop, index: str, read: Container[int], named: Mapping[int, Table]
-    ) -> list[Expression]:
-        """Return what reads the tables of a loop in a turn, and keep those that it reads."""
-        entries = []
+    ) -> tuple[list[Expression], list[ListingStatement]]:
+        """Return what reads the tables of a loop in a turn, and what a turn begins with."""
+        entries: list[Expression] = []
+        counted: list[ListingStatement] = []
+        computes, precision = self._notation.computes, self._notation.precision
+        over: dict[str, tuple[Sequence[float], Expression]] = {}
         for number, values in enumerate(loop.tables):
             if number not in read or loop.count == 1:
                 entries.append(constant(values[0]))
                 continue
             table = named.get(number) or Table(f"{loop.name}_table", values)
-            known = (name for name, other in self.tables.items() if table.like(other))
-            name = next(known, "") or self._names.new(table.name)
-            self.tables[name] = table
-            behind = f" - {table.first}" if table.first else ""
-            entries.append(variable(f"{name}[{index}{behind}]"))
-        return entries
+            if computes and (steps := equal_steps(table.values, index, precision)):
+                key = table.name, index
+                name = self._counted[key] = self._counted.get(key) or self._names.new(table.name)
+                counted.append(Assignment(name, steps))
+                entries.append(variable(name))
+            elif found := on_lines(table, values, over, precision):
+                entries.append(found)
+            else:
+                known = (name for name, other in self.tables.items() if table.like(other))
+                name = next(known, "") or self._names.new(table.name)
+                self.tables[name] = table
+                behind = f" - {table.first}" if table.first else ""
+                entries.append(variable(f"{name}[{index}{behind}]"))
+            if computes:
+                over[table.name] = values, entries[-1]
+        return entries, counted
 
     def _index(self) -> str:
         """Return the index of a loop; those beside each other have the same."""

@@ -74,6 +74,7 @@ def notation_of(dialect: Dialect, precision: Precision) -> Notation:
         negation="NOT ",
         precision=precision,
         formal=dialect.formal,
+        computes=True,
     )
 
 

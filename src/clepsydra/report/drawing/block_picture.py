@@ -9,8 +9,8 @@ from collections.abc import Iterable, Iterator
 from clepsydra.program.program import Program
 from clepsydra.report.colours import INK, MUTED
 from clepsydra.report.drawing.block_diagram import Box, Port, block_box, diagram
-from clepsydra.report.drawing.canvas import SIZE, Canvas
 from clepsydra.report.drawing.lettering import width
+from clepsydra.report.drawing.shapes import box, circle, path, picture, text
 from clepsydra.report.drawing.style import FRAME, PAPER, STEEL
 from clepsydra.report.quantities import fitted
 
@@ -18,8 +18,8 @@ from clepsydra.report.quantities import fitted
 #: quarter or three, so that no two wires of a channel run in one line.
 _ROW = 11.0
 _HEAD, _GAP, _TRACK, _MARGIN, _STUB = 27.0, 11.0, 5.0, 8.0, 7.0
-#: Size of the names of ports [pt], and how many letters of names beside a port are shown.
-_SMALL, _LETTERS = 6.5, 24
+#: Size of letters, of the names of ports [pt], and how many letters beside a port are shown.
+_SIZE, _SMALL, _LETTERS = 7.5, 6.5, 24
 #: Colour and width of a wire that carries no number, and of one that does [pt].
 _STROKES = (MUTED, 0.6), (INK, 1.1)
 #: Where words end in a box and outside of it, by the way that leads out.
@@ -78,12 +78,12 @@ def block_svg(block: Program, title: str, settings: Iterable[str] = ()) -> str:
 def _drawn(boxes: list[Box], title: str) -> str:
     bands = [_Band(boxes, number) for number in range(1 + max(box.band for box in boxes))]
     wide = max(band.ends[-1][1] + band.room for band in bands) + _MARGIN
-    canvas = Canvas(wide, sum(band.height for band in bands) + _MARGIN, title)
+    shapes: list[str] = []
     top = _MARGIN
     for band in bands:
-        band.draw(canvas, top)
+        shapes += band.draw(top)
         top += band.height
-    return canvas.svg()
+    return picture("blocks", (wide, top), title, "", shapes, font_size=_SIZE)
 
 
 class _Item:
@@ -187,7 +187,7 @@ class _Band:
             found[wire] = _TRACK * (1 + track)
         return found
 
-    def draw(self, canvas: Canvas, top: float) -> None:
+    def draw(self, top: float) -> Iterator[str]:
         """Draw everything, from a height in the picture on."""
         for item in (item for column in self.columns for item in column):
             item.top += top
@@ -207,11 +207,12 @@ class _Band:
                 if not self._wired(port):
                     lines[port.real] += f"M{at:.1f} {self._y(port):.1f}H{at + _STUB * out:.1f}"
         for real, data in lines.items():
-            canvas.lines(data, *_STROKES[real])
+            colour, thick = _STROKES[real]
+            yield path(data, thick, stroke=colour)
         for x, y, real in dots:
-            canvas.circle(x, y, 1.5, _STROKES[real][0])
+            yield circle(x, y, 1.5, _STROKES[real][0], "none")
         for item in self.items.values():
-            self._draw_box(canvas, item)
+            yield from self._draw_box(item)
 
     def _wired(self, port: Port) -> bool:
         return bool(port.wires) or port in self.readers
@@ -223,28 +224,30 @@ class _Band:
             yield from ((port, left, -1) for port in item.box.inputs)
             yield from ((port, right, 1) for port in item.box.outputs)
 
-    def _draw_box(self, canvas: Canvas, item: _Item) -> None:
-        box, (left, right) = item.box, self.ends[item.column]
-        assert box is not None
+    def _draw_box(self, item: _Item) -> Iterator[str]:
+        block, (left, right) = item.box, self.ends[item.column]
+        assert block is not None
         top, bottom = item.top, item.top + item.height
-        canvas.box((left, right), (top, bottom), STEEL if box.kind else PAPER)
-        canvas.lines(f"M{left:.1f} {top:.1f}H{right:.1f}V{bottom:.1f}H{left:.1f}Z", FRAME, 0.9)
-        canvas.text(left + 4.0, top + 10.0, box.title or box.kind, bold=True)
-        if box.title and box.kind:
-            canvas.text(left + 4.0, top + 18.0, box.kind, colour=MUTED, size=_SMALL)
-        if _foot(box):
-            canvas.text(left + 4.0, bottom - 4.0, _foot(box), colour=MUTED, size=_SMALL)
+        yield box((left, right), (top, bottom), STEEL if block.kind else PAPER, FRAME, 0.9)
+        yield text(left + 4.0, top + 10.0, block.title or block.kind, "start", font_weight=600)
+        if block.title and block.kind:
+            yield _small(left + 4.0, top + 18.0, block.kind)
+        if _foot(block):
+            yield _small(left + 4.0, bottom - 4.0, _foot(block))
         for port, at, out in self._ports(item):
             y, (inner, outer) = self._y(port), _ANCHORS[out]
             if port.name:
-                canvas.text(at - 4.0 * out, y + 2.3, port.name, anchor=inner, size=_SMALL)
+                yield _small(at - 4.0 * out, y + 2.3, port.name, inner, INK)
             if port.names:
                 # Above its wire, or else at its end.
                 base = y - 2.5 if self._wired(port) else y + 2.3
-                canvas.text(at + (_STUB + 2.0) * out, base, _names(port), anchor=outer,
-                           size=_SMALL, colour=MUTED)  # fmt: skip
+                yield _small(at + (_STUB + 2.0) * out, base, _names(port), outer)
             if port.computed:
-                canvas.circle(at, y, 2.0, PAPER, INK)
+                yield circle(at, y, 2.0, width=0.8)
+
+
+def _small(x: float, y: float, words: str, anchor: str = "start", colour: str = MUTED) -> str:
+    return text(x, y, words, anchor, colour=colour, font_size=_SMALL)
 
 
 def _names(port: Port) -> str:
@@ -270,7 +273,7 @@ def _width(box: Box) -> float:
         max((width(port.name, _SMALL) for port in side), default=0.0)
         for side in (box.inputs, box.outputs)
     )
-    title = width(box.title or box.kind, SIZE, bold=True)
+    title = width(box.title or box.kind, _SIZE, bold=True)
     small = max(width(words, _SMALL) for words in (box.kind, _foot(box)))
     return 8.0 + max(ports + 1.5 * _SMALL, title, small)
 

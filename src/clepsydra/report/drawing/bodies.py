@@ -114,6 +114,18 @@ class Body:
         return found if found or role not in ("signal", "tap") else self.pins
 
 
+def direction(one: tuple[float, float], other: tuple[float, float]) -> Point:
+    """Return the way from a point to another beside, above or below it.
+
+    Examples
+    --------
+    >>> direction((3, 5), (3, 1))
+    (0, -1)
+    """
+    (x1, y1), (x2, y2) = one, other
+    return ((x2 > x1) - (x2 < x1), (y2 > y1) - (y2 < y1))
+
+
 def lines_of(words: Iterable[str], size: float = WORDS, bold: bool = False) -> int:
     """Return how many lines of the grid the longest of some words is wide.
 

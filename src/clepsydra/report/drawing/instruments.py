@@ -8,6 +8,7 @@ from clepsydra.report.drawing.bodies import PITCH
 from clepsydra.report.drawing.control_functions import ControlFunction
 from clepsydra.report.drawing.flow_graph import Instrument
 from clepsydra.report.drawing.scene import Scene
+from clepsydra.report.drawing.shapes import text
 from clepsydra.report.drawing.style import ALARM
 
 _QUANTITIES = {"L": "the level", "A": "a concentration", "F": "the flow"}
@@ -38,7 +39,7 @@ def draw_instrument(scene: Scene, instrument: Instrument) -> list[str]:
     parts = [symbols.balloon(x, y, f"{letter}T", instrument.number, title)]
     for place, words in enumerate(scene.labels[name]):
         colour = ALARM if words and words == scene.warning(name) else INK
-        parts.append(symbols.text(x, y + 33 + 15 * place, words, style="small", colour=colour))
+        parts.append(text(x, y + 33 + 15 * place, words, style="small", colour=colour))
     return parts
 
 
@@ -70,7 +71,7 @@ def draw_function(scene: Scene, function: ControlFunction) -> list[str]:
         title = f"controls {function.at}" + (f", setpoint {setpoint}" if setpoint else "")
     left, _, right, _ = body.areas[0]
     half = PITCH * (right - left) / 2 - 32.0 + symbols.BALLOON
-    found = [symbols.controller(x, y, half, (letters, number), f"{letters}-{number}: {title}")]
+    found = [symbols.controller(x, y, half, letters, number, f"{letters}-{number}: {title}")]
     for words in scene.labels.get(function.name, ()):
-        found.append(symbols.text(x, y - 25, words, style="small"))
+        found.append(text(x, y - 25, words, style="small"))
     return found

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from html import escape
 from itertools import pairwise
 
 from clepsydra.report.colours import INK
 from clepsydra.report.drawing import symbols
-from clepsydra.report.drawing.bodies import NAME, PITCH
+from clepsydra.report.drawing.bodies import NAME, PITCH, direction
 from clepsydra.report.drawing.lettering import width
 from clepsydra.report.drawing.routing import ORDER, Pipe, Routes
+from clepsydra.report.drawing.shapes import element, path, polygon, titled
 from clepsydra.report.drawing.style import PIPE
 
 _HOP = 6.0
 
-Points = list[tuple[float, float]]
+Point = tuple[float, float]
+Points = list[Point]
 
 
 def draw_lines(ways: Mapping[Pipe, Points], still: set[str]) -> list[str]:
@@ -39,79 +40,57 @@ def draw_lines(ways: Mapping[Pipe, Points], still: set[str]) -> list[str]:
     parts = []
     for pipe, points in ways.items():
         title = pipe.line if pipe.source == pipe.end else f"{pipe.source} to {pipe.end}"
-        colour, size = (PIPE, 5.0) if pipe.kind == "pipe" else (INK, 4.0)
-        stroke = f'stroke-width="{1.6 if pipe.line in still else 3.2:g}"'
+        colour, size, thick = PIPE, 5.0, 1.6 if pipe.line in still else 3.2
         if pipe.kind != "pipe":
-            dash = ' stroke-dasharray="5 3"' if pipe.kind == "signal" else ""
-            stroke = f'stroke-width="1.2"{dash}'
-        parts.append(
-            f'<g class="{pipe.kind}"><title>{escape(title)}</title>'
-            f'<path d="{_path(pipe, ways)}" fill="none" stroke="{colour}" {stroke}'
-            f' stroke-linejoin="round"/>{_arrow(points, size, colour) if pipe.arrow else ""}</g>'
-        )
+            colour, size, thick = INK, 4.0, 1.2
+        dash = "5 3" if pipe.kind == "signal" else ""
+        line = path(_arched(pipe, ways), thick, stroke=colour, stroke_dasharray=dash)
+        tip = _tip(points, size, colour) if pipe.arrow else ""
+        parts.append(titled(title, line, tip, kind=pipe.kind))
     return parts
 
 
-def _arrow(points: Points, half: float, colour: str) -> str:
-    """Return the tip of a line at its end."""
-    (x1, y1), (x2, y2) = points[-2:]
-    dx, dy = ((x2 > x1) - (x2 < x1), (y2 > y1) - (y2 < y1))
+def _tip(points: Points, half: float, colour: str) -> str:
+    """Return the arrow in which a line ends."""
+    x, y = points[-1]
+    dx, dy = direction(*points[-2:])
     corners = [
-        (x2 - 2 * half * dx + side * half * dy, y2 - 2 * half * dy + side * half * dx)
+        (x - 2 * half * dx + side * half * dy, y - 2 * half * dy + side * half * dx)
         for side in (-1, 1)
     ]
-    return (
-        f'<path class="arrow" d="M{x2:g} {y2:g}'
-        + "".join(f"L{x:g} {y:g}" for x, y in corners)
-        + f'Z" fill="{colour}"/>'
-    )
+    return element("path", class_="arrow", d=polygon([(x, y), *corners]), fill=colour)
 
 
-def _path(pipe: Pipe, ways: Mapping[Pipe, Points]) -> str:
+def _arched(pipe: Pipe, ways: Mapping[Pipe, Points]) -> str:
     points = ways[pipe]
-    words = [f"M{points[0][0]:.1f} {points[0][1]:.1f}"]
-    for (x1, y1), (x2, y2) in pairwise(points):
-        level = y1 == y2
-        start, end = (x1, x2) if level else (y1, y2)
-        sign = 1 if end > start else -1
-        for at in sorted(_crossings(pipe, ways, (x1, y1), (x2, y2)), reverse=sign < 0):
-            turn = 1 if (sign > 0) == level else 0
-            near, over = at - sign * _HOP, 2 * sign * _HOP
-            words.append(f"H{near:.1f}" if level else f"V{near:.1f}")
-            words.append(
-                f"a{_HOP:g} {_HOP:g} 0 0 {turn} " + (f"{over} 0" if level else f"0 {over}")
-            )
-        words.append(f"L{x2:.1f} {y2:.1f}")
-    return "".join(words)
+    data = f"M{points[0][0]:.1f} {points[0][1]:.1f}"
+    for one, two in pairwise(points):
+        dx, dy = direction(one, two)
+        turn = int(dx > 0 or dy < 0)
+        for x, y in sorted(_crossings(pipe, ways, one, two), reverse=dx + dy < 0):
+            data += f"L{x - _HOP * dx:.1f} {y - _HOP * dy:.1f}"
+            data += f"a{_HOP:g} {_HOP:g} 0 0 {turn} {2 * _HOP * dx:g} {2 * _HOP * dy:g}"
+        data += f"L{two[0]:.1f} {two[1]:.1f}"
+    return data
 
 
-def _crossings(
-    pipe: Pipe,
-    ways: Mapping[Pipe, Points],
-    start: tuple[float, float],
-    end: tuple[float, float],
-) -> set[float]:
+def _crossings(pipe: Pipe, ways: Mapping[Pipe, Points], start: Point, end: Point) -> set[Point]:
     """Return where a piece of a line has to arch over others."""
-    along = 0 if start[1] == end[1] else 1
+    along = int(start[0] == end[0])
     across = 1 - along
     low, high = sorted((start[along], end[along]))
     found = set()
     for other, points in ways.items():
-        arches = (
-            ORDER.index(pipe.kind) > ORDER.index(other.kind)
-            if pipe.kind != other.kind
-            else along == 0
-        )
-        if other is pipe or not arches:
-            continue
-        for one, two in pairwise(points):
+        arches = (ORDER.index(pipe.kind), across) > (ORDER.index(other.kind), 0)
+        for one, two in pairwise(points) if arches and other is not pipe else ():
+            near, far = sorted((one[across], two[across]))
             if (
                 one[along] == two[along]
                 and low + 1.0 < one[along] < high - 1.0
-                and min(one[across], two[across]) < start[across] - 1.0
-                and max(one[across], two[across]) > start[across] + 1.0
+                and near < start[across] - 1.0
+                and far > start[across] + 1.0
             ):
-                found.add(one[along])
+                found.add((start[0], one[1]) if along else (one[0], start[1]))
     return found
 
 

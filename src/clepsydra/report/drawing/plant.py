@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from html import escape
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.operating_point import OperatingPoint
@@ -16,13 +15,14 @@ from clepsydra.report.drawing.lines import Points, draw_basins, draw_lines
 from clepsydra.report.drawing.outline import TANK_HEIGHT
 from clepsydra.report.drawing.routing import Pipe
 from clepsydra.report.drawing.scene import Scene
-from clepsydra.report.drawing.style import DARK_PAPER, FONT, PAPER, colour_style
+from clepsydra.report.drawing.shapes import picture
+from clepsydra.report.drawing.style import DARK_PAPER, PAPER
 from clepsydra.report.drawing.vessels import draw_vessel
 
 #: Of the drawing alone: in a page, a style holds for every picture. Words have a rim of paper,
 #: so that a line under them does not strike them through.
 _STYLE = (
-    f".plant text{{font-family:{FONT};font-size:{WORDS:g}px;paint-order:stroke;"
+    f".plant text{{font-size:{WORDS:g}px;paint-order:stroke;"
     f"stroke:{PAPER};stroke:light-dark({PAPER},{DARK_PAPER});stroke-width:3px;"
     "stroke-linejoin:round}"
     f".plant text.name{{font-weight:600;font-size:{NAME:g}px}}"
@@ -88,7 +88,6 @@ def process_drawing(
     width, height = PITCH * placement.width, PITCH * placement.height
     ways = {pipe: _way(scene, pipe) for pipe in scene.routes.pipes}
     parts = [
-        f'<rect class="paper" width="{width:.0f}" height="{height:.0f}" fill="{PAPER}"/>',
         *draw_lines(ways, scene.still),
         *draw_basins(scene.routes, ways, width, scene.tint),
         *(part for name in scene.graph.vessels for part in draw_vessel(scene, name)),
@@ -98,15 +97,10 @@ def process_drawing(
     ]
     by = "" if controller is None else f", controlled by {controller.title}"
     at = ", at the operating point" if scene.values else ""
-    title = escape(f"Process drawing of {process.title}{by}{at}")
+    title = f"Process drawing of {process.title}{by}{at}"
     least = max(min(width, _LEAST_WIDTH), _LEAST_SHARE * width)
-    return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height:.0f}"'
-        f' class="plant" role="img" style="max-width:{width:.0f}px;min-width:{least:.0f}px">'
-        f"<title>{title}</title><style>{_STYLE}{colour_style('plant')}</style>"
-        + "\n".join(parts)
-        + "</svg>"
-    )
+    room = f"max-width:{width:.0f}px;min-width:{least:.0f}px"
+    return picture("plant", (width, height), title, _STYLE, parts, style=room)
 
 
 def _way(scene: Scene, pipe: Pipe) -> Points:

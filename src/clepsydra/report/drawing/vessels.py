@@ -9,6 +9,7 @@ from clepsydra.report.drawing.bodies import NAME, PITCH, SMALL
 from clepsydra.report.drawing.lettering import shortened, width, wrapped
 from clepsydra.report.drawing.outline import TANK_HEIGHT
 from clepsydra.report.drawing.scene import INSIDE, Scene
+from clepsydra.report.drawing.shapes import text
 from clepsydra.report.drawing.style import ALARM
 from clepsydra.report.quantities import percent_text, quantity_text
 
@@ -57,9 +58,7 @@ def draw_vessel(scene: Scene, name: str) -> list[str]:
     parts = [symbols.tank(x, y, outline, share, scene.tint(name), title)]
     for place, (row, line) in enumerate(zip(_clear_of(surface, len(words)), words, strict=True)):
         style = "name inside" if place < names else "inside" if place == names else "small inside"
-        parts.append(
-            symbols.text(x, y + row, line, style=style, colour=ALARM if line == warning else INK)
-        )
+        parts.append(text(x, y + row, line, style=style, colour=ALARM if line == warning else INK))
     if getattr(element, "weir", 0.0):
         seats = [i.name for i in scene.graph.instruments if i.seat == name]
         right = not seats or scene.routes.placement.bodies[seats[0]].x > body.x

@@ -6,16 +6,17 @@ from collections.abc import Mapping
 
 from clepsydra.loop.run import Run
 from clepsydra.scores.score_key import by_signal
-from clepsydra.studies.warnings.accuracy import accuracy_warnings
+from clepsydra.studies.warnings.accuracy import accuracy_caveats
+from clepsydra.studies.warnings.caveat import Caveat
 from clepsydra.studies.warnings.harm import emptied, harms
 from clepsydra.studies.warnings.inner_setpoint import inner_setpoint_warnings
 from clepsydra.studies.warnings.saturation import saturation_warnings
 from clepsydra.studies.warnings.settling import settling_warnings
-from clepsydra.studies.warnings.unfinished import unfinished_warnings
+from clepsydra.studies.warnings.unfinished import unfinished_caveats
 
 
 def run_warnings(run: Run) -> tuple[str, ...]:
-    """Return what is unusual about a run: overflow, trips, saturation, wind-up, a large error.
+    """Return what is unusual about a run: overflow, trips, saturation, wind-up.
 
     Parameters
     ----------
@@ -44,7 +45,6 @@ def run_warnings(run: Run) -> tuple[str, ...]:
         *(each.sentence for each in (*harms(run), *emptied(run))),
         *saturation_warnings(run),
         *inner_setpoint_warnings(run),
-        *accuracy_warnings(run),
     )
 
 
@@ -52,7 +52,7 @@ def warnings_after(run: Run, scores: Mapping[str, float]) -> tuple[str, ...]:
     """Return the warnings of a run and of its scores.
 
     That a level does not settle is no fault where it is meant to average (`Process.averaging`), or
-    where the controller has no setpoint for it. One that averages has to come to rest.
+    where the controller has no setpoint for it.
 
     Parameters
     ----------
@@ -62,9 +62,26 @@ def warnings_after(run: Run, scores: Mapping[str, float]) -> tuple[str, ...]:
 
     Examples
     --------
-    See `run_warnings`, `settling.settling_warnings` and `unfinished.unfinished_warnings`.
+    See `run_warnings` and `settling.settling_warnings`.
     """
     followed = set(run.controller.setpoints) - set(run.process.averaging)
     times = by_signal(scores, "settling_time")
     held = {name: time for name, time in times.items() if name in followed}
-    return (*run_warnings(run), *settling_warnings(held), *unfinished_warnings(run))
+    return (*run_warnings(run), *settling_warnings(held))
+
+
+def caveats_after(run: Run) -> tuple[Caveat, ...]:
+    """Return what a run leaves open, whatever its controller: its error, steps cut short.
+
+    Parameters
+    ----------
+    run : Run
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> plant = cl.load("three-tanks")
+    >>> caveats_after(cl.simulate(plant, cl.design.simc(plant)))
+    ()
+    """
+    return (*accuracy_caveats(run), *unfinished_caveats(run))

@@ -11,15 +11,21 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.scenario import Scenario
 from clepsydra.studies.warnings.bandwidth import bandwidth_warnings, blocking_zeros
-from clepsydra.studies.warnings.forbidden_levels import level_warnings
+from clepsydra.studies.warnings.caveat import Caveat
+from clepsydra.studies.warnings.forbidden_levels import level_words
 from clepsydra.studies.warnings.loop_response import LoopResponse, loop_response
 from clepsydra.studies.warnings.margins import margin_warnings
 from clepsydra.studies.warnings.resting import resting_after
 from clepsydra.studies.warnings.sampling import sampling_warnings
-from clepsydra.studies.warnings.saturation import resting_saturation_warnings
+from clepsydra.studies.warnings.saturation import resting_saturation_words
 from clepsydra.studies.warnings.stability import stability_warnings
 from clepsydra.studies.warnings.unit_mix_up import unit_warnings
 from clepsydra.studies.warnings.wind_up import wind_up_warnings
+
+_NO_LOAD = (
+    "No load changes in the scenario, so that nothing says how well one is rejected; give a flow "
+    "of the process a step, or the study a load."
+)
 
 
 def warnings_before(
@@ -31,8 +37,8 @@ def warnings_before(
 ) -> tuple[str, ...]:
     """Return the warnings of a controller in a scenario, from linear models only.
 
-    The most grave stand first: levels that the plant forbids, instability, units, what zeros and
-    dead times forbid, margins, sampling, saturation, wind-up. A law that does not answer to small
+    The most grave stand first: instability, units, what zeros and dead times forbid, margins,
+    sampling, wind-up. A law that does not answer to small
     deviations, as a switch or a gap without gain, has no linear loop, so that stability to
     sampling are left out.
 
@@ -69,8 +75,7 @@ def warnings_before(
     The closed loop of level_1 and level_2 is unstable by its linear model
     """
     point = operating_point_of(model)
-    rests = resting_after(controller, model, scenario)
-    words = level_warnings(controller, point, scenario, rests)
+    words = []
     if response is None:
         try:
             response = loop_response(controller, model)
@@ -78,9 +83,42 @@ def warnings_before(
             words.append(f"Stability, margins and bandwidth could not be checked: {refusal}")
     if response is not None and _answers(response):
         words += _of_the_loop(analysis, model, controller, response)
-    words += resting_saturation_warnings(controller, point, rests)
     words += wind_up_warnings(controller, point, response, scenario)
     return tuple(words)
+
+
+def caveats_before(
+    model: LinearModel, controller: Controller, scenario: Scenario
+) -> tuple[Caveat, ...]:
+    """Return what a scenario asks of a process in vain, and what it leaves open.
+
+    That is levels that the plant forbids and manipulated variables without room to hold its steps,
+    from a linear model; and that load rejection is not judged, where no load steps.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Of the operating point where the scenario begins.
+    controller : Controller
+        Which levels have setpoints, and what is moved.
+    scenario : Scenario
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> from clepsydra.loop.default_scenario import default_scenario
+    >>> plant = cl.load("three-tanks")
+    >>> caveats_before(plant.linear, cl.design.simc(plant), default_scenario(plant.linear))
+    ()
+    """
+    point, rests = operating_point_of(model), resting_after(controller, model, scenario)
+    words = [
+        *level_words(controller, point, scenario, rests),
+        *resting_saturation_words(controller, point, rests),
+    ]
+    if not any(segment.kind == "load" for segment in scenario.segments):
+        words.append(_NO_LOAD)
+    return tuple(Caveat(each, each) for each in words)
 
 
 def _answers(response: LoopResponse) -> bool:

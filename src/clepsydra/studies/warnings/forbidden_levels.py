@@ -1,4 +1,4 @@
-"""Warnings of setpoints and resting levels at which a trip, a sensor or a rim stops the control."""
+"""Setpoints and resting levels at which a trip, a sensor or a rim stops the control."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ from clepsydra.studies.warnings.words import shown
 _ROUNDING = 1e-6
 
 
-def level_warnings(
+def level_words(
     controller: Controller, point: OperatingPoint, scenario: Scenario, rests: list[Rest]
 ) -> list[str]:
-    """Return warnings of levels that the scenario asks for and the plant forbids.
+    """Return in sentences the levels that the scenario asks for and the plant forbids.
 
     *Setpoints*, the least and the largest of each controlled measurement: outside of the range
     of the sensor, which then shows its end for ever; at or above the rim or at the floor of the
@@ -47,7 +47,7 @@ def level_warnings(
 
     Examples
     --------
-    See `clepsydra.studies.warnings.before.warnings_before`.
+    See `clepsydra.studies.warnings.before.caveats_before`.
     """
     process, words, controlled = point.process, [], set()
     for name in dict.fromkeys(controller.setpoints):

@@ -22,10 +22,10 @@ _SATURATED = 0.05
 _MOSTLY = 0.5
 
 
-def resting_saturation_warnings(
+def resting_saturation_words(
     controller: Controller, point: OperatingPoint, rests: list[Rest]
 ) -> list[str]:
-    """Return warnings of manipulated variables without room, foreseen before simulating.
+    """Return in sentences which manipulated variables have no room, before simulating.
 
     One that rests within 2 % of a limit at the operating point; and one that would have to rest
     beyond a limit, by the linear model, to hold a setpoint or a load of the scenario.
@@ -39,7 +39,7 @@ def resting_saturation_warnings(
 
     Examples
     --------
-    See `clepsydra.studies.warnings.before.warnings_before`.
+    See `clepsydra.studies.warnings.before.caveats_before`.
     """
     process, at, words = point.process, point.as_dict(), []
     for name in controller.manipulated:

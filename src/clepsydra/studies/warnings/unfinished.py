@@ -1,4 +1,4 @@
-"""Warnings of averaging levels that are still on their way when a segment of the scenario ends."""
+"""Caveats of averaging levels that are still on their way when a segment of the scenario ends."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import numpy as np
 from clepsydra.base.words import time_text
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Segment
+from clepsydra.studies.warnings.caveat import Caveat
 
 #: Part of a segment, its last, in which a level at rest does not move any more.
 _LAST = 0.1
@@ -16,7 +17,7 @@ _AT_REST = 0.01
 _NO_WAY = 1e-6
 
 
-def unfinished_warnings(run: Run) -> list[str]:
+def unfinished_caveats(run: Run) -> list[Caveat]:
     """Return which averaging levels are not at rest at the end of a step's segment.
 
     That such a level is away from its setpoint is no fault. But where it still moves by more
@@ -30,23 +31,27 @@ def unfinished_warnings(run: Run) -> list[str]:
 
     Examples
     --------
-    See `clepsydra.studies.warnings.after.warnings_after`.
+    See `clepsydra.studies.warnings.after.caveats_after`.
     """
-    words = []
+    found = []
     for name in run.process.averaging:
         if name not in run.controller.setpoints:
             continue
         for segment in run.scenario.segments:
             share = _still_moving(name, segment, run) if segment.kind != "noise" else 0.0
             if share > _AT_REST:
-                words.append(
+                what = (
                     f"{name} is not at rest when the {segment.kind} step of {segment.signal} ends "
-                    f"after {time_text(segment.stop - segment.start)}: in the last tenth it still "
-                    f"moves by {100.0 * share:.2g} % of its way, so that its scores are of a part "
-                    "of the response; leave more time between the steps, in a study file."
+                    f"after {time_text(segment.stop - segment.start)}"
                 )
+                words = (
+                    f"{what}: in the last tenth it still moves by {100.0 * share:.2g} % of its "
+                    "way, so that its scores are of a part of the response; leave more time "
+                    "between the steps, in a study file."
+                )
+                found.append(Caveat(words, what, share))
                 break
-    return words
+    return found
 
 
 def _still_moving(name: str, segment: Segment, run: Run) -> float:
