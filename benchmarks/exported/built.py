@@ -17,7 +17,7 @@ from benchmarks.cplusplus import CompilerMissing
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.exportable import Exportable
-from clepsydra.deploy.printing.precision import Precision
+from clepsydra.program.precision import Precision
 
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 EXACT = "-ffp-contract=off"

@@ -16,11 +16,11 @@ from clepsydra.controllers.polynomial_controller import PolynomialShape
 from clepsydra.controllers.smith_predictor import PredictorShape, smith_predictor_law
 from clepsydra.controllers.variable_structure_pid import variable_structure_pid_law
 from clepsydra.deploy.c99.printer import print_c
-from clepsydra.deploy.printing.precision import in_precision
 from clepsydra.deploy.printing.whole_numbers import check_whole_results
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.owned_state import with_owned_state
+from clepsydra.program.precision import in_precision
 from clepsydra.program.program import Call
 from clepsydra.program.reader import program_of, structured_program_of
 

@@ -12,8 +12,8 @@ from collections import deque
 
 import numpy as np
 
+from clepsydra import Kernel
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.inlined import inlined
 from clepsydra.program.operation import LIBRARY, Operation
 from clepsydra.program.program import Block, Conditional, ForLoop, Program
 
@@ -64,7 +64,7 @@ class InSinglePrecision:
     """One instance of a program's state, computed with 32-bit numbers."""
 
     def __init__(self, program: Program) -> None:
-        self.program = program = inlined(program)
+        self.program = program = Kernel(program).program  # with its blocks in place
         self.parameters = [single(signal.initial) for signal in program.parameters]
         self._kept = [_content(entry) for entry in program.state]
         self._rings = {ring.name: _content(ring) for ring in program.rings}

@@ -14,10 +14,10 @@ from refusals import refused
 from clepsydra import InputError, Signal
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.printing.decimal_text import decimal
-from clepsydra.deploy.printing.precision import check_precision, in_precision
 from clepsydra.deploy.printing.whole_numbers import check_whole_results
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.operation import Operation
+from clepsydra.program.precision import check_precision, in_precision
 from clepsydra.program.program import Block, Conditional, ForLoop, Program
 
 

@@ -6,7 +6,7 @@ from clepsydra.engine.elementary_functions import elementary_function
 from clepsydra.engine.vector_rings import RingPrinter
 from clepsydra.engine.vector_text import VectorText
 from clepsydra.engine.vector_turns import TurnPrinter
-from clepsydra.program.operation import LIBRARY, Operation
+from clepsydra.program.operation import LIBRARY, TO_SINGLE, Operation
 from clepsydra.program.program import Block, Conditional, ForLoop, Statement, read_by
 
 _ARITHMETIC = {
@@ -105,6 +105,8 @@ class StatementPrinter:
             return text.compare(_COMPARE[code], *given)
         if code == "negate":
             return text.negative(given[0])
+        if code == TO_SINGLE:
+            return text.to_single(given[0])
         if code in _INTRINSIC:
             return text.intrinsic(_INTRINSIC[code], given)
         if code in ("minimum", "maximum"):

@@ -106,6 +106,12 @@ class VectorText:
         """Append −a."""
         return self.assign(f"fneg {self.real} {a}")
 
+    def to_single(self, a: str) -> str:
+        """Append a, rounded to single precision."""
+        narrow = self.real.replace("double", "float")
+        rounded = self.assign(f"fptrunc {self.real} {a} to {narrow}")
+        return self.assign(f"fpext {narrow} {rounded} to {self.real}")
+
     def compare(self, predicate: str, a: str, b: str) -> str:
         """Append a comparison by LLVM's predicate: olt, ole, ogt, oeq, une, …"""
         return self.assign(f"fcmp {predicate} {self.real} {a}, {b}")

@@ -25,6 +25,7 @@ from clepsydra.studies import result as results
 from clepsydra.studies.file.request import ControllerRequest, Maker, StudyRequest
 from clepsydra.studies.ranking import verdict
 from clepsydra.studies.recommendation import recommend
+from clepsydra.studies.single_precision import told_of_single_precision
 from clepsydra.studies.study import StudyProgress, controller_names, run_study
 
 if TYPE_CHECKING:
@@ -305,7 +306,7 @@ def _of_plant(found: results.StudyResult, plant: Plant, accept: float) -> Study:
             run=lifted(Run, each.run),
             scores=Scores(each.scores, plant.process, each.run.scenario.duration),
         )
-        for each in found.ranking
+        for each in told_of_single_precision(found.ranking, found.model, accept)
     )
     said = verdict(plant.process, ranking, accept)
     return lifted(Study, found, ranking=ranking, plant=plant, accept=accept, verdict=said)

@@ -18,6 +18,8 @@ from clepsydra.loop.step_size import check_substeps
 from clepsydra.process.process import Process
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.inlined import append_in_place
+from clepsydra.program.operation import TO_SINGLE
 from clepsydra.program.program import Program
 from clepsydra.program.reader import inline
 
@@ -69,6 +71,7 @@ def closed_loop(
     scores: RunningScores | None = None,
     statuses: bool = False,
     adjustable: bool = False,
+    law: Program | None = None,
 ) -> Program:
     """Join a process and a controller to the program of one sampling period.
 
@@ -93,6 +96,9 @@ def closed_loop(
         `clepsydra.loop.lane_status`.
     adjustable : bool
         Let each run say how many steps it takes, see `clepsydra.loop.motion_block`.
+    law : Program, optional
+        The program of the controller in single precision, `in_single_arithmetic`, to stand in the
+        place of its law; it gets its inputs in single precision.
 
     Returns
     -------
@@ -137,7 +143,7 @@ def closed_loop(
         process if statuses else None,
         adjustable,
     )
-    return _Join(process, controller, given, motion, scores).program()
+    return _Join(process, controller, given, motion, scores, law).program()
 
 
 def _check_constant(
@@ -222,8 +228,10 @@ class _Join:
         constant: dict[str, float],
         motion: MotionBlock,
         scores: RunningScores | None,
+        in_single: Program | None,
     ) -> None:
         self.process, self.controller, self.motion = process, controller, motion
+        self.in_single = in_single
         law = controller.law
         self.scores = scores
         told, summed = (scores.inputs, scores.state) if scores else ((), ())
@@ -315,10 +323,19 @@ class _Join:
             *(given[signal.name] for signal in law.inputs),
             *(value[controller_name(signal.name)] for signal in law.parameters),
         ]
-        results = inline(builder, law.function, arguments)
+        results = self._step(arguments)
         outputs = zip(law.outputs, results[len(law.state) :], strict=False)
         value |= {self.controller.output_wires[s.name]: passed(s.name, n) for s, n in outputs}
         return results[: len(law.state)]
+
+    def _step(self, arguments: list[int]) -> list[int]:
+        """Compute the law in place; return its next state, then its outputs."""
+        law, builder, program = self.controller.law, self.builder, self.in_single
+        if program is None:
+            return inline(builder, law.function, arguments)
+        for place in program.input_arguments:
+            arguments[place] = builder.operation(TO_SINGLE, arguments[place])
+        return append_in_place(builder, program.block, arguments)
 
 
 def _renamed(entry: Signal | DelayRing) -> Signal | DelayRing:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -35,6 +35,9 @@ from clepsydra.loop.solver import Solver, check_solver
 from clepsydra.loop.step_size import check_substeps, substeps_for
 from clepsydra.loop.stepped_loop import stepped_loop
 from clepsydra.process.process import Process
+from clepsydra.program.entries import signal_of
+from clepsydra.program.precision import Precision, check_precision, in_single_arithmetic
+from clepsydra.program.program import Program
 from clepsydra.scores.plant_flows import forced_flows
 
 
@@ -95,7 +98,12 @@ class Loop:
         return substeps_for(self.model)
 
     def run(
-        self, scenario: Scenario, *, solver: Solver = "kernel", substeps: int | None = None
+        self,
+        scenario: Scenario,
+        *,
+        solver: Solver = "kernel",
+        substeps: int | None = None,
+        precision: Precision = "double",
     ) -> Run:
         """Simulate the loop in a scenario.
 
@@ -108,23 +116,45 @@ class Loop:
             CVODES with the law evaluated by CasADi and switches located by SciPy's DOP853.
         substeps : int, optional
             RK4 steps in a sampling period; chosen from the fastest eigenvalue if omitted.
+        precision : {"double", "single"}
+            Of the controller alone, in the kernel: "single" is a PLC that computes in REAL, with
+            the bits of the C that is exported in single precision (see
+            `clepsydra.program.precision.in_single_arithmetic`).
 
         Raises
         ------
         InputError
             The scenario has another sampling period, or signals that the process lacks; the
-            solver is unknown, or the number of steps is not from 1 to 10,000.
+            solver or precision is unknown, or the number of steps is not from 1 to 10,000; in
+            single precision, the solver is not the kernel, or a number of the law is outside it.
         """
         self.check(scenario)
         check_solver(solver)
         count = self.substeps if substeps is None else substeps
         check_substeps(count, self.process)
+        check_precision(precision)
+        if precision == "single":
+            return self._in_single(scenario, solver, count)
         if solver == "reference":
             found = stepped_loop(self, scenario, count, solver)
             return self._collect(scenario, found, substeps=0)
         if isinstance(self.controller.law, PythonLaw):
             return self._collect(scenario, stepped_loop(self, scenario, count), substeps=count)
         return self._by_kernel(scenario, self._kernel(scenario, count), count, {})
+
+    def _in_single(self, scenario: Scenario, solver: Solver, substeps: int) -> Run:
+        if solver != "kernel":
+            raise InputError(
+                "run, solver", solver, "kernel, for a controller in single precision",
+                "leave the solver or the precision out",
+            )  # fmt: skip
+        law = in_single_arithmetic(self.controller.program())
+        told, begun = (
+            {controller_name(signal.name): signal.initial for signal in signals}
+            for signals in (law.parameters, map(signal_of, law.state))
+        )
+        kernel = self._kernel(scenario, substeps, law=law)
+        return self._by_kernel(scenario, kernel, substeps, told, begun)
 
     def run_checked(self, scenario: Scenario, largest: int = LARGEST_REFINEMENT) -> Run:
         """Simulate, estimate the error by halving the step, and refine until it is small.
@@ -180,23 +210,35 @@ class Loop:
             **{f"{y.name}.noise": scenario.noise[:, i] for i, y in enumerate(process.measurements)},
         }
 
-    def _kernel(self, scenario: Scenario, substeps: int, *, adjustable: bool = False) -> Kernel:
+    def _kernel(
+        self,
+        scenario: Scenario,
+        substeps: int,
+        *,
+        adjustable: bool = False,
+        law: Program | None = None,
+    ) -> Kernel:
         given = self.inputs_of(scenario)
         constant = {k: v for k, v in self.at_rest().items() if k not in given}
         return Kernel(
             closed_loop(
                 self.process, self.controller, substeps=substeps, constant=constant,
-                adjustable=adjustable,
+                adjustable=adjustable, law=law,
             )
         )  # fmt: skip
 
     def _by_kernel(
-        self, scenario: Scenario, kernel: Kernel, substeps: int, told: dict[str, float]
+        self,
+        scenario: Scenario,
+        kernel: Kernel,
+        substeps: int,
+        told: dict[str, float],
+        begun: Mapping[str, float] | None = None,
     ) -> Run:
         result = kernel.run(
             scenario.samples,
             inputs=self.inputs_of(scenario),
-            state=self.initial_state(),
+            state=self.initial_state() | dict(begun or {}),
             parameters=self.law_parameters() | told,
             turns=substeps,
         )

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.operation import COMPARISONS, EXACT, LIBRARY, LOGIC, Operation
+from clepsydra.program.operation import COMPARISONS, EXACT, LIBRARY, LOGIC, TO_SINGLE, Operation
 from clepsydra.program.program import Block, Call, Conditional, ForLoop, Program, Statement
 
 _ARITHMETIC: dict[str, Callable[..., Any]] = {
@@ -23,6 +23,7 @@ _ARITHMETIC: dict[str, Callable[..., Any]] = {
     "absolute": np.abs,
     "floor": np.floor,
     "ceiling": np.ceil,
+    TO_SINGLE: np.float32,
 }
 _COMPARE: dict[str, Callable[..., Any]] = {
     "less": np.less,
@@ -72,7 +73,7 @@ class BlockBuilder:
 
     def operation(self, code: str, *arguments: int, fused: bool = False) -> int:
         """Return the value of an operation, converting between numbers and truth values."""
-        if code not in EXACT and code not in LIBRARY:
+        if code not in EXACT and code not in LIBRARY and code != TO_SINGLE:
             raise ValueError(f"unknown operation {code!r}")
         if code == "number" and arguments[0] not in self._truths:
             return arguments[0]

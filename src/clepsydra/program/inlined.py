@@ -87,6 +87,21 @@ def append(
     return at(block.results), place
 
 
+def append_in_place(builder: BlockBuilder, block: Block, arguments: Sequence[int]) -> list[int]:
+    """Append a block whose calls are computed in place, and return what its results are there.
+
+    Examples
+    --------
+    >>> builder = BlockBuilder(1)
+    >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
+    >>> append_in_place(builder, double, [builder.constant(1.5)])
+    [2]
+    >>> builder.finish([2]).statements[0].constant
+    3.0
+    """
+    return append(builder, block, arguments, _called)[0]
+
+
 def renamed(program: Program, place: Mapping[int, int]) -> dict[int, str]:
     """Return the names of a program's values where they now stand.
 
@@ -105,4 +120,4 @@ def renamed(program: Program, place: Mapping[int, int]) -> dict[int, str]:
 
 def _called(builder: BlockBuilder, call: Call, place: Mapping[int, int]) -> Sequence[int]:
     given = [place[value] for value in call.arguments]
-    return append(builder, call.program.block, given, _called)[0]
+    return append_in_place(builder, call.program.block, given)

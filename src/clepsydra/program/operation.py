@@ -33,11 +33,16 @@ LIBRARY = {
 }  # fmt: skip
 
 
+#: Rounds a number to the nearest one of single precision. No law has it, and no printer takes it:
+#: the engine computes with it what a target computes that has REAL or float only.
+TO_SINGLE = "to_single"
+
+
 @dataclass(frozen=True)
 class Operation:
     """One operation; its result is the value `target`.
 
-    `code` is a member of `EXACT` or `LIBRARY`:
+    `code` is a member of `EXACT` or `LIBRARY`, or `TO_SINGLE`:
 
     - ``maximum(a, b)`` is ``a > b ? a : b``, ``minimum(a, b)`` is ``a < b ? a : b``;
     - ``select(c, a, b)`` is ``c ? a : b`` with a truth value c;

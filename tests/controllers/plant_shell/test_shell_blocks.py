@@ -14,10 +14,10 @@ from clepsydra.controllers.blocks.status import STATUS_BITS
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.controllers.plant_shell.status import SHELL_STATUS_BITS
-from clepsydra.deploy.printing.precision import in_precision
 from clepsydra.deploy.printing.whole_numbers import check_whole_results
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.owned_state import owned_by_calls, with_owned_state
+from clepsydra.program.precision import in_precision
 from clepsydra.program.reader import program_of, structured_program_of
 from clepsydra.program.step_law import Equations, step_law
 

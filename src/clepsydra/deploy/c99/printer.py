@@ -15,11 +15,11 @@ from clepsydra.deploy.c99.structures import WIDTH, remarked
 from clepsydra.deploy.printing.heading import number_comment, table_comment
 from clepsydra.deploy.printing.lines import indented
 from clepsydra.deploy.printing.origin import Origin
-from clepsydra.deploy.printing.precision import Precision, in_precision
 from clepsydra.deploy.printing.printed_form import printed_form
 from clepsydra.program.called_blocks import called_blocks
 from clepsydra.program.entries import Entry, is_ring, signal_of
 from clepsydra.program.owned_state import state_paths
+from clepsydra.program.precision import Precision, in_precision
 from clepsydra.program.program import Program
 
 

@@ -6,10 +6,10 @@ from clepsydra.base.signal import Signal
 from clepsydra.deploy.printing.expressions import OPERATORS, Notation
 from clepsydra.deploy.printing.for_loop import IN_C
 from clepsydra.deploy.printing.listing import BlockCall
-from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.printing.statements import Language, Syntax
 from clepsydra.deploy.printing.whole_numbers import INTEGER_LOW
 from clepsydra.program.operation import LIBRARY
+from clepsydra.program.precision import Precision
 
 _FUNCTIONS = {
     "square_root": "sqrt", "absolute": "fabs", "floor": "floor", "ceiling": "ceil",

@@ -10,11 +10,11 @@ from clepsydra import __version__
 from clepsydra.base.errors import InputError
 from clepsydra.deploy.printing.declarations import Variable
 from clepsydra.deploy.printing.origin import Origin
-from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.structured_text.dialect import Dialect, dialect_of
 from clepsydra.deploy.structured_text.pou import Unit, declaration_lines
 from clepsydra.deploy.structured_text.printer import function_blocks
 from clepsydra.deploy.structured_text.project import CONFIGURATION, RESOURCE, TASK, Project
+from clepsydra.program.precision import Precision
 from clepsydra.program.program import Program
 
 XHTML = "http://www.w3.org/1999/xhtml"

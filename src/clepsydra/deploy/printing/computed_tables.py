@@ -9,8 +9,8 @@ from itertools import combinations
 import numpy as np
 
 from clepsydra.deploy.printing.expressions import Expression, constant, variable
-from clepsydra.deploy.printing.precision import Precision
 from clepsydra.program.counted_loop import Table
+from clepsydra.program.precision import Precision
 
 _REAL = {"double": np.float64, "single": np.float32}
 #: A shorter list is as easily read.

@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Kind
 from clepsydra.deploy.printing.decimal_text import decimal
-from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.printing.whole_numbers import INTEGER_HIGH, INTEGER_LOW
 from clepsydra.program.operation import COMPARISONS, LOGIC
+from clepsydra.program.precision import Precision
 
 # How tightly a written expression holds together; an operand that is looser than its place
 # demands is put in parentheses.

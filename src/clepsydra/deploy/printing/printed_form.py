@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
-from clepsydra.deploy.printing.precision import Precision, in_precision
 from clepsydra.deploy.printing.whole_numbers import check_whole_results
 from clepsydra.program.called_blocks import without_untold
 from clepsydra.program.owned_state import with_owned_state
+from clepsydra.program.precision import Precision, in_precision
 from clepsydra.program.program import Program
 
 

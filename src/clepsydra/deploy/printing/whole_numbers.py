@@ -12,9 +12,9 @@ import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.printing.precision import Precision
 from clepsydra.program.entries import signal_of
 from clepsydra.program.operation import COMPARISONS, LOGIC, Operation
+from clepsydra.program.precision import Precision
 from clepsydra.program.program import Block, Call, Conditional, Program
 
 INTEGER_LOW, INTEGER_HIGH = -(2.0**31), 2.0**31 - 1.0

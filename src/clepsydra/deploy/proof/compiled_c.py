@@ -22,7 +22,6 @@ from clepsydra.deploy.compiler import (
     library_name,
 )
 from clepsydra.deploy.printing.origin import Origin
-from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.proof.instance import (
     Array,
     Instance,
@@ -32,6 +31,7 @@ from clepsydra.deploy.proof.instance import (
 )
 from clepsydra.program.entries import Entry, is_ring, signal_of
 from clepsydra.program.owned_state import own_state, state_paths, with_owned_state
+from clepsydra.program.precision import Precision
 from clepsydra.program.program import Program
 
 _REALS = {"double": ctypes.c_double, "single": ctypes.c_float}

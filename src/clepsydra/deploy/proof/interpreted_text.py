@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from clepsydra.deploy.printing.origin import Origin
-from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.proof.instance import Instance
 from clepsydra.deploy.proof.text.interpreter import function_block
 from clepsydra.deploy.proof.text.scl import standard_text
@@ -15,6 +14,7 @@ from clepsydra.deploy.structured_text.instances import with_block_names
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.program.entries import is_ring
 from clepsydra.program.owned_state import state_paths, with_owned_state
+from clepsydra.program.precision import Precision
 from clepsydra.program.program import Program
 
 

@@ -10,7 +10,6 @@ from typing import Any
 from clepsydra.base.arguments import sequence_of
 from clepsydra.base.errors import InputError
 from clepsydra.deploy.compiler import Compiler
-from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.proof.comparison import Difference, is_exact
 from clepsydra.deploy.proof.contents import Contents
 from clepsydra.deploy.proof.job import Job
@@ -18,6 +17,7 @@ from clepsydra.deploy.proof.limits import PYTHON_LAW, Limit
 from clepsydra.deploy.proof.row import ProofRow, Verdict
 from clepsydra.deploy.proof.single_scans import DIVERGED
 from clepsydra.deploy.target import TARGETS
+from clepsydra.program.precision import Precision
 
 #: Difference, bound (None: there is none), and further fields of the row.
 Measured = tuple[Difference, float | None, dict[str, Any]]

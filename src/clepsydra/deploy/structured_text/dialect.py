@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from clepsydra.base.errors import InputError
 from clepsydra.base.language_words import STRUCTURED_TEXT_WORDS
 from clepsydra.deploy.printing.identifiers import NameRules
-from clepsydra.deploy.printing.precision import Precision
+from clepsydra.program.precision import Precision
 
 _FUNCTIONS = {
     "square_root": "SQRT", "absolute": "ABS", "exp": "EXP", "log": "LN", "pow": "EXPT",

@@ -11,12 +11,12 @@ from clepsydra.deploy.printing.decimal_text import decimal
 from clepsydra.deploy.printing.declarations import Variable, check_scope, declared
 from clepsydra.deploy.printing.lines import dense, folded
 from clepsydra.deploy.printing.origin import Origin
-from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.structured_text.dialect import Dialect
 from clepsydra.deploy.structured_text.pou import Section, Unit
 from clepsydra.deploy.structured_text.statements import StructuredText, joined
 from clepsydra.program.entries import signal_of
 from clepsydra.program.owned_state import own_state
+from clepsydra.program.precision import Precision
 from clepsydra.program.program import Program
 
 #: What a variable is that is declared without a value.

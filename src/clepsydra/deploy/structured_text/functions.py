@@ -7,10 +7,10 @@ from collections.abc import Iterable
 from clepsydra.deploy.printing.declarations import Variable
 from clepsydra.deploy.printing.expressions import Expression, variable
 from clepsydra.deploy.printing.lines import dense
-from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.structured_text.dialect import OWN, Dialect
 from clepsydra.deploy.structured_text.pou import Section, Unit
 from clepsydra.deploy.structured_text.statements import StructuredText
+from clepsydra.program.precision import Precision
 
 # A double of this size or above is a whole number already, and so is a single-precision number.
 _WHOLE = {"double": 2.0**52, "single": 2.0**23}

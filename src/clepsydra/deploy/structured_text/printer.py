@@ -8,7 +8,6 @@ from dataclasses import replace
 from clepsydra.deploy.printing.declarations import Variable, declared, records_of
 from clepsydra.deploy.printing.heading import heading
 from clepsydra.deploy.printing.origin import Origin
-from clepsydra.deploy.printing.precision import Precision, in_precision
 from clepsydra.deploy.printing.printed_form import printed_form
 from clepsydra.deploy.structured_text.dialect import Dialect, dialect_of
 from clepsydra.deploy.structured_text.function_block import ZEROS, block_type, function_block
@@ -17,6 +16,7 @@ from clepsydra.deploy.structured_text.instances import BEGUN, beginning, with_bl
 from clepsydra.deploy.structured_text.pou import Section, Unit, comment_lines, unit_text
 from clepsydra.deploy.structured_text.statements import REAL, StructuredText
 from clepsydra.program.called_blocks import called_blocks
+from clepsydra.program.precision import Precision, in_precision
 from clepsydra.program.program import Program
 
 _NOTES = (

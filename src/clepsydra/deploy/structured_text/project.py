@@ -8,13 +8,13 @@ from functools import cached_property
 
 from clepsydra import __version__
 from clepsydra.deploy.printing.origin import Origin
-from clepsydra.deploy.printing.precision import Precision, in_precision
 from clepsydra.deploy.structured_text.dialect import Dialect, dialect_of
 from clepsydra.deploy.structured_text.pou import Unit, unit_text
 from clepsydra.deploy.structured_text.printer import function_blocks
 from clepsydra.deploy.structured_text.simulated_plant import loop_program, wired
 from clepsydra.deploy.structured_text.statements import StructuredText
 from clepsydra.deploy.structured_text.time_literal import time_literal
+from clepsydra.program.precision import Precision, in_precision
 from clepsydra.program.program import Program
 
 #: Names that the runtime of OpenPLC looks for in what its compiler makes.

@@ -19,10 +19,10 @@ from clepsydra.deploy.printing.expressions import (
 from clepsydra.deploy.printing.for_loop import IN_STRUCTURED_TEXT
 from clepsydra.deploy.printing.identifiers import Identifiers
 from clepsydra.deploy.printing.listing import BlockCall
-from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.printing.statements import Language, Syntax
 from clepsydra.deploy.structured_text.dialect import OWN, Dialect
 from clepsydra.program.operation import COMPARISONS
+from clepsydra.program.precision import Precision
 
 _SYNTAX = Syntax(
     comment="(* {} *)",

@@ -1,18 +1,27 @@
-"""The precision that a program is printed in: double, or single where a target has no double."""
+"""The precision of a program: double, or single where a target computes in REAL or float."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
+from itertools import count
 from typing import Literal, get_args
 
 import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.program.operation import Operation
-from clepsydra.program.program import Block, Call, Conditional, Program, Statement
+from clepsydra.program.operation import LIBRARY, TO_SINGLE, Operation
+from clepsydra.program.program import (
+    Block,
+    Call,
+    Conditional,
+    Program,
+    Statement,
+    written_by,
+)
 
 #: LREAL and double, or REAL and float.
 Precision = Literal["double", "single"]
@@ -23,6 +32,10 @@ _SMALLEST = float(np.finfo(np.float32).tiny)
 #: value counts as not a number (`LARGEST_NUMBER` of the controllers' blocks), and of what keeps a
 #: divisor from being zero.
 _IN_SINGLE = {1e300: float(np.float32(3e38)), 1e-300: _SMALLEST}
+
+
+#: Operations on numbers of single precision whose result need not be one.
+_INEXACT = frozenset({"add", "subtract", "multiply", "divide", "square_root", *LIBRARY})
 
 
 def check_precision(precision: str) -> None:
@@ -77,6 +90,65 @@ def in_precision(program: Program, precision: Precision) -> Program:
         for each in program.tables
     )
     return replace(rounded, block=block, tables=tables)
+
+
+def in_single_arithmetic(program: Program) -> Program:
+    """Return a program that computes in doubles what one in single precision computes.
+
+    Its numbers are those of `in_precision`, and each operation is rounded to single precision:
+    a sum, difference, product, quotient or root of singles that is rounded to double and then
+    to single is the one that is rounded once, since double has more than twice the digits
+    (Figueroa, doi:10.1145/221332.221334). A function such as exp is the engine's double,
+    rounded; the one for single precision of another library may differ in its last bit.
+
+    Parameters
+    ----------
+    program : Program
+        Who runs it gives inputs in single precision.
+
+    Raises
+    ------
+    InputError
+        A number is too large or too small for single precision.
+
+    Examples
+    --------
+    One is lost beside 2²⁴:
+
+    >>> from clepsydra.engine.kernel import Kernel
+    >>> total = Block(2, (Operation(2, "add", (0, 1)),), (2, 2))
+    >>> program = Program("sum", (Signal("x"),), (Signal("u"),), (), (Signal("y"),), total)
+    >>> for each in (program, in_single_arithmetic(program)):
+    ...     run = Kernel(each).run(3, inputs={"u": [2.0**24, 1.0, 1.0]})
+    ...     print(run.output("y")[0] - 2.0**24)
+    [0. 1. 2.]
+    [0. 0. 0.]
+    """
+    return _rounding(in_precision(program, "single"))
+
+
+def _rounding(program: Program) -> Program:
+    return replace(program, block=_rounding_block(program.block))
+
+
+def _rounding_block(block: Block) -> Block:
+    return replace(block, statements=tuple(_rounding_statements(block)))
+
+
+def _rounding_statements(block: Block) -> Iterator[Statement]:
+    taken = (value for statement in block.statements for value in written_by(statement))
+    free = count(max(taken, default=block.arguments) + 1)
+    for statement in block.statements:
+        if isinstance(statement, Call):
+            yield replace(statement, program=_rounding(statement.program))
+        elif not isinstance(statement, Operation):
+            yield replace(statement, body=_rounding_block(statement.body))
+        elif statement.code in _INEXACT:
+            exact = next(free)
+            yield replace(statement, target=exact)
+            yield Operation(statement.target, TO_SINGLE, (exact,))
+        else:
+            yield statement
 
 
 def _signal(signal: Signal, place: str) -> Signal:
