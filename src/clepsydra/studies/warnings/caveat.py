@@ -5,11 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from clepsydra.base.words import listed
-
-#: So many controllers are named.
-_NAMED = 3
-
 
 @dataclass(frozen=True)
 class Caveat:
@@ -45,22 +40,20 @@ def told_once(runs: Iterable[tuple[str, Sequence[Caveat]]]) -> tuple[str, ...]:
     >>> coarse, coarser = (Caveat(f"It is {x} % wrong.", "error", x) for x in (1, 2))
     >>> told_once([("PI", [coarse]), ("PID", [coarser])])
     ('Every controller: It is 2 % wrong.',)
-    >>> told_once([("PI", [coarse]), ("PID", [])])
-    ('PI: It is 1 % wrong.',)
+    >>> told_once([("PI", [coarse]), ("PID", [coarser]), ("LQI", [])])
+    ('2 of 3 controllers, most of all PID: It is 2 % wrong.',)
     """
     runs = list(runs)
-    farthest: dict[str, Caveat] = {}
-    names: dict[str, list[str]] = {}
+    true_of: dict[str, list[tuple[Caveat, str]]] = {}
     for name, caveats in runs:
         for each in caveats:
-            names.setdefault(each.about, []).append(name)
-            if each.extent >= farthest.setdefault(each.about, each).extent:
-                farthest[each.about] = each
-    return tuple(f"{_who(names[about], len(runs))}: {c.words}" for about, c in farthest.items())
-
-
-def _who(names: Sequence[str], of: int) -> str:
-    if len(names) == of > 1:
-        return "Every controller"
-    more = len(names) - _NAMED
-    return listed([*names[:_NAMED], f"{more} more"] if more > 0 else list(names))
+            true_of.setdefault(each.about, []).append((each, name))
+    said = []
+    for found in true_of.values():
+        farthest, name = max(found, key=lambda entry: entry[0].extent)
+        who = name
+        if len(found) > 1:
+            some = f"{len(found)} of {len(runs)} controllers, most of all {name}"
+            who = "Every controller" if len(found) == len(runs) else some
+        said.append(f"{who}: {farthest.words}")
+    return tuple(said)
