@@ -16,6 +16,7 @@ class Mark(Enum):
     WATCH = "!"
     REFUSED = "–"
     COMMAND = "$"
+    FILE = "file"
 
 
 @dataclass(frozen=True)

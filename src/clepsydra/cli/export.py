@@ -124,10 +124,7 @@ def export(
     if as_json:
         print_json({"files": [str(path) for path in found.files], **found.facts})
         return
-    if found.said:
-        show(found)
-    for line in found.lines:
-        typer.echo(line)
+    show(found)
 
 
 def _check_process(request: Plant | StudyRequest, target: str) -> None:

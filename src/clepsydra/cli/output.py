@@ -92,7 +92,7 @@ def show(result: object) -> None:
     console = Console()
     if not console.is_terminal and "COLUMNS" not in os.environ:
         console = Console(width=100)
-    console.print(result)
+    console.print(result, crop=False)  # a path stays whole
 
 
 def print_json(document: dict[str, Any] | list[Any]) -> None:

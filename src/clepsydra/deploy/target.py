@@ -37,13 +37,16 @@ class ExportedFiles:
         For JSON: name and digest of the program, and what else belongs to the target.
     next_step : str
         What the engineer does with them.
+    then : tuple of str
+        What follows, a step each.
     answer : Section, optional
-        What is shown of them on a terminal.
+        What is shown of them on a terminal; without one what they are, by the target's words.
     """
 
     files: Mapping[str, bytes]
     facts: Mapping[str, Any]
     next_step: str
+    then: tuple[str, ...] = ()
     answer: Section | None = None
 
 

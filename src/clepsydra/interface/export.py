@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.files import write_together
-from clepsydra.base.section import Section
+from clepsydra.base.section import Line, Mark, Section, marked
 from clepsydra.controllers import controller as inner
 from clepsydra.deploy.printing.identifiers import identifier_of as identifier_of
 from clepsydra.deploy.target import Delivery, target_of
@@ -33,29 +33,24 @@ class Exported(Answered):
         Name and digest of the program, and what else belongs to the target.
     next_step : str
         What the engineer does with them.
-    said : Section or None
-        What is shown of them.
+    then : tuple of str
+        And after that, a step each.
+    said : Section
+        What they are.
     """
 
     files: tuple[Path, ...]
     facts: Mapping[str, Any]
     next_step: str
-    said: Section | None = None
+    then: tuple[str, ...] = ()
+    said: Section = field(default_factory=Section)
 
     def answer(self) -> Section:
-        """Return what is shown of them."""
-        return self.said or Section()
-
-    def __repr__(self) -> str:
-        """Return it, what was written, in lines that are not broken, and what to do."""
-        tables = [super().__repr__()] if self.said else []
-        return "\n".join([*tables, *self.lines])
-
-    @property
-    def lines(self) -> tuple[str, ...]:
-        """What was written, a file a line, and what to do with it."""
-        following = (f"Next: {self.next_step}",) if self.next_step else ()
-        return (*(f"Written: {path}" for path in self.files), *following)
+        """Return what they are, what was written, a file a line, and what to do with it."""
+        written = marked(Mark.FILE, (f"Written: {path}" for path in self.files))
+        following = (Line(f"Next: {self.next_step}"),) if self.next_step else ()
+        steps = marked(Mark.POINT, self.then)
+        return replace(self.said, parts=(*self.said.parts, *written, *following, *steps))
 
 
 def export(
@@ -143,9 +138,10 @@ def export(
         )
     place = Path(folder)
     place.mkdir(parents=True, exist_ok=True)
-    return Exported(
-        tuple(write_together(place, found.files)), found.facts, found.next_step, found.answer
-    )
+    what = plant.process.title if controller is None else f"{own.title} on {plant.process.title}"
+    said = found.answer or Section("", (Line(f"{what}: {target.words}.", Mark.ANSWER),))
+    files = tuple(write_together(place, found.files))
+    return Exported(files, found.facts, found.next_step, found.then, said)
 
 
 def _scenario(given: Scenario | None, plant: Plant) -> Scenario:

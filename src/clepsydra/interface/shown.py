@@ -26,7 +26,7 @@ class Shown:
         from rich.console import Console
 
         console = Console(width=_WIDTH, file=io.StringIO(), color_system=None, record=True)
-        console.print(self.__rich__())
+        console.print(self.__rich__(), crop=False)
         lines = console.export_text().splitlines()
         return "\n".join(line.rstrip() for line in lines).strip("\n")
 

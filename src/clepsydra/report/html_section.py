@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from markupsafe import Markup
 
 _LISTED = (Mark.POINT, Mark.REFUSED)
-_CLASSES = {Mark.PLAIN: "", Mark.ANSWER: "answer", Mark.WATCH: "watch"}
+_CLASSES = {Mark.ANSWER: "answer", Mark.WATCH: "watch"}
 
 
 def html(section: Section, depth: int = 2, *, scripted: bool = True) -> Markup:
@@ -74,7 +74,7 @@ def _part(part: Line | Table | Picture | Section, depth: int, scripted: bool) ->
         return ""
     if part.mark is Mark.COMMAND:
         return f"<pre>{escape(part.text)}</pre>"
-    kind = f' class="{name}"' if (name := _CLASSES[part.mark]) else ""
+    kind = f' class="{name}"' if (name := _CLASSES.get(part.mark)) else ""
     return f"<p{kind}>{escape(part.text)}</p>"
 
 

@@ -72,6 +72,8 @@ def _line(line: Line, width: int) -> RenderableType:
         return Text(line.text, style=style)
     if line.mark is Mark.COMMAND:
         return Text(_continued(line.text, width))
+    if line.mark is Mark.FILE:  # a path that is broken is none
+        return Text(line.text, no_wrap=True, overflow="ignore")
     hanging = RichTable.grid(padding=(0, 2))
     hanging.add_column(width=2, justify="right")
     hanging.add_column()

@@ -20,7 +20,7 @@ from clepsydra.report.simulation_tables import (
 )
 
 #: Of the answer: signals, events and warnings; and events of the whole.
-_SIGNALS, _EVENTS, _WATCHED, _LISTED = 7, 3, 2, 12
+_SIGNALS, _EVENTS, _WATCHED, _LISTED = 6, 3, 2, 12
 _EMPTY = Line("")
 
 
@@ -40,26 +40,23 @@ def simulation_answer(plan: Plan, run: Simulation, *, every: bool = False) -> Se
     >>> from clepsydra.loop.open_loop_plan import plan_simulation
     >>> from clepsydra.process.reader import load_process
     >>> plan = plan_simulation(load_process("quadruple-tank"), duration="60 s", start="empty")
-    >>> simulation_answer(plan, plan.run()).parts[3].head
+    >>> simulation_answer(plan, plan.run()).parts[2].head
     ('what moved', 'start', 'end', 'smallest', 'largest')
     """
     process = plan.process
-    parts: list[Line | Table | Section] = [
-        Line(simulation_sentence(plan, run), Mark.ANSWER),
-        Line(trust_sentence(run)),
-    ]
+    parts: list[Line | Table | Section] = [Line(simulation_sentence(plan, run), Mark.ANSWER)]
     warnings = plan.point.warnings
     if every:
         parts += [trajectories_grid(run)]
         parts += [events_grid(run, _LISTED)] if run.events else []
         parts += [balances_grid(run)] if run.balances else []
-        parts += marked(Mark.WATCH, warnings)
+        parts += [Line(trust_sentence(run)), *marked(Mark.WATCH, warnings)]
     else:
         moved, still = _moved(run)
         parts += [_EMPTY, moved] if moved.rows else []
         if run.events:
             parts += [_EMPTY, replace(events_grid(run, _EVENTS), title="", names=3)]
-        parts += marked(Mark.WATCH, warnings[:_WATCHED])
+        parts += [Line(trust_sentence(run)), *marked(Mark.WATCH, warnings[:_WATCHED])]
         more = f"{still} more signals, times" if still else "Times"
         parts.append(Line(f"{more} and balances: --all"))
     unmoved = not plan.changes and plan.begins == "at rest"

@@ -12,6 +12,16 @@ if TYPE_CHECKING:
     from clepsydra.deploy.proof.run import Run
     from clepsydra.program.program import Program
 
+#: How the test project comes into the editors of each dialect, and runs.
+_IMPORT = {
+    "codesys": "import {test}.xml (Project → Import PLCopenXML; in TwinCAT on the PLC project), "
+    "and call {test} in a cyclic task of {period}.",
+    "matiec": "upload {test}.st to the OpenPLC Runtime (Programs), which finds its task of "
+    "{period} in it; an editor opens {test}.xml under the name plc.xml.",
+    "scl": "add {test}.scl (External source files → Add new external file), generate blocks from "
+    "it, and call {test} in a cyclic interrupt of {period}.",
+}
+
 
 def _controller(delivery: Delivery, options: Options) -> ExportedFiles:
     """Return NAME.st or NAME.scl with the function block, and the test project.
@@ -28,27 +38,30 @@ def _controller(delivery: Delivery, options: Options) -> ExportedFiles:
 
     ready, dialect = delivery.ready, options["dialect"]
     name, ending = ready.program.name, "scl" if dialect == "scl" else "st"
-    time_literal(ready.process.sampling_period)  # refuses what no task can hold
+    period = time_literal(ready.process.sampling_period)  # refuses what no task can hold
     rules = replace(dialect_of(dialect).names, language=f"Structured Text, {dialect}", longest=0)
     for signal, tag in ready.process.tags.items():
         rules.check(tag, f"{ready.process.address}, tag of {signal}")
     texts = {
         f"{name}.{ending}": print_structured_text(ready.program, origin=ready.origin, **options)
     }
-    next_step = f"docs/plc.md says how {name}.{ending} comes into the project of the PLC; "
     tank = process_program(tagged_point(ready.point))
     try:
         print_structured_text(tank, **options)
     except InputError as refusal:
-        next_step += f"there is no test project, since the tank cannot be printed: {refusal}"
+        steps = [f"there is no test project, since the tank cannot be printed: {refusal}"]
     else:
         projects = _test_projects(delivery, tank, options)
         texts |= {f"{name}_test.{kind}": text for kind, text in projects.items()}
-        next_step += f"run {name}_test.{ending} there first."
+        steps = [
+            _IMPORT[dialect].format(test=f"{name}_test", period=period),
+            "Run it in the PLC's simulator first: its controller drives a simulated tank.",
+        ]
+    steps.append(f"For the plant take {name}.{ending} alone, wired, in a task of {period}.")
     # TIA Portal takes a text without a byte order mark for one of the machine's code page.
     encoding = "utf-8-sig" if dialect == "scl" else "utf-8"
     files = {file: text.encode(encoding) for file, text in texts.items()}
-    return ExportedFiles(files, ready.facts | options, next_step)
+    return ExportedFiles(files, ready.facts | options, steps[0], tuple(steps[1:]))
 
 
 def _test_projects(delivery: Delivery, tank: Program, options: Options) -> dict[str, str]:
@@ -82,7 +95,7 @@ TARGETS.add(
     "st",
     Target(
         2,
-        "IEC 61131-3 Structured Text with a test project and PLCopen XML",
+        "IEC 61131-3 Structured Text with a test project (PLCopen XML but for scl)",
         _controller,
         {"precision": ("double", "single"), "dialect": ("codesys", "matiec", "scl")},
         runs=_runs,

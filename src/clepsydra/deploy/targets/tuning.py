@@ -16,7 +16,7 @@ def _controller(delivery: Delivery, options: Options) -> ExportedFiles:
         {name: found.as_markdown().encode()},
         found.as_dict(),
         "enter the numbers of your block, with its switches, from the file.",
-        found.answer(),
+        answer=found.answer(),
     )
 
 

@@ -1,0 +1,59 @@
+"""What the verbs print on terminals of 80 and 100 columns: nothing wider, and no word broken."""
+
+import pytest
+
+import clepsydra as cl
+
+PI = ("--controller", "PI, SIMC")
+SCREENS = {
+    "simulate": ("simulate", "laboratory-four-tanks", "--input", "pump_1=90%@5s"),
+    "simulate --all": ("simulate", "wet-well", "--start", "empty", "--duration", "20 min", "--all"),
+    "identify": ("identify", "run.csv", "--manipulated", "pump_1", "--measured", "level_1"),
+    "identify --process": (
+        "identify", "run.csv", "--process", "quadruple-tank", "--parameters", "outlet_1.area",
+    ),
+    "analyse": ("analyse", "laboratory-four-tanks"),
+    "analyse --all": ("analyse", "eight-tanks", "--all"),
+    "verify": ("verify", "three-tanks", *PI, "--to", "c"),
+    "export a process": ("export", "quadruple-tank", "--to", "fmu"),
+    **{
+        f"export --to {target}": ("export", "quadruple-tank", *PI, "--to", *target.split())
+        for target in ("c", "st", "st --dialect matiec", "st --dialect scl", "tuning", "signals",
+                       "fmu")
+    },
+}  # fmt: skip
+#: Rows that a screen has at most, but where all is asked for.
+_ROWS = 27
+
+
+@pytest.mark.parametrize("columns", [80, 100])
+@pytest.mark.parametrize("case", SCREENS)
+def test_nothing_is_wider_and_no_word_is_broken(command, tmp_path, monkeypatch, case, columns):
+    step = [cl.step("pump_1", "+0.5 V", at="20 s"), cl.step("pump_1", "-0.6 V", at="3 min")]
+    cl.simulate(cl.load("quadruple-tank"), None, step, duration="6 min").save(tmp_path / "run.csv")
+    told = {}
+    for width in (columns, 1000):
+        monkeypatch.setenv("COLUMNS", str(width))
+        status, told[width], errors = command(*SCREENS[case])
+        assert (status, errors) == (0, "")
+    lines = told[columns].splitlines()
+    assert max(map(len, lines)) <= columns
+    assert set(told[columns].split()) <= set(told[1000].split())
+    assert "--all" in case or len(lines) <= _ROWS
+
+
+@pytest.mark.parametrize("target", ["c", "st", "st --dialect scl", "tuning", "signals", "fmu"])
+def test_an_export_says_what_it_is_what_was_written_and_what_to_do(command, tmp_path, target):
+    status, out, _ = command("export", "quadruple-tank", *PI, "--to", *target.split())
+    lines, files = out.splitlines(), sorted(path.name for path in tmp_path.iterdir())
+    assert status == 0 and lines[0].startswith("PI, SIMC on ")
+    assert sorted(line[9:].rstrip() for line in lines if line.startswith("Written: ")) == files
+    (following,) = (place for place, line in enumerate(lines) if line.startswith("Next: "))
+    assert following <= 8 and "docs/" not in out  # an installation has no docs
+
+
+def test_a_path_stays_whole_though_the_terminal_is_narrower(command, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "30")
+    status, out, _ = command("export", "quadruple-tank", *PI, "--to", "c")
+    assert status == 0
+    assert "Written: quadruple_tank_pi_simc.c" in [line.rstrip() for line in out.splitlines()]
