@@ -1,7 +1,5 @@
 """What the engine computes in single precision against C with float, NumPy and a loop by C."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 from deployed import CompiledC
@@ -12,7 +10,6 @@ from single_precision import InSinglePrecision, single_bits
 
 import clepsydra as cl
 from clepsydra import Signal
-from clepsydra.deploy.proof.compiled_law import compiled_law
 from clepsydra.deploy.proof.engine_run import engine_run
 from clepsydra.deploy.proof.scans import random_scans
 from clepsydra.loop.default_scenario import default_scenario
@@ -83,13 +80,22 @@ def test_a_function_is_that_of_the_c_library_within_two_units_in_the_last_place(
 @pytest.mark.thorough
 @pytest.mark.parametrize("shelled", [False, True], ids=["bare", "in its shell"])
 @pytest.mark.parametrize("name", PROCESSES)
-def test_a_loop_in_single_precision_is_the_loop_controlled_by_the_c(name, shelled, tmp_path):
-    """Sample by sample, with inputs of which some never change and are folded in the engine."""
-    ready, rig = family(name)[1], plant(PROCESSES[name])
+def test_a_loop_in_single_precision_moves_as_the_c_does(name, shelled, tmp_path):
+    """With what never changes folded in the engine: the C is told it, with what it measures."""
+    rig, ready = plant(PROCESSES[name]), family(name)[1]
     controller = ready.controller if shelled else cl.study(rig, only=name).best.controller
-    compiled = CompiledC(controller.program(), tmp_path, "single")
-    by_c = dataclasses.replace(controller, law=compiled_law(controller.law, compiled))
+    program, loop = controller.program(), Loop(controller, rig.linear)
     scenario = default_scenario(rig.linear)
-    found = Loop(controller, rig.linear).run(scenario, precision="single").values
-    expected = Loop(by_c, rig.linear).run(scenario).values
-    assert all(np.array_equal(found[key], expected[key]) for key in expected)
+    run = loop.run(scenario, precision="single").values
+    rest = loop.at_rest()
+    told = [
+        loop.law_inputs(rest | {key: column[k] for key, column in run.items()})
+        for k in range(scenario.samples)
+    ]
+    inputs = in_single(dict(zip((s.name for s in program.inputs), np.array(told).T, strict=True)))
+    outputs = CompiledC(program, tmp_path, "single").run(inputs)[:, : len(program.outputs)]
+    moved = [loop.told_by_law(row) for row in outputs]
+    wires = [wire for wire in moved[0] if wire in run]
+    assert set(controller.manipulated) < set(wires)
+    for wire in wires:
+        np.testing.assert_array_equal([each[wire] for each in moved], run[wire])

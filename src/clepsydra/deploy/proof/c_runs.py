@@ -8,7 +8,7 @@ from typing import Any
 from clepsydra.base.errors import InputError
 from clepsydra.deploy.c99.printer import CSource
 from clepsydra.deploy.compiler import Compiler
-from clepsydra.deploy.proof.comparison import compare, double_bound, shown_signals
+from clepsydra.deploy.proof.comparison import compare, double_bound, is_exact, shown_signals
 from clepsydra.deploy.proof.compiled_c import CompiledC, printed_c
 from clepsydra.deploy.proof.contents import Contents
 from clepsydra.deploy.proof.job import Job
@@ -68,6 +68,10 @@ def _measured(job: Job, files: Contents) -> Measured:
 
 
 def _measured_single(job: Job, files: Contents) -> Measured:
+    if is_exact(job.program):
+        wrong = compare(shown_signals(job.program), job.engine_in_single, job.run_of_single_c)
+        if wrong.differing:
+            return wrong, 0.0, {"against": "engine in single"}
     found, reason = compare_single(job)
     scores = _scores(job)
     said = "; ".join(filter(None, [reason, scores.get("reason")]))
@@ -84,7 +88,7 @@ def _scores(job: Job) -> dict[str, Any]:
 
     try:
         model = linearise(item.point)
-        found = score_change(item.controller, model, job.single_c, item.scenario)
+        found = score_change(item.controller, model, item.scenario)
     except InputError as refusal:
         return {"reason": f"the scores were not compared: {refusal}"}
     told = {

@@ -18,6 +18,7 @@ from clepsydra.deploy.proof.engine_run import engine_run
 from clepsydra.deploy.proof.instance import Array
 from clepsydra.deploy.proof.item import ProofItem
 from clepsydra.deploy.proof.scans import random_scans
+from clepsydra.program.precision import in_single_arithmetic
 from clepsydra.program.program import Program
 
 
@@ -93,6 +94,11 @@ class Job:
     def engine_of_single(self) -> Array:
         """The engine, in double precision, over the scans in single precision."""
         return engine_run(self.program, self.single_inputs)
+
+    @cached_property
+    def engine_in_single(self) -> Array:
+        """The engine, with every operation rounded to single precision, over these scans."""
+        return engine_run(in_single_arithmetic(self.program), self.single_inputs)
 
     @cached_property
     def single_c(self) -> CompiledC:

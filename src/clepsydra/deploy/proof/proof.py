@@ -136,10 +136,11 @@ def prove(
     Each program runs through the same random scans (`scans.random_scans`) in the engine's kernel,
     as C built by this machine's compiler, as Structured Text of each dialect read by a grammar
     and an interpreter of their own, and as FMUs by FMPy; in single precision as C and as
-    Structured Text, which are compared with each other, and as C with the engine in double
-    precision. That difference is only reported, with what it does to the scores of the loop, unless
-    a number is infinite or not a number in single precision only; where the two diverge it is a
-    finding with a verdict of its own.
+    Structured Text, which are compared with each other, and as C with the engine, which has to
+    have every bit of it in single precision, and in double precision. That last difference is
+    only reported, with what it does to the scores of the loop, unless a number is infinite or not
+    a number in single precision only; where the two diverge it is a finding with a verdict of its
+    own.
 
     Bounds in double precision: every bit where the program has nothing but + − × ÷ √, comparison
     and rounding; otherwise 1e-12 of a signal's range, and no integer or boolean value may differ.

@@ -1,13 +1,11 @@
-"""What single precision does to a loop: the scores with the controller's C in floats."""
+"""What single precision does to the scores of a loop."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from clepsydra.controllers.controller import Controller
-from clepsydra.deploy.proof.compiled_c import CompiledC
-from clepsydra.deploy.proof.compiled_law import compiled_law
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
@@ -15,7 +13,7 @@ from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
 from clepsydra.scores.score import SCORES
 from clepsydra.scores.score_key import score_key
-from clepsydra.studies.ranking import Trial, rank
+from clepsydra.studies.single_precision import error_ratio
 from clepsydra.studies.trial import scores_of
 
 #: The number by which a study ranks has changed where its third digit has.
@@ -66,45 +64,34 @@ class ScoreChange:
 
 
 def score_change(
-    controller: Controller,
-    model: LinearModel,
-    compiled: CompiledC,
-    scenario: Scenario | None = None,
+    controller: Controller, model: LinearModel, scenario: Scenario | None = None
 ) -> ScoreChange:
-    """Run a loop with the controller and with its compiled C, and compare the scores.
+    """Run a loop with the controller in double and in single precision, and compare the scores.
 
     Parameters
     ----------
     controller : Controller
-        In double precision.
     model : LinearModel
         Of its process at the point where the loop starts.
-    compiled : CompiledC
-        The program of the controller, in single precision.
     scenario : Scenario, optional
         The default scenario of the process if omitted.
 
     Raises
     ------
     InputError
-        There is no scenario for the process.
+        There is no scenario for the process, or a number of the law is outside single precision.
 
     Examples
     --------
-    In double precision the C is the controller, to the last bit:
-
-    >>> import clepsydra as cl, tempfile
-    >>> from pathlib import Path
+    >>> import clepsydra as cl
     >>> plant = cl.load("three-tanks")
-    >>> controller = cl.design.simc(plant)
-    >>> with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-    ...     compiled = CompiledC(controller.program(), Path(folder))
-    ...     score_change(controller, plant.linear, compiled)
-    ScoreChange(ranking=1.0, score='', change=0.0)
+    >>> found = score_change(cl.design.simc(plant), plant.linear)
+    >>> found.is_change, 0.0 < abs(found.ranking - 1.0) < 1e-4
+    (False, True)
     """
     scenario = default_scenario(model) if scenario is None else scenario
-    exported = replace(controller, law=compiled_law(controller.law, compiled))
-    runs = [Loop(each, model).run(scenario) for each in (controller, exported)]
+    loop = Loop(controller, model)
+    runs = [loop.run(scenario), loop.run(scenario, precision="single")]
     scores = [scores_of(run) for run in runs]
     largest, name = 0.0, ""
     for key in scores[0]:
@@ -112,19 +99,7 @@ def score_change(
         change = _relative(scores[0][key], scores[1].get(key, math.nan), least)
         if change > largest:
             largest, name = change, key
-    return ScoreChange(_ranking(runs, scores), name, largest)
-
-
-def _ranking(runs: list[Run], scores: list[dict[str, float]]) -> float:
-    """Return the mean error of the second run as a multiple of that of the first."""
-    trials = [
-        Trial(run.controller, run, found, maximum_sensitivity=1.0, warnings=())
-        for run, found in zip(runs, scores, strict=True)
-    ]
-    errors = {id(c.run): c.mean_error for c in rank(trials)}
-    first, second = (errors[id(run)] for run in runs)
-    # A loop that never settles may be infinitely bad in both.
-    return 1.0 if first == second else second / first
+    return ScoreChange(error_ratio(runs, scores), name, largest)
 
 
 def _natural_size(key: str, run: Run) -> float:
