@@ -27,6 +27,18 @@ def test_a_missing_folder_is_made(command, tmp_path, case):
 
 @pytest.mark.parametrize(
     "arguments",
+    [("study", "quadruple-tank"), ("export", *PI, "--to", "c"), ("verify", "quadruple-tank")],
+    ids=lambda arguments: arguments[0],
+)
+def test_a_folder_that_takes_no_file_is_named_before_any_work(command, arguments):
+    status, output, errors = command(*arguments, "-o", "/proc")
+    assert (status, output) == (2, "")
+    assert errors.startswith("clepsydra: --output: got '/proc', expected a folder in which files")
+    assert "tuning.json" not in errors
+
+
+@pytest.mark.parametrize(
+    "arguments",
     [
         ("simulate", ONE_TANK, "--duration", "1 min"),
         ("identify", "record.csv"),

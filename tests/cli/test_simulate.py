@@ -116,6 +116,16 @@ def test_events_are_listed_with_their_times(simulated):
     assert events[0]["words"] in " ".join(output.split())
 
 
+def test_a_drum_that_never_settles_is_told_how_long_to_run(simulated):
+    drum = str(Path(__file__).parents[2] / "docs" / "examples" / "surge-drum.toml")
+    status, _, errors = simulated(drum)
+    said = " ".join(errors.split())
+    assert status == 2 and "drum.level goes on rising or falling" in said
+    (proposed,) = re.findall("as in --duration '(.*?)'", said)
+    status, output, _ = simulated(drum, "--duration", proposed, "--json")
+    assert status == 0 and json.loads(output)["duration"] == 6000.0  # 600 samples of 10 s
+
+
 BAD = {
     "signal": (["--input", "pmup_1=3V"], "perhaps 'pump_1' was meant"),
     "no value": (["--input", "pump_1"], "a signal, '=' and its value"),

@@ -140,10 +140,10 @@ def test_no_toml(text: str, start: str) -> None:
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"", "plant.toml: got 'an empty file', expected a process; begin with a copy of a file of "
-         "the catalogue."),
-        (b" \n\n", "plant.toml: got 'an empty file', expected a process; begin with a copy of a "
-         "file of the catalogue."),
+        (b"", "plant.toml: got 'an empty file', expected a process; begin with one that clepsydra "
+         "new NAME writes."),
+        (b" \n\n", "plant.toml: got 'an empty file', expected a process; begin with one that "
+         "clepsydra new NAME writes."),
         (b"\x7fELF\x02\n\xff", "plant.toml, line 2: got 'byte 0xff', expected text in UTF-8; check "
          "that this is a process file, and save it as UTF-8."),
         (VALID.encode("utf-16"), "plant.toml, line 1: got 'byte 0xff', expected text in UTF-8; "

@@ -27,9 +27,14 @@ def drum():
 def test_of_an_averaging_level_the_outflow_comes_first_and_the_band_is_told(drum):
     data = data_of(drum)
     flow, level = data["signals"]
-    assert (flow["name"], level["name"]) == ("outflow", "drum.level")
+    assert (flow["name"], level["name"]) == ("outflow", "level")
     assert flow["band"] is None
-    assert level["band"] == pytest.approx([0.6, 1.4])  # 30 and 70 % of 2 m
+    assert (level["unit"], level["band"]) == ("%", pytest.approx([30.0, 70.0]))  # as in the file
+    rows = dict(zip(("outflow", "level"), shown_signals(drum), strict=True))
+    run = drum.best.run
+    metres = run.values["drum.level"]
+    assert rows["level"].values(run) == pytest.approx(50.0 * metres)  # 2 m are 100 %
+    assert rows["level"].setpoint(run) == pytest.approx(100.0 * run.values["level.setpoint"])
 
 
 def test_the_still_picture_has_a_load_either_way_and_the_ends_of_the_band(drum):
@@ -39,7 +44,7 @@ def test_the_still_picture_has_a_load_either_way_and_the_ends_of_the_band(drum):
     assert sizes == pytest.approx([10.0, -15.0])
     assert [w.again for w in windows if w.segment.kind == "setpoint"] == [False, True]
     flows, levels = np.reshape(overlay_figure(windows, signals, first).axes, (2, 3))
-    for axes, lines in ((flows, []), (levels, [0.6, 1.4])):
+    for axes, lines in ((flows, []), (levels, [30.0, 70.0])):
         flat = [line.get_ydata() for line in axes[-1].lines if len(line.get_xdata()) == 2]
         assert [each[0] for each in flat] == pytest.approx(lines)
 

@@ -56,6 +56,32 @@ def whole_file(path: Path) -> Iterator[Path]:
         raise
 
 
+def require_writable(folder: Path, place: str) -> None:
+    """Refuse a folder in which no file can be made, before any work is done for one.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> require_writable(Path("/proc"), "--output")
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: --output: got '/proc', expected a folder in which files can \
+be written; choose another (no such file or directory).
+    """
+    try:
+        tempfile.TemporaryFile(dir=folder).close()
+    except (OSError, ValueError) as error:
+        raise InputError(
+            place,
+            str(folder.absolute()),
+            "a folder in which files can be written",
+            f"choose another ({reason_of(error)})",
+        ) from None
+
+
 def remove_abandoned(folder: Path | int, beginning: str = "") -> None:
     """Remove parts of files that processes which were killed have left in a folder.
 

@@ -99,8 +99,10 @@ def _whole(found: list[dict[str, Any]], process: str | None) -> Section:
             said = {True: "applies", False: f"does not apply: {each['reason']}", None: unknown}
             lines.append(f"{process}: {said[each['applies']]}")
         parts.append(Section(each["name"], (*map(Line, lines), Line(""))))
-    following = "Name one in a study file, whose keys docs/study-files.md lists, or call it in "
-    return Section("", (*parts, Line(f"{following}Python: cl.design.simc(plant)")))
+    following = (
+        "Name one in a study file, as clepsydra new --study writes it, or call it in Python: "
+    )
+    return Section("", (*parts, Line(f"{following}cl.design.simc(plant)")))
 
 
 #: What is made of a file and is no method.

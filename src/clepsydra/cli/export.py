@@ -82,14 +82,14 @@ def export(
     ] = Path(),
 ) -> None:
     """Write a controller for the plant, printed from the program that was simulated."""
-    from clepsydra.cli.output import make_folder, named_options, print_json, show
+    from clepsydra.cli.output import named_options, print_json, results_folder, show
     from clepsydra.cli.plant_options import shell_options
     from clepsydra.cli.subject import study_of_one
     from clepsydra.interface.export import export as export_code
     from clepsydra.interface.shell import plant_shell
     from clepsydra.interface.subject import plant_of, read_subject
 
-    make_folder(folder)
+    results_folder(folder)
     options = shell_options(
         fail_safe=fail_safe,
         sensor_delay=sensor_delay,

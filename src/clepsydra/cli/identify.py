@@ -51,13 +51,13 @@ def identify(
 ) -> None:
     """Identify a model from a record: ARX, FOPDT, SOPDT, IPDT, or parameters of a process."""
     from clepsydra.base.errors import InputError
-    from clepsydra.cli.output import make_folder, named_options, print_json, show, written_files
+    from clepsydra.cli.output import named_options, print_json, results_folder, show, written_files
     from clepsydra.interface.identify import FittedPlant, Identification
     from clepsydra.interface.identify import identify as identify_model
     from clepsydra.interface.plant import load
 
-    make_folder(folder)
-    files = written_files(folder, f"{data.stem}-identification", as_json, page="html")
+    place = results_folder(folder, as_json=as_json)
+    files = written_files(place, f"{data.stem}-identification", page="html")
     for option, given in (("--parameters", parameters), ("--write", write)):
         if given is not None and process is None:
             raise InputError(

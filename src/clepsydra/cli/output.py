@@ -11,12 +11,31 @@ from pathlib import Path
 from typing import Any
 
 from clepsydra.base.errors import InputError, reason_of
+from clepsydra.base.files import require_writable
 
 
-def make_folder(folder: Path | None) -> None:
-    """Make the folder that results go to where it is missing, before any work is done."""
-    if folder is None:
-        return
+def results_folder(folder: Path | None, *, as_json: bool = False) -> Path | None:
+    """Return where files go: here if no folder is given, with JSON then nowhere.
+
+    The folder is made where it is missing, and tried, before any work is done.
+    """
+    if folder is None and as_json:
+        return None
+    place = folder or Path()
+    make_folder(place)
+    require_writable(place, "--output")
+    return place
+
+
+def written_files(place: Path | None, stem: str, **endings: str) -> dict[str, Path]:
+    """Return what is written to its path, `place/stem.ending`; nothing where there is no place."""
+    if place is None:
+        return {}
+    return {what: output_file(place / f"{stem}.{ending}") for what, ending in endings.items()}
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder where it is missing."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as error:
@@ -24,25 +43,6 @@ def make_folder(folder: Path | None) -> None:
             "--output", str(folder), "a folder, or a place for one",
             f"choose another ({reason_of(error)})",
         ) from None  # fmt: skip
-
-
-def written_files(folder: Path | None, stem: str, as_json: bool, **endings: str) -> dict[str, Path]:
-    """Return what is written, to its path: here, or with --json only in a folder that is given.
-
-    Parameters
-    ----------
-    folder : Path or None
-        Of `--output`.
-    stem : str
-        Of all names.
-    as_json : bool
-    **endings : str
-        What it is to the ending of its file.
-    """
-    if folder is None and as_json:
-        return {}
-    here = folder or Path()
-    return {what: output_file(here / f"{stem}.{ending}") for what, ending in endings.items()}
 
 
 def output_file(path: Path) -> Path:
@@ -81,7 +81,10 @@ def named_options(*arguments: str, **others: str) -> Iterator[None]:
         place = options.get(error.place, place)
         words = [error.expected, error.remedy]
         for argument, option in options.items():
-            words = [re.sub(rf'\b{argument}="([^"]*)",?', rf"{option} \1", each) for each in words]
+            words = [re.sub(rf'\b{argument}="([^" ]*)",?', rf"{option} \1", each) for each in words]
+            words = [
+                re.sub(rf'\b{argument}="([^"]*)",?', rf"{option} '\1'", each) for each in words
+            ]
         raise InputError(place, error.value, *words) from None
 
 

@@ -25,12 +25,12 @@ def papers(
     """Run the experiments of five published documents and judge every printed number."""
     import os
 
-    from clepsydra.cli.output import make_folder, print_json, show, written_files
+    from clepsydra.cli.output import print_json, results_folder, show, written_files
     from clepsydra.cli.progress import shown_progress
     from clepsydra.interface.papers import audit
 
-    make_folder(folder)
-    files = written_files(folder, "papers", as_json, page="html")
+    place = results_folder(folder, as_json=as_json)
+    files = written_files(place, "papers", page="html")
     with shown_progress(quiet=as_json) as tell:
         result = audit(documents or (), workers=os.cpu_count() or 1, progress=tell)
     for page in files.values():

@@ -87,14 +87,14 @@ def simulate(
     folder: OutputOption = None,
 ) -> None:
     """Simulate a process without a controller; write report and trajectories."""
-    from clepsydra.cli.output import make_folder, named_options, print_json, show, written_files
+    from clepsydra.cli.output import named_options, print_json, results_folder, show, written_files
     from clepsydra.interface.plant import load
     from clepsydra.interface.simulate import simulate as simulated
 
-    make_folder(folder)
+    place = results_folder(folder, as_json=as_json)
     plant = load(process)
     stem, named = f"{plant.file_stem}-simulation", {"report": "html", "trajectories": data_format}
-    files = written_files(folder, stem, as_json, **named)
+    files = written_files(place, stem, **named)
     changes, begins = _changes(plant, inputs or [], profile), _states(state or [])
     with named_options("state", "duration"):
         run = simulated(

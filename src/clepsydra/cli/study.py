@@ -49,18 +49,18 @@ def study(
     ] = None,
 ) -> None:
     """Design, tune, simulate, score and rank controllers; write report and data."""
-    from clepsydra.cli.output import make_folder, print_json, show, written_files
+    from clepsydra.cli.output import print_json, results_folder, show, written_files
     from clepsydra.cli.progress import shown_progress
     from clepsydra.interface.study import so_far
     from clepsydra.interface.study import study as study_of
     from clepsydra.interface.subject import read_subject
 
-    make_folder(folder)
+    place = results_folder(folder, as_json=as_json)
     request = read_subject(subject, seed)
     named = {"report": "html", "trajectories": "parquet"}
-    files = written_files(folder, request.file_stem, as_json, **named)
+    files = written_files(place, request.file_stem, **named)
     with shown_progress(so_far, quiet=as_json) as tell:
-        result = study_of(request, seed=seed, accept=accept, progress=tell, folder=folder or ".")
+        result = study_of(request, seed=seed, accept=accept, progress=tell, folder=place)
     if not as_json:
         show(result.shown(every=every, why=why, refused=refused))
     if files:

@@ -29,7 +29,7 @@ def name_of(controller: str | None) -> str | None:
 
 
 def study_of_one(
-    request: Plant | StudyRequest, name: str, seed: int | None, folder: Path, *, quiet: bool
+    request: Plant | StudyRequest, name: str, seed: int | None, folder: Path | None, *, quiet: bool
 ) -> Study:
     """Make one controller of a study; refuse one that does not apply, with its reason."""
     from clepsydra.base.errors import InputError

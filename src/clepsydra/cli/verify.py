@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -59,7 +58,7 @@ def verify(
 
     Exit status: 0 all within their bounds, 1 not, 130 interrupted; run it again to go on.
     """
-    from clepsydra.cli.output import make_folder, named_options, print_json, show
+    from clepsydra.cli.output import named_options, print_json, results_folder, show
     from clepsydra.cli.plant_options import shell_options
     from clepsydra.cli.progress import shown_progress
     from clepsydra.cli.subject import study_of_one
@@ -71,8 +70,7 @@ def verify(
     from clepsydra.interface.verify import proved_targets, so_far
     from clepsydra.interface.verify import verify as prove
 
-    make_folder(folder)
-    here = folder or Path()
+    place = results_folder(folder, as_json=as_json)
     targets = proved_targets(to or None)
     request = read_subject(subject, seed)
     options = shell_options(
@@ -86,9 +84,9 @@ def verify(
     stem = request.file_stem
     if controller is None:
         with shown_progress(ranked, quiet=as_json) as tell:
-            study = study_of(request, seed=seed, progress=tell, folder=here)
+            study = study_of(request, seed=seed, progress=tell, folder=place)
     else:
-        study = study_of_one(request, controller, seed, here, quiet=as_json)
+        study = study_of_one(request, controller, seed, place, quiet=as_json)
         stem = f"{stem}-{identifier_of(controller).replace('_', '-')}"
     chosen = [
         each.controller for each in study.ranking if controller in (None, each.controller.name)
@@ -101,7 +99,7 @@ def verify(
             scans=scans,
             seed=1 if seed is None else seed,
             scenario=study.scenario,
-            folder=None if as_json and folder is None else here,
+            folder=place,
             stem=stem,
             progress=tell,
             **options,

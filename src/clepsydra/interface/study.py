@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.arguments import is_finite_number, sequence_of
 from clepsydra.base.errors import InputError
+from clepsydra.base.files import require_writable
 from clepsydra.base.section import Section
 from clepsydra.controllers import controller as inner
 from clepsydra.interface.controller import Controller, of_plant
@@ -212,6 +213,8 @@ def study(
             "study, accept", str(accept), "a number from 1", "give how many times the best error"
         )
     kept = None if folder is None else Path(folder)
+    if kept is not None:
+        require_writable(kept, "study, folder")
     if isinstance(plant, (str, Path)):
         plant = read_subject(plant, seed)
     if isinstance(plant, StudyRequest):

@@ -12,11 +12,11 @@ from clepsydra.base.arguments import check_choice
 from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import to_si
-from clepsydra.base.words import time_text
+from clepsydra.base.words import listed, time_text
 from clepsydra.linear.dead_time import at_rest
 from clepsydra.linear.equilibrium import NoEquilibrium, find_equilibrium
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.linearise import linearise
+from clepsydra.linear.linearise import linearise, operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.linear.poles import time_constants
 from clepsydra.loop.duration import pretty_duration, read_duration, samples_before
@@ -36,6 +36,8 @@ _SLOWEST_TIMES = 6.0
 #: And in mean residence times: any number of equal tanks in series is within 2 % of its end then.
 _RESIDENCE_TIMES = 3.0
 _MOST_SAMPLES = 1_000_000
+#: Samples of the length of time that is proposed where nothing settles.
+_PROPOSED = 500
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,10 +258,17 @@ def _default_duration(model: LinearModel, changes: tuple[Change, ...]) -> float:
     constants = np.abs(time_constants(resting))
     finite = constants[np.isfinite(constants)]
     if not finite.size:
+        drifting = [
+            name for name, row in zip(resting.states, resting.A, strict=True) if not any(row)
+        ]
+        period = operating_point_of(model).process.sampling_period
         raise InputError(
-            "duration", "none", "a length of time, since no time constant of the process is finite",
-            "give one, for example '20 min'",
-        )  # fmt: skip
+            "duration",
+            "no length of time",
+            f"one, since {listed(drifting) or 'the process'} goes on rising or falling for as long "
+            "as flows differ",
+            f'give one, as in duration="{time_text(pretty_duration(_PROPOSED * period))}"',
+        )
     slowest = _SLOWEST_TIMES * float(finite.max())
     if finite.size == constants.size:
         # No channel has more lags than there are; an output that hardly moves may seem to.

@@ -22,7 +22,7 @@ Kind = Literal["process", "study", "fuzzy"]
 _ONLY_STUDY = ("process", "controllers", "scenario", "ranking")
 #: How to begin with a file of each kind.
 _BEGIN = {
-    "process": "begin with a copy of a file of the catalogue",
+    "process": "begin with one that clepsydra new NAME writes",
     "study": "begin with one that clepsydra new --study writes",
     "fuzzy": "begin with a copy of the example of docs/fuzzy-files.md",
 }

@@ -62,6 +62,8 @@ class ShownSignal:
 
     def values(self, run: Run) -> np.ndarray:
         """Return its trajectory in display units [samples]."""
+        if self.signal.name == self.measurement:
+            return run.true_measurement(self.measurement) * display_factor(self.signal)
         values = run.values[self.signal.name]
         if self.moved:  # what a controller asks of a forced flow is its command
             flows = forced_flows(run.process, run.time, run.values)
@@ -73,7 +75,7 @@ class ShownSignal:
         if self.measurement not in process.bands:
             return None
         ends = np.array(process.bands[self.measurement])
-        low, high = sensor_scale(process, self.measurement).to_state(ends)
+        low, high = self._read(process, ends)
         factor = display_factor(self.signal)
         return float(low * factor), float(high * factor)
 
@@ -87,8 +89,13 @@ class ShownSignal:
             return None if name is None else run.values[name] * factor
         if not self.measurement:
             return None
-        scale = sensor_scale(run.process, self.measurement)
-        return scale.to_state(run.values[f"{self.measurement}.setpoint"]) * factor
+        return self._read(run.process, run.values[f"{self.measurement}.setpoint"]) * factor
+
+    def _read(self, process: Process, readings: np.ndarray) -> np.ndarray:
+        """Return what readings of the measurement stand for, in SI of the signal."""
+        if self.signal.name == self.measurement:
+            return readings
+        return sensor_scale(process, self.measurement).to_state(readings)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,6 +120,12 @@ class EventWindow:
     again: bool
 
 
+def _seen(process: Process, measurement: str) -> Signal:
+    """Return what is drawn of a measurement: the level, or itself where its band is in its unit."""
+    shown = measurement in process.bands
+    return process.signal(measurement if shown else process.measured_state[measurement])
+
+
 def shown_signals(result: StudyResult) -> list[ShownSignal]:
     """Return the rows of charts: what is controlled, what inner loops measure, what is moved.
 
@@ -125,10 +138,7 @@ def shown_signals(result: StudyResult) -> list[ShownSignal]:
     ['tank_1.level', 'tank_2.level', 'pump_1', 'pump_2']
     """
     process = result.process
-    held = [
-        ShownSignal(process.signal(process.measured_state[name]), name)
-        for name in process.controlled
-    ]
+    held = [ShownSignal(_seen(process, name), name) for name in process.controlled]
     measured = [name for each in result.ranking for _, name in inner_loops(each.controller)]
     inner = [
         ShownSignal(process.signal(name), inner=True)
@@ -242,7 +252,7 @@ def event_title(process: Process, segment: Segment) -> str:
     if segment.kind == "noise":
         return "Measurement noise"
     signal, size = process.signal(segment.signal), segment.size
-    if segment.signal in process.measured_state:
+    if segment.signal in process.measured_state and segment.signal not in process.bands:
         signal = process.signal(process.measured_state[segment.signal])
         size /= sensor_scale(process, segment.signal).gain
     shown = short_text(size * display_factor(signal))
