@@ -144,7 +144,8 @@ def picture(
     """
     width, height = size
     rules = f".{kind} text{{font-family:{FONT}}}{rules}{colour_style(kind)}"
-    paper = box((0.0, width), (0.0, height), stroke="", width=None)
+    room = {"x": 0, "y": 0, "width": width, "height": height}
+    paper = element("rect", class_="paper", **room, fill=PAPER)
     content = "\n".join([f"<title>{escape(title)}</title><style>{rules}</style>", paper, *shapes])
     space = {"xmlns": "http://www.w3.org/2000/svg", "viewBox": f"0 0 {width:g} {height:g}"}
     return element("svg", content, **space, role="img", class_=kind, **more)
