@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 from clepsydra.report.drawing.lettering import width
@@ -94,10 +94,24 @@ class Body:
 
     def move(self, distance: int) -> None:
         """Move it sideways."""
-        self.x += distance
-        self.areas = [(a + distance, b, c + distance, d) for a, b, c, d in self.areas]
+        self.renumber(lambda x: x + distance)
+
+    def renumber(self, across: Callable[[int], int], down: Callable[[int], int] = int) -> None:
+        """Give the lines of the grid other numbers."""
+        self.x, self.y = across(self.x), down(self.y)
+        self.areas = [(across(a), down(b), across(c), down(d)) for a, b, c, d in self.areas]
         for pin in self.pins:
-            pin.lead = [(x + distance, y) for x, y in pin.lead]
+            pin.lead = [(across(x), down(y)) for x, y in pin.lead]
+
+    def facing(self, side: int) -> Body:
+        """Return it with its words on that side, from where they are on the right."""
+        self.side = side
+        if side < 0:
+            self.renumber(lambda x, twice=2 * self.x: twice - x)  # type: ignore[misc]
+            self.areas = [(c, b, a, d) for a, b, c, d in self.areas]
+            for pin in self.pins:
+                pin.way = (-pin.way[0], pin.way[1])
+        return self
 
     def free(self, role: str) -> list[Pin]:
         """Return the pins of a role that no pipe has taken."""
@@ -186,28 +200,16 @@ def upright_body(name: str, symbol: str, y: int, label: tuple[str, ...], side: i
     (-7, [(0, -1)])
     """
     half = 3 if symbol == "box" else 1
-    words = _named(label)
-    near = half + 1
-    rows = (y - 1, y - 1 + max(2, len(label)))
-    label_area = (
-        (near, rows[0], near + words, rows[1])
-        if side > 0
-        else (-near - words, rows[0], -near, rows[1])
-    )
-    pins = [
-        _pin(0, y, UP, 2, "out"),
-        _pin(0, y, DOWN, 2, "in"),
-        _pin(0, y, (-side, 0), half + 1, "in"),
-    ]
+    words = (half + 1, y - 1, half + 1 + _named(label), y - 1 + max(2, len(label)))
+    pins = [_pin(0, y, UP, 2, "out"), _pin(0, y, DOWN, 2, "in"), _pin(0, y, LEFT, half + 1, "in")]
     if symbol == "box":
         pins = [Pin(pin.lead, pin.way, "both") for pin in pins]
     # Signals come to the side without words; where liquid comes in there, above or below it.
-    free = (-side, 0)
-    pins += _lines(0, y, (free, half + (2 if symbol == "valve" else 1)), role="signal")
+    pins += _lines(0, y, (LEFT, half + (2 if symbol == "valve" else 1)), role="signal")
     for dy in (-1, 1):
         role = "line" if symbol == "pump" else "tap"
-        pins += _lines(0, y + dy, (free, half + 1), role=role, cost=5.0)
-    return Body(name, symbol, 0, y, [(-half, y - 1, half, y + 1), label_area], pins, side)
+        pins += _lines(0, y + dy, (LEFT, half + 1), role=role, cost=5.0)
+    return Body(name, symbol, 0, y, [(-half, y - 1, half, y + 1), words], pins).facing(side)
 
 
 def level_body(name: str, symbol: str, y: int, label: tuple[str, ...]) -> Body:
@@ -240,19 +242,15 @@ def falling_body(
     tall = symbol in ("valve", "box", "pump")
     y = floor + (2 if tall else 1)
     half = {"box": 2, "valve": 1, "pump": 1}.get(symbol, 0)
-    words = _named(label)
-    rows = (y - 1, y + max(0, len(label) - 2)) if tall else (y, y + len(label) - 1)
-    left, right = (half + 1, half + 1 + words) if side > 0 else (-half - 1 - words, -half - 1)
     actuator = 2 if symbol == "valve" else half
-    areas = [
-        (x - (actuator if side > 0 else half), y - 1 if tall else y,
-         x + (half if side > 0 else actuator), y + (1 if tall or ends else 0)),
-        (x + left, rows[0], x + right, rows[1]),
-    ]  # fmt: skip
-    pins = [] if ends else [_pin(x, y, DOWN, 2 if tall else 1, "out")]
-    pins += _lines(x, y, ((-side, 0), actuator + 1), role="signal")
-    pins += _lines(x, y + (1 if tall or ends else 0), ((-side, 0), actuator + 1), role="tap")
-    return Body(name, symbol, x, y, areas, pins, side)
+    top, bottom = y - tall, y + (tall or ends)
+    rows = (y - 1, y + max(0, len(label) - 2)) if tall else (y, y + len(label) - 1)
+    words = (x + half + 1, rows[0], x + half + 1 + _named(label), rows[1])
+    pins = [] if ends else [_pin(x, y, DOWN, 1 + tall, "out")]
+    pins += _lines(x, y, (LEFT, actuator + 1), role="signal")
+    pins += _lines(x, bottom, (LEFT, actuator + 1), role="tap")
+    areas = [(x - actuator, top, x + half, bottom), words]
+    return Body(name, symbol, x, y, areas, pins).facing(side)
 
 
 def splitter_body(name: str, words: str, x: int, y: int, ports: int, side: int) -> Body:
@@ -264,12 +262,10 @@ def splitter_body(name: str, words: str, x: int, y: int, ports: int, side: int) 
     [4, 18]
     """
     label = (x + 1, y + 1, x + 2 + lines_of([words], SMALL), y + 1)
-    if side < 0:
-        label = (2 * x - label[2], y + 1, 2 * x - label[0], y + 1)
     if ports <= 4:
-        pins = [_pin(x, y, UP, 2, "both"), _pin(x, y, DOWN, 2, "both"),
-                _pin(x, y, LEFT, 3, "both"), _pin(x, y, RIGHT, 3, "both")]  # fmt: skip
-        return Body(name, "splitter", x, y, [(x - 1, y - 1, x + 1, y + 1), label], pins, side)
+        pins = [_pin(x, y, way, 2 + bool(way[0]), "both") for way in (UP, DOWN, LEFT, RIGHT)]
+        areas = [(x - 1, y - 1, x + 1, y + 1), label]
+        return Body(name, "splitter", x, y, areas, pins).facing(side)
     half = 2 * ((ports + 1) // 2)
     pins = [
         Pin([(x + dx, y + way[1]), (x + dx, y + 2 * way[1])], way, "both")
@@ -307,10 +303,9 @@ def stub_body(name: str, x: int, y: int, label: tuple[str, ...], side: int, rim:
     """
     words = math.ceil(lines_of(label, SMALL) / 2)
     # Words stand above the arrow, a little away from the pipes of pumps.
-    middle = x + side
-    areas = [(middle - words, y - 2, middle + words, y - 1), (x, y, x, rim)]
+    areas = [(x + 1 - words, y - 2, x + 1 + words, y - 1), (x, y, x, rim)]
     pins = [pin for dy in (0, 1) for pin in _lines(x, y + dy, (LEFT, 1), (RIGHT, 1), cost=2.0 * dy)]
-    return Body(name, "stub", x, y, areas, pins, side)
+    return Body(name, "stub", x, y, areas, pins).facing(side)
 
 
 def instrument_body(name: str, y: int, label: tuple[str, ...]) -> Body:

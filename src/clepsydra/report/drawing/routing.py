@@ -261,10 +261,7 @@ def _close_up(routes: Routes) -> None:
     across = _renumbered(columns, placement.width + 6)
     down = _renumbered(rows, placement.height + 6)
     for body in placement.bodies.values():
-        body.x, body.y = across[body.x], down[body.y]
-        body.areas = [(across[a], down[b], across[c], down[d]) for a, b, c, d in body.areas]
-        for pin in body.pins:
-            pin.lead = [(across[x], down[y]) for x, y in pin.lead]
+        body.renumber(across.__getitem__, down.__getitem__)
     for pipe in routes.pipes:
         pipe.points = [(across[x], down[y]) for x, y in pipe.points]
     routes.basin_uses = [(across[x], shelf, name) for x, shelf, name in routes.basin_uses]
