@@ -49,7 +49,7 @@ def test_the_engine_has_every_bit_of_the_c_with_float(name, shelled, tmp_path):
 @pytest.mark.parametrize("seed", range(3))
 def test_loops_branches_and_every_operation_are_rounded(seed):
     special = (0.0, -0.0, 1.0, -1.0, 1e30, -1e-30, 0.1)
-    block, _ = random_block(7000 + seed, 4, 6, nesting=0.1, library=False, special=special)
+    block, _ = random_block(7000 + seed, 4, 6, nesting=0.4, library=False, special=special)
     signals = tuple(Signal(f"x{i}") for i in range(4))
     program = Program("random", (), signals, (), tuple(Signal(f"y{i}") for i in range(6)), block)
     random = np.random.default_rng(seed)
@@ -77,7 +77,7 @@ def test_a_function_is_that_of_the_c_library_within_two_units_in_the_last_place(
     assert np.abs(apart).max() <= (0 if code in ("fmod", "copysign") else 2)
 
 
-@pytest.mark.thorough
+@pytest.mark.sampled
 @pytest.mark.parametrize("shelled", [False, True], ids=["bare", "in its shell"])
 @pytest.mark.parametrize("name", PROCESSES)
 def test_a_loop_in_single_precision_moves_as_the_c_does(name, shelled, tmp_path):
