@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from collections import Counter
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import replace
 from itertools import count
@@ -186,15 +187,16 @@ class Body:
     def _scaled_for_a_call(
         self, made: Mapping[int, Operation], uses: Mapping[int, int]
     ) -> set[int]:
-        """Return what is given, in another unit, to one port alone: the port names it."""
+        """Return what is given, in another unit, to ports alone: these name it."""
         program = self._program
+        given = Counter(value for call in program.calls for value in call.arguments)
+        codes = {1: ("multiply", "divide", "select"), 2: ("multiply", "divide")}
         return {
             value
-            for call in program.calls
-            for value in call.arguments
-            if uses[value] == 1
+            for value, ports in given.items()
+            if uses[value] == ports
             and value in made
-            and made[value].code in ("multiply", "divide")
+            and made[value].code in codes.get(ports, ())
             and min(made[value].arguments) < program.block.arguments
         }
 

@@ -385,4 +385,5 @@ def _at_hand(expression: Expression) -> bool:
     if expression.is_atom or (expression.kind == "integer" and expression.code != "select"):
         return True
     defined = expression.code in _ARITHMETIC or expression.code in COMPARISONS | LOGIC
+    defined = defined or (expression.code == "divide" and expression.operands[1].number != 0.0)
     return defined and all(operand.is_atom for operand in expression.operands)

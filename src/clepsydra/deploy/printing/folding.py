@@ -217,7 +217,10 @@ class FoldedBlock:
         plain = all(each.is_atom for each in read)
         width = self._width(expression)
         short = width <= _SHORT and width * uses <= _OFTEN
-        return expression.kind == "boolean" and plain and short
+        # A number in another unit is as easily read where it is needed.
+        scaled = expression.code in ("multiply", "divide") and uses == 2
+        scaled = scaled and any(each.code == "constant" for each in expression.operands)
+        return plain and (scaled or (short and expression.kind == "boolean"))
 
     def _operation(self, operation: Operation) -> Expression:
         """Return an operation over the expressions of its arguments."""
