@@ -19,7 +19,7 @@ from benchmarks.experiments import AGREEMENT, Disagreement
 from benchmarks.measure import Spread, Way, interleave, on_one_core
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.fuzzy.file import load_fuzzy
-from clepsydra.controllers.fuzzy.inference import infer
+from clepsydra.controllers.fuzzy.inference import rule_base
 from clepsydra.controllers.fuzzy.rule import firing
 from clepsydra.controllers.fuzzy.system import FuzzySystem, LinguisticVariable
 from clepsydra.controllers.fuzzy.wired import WiredFuzzy
@@ -27,7 +27,7 @@ from clepsydra.engine.kernel import Job, Kernel
 from clepsydra.papers.averaging_tank.fuzzy import RULES
 from clepsydra.process.reader import load_process
 from clepsydra.program.reader import program_of
-from clepsydra.program.step_law import Equations, StepLaw, step_law
+from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 
 SCENARIOS, SAMPLES = 1024, 1000
 #: Evaluations that are compared, and that scikit-fuzzy is timed on.
@@ -112,16 +112,19 @@ def measure(rounds: int) -> FuzzyTimes:
 
 
 def _law(system: FuzzySystem) -> StepLaw:
-    names = [variable.name for variable in system.inputs]
+    names, rules = [variable.name for variable in system.inputs], rule_base(system, "rules")
+
+    def equations(s: Symbols) -> Equations:
+        found = rules("inference", s, {}).outputs
+        return Equations({}, {u.name: found[path(u.name, "centroid")] for u in system.outputs})
+
     return step_law(
         "inference",
         inputs=[Signal(name) for name in names],
         parameters=[],
         state=[],
         outputs=[Signal(output.name) for output in system.outputs],
-        equations=lambda s: Equations(
-            {}, {name: c.value for name, c in infer(system, {n: s[n] for n in names}).items()}
-        ),
+        equations=equations,
     )
 
 

@@ -6,7 +6,7 @@ import pytest
 from fuzzy_rig import DOCUMENT, aggregated, exact_centroid, plain_heights, summed_centroid
 
 from clepsydra import InputError, Kernel, Signal, program_of
-from clepsydra.controllers.fuzzy.inference import infer, surface
+from clepsydra.controllers.fuzzy.inference import rule_base, surface
 from clepsydra.controllers.fuzzy.membership import (
     Gaussian,
     Trapezoid,
@@ -57,16 +57,19 @@ def mixed_system(points=101):
 
 
 def law_of(system):
-    names = [variable.name for variable in system.inputs]
+    names, rules = [variable.name for variable in system.inputs], rule_base(system, "rules")
+
+    def equations(s):
+        found = rules("inference", s, {}).outputs
+        return Equations({}, {u.name: found[f"{u.name}.centroid"] for u in system.outputs})
+
     return step_law(
         "inference",
         inputs=[Signal(name) for name in names],
         parameters=[],
         state=[],
         outputs=[Signal(output.name) for output in system.outputs],
-        equations=lambda s: Equations(
-            {}, {o: c.value for o, c in infer(system, {n: s[n] for n in names}).items()}
-        ),
+        equations=equations,
     )
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import reduce
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -30,66 +30,10 @@ CRISP = (
 )
 
 
-class Centroid(NamedTuple):
-    """The crisp value of an output, and whether any rule fired for it.
-
-    Parameters
-    ----------
-    value : casadi.SX
-        Within the output's range; its middle where no rule fires.
-    fires : casadi.SX
-
-    Examples
-    --------
-    >>> bool(Centroid(ca.DM(0.5), ca.DM(1)).fires)
-    True
-    """
-
-    value: ca.SX
-    fires: ca.SX
-
-
-def infer(system: FuzzySystem, values: Mapping[str, ca.SX]) -> dict[str, Centroid]:
-    """Return each output's centroid.
-
-    With w(s) the largest firing of the rules that conclude set s, μ(y) = max over s of
-    min(w(s), μ_s(y)) and Σ over the points y of the output's range, the centroid is
-    Σ y μ(y) / Σ μ(y). The rules of one set are joined first: max min(w, μ_s) = min(max w, μ_s).
-
-    Outputs whose range and concluded sets are the same share one block. In it each stretch of
-    points at which the same sets are above zero is a counted loop over those sets alone; the
-    others add nothing to the largest, so no bit of the sums changes.
-
-    Parameters
-    ----------
-    system : FuzzySystem
-    values : mapping
-        Input to its value, clipped to the range here.
-
-    References
-    ----------
-    E. H. Mamdani, Application of fuzzy algorithms for control of simple dynamic plant,
-    Proceedings of the IEE 121(12), 1974, 1585-1588, doi 10.1049/piee.1974.0328.
-
-    Examples
-    --------
-    >>> from clepsydra.controllers.fuzzy.membership import left_shoulder, right_shoulder
-    >>> from clepsydra.controllers.fuzzy.rule import parse_rule
-    >>> halves = {"N": left_shoulder(-1.0, 1.0), "P": right_shoulder(-1.0, 1.0)}
-    >>> error, move = (LinguisticVariable(name, -1.0, 1.0, halves) for name in ("e", "u"))
-    >>> rules = tuple(parse_rule(s, f"if e is {s} then u is {s}") for s in halves)
-    >>> system = FuzzySystem((error,), (move,), rules, points=3)
-    >>> found = infer(system, {"e": ca.SX(1.0)})["u"]  # degrees 0, 1/2 and 1 at -1, 0 and 1
-    >>> round(float(ca.evalf(found.value)), 6)
-    0.666667
-    """
-    return _inferred(system, values)[0]
-
-
 def _inferred(
     system: FuzzySystem, values: Mapping[str, ca.SX]
-) -> tuple[dict[str, Centroid], dict[str, ca.SX]]:
-    """Return each output's centroid, and by name how far each set and each rule holds."""
+) -> tuple[dict[str, Symbols], dict[str, ca.SX]]:
+    """Return centroid and fires of each output, and by name how far each set and rule holds."""
     between, degrees = dict[str, ca.SX](), dict[tuple[str, str], ca.SX]()
     for variable in system.inputs:
         clipped = limit(values[variable.name], ca.SX(variable.low), ca.SX(variable.high))
@@ -97,7 +41,7 @@ def _inferred(
         for name, member in variable.sets.items():
             degrees[variable.name, name] = member.expression(clipped)
     strengths = {rule: firing(rule.condition, degrees, ca.fmin, ca.fmax) for rule in system.rules}
-    found: dict[str, Centroid] = {}
+    found: dict[str, Symbols] = {}
     blocks: dict[object, Block] = {}
     for output in system.outputs:
         heights = {
@@ -111,8 +55,7 @@ def _inferred(
             short, long = (f"{each}_centroid" for each in (named.part, named.identifier))
             name = long if short in taken else short
             blocks[shape] = _centroid(name, replace(output, sets=members), system.points_of(output))
-        results = blocks[shape](output.name, heights, {}).outputs
-        found[output.name] = Centroid(results["centroid"], results["fires"])
+        found[output.name] = blocks[shape](output.name, heights, {}).outputs
     between |= {path(*each): degree for each, degree in degrees.items()}
     # The name of a rule is free text: one that is no name is not printed.
     printed = (rule for rule in system.rules if re.fullmatch(r"[A-Za-z]\w*", rule.name, re.ASCII))
@@ -244,7 +187,7 @@ def _function(system: FuzzySystem) -> tuple[ca.Function, list[str]]:
     """Return the surface with a third result, values on the way, and their names."""
     x = ca.SX.sym("x", len(system.inputs))
     found, between = _inferred(system, {v.name: x[k] for k, v in enumerate(system.inputs)})
-    values, fires = (ca.vertcat(*part) for part in zip(*found.values(), strict=True))
+    values, fires = (ca.vertcat(*(u[port.name] for u in found.values())) for port in CRISP)
     results = {"values": values, "fires": fires, "between": ca.vertcat(*between.values())}
     plain = ca.Function("surface", [x], [values])
     ways = np.diag([_WAY * (variable.high - variable.low) for variable in system.inputs])
@@ -270,13 +213,26 @@ def _function(system: FuzzySystem) -> tuple[ca.Function, list[str]]:
 def rule_base(system: FuzzySystem, name: str) -> Block:
     """Return the block from the inputs of a system to centroid and fires of each output.
 
-    Its derivatives are those of `surface`.
+    With w(s) the largest firing of the rules that conclude set s, μ(y) = max over s of
+    min(w(s), μ_s(y)) and Σ over the points y of the output's range, the centroid is
+    Σ y μ(y) / Σ μ(y), or the middle of the range where no rule fires. The rules of one set are
+    joined first: max min(w, μ_s) = min(max w, μ_s).
+
+    Outputs whose range and concluded sets are the same share one block. In it each stretch of
+    points at which the same sets are above zero is a counted loop over those sets alone; the
+    others add nothing to the largest, so no bit of the sums changes. The derivatives are those of
+    `surface`.
 
     Parameters
     ----------
     system : FuzzySystem
     name : str
         Of the block.
+
+    References
+    ----------
+    E. H. Mamdani, Application of fuzzy algorithms for control of simple dynamic plant,
+    Proceedings of the IEE 121(12), 1974, 1585-1588, doi 10.1049/piee.1974.0328.
 
     Examples
     --------
