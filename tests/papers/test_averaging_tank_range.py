@@ -13,6 +13,7 @@ from clepsydra.papers.averaging_tank.range_controllers import (
     controller_of,
     gains_at,
 )
+from clepsydra.papers.document import load_document
 
 pytestmark = pytest.mark.thorough
 
@@ -27,7 +28,7 @@ VERDICTS = {
 
 @pytest.fixture(scope="module")
 def findings():
-    return operating_range.run()
+    return load_document("averaging-tank").findings("operating-range")
 
 
 def test_every_row_has_the_verdict_that_was_found_by_hand(findings):

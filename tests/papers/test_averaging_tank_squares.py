@@ -5,14 +5,16 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import solve_continuous_are
 
-from clepsydra.papers.averaging_tank import squared_errors
+from clepsydra.papers.document import load_document
 
 pytestmark = pytest.mark.thorough
 
 
 @pytest.fixture(scope="module")
 def rows():
-    return {row.name: row for row in squared_errors.run().rows}
+    return {
+        row.name: row for row in load_document("averaging-tank").findings("squared-errors").rows
+    }
 
 
 def test_every_row_has_the_verdict_that_was_found_by_hand(rows):

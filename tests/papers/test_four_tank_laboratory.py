@@ -160,7 +160,7 @@ def test_numbers(rows):
 def test_runs_that_spread_too_far_reproduce_nothing(rows):
     """One run recovers in 61 s, another in 120 s: that 104.8 s lies between them says nothing."""
     (row,) = [r for r in rows if (r.place, r.name) == ("Table 5", "recovery 2, non-minimum phase")]
-    found = runs(NON_MINIMUM, "decentralised", "percent").recovery(1)
+    found = runs(NON_MINIMUM, "decentralised", "percent").scored("recovery", 1)
     assert found.min() < 104.8 < found.max()
     assert row.verdict == "remark" and "too far to decide" in row.reason
 
@@ -169,7 +169,7 @@ def test_no_verdict_hangs_on_the_reading_of_the_noise(rows):
     """A number is reproduced only where both readings of the 30 % leave it open."""
     values = {}
     for noise in ("three deviations", "one deviation"):
-        found = runs(NON_MINIMUM, "robust", "percent", noise=noise).overshoot(1)
+        found = runs(NON_MINIMUM, "robust", "percent", noise=noise).scored("overshoot", 1)
         values[noise] = np.quantile(found, (0.025, 0.975), method="nearest")
     # 1.78 % is within one and not within the other.
     assert values["three deviations"][0] < 1.78 < values["three deviations"][1]
@@ -413,8 +413,8 @@ def test_the_scores_of_a_step_are_named(rows):
 
 def test_in_volts_tank_1_of_non_minimum_phase_overshoots_by_the_noise_alone():
     for kind in ("decentralised", "robust"):
-        assert runs(NON_MINIMUM, kind, "volts", noise="none").overshoot(0) == 0.0
-        assert 0.0 < np.median(runs(NON_MINIMUM, kind, "volts").overshoot(0)) < 1.0
+        assert runs(NON_MINIMUM, kind, "volts", noise="none").scored("overshoot", 0) == 0.0
+        assert 0.0 < np.median(runs(NON_MINIMUM, kind, "volts").scored("overshoot", 0)) < 1.0
 
 
 def test_the_cut_off_holds_level_two():

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from itertools import groupby
 
-import numpy as np
-
 from clepsydra.base.errors import InputError
 from clepsydra.base.words import time_text
 from clepsydra.interface.events import changes_of
@@ -13,8 +11,8 @@ from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity, read_time
 from clepsydra.loop.default_scenario import MOST_SAMPLES, default_scenario, segment_samples
 from clepsydra.loop.duration import samples_before
-from clepsydra.loop.profile import Change, profiles_of
-from clepsydra.loop.scenario import Scenario, Segment
+from clepsydra.loop.profile import Change
+from clepsydra.loop.scenario import Scenario, Segment, scenario_of_changes
 
 
 def scenario_of(
@@ -37,7 +35,7 @@ def scenario_of(
     InputError
         An event is wrong, or the scenario has no length or is too long.
     """
-    process, period = plant.process, plant.process.sampling_period
+    period = plant.process.sampling_period
     if events is None and duration is None:
         return default_scenario(plant.linear, seed)
     changes = changes_of(events or [], plant, controlled=True)
@@ -54,19 +52,8 @@ def scenario_of(
             f"at most {time_text(MOST_SAMPLES * period, 4)}, {MOST_SAMPLES:,} sampling periods",
             "shorten it, or lengthen the sampling period of the process",
         )  # fmt: skip
-    at = plant.point.as_dict()
-    moved = (*process.controlled, *(signal.name for signal in process.disturbances))
-    before = {name: at[name] for name in moved}
-    profiles = profiles_of(changes, before, period, samples)
-    loads = [profiles[signal.name] for signal in process.disturbances]
-    return Scenario(
-        period,
-        np.stack([profiles[name] for name in process.controlled], axis=1),
-        np.stack(loads, axis=1) if loads else np.zeros((samples, 0)),
-        np.zeros((samples, len(process.measurements))),
-        tuple(_segments(changes, before, plant, samples)),
-        seed,
-    )
+    segments = tuple(_segments(changes, plant, samples))
+    return scenario_of_changes(plant.point, changes, samples, segments, seed)
 
 
 def _length(plant: Plant, changes: list[Change], duration: Quantity | None) -> float:
@@ -83,16 +70,14 @@ def _length(plant: Plant, changes: list[Change], duration: Quantity | None) -> f
     return last + each * period
 
 
-def _segments(
-    changes: list[Change], before: dict[str, float], plant: Plant, samples: int
-) -> list[Segment]:
+def _segments(changes: list[Change], plant: Plant, samples: int) -> list[Segment]:
     """Return a stretch for each step that comes alone: only then is it known what it does."""
     process, period = plant.process, plant.process.sampling_period
     groups = [
         (start, list(group))
         for start, group in groupby(changes, key=lambda each: samples_before(each.start, period))
     ]
-    now, found = dict(before), []
+    now, found = plant.point.as_dict(), []
     for place, (start, group) in enumerate(groups, start=1):
         end = groups[place][0] if place < len(groups) else samples
         change = group[0]

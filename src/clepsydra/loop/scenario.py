@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.loop.profile import Change, profiles_of
 from clepsydra.scores.segment import Segment as Segment
 
 
@@ -58,3 +61,36 @@ class Scenario:
     def time(self) -> np.ndarray:
         """Start of each sample [s]."""
         return np.arange(self.samples) * self.sampling_period
+
+
+def scenario_of_changes(
+    point: OperatingPoint,
+    changes: Iterable[Change],
+    samples: int,
+    segments: tuple[Segment, ...] = (),
+    seed: int = 1,
+) -> Scenario:
+    """Return exactly these changes of setpoints and disturbances, from rest, without noise.
+
+    Raises
+    ------
+    InputError
+        The changes of a signal are not in order, or do not end within the samples.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> changes = [Change("level_1", 7.0, 2.0, 2.0)]
+    >>> scenario_of_changes(cl.load("quadruple-tank").point, changes, 4).setpoints[:, 0].round(1)
+    array([6.1, 6.1, 7. , 7. ])
+    """
+    process, at = point.process, point.as_dict()
+    loads = [signal.name for signal in process.disturbances]
+    before = {name: at[name] for name in (*process.controlled, *loads)}
+    profiles = profiles_of(changes, before, process.sampling_period, samples)
+    setpoints, disturbances = (
+        np.array([profiles[name] for name in names]).reshape(len(names), samples).T
+        for names in (process.controlled, loads)
+    )
+    noise = np.zeros((samples, len(process.measurements)))
+    return Scenario(process.sampling_period, setpoints, disturbances, noise, segments, seed)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 CurveKind = Literal["line", "held", "dashed", "points"]
 
@@ -61,11 +62,9 @@ class Panel:
     logarithmic_y: bool = False
 
 
-def curves(
-    x: np.ndarray, values: Mapping[str, np.ndarray], kind: CurveKind = "line"
-) -> list[Curve]:
+def curves(x: np.ndarray, values: Mapping[str, ArrayLike], kind: CurveKind = "line") -> list[Curve]:
     """Return curves over the same places by name."""
-    return [Curve(name, x, y, kind) for name, y in values.items()]
+    return [Curve(name, x, np.asarray(y), kind) for name, y in values.items()]
 
 
 def bode_panels(

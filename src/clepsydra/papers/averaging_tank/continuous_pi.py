@@ -6,17 +6,16 @@ IAE would be 0.0168 and not 0.0115.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.step_run import STEPS
 from clepsydra.papers.averaging_tank.symbols import C0, FLOW, INLET, V0, Variant, constant_flow
-from clepsydra.scores.step_response import rise_time, settling_time
+from clepsydra.scores.step_response import overshoot, rise_time, settling_time
 
 #: Between points that are kept [s].
 _KEPT = 1e-4
@@ -24,7 +23,7 @@ HIGHEST_FLOW, HIGHEST_INLET = PRINTED.numbers(
     "section 3.3", "highest f_in and f_out", "highest C_in"
 )
 _REST = {"C": C0, "V": V0}
-_OUTPUTS = ("C", "V")
+_TARGET = {output: rest + STEPS[output] for output, rest in _REST.items()}
 
 
 class Constants(NamedTuple):
@@ -67,19 +66,18 @@ class ContinuousRun:
 
     def settling(self, output: str) -> float:
         """Return when C or V stays within 2 % of its step [s]."""
-        start = _REST[output]
-        target = start + STEPS[output]
-        return settling_time(self.time, self.outputs[output], start, target, band=0.02)
+        return settling_time(*self._step(output), band=0.02)
 
     def rise_time(self, output: str) -> float:
         """Return from when to when C or V covers 10 to 90 % of its step [s]."""
-        start = _REST[output]
-        return rise_time(self.time, self.outputs[output], start, start + STEPS[output])
+        return rise_time(*self._step(output))
 
     def overshoot(self, output: str) -> float:
         """Return the overshoot of C or V [% of its step]."""
-        target = _REST[output] + STEPS[output]
-        return 100.0 * (float(self.outputs[output].max()) - target) / STEPS[output]
+        return overshoot(*self._step(output))
+
+    def _step(self, output: str) -> tuple[np.ndarray, np.ndarray, float, float]:
+        return self.time, self.outputs[output], _REST[output], _TARGET[output]
 
     def at_limit(self, name: str) -> float:
         """Return how long "flow" or "inlet" stands at a limit [s]."""
@@ -111,49 +109,31 @@ def continuous_run(
     """
     from scipy.integrate import solve_ivp
 
-    loop = _Loop(constants, free)
-    start = np.concatenate([[_REST["C"], _REST["V"]], np.zeros(8)])
+    gain_c, time_c, gain_v, time_v = constants[2:]
+    sign = 1.0 if constants.constant == "outflow" else -1.0
+    lowest, highest = (-np.inf, np.inf) if free else (0.0, HIGHEST_INLET)
+
+    def inputs(x: np.ndarray) -> tuple[Any, Any]:
+        """Return the flow that is moved and C_in, within their limits."""
+        inlet = INLET + gain_c * (_TARGET["C"] - x[0] + x[2] / time_c)
+        flow = FLOW + sign * gain_v * (_TARGET["V"] - x[1] + x[6] / time_v)
+        limited = np.minimum(np.maximum(flow, 0.0), HIGHEST_FLOW)
+        return limited, np.minimum(np.maximum(inlet, lowest), highest)
+
+    def rates(t: float, x: np.ndarray) -> list[float]:
+        """Return the slopes of C and V, and of IE, IAE, ISE and ITAE of each."""
+        flow, inlet = inputs(x)
+        inflow, outflow = (flow, FLOW) if sign > 0.0 else (FLOW, flow)
+        errors = _TARGET["C"] - x[0], _TARGET["V"] - x[1]
+        sums = (each for e in errors for each in (e, abs(e), e * e, t * abs(e)))
+        return [inflow / x[1] * (inlet - x[0]), inflow - outflow, *sums]
+
     kept = np.linspace(0.0, horizon, round(horizon / _KEPT) + 1)
     found = solve_ivp(
-        loop.rates, (0.0, horizon), start, method="LSODA", t_eval=kept, rtol=1e-8, atol=1e-10,
-        max_step=longest_step,
+        rates, (0.0, horizon), [*_REST.values(), *np.zeros(8)], method="LSODA", t_eval=kept,
+        rtol=1e-8, atol=1e-10, max_step=longest_step,
     )  # fmt: skip
-    states = found.y
-    moved = [loop.inputs(column) for column in states.T]
-    flow, inlet = np.array(moved).T
-    names = ("IE", "IAE", "ISE", "ITAE")
-    # IE is a state of the controller as well; it stands where the sum of the errors is wanted.
-    ends = {
-        (name, output): float(states[2 + place + 4 * number, -1])
-        for number, output in enumerate(_OUTPUTS)
-        for place, name in enumerate(names)
-    }
-    return ContinuousRun(found.t, {"C": states[0], "V": states[1]}, flow, inlet, ends)
-
-
-class _Loop:
-    """States: C, V, and IE, IAE, ISE and ITAE of each."""
-
-    def __init__(self, constants: Constants, free: bool) -> None:
-        self._constants, self._free = constants, free
-        self._sign = 1.0 if constants.constant == "outflow" else -1.0
-        self._targets = [_REST[name] + STEPS[name] for name in _OUTPUTS]
-
-    def inputs(self, x: Sequence[float] | np.ndarray) -> tuple[float, float]:
-        """Return the flow that is moved and C_in, within their limits."""
-        given = self._constants
-        inlet = INLET + given.gain_c * (self._targets[0] - x[0] + x[2] / given.time_c)
-        flow = FLOW + self._sign * given.gain_v * (self._targets[1] - x[1] + x[6] / given.time_v)
-        if not self._free:
-            inlet = min(max(inlet, 0.0), HIGHEST_INLET)
-        return min(max(flow, 0.0), HIGHEST_FLOW), inlet
-
-    def rates(self, t: float, x: np.ndarray) -> list[float]:
-        """Return the slopes of the states."""
-        flow, inlet = self.inputs(x)
-        inflow, outflow = (flow, FLOW) if self._sign > 0.0 else (FLOW, flow)
-        rates = [inflow / x[1] * (inlet - x[0]), inflow - outflow]
-        for target, value in zip(self._targets, x[:2], strict=True):
-            error = target - value
-            rates += [error, abs(error), error * error, t * abs(error)]
-        return rates
+    keys = [(index, output) for output in _REST for index in ("IE", "IAE", "ISE", "ITAE")]
+    indices = dict(zip(keys, map(float, found.y[2:, -1]), strict=True))
+    outputs = dict(zip(_REST, found.y, strict=False))
+    return ContinuousRun(found.t, outputs, *inputs(found.y), indices)

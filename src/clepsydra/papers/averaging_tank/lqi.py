@@ -52,8 +52,16 @@ def _gains() -> Rows:
     yield from PRINTED.compared("(98b)", {name: other[name] for name in _COUPLED})
     for column, found in ((COLUMNS[1], best), (COLUMNS[3], last)):
         place = column.place.replace("a", "b")
-        yield from [_rounded(column, PRINTED[place, name]) for name in ("F12", "Fi12")]
-        yield from [_unreadable(PRINTED[place, name], found[name]) for name in _SECOND_ROW]
+        for name in ("F12", "Fi12"):
+            share = _left_open(column, name)
+            why = (
+                "Riccati equation of (87). Half a unit in the last digits of Q and R of "
+                f"{column.place}, 1e-6 taken as exact, leaves {100 * share:.2f} % open."
+            )
+            yield PRINTED[place, name].compared(found[name], tolerance=share, why=why)
+        for name in _SECOND_ROW:  # They are garbled.
+            right = f"{found[name] + 0.0:.1f}" if abs(found[name]) > 1e-6 else "0"
+            yield PRINTED[place, name].stated(right, PRINTED[place, name].text == right)
     yield _third_weight()
     for place, found, names in (
         ("(97b)", hand, "F11, F22, Fi11 and Fi22"),
@@ -70,56 +78,32 @@ def _named(matrix: np.ndarray) -> dict[str, float]:
     return {**entries("F", matrix[:, :2]), **entries("Fi", matrix[:, 2:])}
 
 
-def _rounded(weights: Weights, line: Printed) -> Row:
-    """Judge an optimal gain, with the tolerance that the printed weights leave."""
-    share = _left_open(weights, line.name)
-    return line.compared(
-        _named(gains(weights))[line.name],
-        tolerance=share,
-        why=f"Riccati equation of (87). Half a unit in the last digits of Q and R of "
-        f"{weights.place}, 1e-6 taken as exact, leaves {100 * share:.2f} % open.",
-    )
-
-
 def _left_open(weights: Weights, name: str) -> float:
     """Return what the last printed digits of the weights leave open of a gain, as a share.
 
     A weight of 1e-6 is printed as a power of ten, and taken as exact.
     """
-    gain = _named(gains(weights))[name]
-    values = (*weights.states, *weights.inputs)
-    share = 0.0
-    for each, value in enumerate(values):
-        if value > 1e-6:
-            moved = list(values)
-            moved[each] += printed_number(f"{value:g}").half_unit
-            q1, q2, q3, q4, r1, r2 = moved
-            other = weights._replace(states=(q1, q2, q3, q4), inputs=(r1, r2))
-            share += abs(_named(gains(other))[name] / gain - 1.0)
+    gain, share = _named(gains(weights))[name], 0.0
+    values = np.array([*weights.states, *weights.inputs])
+    for place in np.flatnonzero(values > 1e-6):
+        moved = values.copy()
+        moved[place] += printed_number(f"{values[place]:g}").half_unit
+        other = weights._replace(states=tuple(moved[:4]), inputs=tuple(moved[4:]))
+        share += abs(_named(gains(other))[name] / gain - 1.0)
     return share
-
-
-def _unreadable(line: Printed, value: float) -> Row:
-    """Judge an entry of the second rows of F and Fi, which are garbled."""
-    right = f"{value + 0.0:.1f}" if abs(value) > 1e-6 else "0"
-    return line.stated(right, line.text == right)
 
 
 def _third_weight() -> Row:
     """Judge Q3 of (101a) by the cells of C in the last column of Table 7."""
     printed, right = PRINTED_Q3.states[2], COLUMNS[3].states[2]
-    cells = {
-        key: PRINTED["Table 7", f"{key[0]} of C, {COLUMNS[3].title}"]
-        for key in KEYS
-        if key[1] == "C"
-    }
     fits = {}
     for weight in (0.1 * printed, printed, 10.0 * printed, right, 10.0 * right):
         found = indices_of(COLUMNS[3].with_third(weight))
-        fits[weight] = sum(
-            cell.compared(found[key], unprinted="-").verdict == "reproduced"
-            for key, cell in cells.items()
-        )
+        cells = {
+            i: PRINTED["Table 7", f"{i} of C, {COLUMNS[3].title}"] for i, o in KEYS if o == "C"
+        }
+        rows = [cell.compared(found[i, "C"], unprinted="-") for i, cell in cells.items()]
+        fits[weight] = sum(row.verdict == "reproduced" for row in rows)
     evidence = (
         "with it all four cells of C in Table 7 beside ISEG come out, with the print none; of the "
         "values near it, which agree as well, it has the print's digits",

@@ -9,14 +9,14 @@ from typing import NamedTuple
 import numpy as np
 
 from clepsydra.papers.averaging_tank import PRINTED
-from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.range_controllers import KINDS, bench_of, controller_of
 from clepsydra.papers.averaging_tank.range_linear import linear_errors
 from clepsydra.papers.averaging_tank.sampling import sampling_row
 from clepsydra.papers.averaging_tank.step_run import MEASURED, high_model_of, step_scenario
 from clepsydra.papers.averaging_tank.symbols import C0, V0, VARIANTS, Variant, constant_flow
+from clepsydra.papers.averaging_tank.trends import SIGNALS
 from clepsydra.papers.document import Found
-from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.figure import Curve, Figure, Panel, curves
 from clepsydra.papers.row import Rows
 
 PERIOD, HORIZON = 0.01, 30.0  # [s]
@@ -175,72 +175,52 @@ def _times(decline: float) -> str:
     return f"{1.0 + decline:.2f} times"
 
 
-def _trends() -> tuple[Figure, ...]:
-    figures = []
+def _trends() -> Found:
+    """Draw two large steps under the loops by hand."""
     for step, what in (
         (Step(0.0, -0.5), "V falls by half"),
         (Step(0.5, 0.5), "C and V rise by half"),
     ):
-        kinds = ("PI", "PI, anti-windup", "LQI", "LQI, anti-windup", "LQI, recomputed, anti-windup")
-        panels = []
-        for title, label, signal, factor in (
-            ("C", "C [kmol/m³]", "concentration", KMOL),
-            ("V", "V [m³]", "volume", 1.0),
-            ("f_in", "f_in [m³/s]", "inflow", 1.0),
-            ("C_in", "C_in [kmol/m³]", "inflow.impurity", KMOL),
-        ):
-            curves = []
-            for kind in kinds:
-                run = range_run("outflow", kind, step)
-                places = slice(0, int(20.0 / PERIOD), 4)
-                drawn: str = "line" if title in ("C", "V") else "held"
-                curves.append(
-                    Curve(kind, run["time"][places], run[signal][places] / factor, drawn)  # type: ignore[arg-type]
-                )
-            panels.append(Panel(title, label, tuple(curves)))
-        figures.append(
-            Figure(
-                "", f"A large step with f_out constant: {what}", tuple(panels),
-                "Constants by hand. While an input stands at its limit, an integral without "
-                "anti-windup goes on.",
-            )
+        shown = slice(0, int(20.0 / PERIOD), 4)
+        runs = {kind: range_run("outflow", kind, step) for kind in _SAMPLED}
+        panels = [
+            Panel(name, label, [
+                Curve(kind, run["time"][shown], run[signal][shown] / factor, drawn)
+                for kind, run in runs.items()
+            ])
+            for name, signal, label, factor, drawn in SIGNALS if name != "f_out"
+        ]  # fmt: skip
+        yield Figure(
+            "", f"A large step with f_out constant: {what}", panels,
+            "Constants by hand. While an input stands at its limit, an integral without "
+            "anti-windup goes on.",
         )  # fmt: skip
-    return tuple(figures)
 
 
 def _by_size() -> Figure:
-    """Relative error against the size of the step."""
+    """Draw the relative error against the size of a step."""
     panels = []
-    for output in ("C", "V"):
-        curves = []
-        for kind in KINDS:
-            steps = [Step(share, 0.0) if output == "C" else Step(0.0, share) for share in _SHARES]
-            errors = [relative_error("outflow", kind, step) for step in steps]
-            curves.append(Curve(kind, 100.0 * np.array(_SHARES), np.array(errors), "line"))
-        panels.append(
-            Panel(output, "IAE / step [s]", tuple(curves), f"step of {output} [% of its value]")
-        )
+    for output, of in (
+        ("C", lambda share: Step(share, 0.0)),
+        ("V", lambda share: Step(0.0, share)),
+    ):
+        errors = {k: [relative_error("outflow", k, of(s)) for s in _SHARES] for k in KINDS}
+        shown = curves(100.0 * np.array(_SHARES), errors)
+        panels.append(Panel(output, "IAE / step [s]", shown, f"step of {output} [% of its value]"))
     return Figure(
         "", "What a step costs, against its size, f_out constant",
-        tuple(panels), "A flat line would be a linear loop without limits.",
+        panels, "A flat line would be a linear loop without limits.",
     )  # fmt: skip
 
 
 def _by_period() -> Figure:
-    """Relative error of large steps against the sampling period."""
+    """Draw the relative error of large steps against the sampling period."""
     panels = []
     for step in LARGE_STEPS[:4]:
-        curves = []
-        for kind in _SAMPLED:
-            errors = [relative_error("outflow", kind, step, period) for period in _PERIODS]
-            curves.append(Curve(kind, 1e3 * np.array(_PERIODS), np.array(errors), "line"))
-        panels.append(
-            Panel(
-                step.words, "IAE / step [s]", tuple(curves), "sampling period [ms]",
-                logarithmic_x=True,
-            )
-        )  # fmt: skip
+        errors = {k: [relative_error("outflow", k, step, p) for p in _PERIODS] for k in _SAMPLED}
+        shown = curves(1e3 * np.array(_PERIODS), errors)
+        panels.append(Panel(step.words, "IAE / step [s]", shown, "sampling period [ms]", True))
     return Figure(
         "", "What large steps cost, against the sampling period",
-        tuple(panels), "f_out constant, constants by hand.",
+        panels, "f_out constant, constants by hand.",
     )  # fmt: skip

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
+from itertools import product
 
 from clepsydra.base.signal import path
 from clepsydra.controllers.at_rest import state_at_rest
@@ -13,7 +14,6 @@ from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.pid_form import Actions, PidForm
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
-from clepsydra.loop.run import Run
 from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.continuous_pi import (
     HIGHEST_FLOW,
@@ -74,19 +74,16 @@ _CONTAINED: dict[Actions, Actions] = {"PI": "P", "PID": "PI"}
 
 def run() -> Found:
     """Return the rows on PI control, and Fig. 7."""
-    figure = trend_figure(
-        "Fig. 7", "Steps of both references under PI control",
-        {each.title: _drawn(each) for v in VARIANTS for each in (BY_HAND[v], OPTIMAL[v])},
-        _DRAWN,
+    yield from (*_signed_error(), *_table_6(), *_claims())
+    runs = {}
+    for constants in (each[variant] for variant in VARIANTS for each in (BY_HAND, OPTIMAL)):
+        model = model_of(constants.constant, _DRAWN_PERIOD)
+        runs[constants.title] = step_run(pi_controller(constants, model), model, horizon=_DRAWN)
+    yield trend_figure(
+        "Fig. 7", "Steps of both references under PI control", runs, _DRAWN,
         "With the printed optimum C_in swings between its limits: an integral time of a "
         "millisecond makes IE small and the loop ring.",
     )  # fmt: skip
-    return (*_signed_error(), *_table_6(), *_claims(), figure)
-
-
-def _drawn(constants: Constants) -> Run:
-    model = model_of(constants.constant, _DRAWN_PERIOD)
-    return step_run(pi_controller(constants, model), model, horizon=_DRAWN)
 
 
 def pi_controller(
@@ -135,20 +132,11 @@ def pi_controller(
         **(settings or {}),
     }
     values = {each.name: given.get(each.name, each.initial) for each in law.parameters}
-    state = state_at_rest(law, values, inputs_at_rest(model, _CONTROLLED, moved))
+    state = state_at_rest(law, values, operating_point_of(model).as_dict())
     return Controller(
         f"PI, {constants.tuned}", "multiloop PI", "Constants of the document.", law, values,
         state, _CONTROLLED, _CONTROLLED, moved,
     )  # fmt: skip
-
-
-def inputs_at_rest(
-    model: LinearModel, controlled: Sequence[str], moved: Sequence[str]
-) -> dict[str, float]:
-    """Return setpoints, measurements and tracking values of a law at the operating point."""
-    at = operating_point_of(model).as_dict()
-    held = {path(y, part): at[y] for part in ("sp", "pv") for y in controlled}
-    return held | {path(u, "tracking"): at[u] for u in moved}
 
 
 def _signed_error() -> Rows:
@@ -159,13 +147,10 @@ def _signed_error() -> Rows:
         for output in ("C", "V")
     )
     against = "The cell and (83) contradict each other, and nothing tells which is wrong."
-    yield from (
-        line.compared(found[variant]["IE", "C"], unprinted=f"{line.note} {against}")
-        for variant, line in of_c.items()
-    )
-    yield from (
-        line.compared(found[variant]["IE", "V"], zero=_NO_ERROR) for variant, line in of_v.items()
-    )
+    for variant, line in of_c.items():
+        yield line.compared(found[variant]["IE", "C"], unprinted=f"{line.note} {against}")
+    for variant, line in of_v.items():
+        yield line.compared(found[variant]["IE", "V"], zero=_NO_ERROR)
 
 
 def _error_of(constants: Constants) -> float:
@@ -224,41 +209,35 @@ def _tuned_from(
         BY_HAND[variant], model, form, free=True, settings={**start, **filters}
     )
     score, factor = index.lower(), KMOL**-2 if index == "ISE" else 1.0 / KMOL
-    bounds = [_bounded(name, variant) for name in _BOUNDS if name in controller.values]
+    bounds = [
+        # f_out acts the other way.
+        TunedParameter(name, -high, -low)
+        if name == "volume.proportional_gain" and variant == "inflow"
+        else TunedParameter(name, low, high)
+        for name, (low, high) in _BOUNDS.items()
+        if name in controller.values
+    ]
     scenario = step_scenario(model, (STEPS["C"], STEPS["V"]), _TUNING_HORIZON)
     weights = {f"{score}[concentration]": factor, f"{score}[volume]": 1.0}
     goal = Goal(model, scenario, Objective("minimax", weights, relative=False))
     return tune(LawSpace(controller, bounds), goal, Search(generations=0))
 
 
-def _bounded(name: str, variant: Variant) -> TunedParameter:
-    low, high = _BOUNDS[name]
-    if name == "volume.proportional_gain" and variant == "inflow":  # f_out acts the other way
-        low, high = -high, -low
-    return TunedParameter(name, low, high)
-
-
 def without_limit(model: LinearModel) -> LinearModel:
     """Return a model whose C_in has no limits."""
     point = operating_point_of(model)
     inputs = tuple(
-        dataclasses.replace(signal, low=-_FREE, high=_FREE)
-        if signal.name == "inflow.impurity"
-        else signal
+        replace(signal, low=-_FREE, high=_FREE) if signal.name == "inflow.impurity" else signal
         for signal in point.process.inputs
     )
-    process = dataclasses.replace(point.process, inputs=inputs)
-    return dataclasses.replace(model, point=dataclasses.replace(point, process=process))
+    return replace(model, point=replace(point, process=replace(point.process, inputs=inputs)))
 
 
 def _table_6() -> Rows:
-    for index in ("IAE", "ISE", "ITAE"):
-        for variant in VARIANTS:
-            found = continuous_run(OPTIMAL[variant], free=True).indices
-            cells = {
-                f"{index} of {o}, {constant_flow(variant)}": found[index, o] for o in ("C", "V")
-            }
-            yield from PRINTED.compared("Table 6", cells)
+    for index, variant in product(("IAE", "ISE", "ITAE"), VARIANTS):
+        found = continuous_run(OPTIMAL[variant], free=True).indices
+        cells = {f"{index} of {o}, {constant_flow(variant)}": found[index, o] for o in ("C", "V")}
+        yield from PRINTED.compared("Table 6", cells)
 
 
 def _claims() -> Rows:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -30,7 +30,7 @@ from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario
 from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, Weights, in_moles, weighed
 from clepsydra.papers.averaging_tank.model import KMOL
-from clepsydra.papers.averaging_tank.pi import BY_HAND, inputs_at_rest, pi_controller
+from clepsydra.papers.averaging_tank.pi import BY_HAND, pi_controller
 from clepsydra.papers.averaging_tank.step_run import high_model_of
 from clepsydra.papers.averaging_tank.symbols import FLOW, V0, Variant
 from clepsydra.program.step_law import StepLaw
@@ -62,7 +62,9 @@ def controller_of(constant: Variant, kind: str, period: float) -> Controller:
     if law.startswith("PI"):
         plain = pi_controller(BY_HAND[constant], model, PidForm(anti_windup=winding))
         if winding == "back_calculation":
-            plain = _tracking(plain, BY_HAND[constant].time_c, BY_HAND[constant].time_v)
+            times = BY_HAND[constant].time_c, BY_HAND[constant].time_v
+            names = (path(name, "tracking_time") for name in _MEASURED)
+            plain = replace(plain, values={**plain.values, **dict(zip(names, times, strict=True))})
         return plain if law == "PI" else _scheduled_pi(plain, model, period)
     weights = COLUMNS[0 if constant == "outflow" else 2]
     if law == "LQI":
@@ -101,10 +103,8 @@ class Bench:
             scenario.samples, inputs=given, state=loop.initial_state(),
             parameters=loop.law_parameters(),
         )  # fmt: skip
-        names = (*_MEASURED, *(signal.name for signal in loop.process.inputs))
-        found = {name: np.asarray(result.output(name)[0]) for name in names}
-        targets = {f"{name}.setpoint": given[f"{name}.setpoint"] for name in _MEASURED}
-        return {**found, **targets, "time": scenario.time}
+        found = {s.name: result.output(s.name)[0] for s in self._kernel.program.outputs}
+        return {**given, **found, "time": scenario.time}
 
 
 @cache
@@ -133,22 +133,12 @@ def gains_at(weights: Weights, volume: float) -> tuple[np.ndarray, np.ndarray]:
     return in_moles(found)
 
 
-def _tracking(plain: Controller, first: float, second: float) -> Controller:
-    times = {"concentration.tracking_time": first, "volume.tracking_time": second}
-    return dataclasses.replace(plain, values={**plain.values, **times})
-
-
 def _scheduled_pi(plain: Controller, model: LinearModel, period: float) -> Controller:
     """Return PI control whose gain of C is in proportion to the volume, as its element 1/V asks."""
-    process = operating_point_of(model).process
-    schedule = Schedule("volume.pv", process.signal("volume"), len(VOLUMES))
-    scheduled = "concentration.proportional_gain"
-    law = scheduled_law(plain.law, schedule, [scheduled])
-    values = {name: value for name, value in plain.values.items() if name != scheduled}
-    gain = plain.values[scheduled]
-    values |= _points(schedule, period)
-    values |= _table(schedule, scheduled, [gain * volume / V0 for volume in VOLUMES])
-    return _rescheduled(dataclasses.replace(plain, name="PI, scheduled"), model, law, values)
+    schedule, gain = _schedule(model), "concentration.proportional_gain"
+    law = scheduled_law(plain.law, schedule, [gain])
+    tables = {gain: [plain.values[gain] * volume / V0 for volume in VOLUMES]}
+    return _rescheduled(replace(plain, name="PI, scheduled"), model, law, period, tables)
 
 
 def _scheduled_lqi(
@@ -157,47 +147,43 @@ def _scheduled_lqi(
     plain = lqi_controller(
         "LQI, scheduled", model, _MEASURED, *gains_at(weights, V0), [1.0, 1.0], winding
     )
-    process = operating_point_of(model).process
-    schedule = Schedule("volume.pv", process.signal("volume"), len(VOLUMES))
+    signal, moved = operating_point_of(model).process.signal, plain.manipulated
     law = scheduled_lqi_law(
-        [process.signal(name) for name in _MEASURED],
-        [process.signal(name) for name in plain.manipulated],
-        _MEASURED,
-        schedule,
-        winding,
+        list(map(signal, _MEASURED)), list(map(signal, moved)), _MEASURED, _schedule(model), winding
     )
-    known = {parameter.name for parameter in law.parameters}
-    values = {name: value for name, value in plain.values.items() if name in known}
-    values |= _points(schedule, period)
-    gains = zip(*(gains_at(weights, volume) for volume in VOLUMES), strict=True)
-    for what, found in zip(("feedback", "integral_gain"), gains, strict=True):
-        for i, output in enumerate(plain.manipulated):
-            for j, name in enumerate(_MEASURED):
-                scheduled = path(path(output, what), name)
-                values |= _table(schedule, scheduled, [float(rows[i, j]) for rows in found])
+    found = [gains_at(weights, volume) for volume in VOLUMES]
+    tables = {
+        path(path(output, what), name): [float(gains[place][i, j]) for gains in found]
+        for place, what in enumerate(("feedback", "integral_gain"))
+        for i, output in enumerate(moved)
+        for j, name in enumerate(_MEASURED)
+    }
     if winding == "back_calculation":
-        for output in plain.manipulated:
-            values |= _table(schedule, path(output, "tracking_time"), [1.0] * len(VOLUMES))
-    return _rescheduled(plain, model, law, values)
+        tables |= {path(output, "tracking_time"): [1.0] * len(VOLUMES) for output in moved}
+    return _rescheduled(plain, model, law, period, tables)
 
 
-def _points(schedule: Schedule, period: float) -> dict[str, float]:
-    names = [parameter.name for parameter in schedule.parameters()]
-    return dict(zip(names, (*VOLUMES, period), strict=True))
-
-
-def _table(schedule: Schedule, name: str, values: Sequence[float]) -> dict[str, float]:
-    names = schedule.values(name)
-    return dict(zip(names, values, strict=True))
+def _schedule(model: LinearModel) -> Schedule:
+    signal = operating_point_of(model).process.signal("volume")
+    return Schedule("volume.pv", signal, len(VOLUMES))
 
 
 def _rescheduled(
-    plain: Controller, model: LinearModel, law: StepLaw, values: dict[str, float]
+    plain: Controller,
+    model: LinearModel,
+    law: StepLaw,
+    period: float,
+    tables: Mapping[str, Sequence[float]],
 ) -> Controller:
-    rest = inputs_at_rest(model, plain.measurements, plain.manipulated)
-    return dataclasses.replace(
-        plain, law=law, values=values, initial_state=state_at_rest(law, values, rest)
-    )
+    """Return a controller of fixed gains whose law has tables over the volume instead."""
+    schedule, known = _schedule(model), {parameter.name for parameter in law.parameters}
+    values = {name: value for name, value in plain.values.items() if name in known}
+    places = [parameter.name for parameter in schedule.parameters()]
+    values |= zip(places, (*VOLUMES, period), strict=True)
+    for name, table in tables.items():
+        values |= zip(schedule.values(name), table, strict=True)
+    state = state_at_rest(law, values, operating_point_of(model).as_dict())
+    return replace(plain, law=law, values=values, initial_state=state)
 
 
 def _recomputed_lqi(

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from functools import cache
 
-from clepsydra.controllers.controller import Controller
 from clepsydra.designs.sampled.sampled_loop import SampledLoops
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
@@ -28,7 +26,7 @@ def sampling_row() -> Row:
     """Return the remark on the sampling period."""
     periods = [
         f"{law} {tuned}, {constant_flow(constant)}: "
-        f"{_milliseconds(longest_period(constant, law, tuned))} ms"
+        f"{float(f'{1e3 * longest_period(constant, law, tuned):.3g}'):g} ms"
         for constant in VARIANTS
         for law in _LAWS
         for tuned in _TUNINGS
@@ -53,37 +51,21 @@ def longest_period(constant: Variant, law: str, tuned: str) -> float:
     >>> abs(longest_period("outflow", "PI", "by hand") - (2 - 3**0.5)) < 1e-4
     True
     """
+    place, at_cycle = _TUNINGS.index(tuned), model_of(constant, CYCLE)
+    if law == "PI":
+        controller = pi_controller((BY_HAND, OPTIMAL)[place][constant], at_cycle)
+    else:
+        controller = lqi_of(COLUMNS[2 * VARIANTS.index(constant) + place], at_cycle)
     low, high = math.log(_SHORTEST), math.log(_LONGEST)
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        if _is_stable(constant, law, tuned, math.exp(middle)):
-            low = middle
-        else:
-            high = middle
+        model = _sampled(model_of(constant), math.exp(middle))
+        is_stable = SampledLoops(controller, model).at(controller.values).is_stable
+        low, high = (middle, high) if is_stable else (low, middle)
     return math.exp(low)
 
 
-def _is_stable(constant: Variant, law: str, tuned: str, period: float) -> bool:
-    model = _sampled(model_of(constant), period)
-    controller = _controller(constant, law, tuned, CYCLE)
-    return SampledLoops(controller, model).at(controller.values).is_stable
-
-
-@cache
-def _controller(constant: Variant, law: str, tuned: str, period: float) -> Controller:
-    model = model_of(constant, period)
-    if law == "PI":
-        constants = (BY_HAND if tuned == "by hand" else OPTIMAL)[constant]
-        return pi_controller(constants, model)
-    return lqi_of(COLUMNS[2 * VARIANTS.index(constant) + _TUNINGS.index(tuned)], model)
-
-
 def _sampled(model: LinearModel, period: float) -> LinearModel:
-    """Return the model sampled with another period [s]."""
     point = operating_point_of(model)
     process = dataclasses.replace(point.process, sampling_period=period)
     return dataclasses.replace(model, point=dataclasses.replace(point, process=process))
-
-
-def _milliseconds(period: float) -> str:
-    return f"{float(f'{1e3 * period:.3g}'):g}"

@@ -12,8 +12,9 @@ from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise, operating_point_of
 from clepsydra.loop.loop import Loop
+from clepsydra.loop.profile import Change
 from clepsydra.loop.run import Run
-from clepsydra.loop.scenario import Scenario, Segment
+from clepsydra.loop.scenario import Scenario, scenario_of_changes
 from clepsydra.papers.averaging_tank.model import KMOL, high_tank, tank
 from clepsydra.papers.averaging_tank.symbols import Variant
 from clepsydra.process.process import Process
@@ -57,21 +58,12 @@ def step_scenario(
 ) -> Scenario:
     """Return steps of C [kmol/m³] and V [m³] at the first sample."""
     point = operating_point_of(model)
-    process, start = point.process, point.as_dict()
-    period = process.sampling_period
-    samples = round(horizon / period) + 1
-    targets = [
-        start[name] + factor * size
+    at, period = point.as_dict(), point.process.sampling_period
+    steps = [
+        Change(name, at[name] + factor * size, 0.0, 0.0)
         for (name, factor), size in zip(MEASURED.values(), sizes, strict=True)
     ]
-    return Scenario(
-        period,
-        np.tile(targets, (samples, 1)),
-        np.tile([start[d.name] for d in process.disturbances], (samples, 1)),
-        np.zeros((samples, len(process.measurements))),
-        (Segment("setpoint", "volume", 0.0, samples * period, sizes[1]),),
-        seed=1,
-    )
+    return scenario_of_changes(point, steps, round(horizon / period) + 1)
 
 
 def step_run(

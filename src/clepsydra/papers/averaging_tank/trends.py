@@ -8,14 +8,15 @@ import numpy as np
 
 from clepsydra.loop.run import Run
 from clepsydra.papers.averaging_tank.model import KMOL
-from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.figure import Curve, CurveKind, Figure, Panel
 
-_PANELS = (
-    ("C", "concentration", "C [kmol/m³]", KMOL),
-    ("V", "volume", "V [m³]", 1.0),
-    ("f_in", "inflow", "f_in [m³/s]", 1.0),
-    ("f_out", "outflow", "f_out [m³/s]", 1.0),
-    ("C_in", "inflow.impurity", "C_in [kmol/m³]", KMOL),
+#: Name, signal, label, factor and kind of curve of each panel.
+SIGNALS: tuple[tuple[str, str, str, float, CurveKind], ...] = (
+    ("C", "concentration", "C [kmol/m³]", KMOL, "line"),
+    ("V", "volume", "V [m³]", 1.0, "line"),
+    ("f_in", "inflow", "f_in [m³/s]", 1.0, "held"),
+    ("f_out", "outflow", "f_out [m³/s]", 1.0, "held"),
+    ("C_in", "inflow.impurity", "C_in [kmol/m³]", KMOL, "held"),
 )
 _POINTS = 1500
 
@@ -25,20 +26,15 @@ def trend_figure(
 ) -> Figure:
     """Return outputs and inputs of runs by name over a horizon [s], thinned for a picture."""
     panels = []
-    for name, signal, label, factor in _PANELS:
-        curves = []
+    for name, signal, label, factor, kind in SIGNALS:
+        shown = []
         for who, run in runs.items():
             last = int(np.searchsorted(run.time, horizon)) + 1
-            step = max(1, last // _POINTS)
             # Where things happen fast, at the start, every sample is kept.
-            places = np.unique(np.r_[: min(last, _POINTS), 0:last:step])
-            values = run.values[signal][places] / factor
-            kind = "line" if name in ("C", "V") else "held"
-            curves.append(Curve(who, run.time[places], values, kind))  # type: ignore[arg-type]
-        if name in ("C", "V"):
-            run = next(iter(runs.values()))
-            ends = np.array([0.0, horizon])
+            places = np.unique(np.r_[: min(last, _POINTS), 0 : last : max(1, last // _POINTS)])
+            shown.append(Curve(who, run.time[places], run.values[signal][places] / factor, kind))
+        if kind == "line":
             target = np.full(2, run.values[f"{signal}.setpoint"][0] / factor)
-            curves.append(Curve("", ends, target, "dashed"))
-        panels.append(Panel(name, label, tuple(curves)))
-    return Figure(number, title, tuple(panels), note)
+            shown.append(Curve("", np.array([0.0, horizon]), target, "dashed"))
+        panels.append(Panel(name, label, shown))
+    return Figure(number, title, panels, note)

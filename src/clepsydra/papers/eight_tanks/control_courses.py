@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -15,9 +16,10 @@ from clepsydra.papers.eight_tanks.six_designs import (
     Choice,
     StepRun,
     step_run,
+    trends,
     turns,
 )
-from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.figure import Curve, Figure
 from clepsydra.papers.row import Row, Rows
 from clepsydra.scores.step_response import rise_time
 
@@ -31,24 +33,6 @@ def run() -> Found:
     return (*_trends(), _amplitude(), _prevented(), *map(_figure, SIX))
 
 
-def _run(choice: Choice) -> StepRun:
-    return step_run(choice.penalty, (choice.pole,))
-
-
-def _rise(run: StepRun) -> float:
-    return rise_time(run.minutes, run.level, 0.0, 1.0)
-
-
-def _first_move(run: StepRun) -> float:
-    """Return the first move of the inflow as a share of its largest [%]."""
-    return 100.0 * float(run.inflow[0]) / float(run.inflow.max())
-
-
-def _level_swings(run: StepRun) -> float:
-    """Return how often the level turns by more than 2 % of the step."""
-    return float(turns(run.level, 0.02))
-
-
 class _Measure(NamedTuple):
     """Something of a course that a trend is told by."""
 
@@ -57,9 +41,15 @@ class _Measure(NamedTuple):
     of: Callable[[StepRun], float]
 
 
-_RISE = _Measure("rise time from 10 to 90 %", "min", _rise)
-_SPEED = _Measure("first move of the inflow", "% of its largest", _first_move)
-_LEVEL_SWINGS = _Measure("swings of the level", "", _level_swings)
+_RISE = _Measure(
+    "rise time from 10 to 90 %", "min", lambda run: rise_time(run.minutes, run.level, 0.0, 1.0)
+)
+_SPEED = _Measure(
+    "first move of the inflow",
+    "% of its largest",
+    lambda run: 100.0 * float(run.inflow[0]) / float(run.inflow.max()),
+)
+_LEVEL_SWINGS = _Measure("swings of the level", "", lambda run: float(turns(run.level, 0.02)))
 _OVERSHOOT = _Measure("overshoot", "%", lambda run: run.overshoot)
 _SWINGS = _Measure("swings of the inflow", "", lambda run: float(run.swings))
 _VARIATION = _Measure("its total variation", "m³/min/m", lambda run: run.total_variation)
@@ -86,7 +76,7 @@ def _trend(
 ) -> Row:
     found, holds = [], True
     for measure in measures:
-        values = [measure.of(_run(choice)) for choice in choices]
+        values = [measure.of(choice.run) for choice in choices]
         steps = [later - earlier for earlier, later in pairwise(values)]
         holds &= all(step > 0.0 if rises else step < 0.0 for step in steps)
         shown = ", ".join(f"{value:.3g}" for value in values)
@@ -106,7 +96,7 @@ def _trend(
 
 def _amplitude() -> Row:
     choices = sorted((*PENALTIES, POLES[1]), key=lambda choice: choice.penalty)
-    peaks = [_run(choice).largest_inflow for choice in choices]
+    peaks = [choice.run.largest_inflow for choice in choices]
     return PRINTED["section 5", "amplitude of the controller output"].claimed(
         all(a > b for a, b in pairwise(peaks)), ", ".join(f"{peak:.3f}" for peak in peaks)
     )
@@ -127,23 +117,18 @@ def _prevented() -> Row:
 
 
 def _figure(choice: Choice) -> Figure:
-    run = _run(choice)
-    minutes, level, inflow = (values[:_HORIZON] for values in (run.minutes, run.level, run.inflow))
+    run = choice.run
+    level, inflow = trends({"": run}, until=_HORIZON)
+    minutes = level.curves[0].x
     setpoint = Curve("setpoint w", minutes, 0.0 * minutes + 1.0, "dashed")
     return Figure(
         choice.figure,
         f"Control courses for {choice.label}",
         (
-            Panel(
-                "Level of tank 8", "y [m/m]",
-                (setpoint, Curve("level y", minutes, level)), x_label="time [min]",
-            ),
-            Panel(
-                "Inflow", "u [m³/min/m]",
-                (Curve("inflow u", minutes, inflow, "held"),), x_label="time [min]",
-            ),
+            replace(level, curves=(setpoint, replace(level.curves[0], label="level y"))),
+            replace(inflow, curves=[replace(inflow.curves[0], label="inflow u")]),
         ),
         "Per metre of a setpoint step: the loop is linear, and the document prints no size. "
         f"Overshoot {run.overshoot:.1f} %, settled to 2 % after {run.settling_time:.0f} min, "
         f"{run.swings} swings of the inflow.",
-    )  # fmt: skip
+    )

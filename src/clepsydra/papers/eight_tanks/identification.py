@@ -18,7 +18,7 @@ from clepsydra.papers.eight_tanks.six_designs import (
     chain_sampled_each,
     printed_model,
 )
-from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.figure import Curve, Figure, Panel, curves
 from clepsydra.papers.row import Row, Rows
 
 #: The document prints neither; 0.04 m³/min is the step of section 3.2.
@@ -128,29 +128,18 @@ def _criterion() -> Figure:
     delays = np.array(DELAYS, dtype=float)
     mean = np.mean([choice.costs for choice in _records(1)], axis=0)
     one = _records(1)[0].costs
-    shares = tuple(
-        Curve(f"{faster} values a period", delays, 100.0 * _counts(faster) / _RECORDS, "points")
-        for faster in _FASTER
+    shares = {f"{faster} values a period": 100.0 * _counts(faster) / _RECORDS for faster in _FASTER}
+    sums = (
+        Curve(f"mean of {_RECORDS} records", delays, mean),
+        Curve("one record", delays, one, "points"),
     )
+    by_speed = "Records in which d has the smallest J, by the speed of the noise generator"
     return Figure(
         "Fig. 3",
         "Criterion of identification quality",
         (
-            Panel(
-                f"J(d) of {_SAMPLES} samples",
-                "J [m²]",
-                (
-                    Curve(f"mean of {_RECORDS} records", delays, mean),
-                    Curve("one record", delays, one, "points"),
-                ),
-                x_label="delay steps d",
-            ),
-            Panel(
-                "Records in which d has the smallest J, by the speed of the noise generator",
-                "share [%]",
-                shares,
-                x_label="delay steps d",
-            ),
+            Panel(f"J(d) of {_SAMPLES} samples", "J [m²]", sums, "delay steps d"),
+            Panel(by_speed, "share [%]", curves(delays, shares, "points"), "delay steps d"),
         ),
         "The document finds the minimum at d = 5. With noise held for a sampling period it is at "
         "6; a faster generator scatters it.",

@@ -61,8 +61,6 @@ def _sum(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 def _second_order() -> Rows:
     runs = [step_run(penalty, ()) for penalty in _SECOND_ORDER]
-    third_of = POLES[2]
-    third = step_run(third_of.penalty, (third_of.pole,))
     alone = ", ".join(str(_turns_on_the_model(penalty)) for penalty in _SECOND_ORDER)
     yield PRINTED["section 5", "second-order polynomial (28)"].remark(
         f"{', '.join(str(run.swings) for run in runs)} swings for q_u = 1, 10, 100, 10³, 10⁴, "
@@ -72,8 +70,8 @@ def _second_order() -> Rows:
         f"inflow by more than 2 % of its final value in {_SAMPLES} min after a step.",
     )
     yield PRINTED["section 5", "another pole in (29)"].claimed(
-        third.swings == 0,
-        f"{third.swings} swings with {third_of.label}",
+        POLES[2].run.swings == 0,
+        f"{POLES[2].run.swings} swings with {POLES[2].label}",
         reason="Said to be possible, so that one pole is enough: with q_u = 10 the same count "
         f"on (8) is {runs[1].swings} without it.",
     )
@@ -135,7 +133,7 @@ def _picture() -> Figure:
     runs = {
         "D of second order, q_u = 10": step_run(10.0, ()),
         "D of second order, q_u = 10⁴": step_run(1e4, ()),
-        POLES[2].label: step_run(POLES[2].penalty, (POLES[2].pole,)),
+        POLES[2].label: POLES[2].run,
     }
     return Figure(
         "",

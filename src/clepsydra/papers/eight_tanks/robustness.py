@@ -142,36 +142,28 @@ def _minutes(design: Judged) -> str:
 
 def _margins() -> Figure:
     every = (*_six(), *others())
-    places = np.arange(len(every), dtype=float)
-    six = slice(0, len(SIX))
-    rest = slice(len(SIX), len(every))
+    places = np.arange(len(every)) + 1.0
 
-    def curves(values: list[float]) -> tuple[Curve, ...]:
+    def panel(title: str, label: str, values: list[float], *more: Curve) -> Panel:
+        six, others = (slice(0, len(SIX)), slice(len(SIX), len(every)))
         found = np.array(values)
-        return (
-            Curve("six designs", places[six] + 1.0, found[six], "points"),
-            Curve("others", places[rest] + 1.0, found[rest], "points"),
+        points = (
+            Curve("six designs", places[six], found[six], "points"),
+            Curve("others", places[others], found[others], "points"),
         )
+        return Panel(title, label, (*points, *more), "controller")
 
     names = "; ".join(f"{place}: {design.label}" for place, design in enumerate(every, start=1))
-    limit = Curve("usual limit", places + 1.0, 0.0 * places + _ROBUST, "dashed")
+    limit = Curve("usual limit", places, 0.0 * places + _ROBUST, "dashed")
+    errors = [100.0 * (design.gain_margin - 1.0) for design in every]
+    times = [design.run.settling_time for design in every]
     return Figure(
         "",
         "Robustness of the six designs on the true chain, and of other controllers",
         (
-            Panel(
-                "Sensitivity peak", "max|S| [1]",
-                (*curves([design.peak for design in every]), limit), x_label="controller",
-            ),
-            Panel(
-                "Largest stable error of the gain", "error [%]",
-                curves([100.0 * (design.gain_margin - 1.0) for design in every]),
-                x_label="controller",
-            ),
-            Panel(
-                "Time to settle to 2 %", "time [min]",
-                curves([design.run.settling_time for design in every]), x_label="controller",
-            ),
+            panel("Sensitivity peak", "max|S| [1]", [design.peak for design in every], limit),
+            panel("Largest stable error of the gain", "error [%]", errors),
+            panel("Time to settle to 2 %", "time [min]", times),
         ),
         names + ".",
     )  # fmt: skip

@@ -6,7 +6,6 @@ from functools import cache
 
 import numpy as np
 
-from clepsydra.designs.polynomial.sampled_model import SampledModel
 from clepsydra.identification.simplex_refinement import (
     SimplexFit,
     refined_coefficients,
@@ -22,7 +21,7 @@ from clepsydra.papers.eight_tanks.six_designs import (
     printed_model,
     sampled_chain,
 )
-from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.figure import Curve, Figure, Panel, curves
 from clepsydra.papers.row import Rows
 
 _STEP = 0.04  # [m³/min]
@@ -65,12 +64,9 @@ def _coefficients() -> Rows:
         "Simplex search on the step response of (8) over a held continuous model of second order "
         "without zeros, 5 min of delay, gain 3.08."
     )
-    yield from [
-        PRINTED["(21)", name].compared(value, why=why).circular(chosen)
-        for name, value in zip(
-            ("a1", "a2", "b1", "b2"), (*model.denominator, *model.numerator), strict=True
-        )
-    ]
+    found = (*model.denominator, *model.numerator)
+    for name, value in zip(("a1", "a2", "b1", "b2"), found, strict=True):
+        yield PRINTED["(21)", name].compared(value, why=why).circular(chosen)
     free = _free(_PRINTED_SAMPLES)
     b1, b2 = free.model.numerator
     yield PRINTED["section 3.2", "how (21) was found"].remark(
@@ -102,14 +98,10 @@ def _gain_range() -> tuple[float, float]:
     return (sums[0] - rooms[0]) / (sums[1] + rooms[1]), (sums[0] + rooms[0]) / (sums[1] - rooms[1])
 
 
-def _difference(model: SampledModel) -> float:
-    """Return the largest difference of the step responses, as a share of the final rise [%]."""
-    inflow, level = _record()
-    return float(np.max(np.abs(model.output(inflow) - level)) / (GAIN * _STEP) * 100.0)
-
-
 def _quality() -> Rows:
-    worst = _difference(printed_model())
+    inflow, level = _record()
+    errors = np.abs(printed_model().output(inflow) - level)
+    worst = 100.0 * float(np.max(errors)) / (GAIN * _STEP)
     zero = float(printed_model().zeros[0].real)
     yield PRINTED["section 7", "low-order model of the chain"].remark(
         f"{worst:.1f} % of the rise at the most by (21)",
@@ -119,34 +111,29 @@ def _quality() -> Rows:
     yield PRINTED["section 4", "zero of B, which B(1) replaces"].remark(f"z = {zero:.3f}")
 
 
-@cache
-def _longer() -> SimplexFit:
-    return second_order_of_gain(*_record(), gain=GAIN, delay=7, period=1.0, start=(0.2, 0.9))
-
-
 def _steps() -> Figure:
     inflow, level = _record()
     minutes = np.arange(len(inflow)) - 1.0
     free = _free().model.output(inflow)
-    curves = (
+    simplex = "free simplex fit, d = 5"
+    responses = (
         Curve("chain (8)", minutes, 100.0 * level),
         Curve("model (21)", minutes, 100.0 * printed_model().output(inflow), "dashed"),
-        Curve("free simplex fit, d = 5", minutes, 100.0 * free, "points"),
+        Curve(simplex, minutes, 100.0 * free, "points"),
     )
-    errors = tuple(
-        Curve(label, minutes, 100.0 * (model.output(inflow) - level))
-        for label, model in (
-            ("model (21)", printed_model()),
-            ("free simplex fit, d = 5", _free().model),
-            ("gain held, d = 7", _longer().model),
-        )
-    )
+    longer = second_order_of_gain(*_record(), gain=GAIN, delay=7, period=1.0, start=(0.2, 0.9))
+    models = {
+        "model (21)": printed_model(), simplex: _free().model, "gain held, d = 7": longer.model,
+    }  # fmt: skip
+    errors = {name: 100.0 * (model.output(inflow) - level) for name, model in models.items()}
     return Figure(
         "Fig. 4",
         "Step responses to 0.04 m³/min",
         (
-            Panel("Level of tank 8", "h8 [cm]", curves, x_label="time [min]"),
-            Panel("Difference to the chain", "difference [cm]", errors, x_label="time [min]"),
+            Panel("Level of tank 8", "h8 [cm]", responses, "time [min]"),
+            Panel(
+                "Difference to the chain", "difference [cm]", curves(minutes, errors), "time [min]"
+            ),
         ),
         "After ten minutes the printed model runs ahead of the chain by up to "
         f"{np.max(printed_model().output(inflow) - level) * 1000:.1f} mm; with two more samples of "

@@ -9,14 +9,14 @@ from functools import cache
 
 import numpy as np
 
-from clepsydra.base.signal import path
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.polynomial.element_sampling import sampled_transfer
 from clepsydra.designs.polynomial.sampled_model import SampledModel
 from clepsydra.designs.smith_predictor import design_smith_predictor
 from clepsydra.linear.analysis import Analysis, analyse
 from clepsydra.loop.loop import Loop
-from clepsydra.loop.scenario import Scenario, Segment
+from clepsydra.loop.profile import Change
+from clepsydra.loop.scenario import scenario_of_changes
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.figure import Curve, Panel
 from clepsydra.process.reader import load_process
@@ -53,12 +53,14 @@ class Choice:
         """As the figures name it."""
         return f"q_u = {self.penalty:g}, γ = {self.pole:g}"
 
+    @property
+    def run(self) -> StepRun:
+        """What it does on the true chain."""
+        return step_run(self.penalty, (self.pole,))
+
 
 #: Section 6.1 and 6.2.
-SIX = tuple(
-    Choice(figure, *PRINTED.numbers(figure, "q_u", "γ"))
-    for figure in (f"Fig. {number}" for number in range(7, 13))
-)
+SIX = tuple(Choice(f"Fig. {n}", *PRINTED.numbers(f"Fig. {n}", "q_u", "γ")) for n in range(7, 13))
 POLES, PENALTIES = SIX[:3], SIX[3:]
 
 
@@ -144,13 +146,6 @@ def printed_model() -> SampledModel:
     return SampledModel(tuple(PRINTED_B), tuple(PRINTED_A), PRINTED_D, 1.0)
 
 
-def in_seconds(model: SampledModel) -> SampledModel:
-    """Return a model of minutes and m³/min in seconds and m³/s."""
-    return SampledModel(
-        tuple(MINUTE * b for b in model.numerator), model.denominator, model.delay, MINUTE
-    )
-
-
 @cache
 def designed(penalty: float, poles: tuple[float, ...]) -> Controller:
     """Return the document's Smith predictor for model (21), its limits out of reach.
@@ -162,9 +157,11 @@ def designed(penalty: float, poles: tuple[float, ...]) -> Controller:
     poles : tuple of float
         γ; none for the second-order D of equation (28).
     """
+    numerator = tuple(MINUTE * b for b in PRINTED_B)
+    model = SampledModel(numerator, tuple(PRINTED_A), PRINTED_D, MINUTE)
     controller = design_smith_predictor(
         chain().model, chain().pairing, penalty=penalty * MINUTE**2, assigned_poles=poles,
-        models=[in_seconds(printed_model())],
+        models=[model],
     )  # fmt: skip
     return without_limits(controller)
 
@@ -178,11 +175,7 @@ def without_limits(controller: Controller) -> Controller:
     >>> found["feed.low_limit"] == -found["feed.high_limit"] == -_WIDE
     True
     """
-    limits = {
-        path(u, end): wide
-        for u in controller.manipulated
-        for end, wide in (("low_limit", -_WIDE), ("high_limit", _WIDE))
-    }
+    limits = {"feed.low_limit": -_WIDE, "feed.high_limit": _WIDE}
     return dataclasses.replace(controller, values=controller.values | limits)
 
 
@@ -194,19 +187,10 @@ def step_run(penalty: float, poles: tuple[float, ...], samples: int = _SAMPLES) 
 
 def stepped(controller: Controller, samples: int = _SAMPLES) -> StepRun:
     """Return a unit step of the setpoint under a controller, on the true chain."""
-    analysis = chain()
-    point = analysis.operating_point
+    point = chain().operating_point
     level, inflow = point.as_dict()["level_8"], point.as_dict()["feed"]
-    process = point.process
-    scenario = Scenario(
-        MINUTE,
-        np.full((samples, 1), level + _STEP),
-        np.zeros((samples, len(process.disturbances))),
-        np.zeros((samples, len(process.measurements))),
-        (Segment("setpoint", "level_8", 0.0, samples * MINUTE, _STEP),),
-        seed=0,
-    )
-    run = Loop(controller, analysis.model).run(scenario)
+    step = Change("level_8", level + _STEP, 0.0, 0.0)
+    run = Loop(controller, chain().model).run(scenario_of_changes(point, [step], samples))
     return StepRun(
         np.arange(samples, dtype=float),
         (run.true_measurement("level_8") - level) / _STEP,
@@ -216,11 +200,10 @@ def stepped(controller: Controller, samples: int = _SAMPLES) -> StepRun:
 
 def trends(runs: Mapping[str, StepRun], until: int = _SAMPLES) -> tuple[Panel, Panel]:
     """Return level and inflow of some runs by name, for so many minutes."""
-    level = (Curve(name, run.minutes[:until], run.level[:until]) for name, run in runs.items())
-    inflow = (
-        Curve(name, run.minutes[:until], run.inflow[:until], "held") for name, run in runs.items()
-    )
+    shown = {name: (run.minutes[:until], run) for name, run in runs.items()}
+    level = [Curve(name, time, run.level[:until]) for name, (time, run) in shown.items()]
+    inflow = [Curve(name, time, run.inflow[:until], "held") for name, (time, run) in shown.items()]
     return (
-        Panel("Level of tank 8", "y [m/m]", tuple(level), "time [min]"),
-        Panel("Inflow", "u [m³/min/m]", tuple(inflow), "time [min]"),
+        Panel("Level of tank 8", "y [m/m]", level, "time [min]"),
+        Panel("Inflow", "u [m³/min/m]", inflow, "time [min]"),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from typing import Literal
@@ -33,6 +34,12 @@ TARGET = PRINTED["Table 5", "ref1 and ref2"].value / 100.0
 POURED = 0.25 * FULL_LEVEL * AREA * 1e-6  # m³
 #: Back within this share of the target counts as recovered; the noise forbids 2 %.
 BAND = 0.05
+#: Of a stretch of a level: rise time [s], overshoot [% of the target], time until it is back [s].
+SCORES: dict[str, Callable[[np.ndarray, np.ndarray], float]] = {
+    "rise": lambda time, level: rise_time(time, level, 0.0, TARGET),
+    "overshoot": lambda time, level: overshoot(time, level, 0.0, TARGET),
+    "recovery": lambda time, level: return_time(time, level, TARGET, BAND * TARGET),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,27 +61,12 @@ class Runs:
     pumps: np.ndarray
     pours: tuple[int, int]
 
-    def rise(self, tank: int) -> np.ndarray:
-        """Return the rise time of each seed [s]."""
-        return self._each(tank, 0, self.pours[0], lambda t, y: rise_time(t, y, 0.0, TARGET))
-
-    def overshoot(self, tank: int) -> np.ndarray:
-        """Return the overshoot of each seed [% of the target]."""
-        return self._each(tank, 0, self.pours[0], lambda t, y: overshoot(t, y, 0.0, TARGET))
-
-    def recovery(self, tank: int) -> np.ndarray:
-        """Return the time of each seed until the level is back after a pour into its tank [s]."""
-        stops = (self.pours[1], len(self.time))
-        return self._each(
-            tank,
-            self.pours[tank],
-            stops[tank],
-            lambda t, y: return_time(t, y, TARGET, BAND * TARGET),
-        )
-
-    def _each(self, tank: int, start: int, stop: int, score) -> np.ndarray:  # type: ignore[no-untyped-def]
-        part = slice(start, stop)
-        return np.array([score(self.time[part], level[part]) for level in self.levels[tank]])
+    def scored(self, score: str, tank: int) -> np.ndarray:
+        """Return one of `SCORES` of a tank, 0 or 1, for each seed: a recovery is of its pour."""
+        ends = (0, *self.pours, len(self.time))
+        first = tank + 1 if score == "recovery" else 0
+        part = slice(ends[first], ends[first + 1])
+        return np.array([SCORES[score](self.time[part], y[part]) for y in self.levels[tank]])
 
 
 @cache
@@ -96,13 +88,10 @@ def runs(
     stretch = 150.0 if set_up is MINIMUM else 800.0
     each, second = round(stretch / period), round(1.0 / period)
     samples = 3 * each
-    given = {
-        f"level_{tank}.setpoint": np.full(
-            samples, TARGET * process.signal(f"level_{tank}").high / 1.2
-        )
-        for tank in (1, 2)
-    }
+    given = {}
     for tank in (1, 2):
+        target = TARGET * process.signal(f"level_{tank}").high / 1.2
+        given[f"level_{tank}.setpoint"] = np.full(samples, target)
         given[f"pour_{tank}"] = np.zeros(samples)
         given[f"pour_{tank}"][tank * each : tank * each + second] = POURED
     result = simulated(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -21,7 +22,6 @@ from clepsydra.controllers.pid_form import PidForm
 from clepsydra.designs.glover_mcfarlane import design_glover_mcfarlane
 from clepsydra.designs.loop_shaping.precompensator import Precompensator, sampled_precompensator
 from clepsydra.designs.phase_margin import design_phase_margin
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.response import transfer_at
 from clepsydra.papers.four_tank_laboratory.set_ups import MINIMUM, PHASE_MARGIN, SetUp, course_model
 from clepsydra.process.process import Process
@@ -74,21 +74,22 @@ def dynamic_decoupling(set_up: SetUp) -> Precompensator:
     model = course_model(set_up)
     times = -1.0 / model.A.diagonal()
     k = model.B  # rates of the levels per volt: γ k/A on the lower tanks
-    ratios = -k[1, 1] / k[3, 0], -k[0, 0] / k[2, 1]
+    ratios = np.array([-k[1, 1] / k[3, 0], -k[0, 0] / k[2, 1]])
     # A₄/(A₂ T₄) leads from tank 4 to tank 2: g₂₂/g₂₁ = k₂₂/k₄₁ (1 + s T₄).
-    leads = times[3], times[2]
-    lag = FILTER * set_up.crossover
-    settings = [
-        _pi(value, set_up.crossover) for value in _decoupled(model, ratios, leads, lag, set_up)
-    ]
-    gains = np.diag([gain for gain, _ in settings])
-    rates = np.diag([gain / time for gain, time in settings])
+    leads = times[[3, 2]]
+    lag, s = FILTER * set_up.crossover, 1j * set_up.crossover
+    W = (np.diag(ratios * (1.0 + s * leads)) + np.eye(2)[::-1]) * lag / (s + lag)
+    responses = np.diag(transfer_at(model, np.array([s]))[0] @ W)
+    # K and Ti of the PI with the phase margin at the crossover of an element.
+    angles = math.pi - PHASE_MARGIN + np.angle(responses)
+    gains = np.diag(np.cos(angles) / np.abs(responses))
+    rates = gains * set_up.crossover * np.tan(angles)
     # Integrals x_i' = K/Ti e, v = K e + x_i; filters f' = a (v − f).
     zero, one = np.zeros((2, 2)), np.eye(2)
     A = np.block([[zero, zero], [lag * one, -lag * one]])
     B = np.vstack([rates, lag * gains])
     # u₁ = w₁₁ f₁ (1 + s T) + f₂ with s f = a (v − f), and u₂ likewise.
-    direct = np.diag([ratio * lead * lag for ratio, lead in zip(ratios, leads, strict=True)])
+    direct = np.diag(ratios * leads * lag)
     straight = np.diag(ratios) + one[::-1]
     C = np.hstack([direct, straight - direct])
     return sampled_precompensator(
@@ -98,27 +99,6 @@ def dynamic_decoupling(set_up: SetUp) -> Precompensator:
         model.outputs,
         model.inputs,
     )
-
-
-def _decoupled(
-    model: LinearModel,
-    ratios: tuple[float, float],
-    leads: tuple[float, float],
-    lag: float,
-    set_up: SetUp,
-) -> list[complex]:
-    """Return the diagonal of G W at the crossover."""
-    s = 1j * set_up.crossover
-    G = transfer_at(model, np.array([s]))[0]
-    w = [ratio * (1.0 + s * lead) for ratio, lead in zip(ratios, leads, strict=True)]
-    W = np.array([[w[0], 1.0], [1.0, w[1]]]) * lag / (s + lag)
-    return [complex(value) for value in np.diag(G @ W)]
-
-
-def _pi(response: complex, crossover: float) -> tuple[float, float]:
-    """Return K and Ti of the PI with the phase margin at the crossover of an element."""
-    lag = math.pi - PHASE_MARGIN + math.atan2(response.imag, response.real)
-    return math.cos(lag) / abs(response), 1.0 / (crossover * math.tan(lag))
 
 
 def at_the_simulator(controller: Controller, process: Process) -> Controller:
@@ -149,17 +129,8 @@ def at_the_simulator(controller: Controller, process: Process) -> Controller:
     for signal in manipulated:
         values |= {path(signal, "low_limit"): signal.low, path(signal, "high_limit"): signal.high}
     remembered = remembered_parameters(law, values)
-    return Controller(
-        name=controller.name,
-        family=controller.family,
-        design=controller.design,
-        law=law,
-        values=values,
-        initial_state={s.name: 0.0 for s in law.state if s.name not in remembered},
-        measurements=controller.measurements,
-        setpoints=controller.setpoints,
-        manipulated=controller.manipulated,
-    )
+    state = {entry.name: 0.0 for entry in law.state if entry.name not in remembered}
+    return replace(controller, law=law, values=values, initial_state=state)
 
 
 def matrices_of(controller: Controller) -> ConditionedMatrices:

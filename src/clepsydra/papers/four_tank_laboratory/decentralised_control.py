@@ -30,11 +30,8 @@ _ENDS = {
 
 
 def _claims() -> Rows:
-    for score, name in (
-        ("rise", "response"),
-        ("recovery", "recovery"),
-        ("overshoot", "oscillation"),
-    ):
+    names = {"rise": "response", "recovery": "recovery", "overshoot": "oscillation"}
+    for score, name in names.items():
         reason = (
             f"{score.capitalize()}{' of the step' if score == 'overshoot' else ''} of tanks 1 and "
             f"2 with PI controllers of ours, {MEDIANS}{_ENDS[score]}"

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 
+import numpy as np
+
 from clepsydra.linear.relative_gain_array import relative_gain_array
 from clepsydra.linear.static_gain import static_gain
 from clepsydra.linear.zeros import zeros
 from clepsydra.papers.document import Found
-from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.figure import Figure, Panel, curves
 from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.manual_runs import SEEDS, ManualRuns, by_hand
 from clepsydra.papers.four_tank_laboratory.readings import (
@@ -56,19 +58,14 @@ _DEVIATIONS = 3.0
 
 def run() -> Found:
     """Run the simulator by hand, as the report does."""
-    rows: list[Row] = []
-    figures = []
     for set_up in SET_UPS:
-        rows += _table(set_up)
-    for set_up, pump, tanks, place in _COUPLED:
-        row, figure = _coupling(set_up, pump, tanks, place)
-        rows.append(row)
-        figures.append(figure)
+        yield from _table(set_up)
+    for coupled in _COUPLED:
+        yield from _coupling(*coupled)
     for set_up in SET_UPS:
-        found, figure = _held(set_up)
-        rows += found
-        figures.append(figure)
-    return (*rows, _by_relative_gains(), *_differences(), *figures)
+        yield from _held(set_up)
+    yield _by_relative_gains()
+    yield from _differences()
 
 
 def _table(set_up: SetUp) -> Rows:
@@ -119,36 +116,34 @@ def _left_open(line: Printed, levels: dict[Reading, tuple[float, float]], what: 
     return row.undecided(f"It agrees with {inside}, and not with {outside}.") if inside else row
 
 
-def _coupling(set_up: SetUp, pump: int, tanks: tuple[int, int], place: str) -> tuple[Row, Figure]:
-    one, two = set_up.voltages
-    volts = (one, 0.0) if pump == 1 else (0.0, two)
-    others = [tank for tank in (1, 2, 3, 4) if tank not in tanks]
+def _coupling(set_up: SetUp, pump: int, tanks: tuple[int, int], place: str) -> Found:
+    """Judge which levels one pump moves, and draw them."""
+    volts, percent = (
+        tuple(value * (number == pump) for number, value in enumerate(values, start=1))
+        for values in (set_up.voltages, (50, 50))
+    )
     found = {
         reading: by_hand(set_up, volts, reading.holes, duration=600.0, noise=reading.noise)
         for reading in readings_of(set_up)
     }
+    moved = np.isin((1, 2, 3, 4), tanks)
+    holds: dict[Reading | str, bool] = {
+        reading: bool(each.at_last[moved].min() > each.at_last[~moved].max())
+        for reading, each in found.items()
+    }
     runs = found[USUAL]
-    levels = ", ".join(f"h{tank} = {runs.at_last[tank - 1]:.1f} cm" for tank in (1, 2, 3, 4))
-    percent = "input1 = 50 %, input2 = 0 %" if pump == 1 else "input1 = 0 %, input2 = 50 %"
-    row = claimed_in_all(
+    yield claimed_in_all(
         PRINTED[f"Exercise 2.2.2, {place}", f"{set_up.phase}, pump {pump} alone"],
-        {
-            reading: bool(
-                each.at_last[[tank - 1 for tank in tanks]].min()
-                > each.at_last[[tank - 1 for tank in others]].max()
-            )
-            for reading, each in found.items()
-        },
-        levels,
+        holds,
+        ", ".join(f"h{tank} = {level:.1f} cm" for tank, level in enumerate(runs.at_last, start=1)),
         reason="Judged as: either of them comes to rest higher than both others.",
     )
-    figure = Figure(
+    yield Figure(
         place,
-        f"Levels with {percent}, {set_up.phase}",
+        f"Levels with input1 = {percent[0]} %, input2 = {percent[1]} %, {set_up.phase}",
         (_panel(runs, (1, 2, 3, 4)),),
         "One seed of the simulator's noise, from empty tanks.",
     )
-    return row, figure
 
 
 def _by_relative_gains() -> Row:
@@ -159,36 +154,29 @@ def _by_relative_gains() -> Row:
 
 
 def _panel(runs: ManualRuns, tanks: tuple[int, ...]) -> Panel:
-    return Panel(
-        "",
-        "level [% of 25 cm]",
-        tuple(
-            Curve(f"tank {tank}", runs.time, 100.0 * runs.levels[tank - 1, 0] / FULL_LEVEL)
-            for tank in tanks
-        ),
-    )
+    levels = {f"tank {tank}": 100.0 * runs.levels[tank - 1, 0] / FULL_LEVEL for tank in tanks}
+    return Panel("", "level [% of 25 cm]", curves(runs.time, levels))
 
 
-def _held(set_up: SetUp) -> tuple[list[Row], Figure]:
+def _held(set_up: SetUp) -> Found:
+    """Judge the voltages that hold both lower levels at 15 cm, and draw the levels."""
     percents, place = _HELD[set_up]
     pair = _volts(set_up)
-    rows: list[Row] = []
     if set_up is MINIMUM:
         volts = {
             f"voltage of pump {pump}, {set_up.phase}": 7.5 / 50.0 * percent
             for pump, percent in enumerate(percents, start=1)
         }
-        rows += PRINTED.compared("Exercise 2.2.3", volts)
-    rows += [*_levels_of_15(set_up, pair), _transient(set_up, place)]
-    noisy = by_hand(set_up, pair, "fitted" if set_up is MINIMUM else "report")
-    figure = Figure(
+        yield from PRINTED.compared("Exercise 2.2.3", volts)
+    yield from _levels_of_15(set_up, pair)
+    yield _transient(set_up, place)
+    yield Figure(
         place,
         f"Both lower levels near 15 cm by hand, {percents[0]:g} % and {percents[1]:g} %, "
         f"{set_up.phase}",
-        (_panel(noisy, (1, 2)),),
+        (_panel(by_hand(set_up, pair, "fitted" if set_up is MINIMUM else "report"), (1, 2)),),
         "With the holes that fit these levels." if set_up is MINIMUM else "",
     )
-    return rows, figure
 
 
 def _volts(set_up: SetUp) -> tuple[float, float]:

@@ -97,24 +97,22 @@ def _norm(set_up: SetUp) -> tuple[float, float, float, float]:
 
 
 def _figure(set_up: SetUp) -> Figure:
-    found = {(kind, units): response(set_up, kind, units) for kind in _KINDS for units in _UNITS}
-    curves = tuple(
+    sizes = {
+        f"{_NAMES[kind]}, {units}": (units, response(set_up, kind, units))
+        for kind in _KINDS
+        for units in _UNITS
+    }
+    shown = [
         Curve(
-            f"{_NAMES[kind]}, {units}",
-            each.frequencies,
-            np.linalg.norm(each.at_output, 2, axis=(1, 2)),
+            name, each.frequencies, np.linalg.norm(each.at_output, 2, axis=(1, 2)),
             "line" if units == "volts" else "dashed",
         )
-        for (kind, units), each in found.items()
-    )
+        for name, (units, each) in sizes.items()
+    ]  # fmt: skip
+    label = "largest singular value of S"
     return Figure(
         "",
         f"Sensitivity of both loops together, {set_up.phase}",
-        (
-            Panel(
-                "", "largest singular value of S", curves, x_label="frequency [rad/s]",
-                logarithmic_x=True, logarithmic_y=True,
-            ),
-        ),
+        (Panel("", label, shown, "frequency [rad/s]", logarithmic_x=True, logarithmic_y=True),),
         "As designed in volts, and in the simulator's percent.",
-    )  # fmt: skip
+    )

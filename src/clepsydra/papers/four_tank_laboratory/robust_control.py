@@ -12,7 +12,7 @@ from clepsydra.papers.four_tank_laboratory.readings import (
     Reading,
     claimed_in_all,
 )
-from clepsydra.papers.four_tank_laboratory.set_ups import MINIMUM, NON_MINIMUM, SET_UPS, SetUp
+from clepsydra.papers.four_tank_laboratory.set_ups import NON_MINIMUM, SET_UPS, SetUp
 from clepsydra.papers.four_tank_laboratory.step_and_pours import (
     GLOVER,
     beside_minimum,
@@ -69,21 +69,22 @@ def _pairs(score: str) -> dict[Reading | str, dict[SetUp, list[tuple[float, floa
 
 
 def _trade() -> Row:
+    """Judge whether more overshoot is traded for less rise time with non-minimum phase."""
     over, rise = (
         {
-            reading: {
-                set_up: [robust / plain for plain, robust in pairs]
-                for set_up, pairs in each.items()
-            }
+            reading: {s: [robust / plain for plain, robust in pairs] for s, pairs in each.items()}
             for reading, each in _pairs(score).items()
         }
         for score in ("overshoot", "rise")
     )
-
-    def more(shares: dict[SetUp, list[float]], sign: float) -> bool:
-        pairs = zip(shares[MINIMUM], shares[NON_MINIMUM], strict=True)
-        return all(sign * (other - one) > 0.0 for one, other in pairs)
-
+    holds = {
+        reading: all(
+            sign * (other - one) > 0.0
+            for shares, sign in ((over[reading], -1.0), (rise[reading], 1.0))
+            for one, other in zip(*shares.values(), strict=True)
+        )
+        for reading in over
+    }
     told = "; ".join(
         f"{s.phase}: overshoot × {over[USUAL][s][0]:.2f} and {over[USUAL][s][1]:.2f}, "
         f"rise × {rise[USUAL][s][0]:.2f} and {rise[USUAL][s][1]:.2f}"
@@ -91,7 +92,7 @@ def _trade() -> Row:
     )
     return claimed_in_all(
         PRINTED["Exercise 4.2.2", "trade of overshoot for rise time"],
-        {each: more(over[each], -1.0) and more(rise[each], 1.0) for each in over},
+        holds,
         told,
         reason=f"{GLOVER} over PI, tank 1 and tank 2, controllers of ours, {MEDIANS}; "
         "judged as more in each tank, by both.",

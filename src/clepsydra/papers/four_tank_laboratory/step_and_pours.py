@@ -8,16 +8,23 @@ and lie near enough together to decide anything.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Iterator
 from functools import cache
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 
-from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.figure import Curve, Figure, Panel, curves
 from clepsydra.papers.four_tank_laboratory import PRINTED
-from clepsydra.papers.four_tank_laboratory.closed_loop import BAND, SEEDS, TARGET, Kind, Runs, runs
+from clepsydra.papers.four_tank_laboratory.closed_loop import (
+    BAND,
+    SCORES,
+    SEEDS,
+    TARGET,
+    Kind,
+    runs,
+)
 from clepsydra.papers.four_tank_laboratory.readings import (
     DESIGNED,
     ON_PAPER,
@@ -72,12 +79,6 @@ _HOW = {
     "overshoot": "Of the step",
     "recovery": f"Until back within {100 * BAND:g} % of 15 cm",
 }
-#: What is scored, and how.
-SCORES: dict[str, Callable[[Runs, int], np.ndarray]] = {
-    "rise": Runs.rise,
-    "overshoot": Runs.overshoot,
-    "recovery": Runs.recovery,
-}
 
 
 def median(
@@ -99,11 +100,10 @@ def _scored(
     score: str, set_up: SetUp, kind: Kind, tank: int, reading: Reading, units: Units = "percent"
 ) -> np.ndarray:
     found = runs(set_up, kind, units, reading.of(set_up).holes, reading.noise)
-    return SCORES[score](found, tank - 1)
+    return found.scored(score, tank - 1)
 
 
-@dataclass(frozen=True)
-class _Spread:
+class _Spread(NamedTuple):
     """Median, and what nearly all runs lie between."""
 
     value: float
@@ -113,11 +113,11 @@ class _Spread:
     @classmethod
     def of(cls, values: np.ndarray) -> _Spread:
         # Not between two runs, of which one may never have recovered.
-        low, high = (float(q) for q in np.quantile(values, _CENTRAL, method="nearest"))
-        return cls(float(np.median(values)), low, high)
+        low, high = np.quantile(values, _CENTRAL, method="nearest")
+        return cls(float(np.median(values)), float(low), float(high))
 
-    def holds(self, printed: float, half_unit: float) -> bool:
-        return self.low - half_unit <= printed <= self.high + half_unit
+    def holds(self, number: PrintedNumber) -> bool:
+        return self.low - number.half_unit <= number.value <= self.high + number.half_unit
 
     @property
     def decides(self) -> bool:
@@ -135,30 +135,18 @@ def _lines(kind: Kind, set_up: SetUp, score: str) -> dict[tuple[int, ...], Print
     return {tanks: PRINTED[key] for tanks, key in keys.items() if key in PRINTED}
 
 
-def on_paper(kind: Kind, set_up: SetUp, score: str) -> list[float]:
-    """Return a score of tank 1 and tank 2 as printed."""
-    lines = _lines(kind, set_up, score).items()
-    return [line.value for tank in _TANKS for tanks, line in lines if tank in tanks]
-
-
 def everywhere(kind: Kind, score: str) -> dict[Reading | str, dict[SetUp, list[float]]]:
-    """Return a score of both tanks in every reading, by our controllers in volts, and as printed.
-
-    Examples
-    --------
-    >>> everywhere("decentralised", "rise")[ON_PAPER][MINIMUM]
-    [6.3, 6.3]
-    """
+    """Return a score of both tanks by set-up in every reading, in volts and as printed."""
 
     def medians(reading: Reading, units: Units = "percent") -> dict[SetUp, list[float]]:
-        return {
-            s: [median(score, s, kind, tank, reading, units) for tank in _TANKS] for s in SET_UPS
-        }
+        return {s: [median(score, s, kind, k, reading, units) for k in _TANKS] for s in SET_UPS}
 
-    found: dict[Reading | str, dict[SetUp, list[float]]] = {
-        each: medians(each) for each in READINGS
+    found: dict[Reading | str, dict[SetUp, list[float]]] = {k: medians(k) for k in READINGS}
+    printed = {
+        set_up: [line.value for tank in _TANKS for tanks, line in lines if tank in tanks]
+        for set_up in SET_UPS
+        for lines in [_lines(kind, set_up, score).items()]
     }
-    printed = {set_up: on_paper(kind, set_up, score) for set_up in SET_UPS}
     return found | {DESIGNED: medians(USUAL, "volts"), ON_PAPER: printed}
 
 
@@ -187,41 +175,29 @@ def beside_minimum(kind: Kind, line: Printed, score: str, sign: float, reason: s
     return claimed_in_all(line, holds, told, reason=reason)
 
 
-def _spreads(
-    set_up: SetUp, kind: Kind, score: str, tanks: tuple[int, ...]
-) -> dict[Reading, list[_Spread]]:
-    return {
-        reading: [_Spread.of(_scored(score, set_up, kind, tank, reading)) for tank in tanks]
-        for reading in readings_of(set_up)
-    }
-
-
-def _is_open(spreads: list[_Spread], number: PrintedNumber) -> bool:
-    return all(spread.holds(number.value, number.half_unit) for spread in spreads)
-
-
 def table_rows(kind: Kind) -> Rows:
-    """Return the rows of Table 5 or 6."""
+    """Compare the scores of a table with our controllers."""
     for set_up, score in product(SET_UPS, SCORES):
         for tanks, line in _lines(kind, set_up, score).items():
             yield _row(kind, set_up, score, tanks, line)
 
 
 def _row(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...], line: Printed) -> Row:
-    spreads = _spreads(set_up, kind, score, tanks)
-    target = line.value
+    spreads = {
+        reading: [_Spread.of(_scored(score, set_up, kind, tank, reading)) for tank in tanks]
+        for reading in readings_of(set_up)
+    }
     # The tank of the usual reading that is farther from the print stands for both.
-    usual = max(spreads[USUAL], key=lambda spread: abs(spread.value - target))
-    reach = usual.high - usual.value if target > usual.value else usual.value - usual.low
-    always = all(
-        _is_open(each, line.number) and all(spread.decides for spread in each)
-        for each in spreads.values()
-    )
+    usual = max(spreads[USUAL], key=lambda spread: abs(spread.value - line.value))
+    reach = usual.high - usual.value if line.value > usual.value else usual.value - usual.low
+    holding = {k: all(each.holds(line.number) for each in found) for k, found in spreads.items()}
+    decides = all(spread.decides for found in spreads.values() for spread in found)
+    always = all(holding.values()) and decides
     of_both = ", of the tank that is farther off" if len(tanks) == 2 else ""
     words = (
         f"The controller is not printed; ours is {_CONTROLLERS[kind, set_up]} "
-        f"{_wanted(set_up)}, as the course's exercise asks, designed in volts "
-        f"({SENSOR_GAIN:g} V/cm) and run {UNCONVERTED}: "
+        f"{math.degrees(PHASE_MARGIN):.0f}° at {set_up.crossover:g} rad/s, as the course's "
+        f"exercise asks, designed in volts ({SENSOR_GAIN:g} V/cm) and run {UNCONVERTED}: "
         f"empty tanks, {USUAL}, pours of 6.25 cm, with {OF_THE_COURSE}. "
         f"{_HOW[score]}, median of {SEEDS} runs{of_both}."
     )
@@ -233,17 +209,10 @@ def _row(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...], line: Pr
         "open as well.",
         unprinted=words,
     )
-    within = _within(spreads, line.number)
-    return row.undecided(within) if within else row
-
-
-def _within(spreads: dict[Reading, list[_Spread]], number: PrintedNumber) -> str:
-    """Say in which readings a number lies within our runs, and in which it does not."""
-    holding = {reading: _is_open(each, number) for reading, each in spreads.items()}
     if not any(holding.values()):
-        return ""
+        return row
     if all(holding.values()):
-        return (
+        return row.undecided(
             f"The middle {_NEARLY_ALL} of {SEEDS} runs leave it open, but spread by more than "
             f"{100 * _WIDEST:g} % of their median, too far to decide."
         )
@@ -251,35 +220,27 @@ def _within(spreads: dict[Reading, list[_Spread]], number: PrintedNumber) -> str
         next(reading for reading, holds in holding.items() if holds is each)
         for each in (True, False)
     )
-    return (
+    return row.undecided(
         f"With {among} it lies between the lowest and the highest of the middle {_NEARLY_ALL} of "
         f"{SEEDS} runs, and with {outside} it does not."
     )
 
 
-def _wanted(set_up: SetUp) -> str:
-    return f"{math.degrees(PHASE_MARGIN):.0f}° at {set_up.crossover:g} rad/s"
-
-
-def table_figures(kind: Kind) -> list[Figure]:
+def table_figures(kind: Kind) -> Iterator[Figure]:
     """Return the runs of Figs. 7 and 8, or 9 and 10: levels and pumps of one seed."""
-    figures = []
+    name = "Decentralised PI" if kind == "decentralised" else "Glover-McFarlane"
     for set_up in SET_UPS:
         found = runs(set_up, kind, "percent")
         time = found.time
         target = Curve("reference", time[[0, -1]], np.full(2, 100.0 * TARGET), "dashed")
-        levels = [Curve(f"tank {tank}", time, 100.0 * found.levels[tank - 1, 0]) for tank in (1, 2)]
-        pumps = [Curve(f"pump {pump}", time, 100.0 * found.pumps[pump - 1, 0]) for pump in (1, 2)]
-        name = "Decentralised PI" if kind == "decentralised" else "Glover-McFarlane"
-        figures.append(
-            Figure(
-                _FIGURES[kind, set_up],
-                f"{name}, both references 60 %, then pours into tank 1 and tank 2, {set_up.phase}",
-                (
-                    Panel("", "level [% of 25 cm]", (target, *levels)),
-                    Panel("", "pump [% of 15 V]", tuple(pumps)),
-                ),
-                "One seed of the simulator's noise, from empty tanks.",
-            )
+        levels = {f"tank {tank}": 100.0 * found.levels[tank - 1, 0] for tank in _TANKS}
+        pumps = {f"pump {pump}": 100.0 * found.pumps[pump - 1, 0] for pump in _TANKS}
+        yield Figure(
+            _FIGURES[kind, set_up],
+            f"{name}, both references 60 %, then pours into tank 1 and tank 2, {set_up.phase}",
+            (
+                Panel("", "level [% of 25 cm]", [target, *curves(time, levels)]),
+                Panel("", "pump [% of 15 V]", curves(time, pumps)),
+            ),
+            "One seed of the simulator's noise, from empty tanks.",
         )
-    return figures

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from clepsydra.papers.document import Found
-from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.figure import Figure, Panel, curves
 from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.rig import (
     IN_WORDS,
@@ -36,7 +38,7 @@ def run() -> Found:
 
 def _adjusts(volts: Filling, nu: Filling, damped: Filling) -> Row:
     runs = (volts, nu, damped)
-    settled = [np.array([run.settling(1, lane) for lane in range(len(RATES))]) for run in runs]
+    settled = [run.settling(1) for run in runs]
     ranges = [
         f"{each.min():.3g} (α = {RATES[int(np.argmin(each))]:.2g}) to {each.max():.3g} "
         f"(α = {RATES[int(np.argmax(each))]:.2g})"
@@ -53,21 +55,20 @@ def _adjusts(volts: Filling, nu: Filling, damped: Filling) -> Row:
 
 
 def _figure(volts: Filling, nu: Filling) -> Figure:
-    def panel(title: str, label: str, what: str) -> Panel:
-        curves = []
-        for name, run in (("without decoupling", volts), ("after decoupling", nu)):
-            for j in (1, 2):
-                values = [getattr(run, what)(j, lane) for lane in range(len(RATES))]
-                curves.append(Curve(f"h{j}, {name}", RATES, np.array(values)))
-        return Panel(title, label, tuple(curves), x_label="α [1/s]", logarithmic_x=True)
+    def panel(title: str, label: str, of: Callable[[Filling, int], np.ndarray]) -> Panel:
+        found = {
+            f"h{j}, {name}": of(run, j)
+            for name, run in (("without decoupling", volts), ("after decoupling", nu))
+            for j in (1, 2)
+        }
+        return Panel(title, label, curves(RATES, found), "α [1/s]", logarithmic_x=True)
 
-    return Figure(
-        "",
-        "What α does, with pumps up to 10 V",
-        (
-            panel("Overshoot", "[%]", "overshoot"),
-            panel("Settling time, 2 %", "[s]", "settling"),
-            panel("Rise time", "[s]", "rise"),
-        ),
-        "A large α takes the overshoot away and makes the rise slow. After decoupling α is in ν.",
+    panels = (
+        panel("Overshoot", "[%]", Filling.overshoot),
+        panel("Settling time, 2 %", "[s]", Filling.settling),
+        panel("Rise time", "[s]", Filling.rise),
     )
+    words = (
+        "A large α takes the overshoot away and makes the rise slow. After decoupling α is in ν."
+    )
+    return Figure("", "What α does, with pumps up to 10 V", panels, words)

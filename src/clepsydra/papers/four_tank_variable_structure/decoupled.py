@@ -72,7 +72,7 @@ def decoupled(way: VirtualAntiWindup, reading: DecoupledReading = DECOUPLED_READ
     Examples
     --------
     >>> run = decoupled("none")
-    >>> round(run.overshoot(1, at_limit(10.0)))
+    >>> round(run.overshoot(1)[at_limit(10.0)])
     20
     """
     return at_limits(way, Setting(reading.sensor / _JOHANSSONS), reading.alpha_on)
@@ -84,14 +84,11 @@ def at_limits(way: VirtualAntiWindup, setting: Setting, alpha_on: AlphaOn = "vir
     return filled_with(way, [setting] * len(LIMITS), LIMITS, alpha_on=alpha_on)
 
 
-def shares_at_limit(new: Filling, old: Filling, least: float = SATURATED) -> list[float]:
+def shares_at_limit(new: Filling, old: Filling, least: float = SATURATED) -> np.ndarray:
     """Return the time at a limit as a share of the other's, where that is there so long [s]."""
-    times = [
-        (new.saturated(pump, limit, lane), old.saturated(pump, limit, lane))
-        for lane, limit in enumerate(map(float, LIMITS))
-        for pump in (1, 2)
-    ]
-    return [one / other for one, other in times if other >= least]
+    pairs = [(new.saturated(pump), old.saturated(pump)) for pump in (1, 2)]
+    one, other = np.concatenate(pairs, axis=1)
+    return np.asarray((one / np.maximum(other, least))[other >= least])
 
 
 def at_limit(limit: float) -> int:

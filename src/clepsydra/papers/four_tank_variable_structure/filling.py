@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from clepsydra.papers.document import Found
-from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.figure import Curve, Figure, Panel, curves
 from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.decoupled import (
     DECOUPLED_READINGS,
@@ -17,7 +17,6 @@ from clepsydra.papers.four_tank_variable_structure.decoupled import (
 )
 from clepsydra.papers.four_tank_variable_structure.readings import (
     CONVENTIONAL,
-    READINGS,
     SATURATED,
     USUAL,
     both,
@@ -28,7 +27,6 @@ from clepsydra.papers.four_tank_variable_structure.rig import (
     SETTINGS,
     TARGET,
     VOLTS_PER_METRE,
-    Filling,
     fill,
     in_nu,
     in_volts,
@@ -57,7 +55,7 @@ def _overshoots() -> Rows:
     doubled = decoupled(CONVENTIONAL, DECOUPLED_READINGS[2])
     line = PRINTED[PLACE, "overshoot of the level, conventional PID"]
     farther, agreeing = (
-        max((run.overshoot(tank, lane) for tank in (1, 2)), key=lambda v: abs(v - line.value))
+        max((run.overshoot(tank)[lane] for tank in (1, 2)), key=lambda v: abs(v - line.value))
         for run, lane in ((old, _LANE), (doubled, at_limit(20.0)))
     )
     why = f"The farther of h1 and h2; “around” is taken as 10 %. {READING}"
@@ -75,32 +73,26 @@ def _overshoots() -> Rows:
 
 
 def _saturation() -> Row:
-    shares = []
-    for reading in DECOUPLED_READINGS:
-        old, new = (decoupled(way, reading) for way in _WAYS)
-        shares += shares_at_limit(new, old)
+    shares = [
+        shares_at_limit(decoupled("variable_structure", each), decoupled(CONVENTIONAL, each)).max()
+        for each in DECOUPLED_READINGS
+    ]
     plain, limited = filled("variable_structure"), filled(CONVENTIONAL)
     undecoupled = [
-        plain.saturated(pump, READINGS[lane].limit, lane)
-        / limited.saturated(pump, READINGS[lane].limit, lane)
+        plain.saturated(pump)[lane] / limited.saturated(pump)[lane]
         for lane in saturating()
         for pump in (1, 2)
     ]
     old, new = (decoupled(way) for way in _WAYS)
     return PRINTED[PLACE, "time of the pumps at a limit"].claimed(
-        max(shares) < 1.0 and max(undecoupled) < 1.0,
-        _pumps(new, old, _LANE),
+        bool(max(*shares, *undecoupled) < 1.0),
+        ", ".join(
+            f"v{pump} {new.saturated(pump)[_LANE]:.1f} against {old.saturated(pump)[_LANE]:.1f}"
+            for pump in (1, 2)
+        ),
         reason="The sentence is garbled; read as a shorter time at both limits, as it is too with "
         "limits of 4 to 20 V, 1 V/cm, α in volts, and without decoupling, wherever conventional "
         f"PID saturates for {SATURATED:g} s or more. {READING}",
-    )
-
-
-def _pumps(new: Filling, old: Filling, lane: int) -> str:
-    return ", ".join(
-        f"v{pump} {new.saturated(pump, USUAL.limit, lane):.1f} against "
-        f"{old.saturated(pump, USUAL.limit, lane):.1f}"
-        for pump in (1, 2)
     )
 
 
@@ -118,7 +110,7 @@ def _without_saturation() -> Row:
 def _energy() -> Row:
     old, new = (decoupled(way) for way in _WAYS)
     squares, volumes = (
-        [getattr(run, what)(_LANE) for run in (new, old)] for what in ("electric", "pumped")
+        [getattr(run, what)()[_LANE] for run in (new, old)] for what in ("electric", "pumped")
     )
     return PRINTED[PLACE, "energy of a filling"].remark(
         f"{squares[0]:.0f} against {squares[1]:.0f} V² s, "
@@ -131,44 +123,32 @@ def _energy() -> Row:
 def _overflow() -> Row:
     old, limited = (fill(each(CONVENTIONAL), target=HIGH) for each in (in_nu, in_volts))
     return PRINTED[PLACE, "water over the rims"].claimed(
-        min(old.spilt(), limited.spilt()) > 0.0,
-        f"{old.spilt():.0f}",
+        bool(min(old.spilt()[0], limited.spilt()[0]) > 0.0),
+        f"{old.spilt()[0]:.0f}",
         reason=f"Conventional PID, both levels filled to {100 * HIGH[0]:g} cm in tanks 20 cm high, "
         "as Johansson's are, which is not printed; it does without decoupling too. Beside that: "
         f"{READING}",
     )
 
 
-def _figures() -> tuple[Figure, ...]:
-    runs = zip(("conventional PID", "variable-structure PID"), map(decoupled, _WAYS), strict=True)
-    both_runs = tuple(runs)
-    time = both_runs[0][1].time
-    seen = time <= SHOWN
-    figures = []
-    for number, lower, upper in (("Fig. 3", 1, 3), ("Fig. 4", 2, 4)):
+def _figures() -> Found:
+    names = "conventional PID", "variable-structure PID"
+    runs = dict(zip(names, map(decoupled, _WAYS), strict=True))
+    seen = runs[names[0]].time <= SHOWN
+    time = runs[names[0]].time[seen]
+    for number, lower in (("Fig. 3", 1), ("Fig. 4", 2)):
+        ends, target = np.array([0.0, SHOWN]), np.full(2, 100.0 * TARGET[lower - 1])
         panels = []
-        for tank in (lower, upper):
-            curves = [
-                Curve(name, time[seen], run.level(tank, _LANE)[seen]) for name, run in both_runs
-            ]
-            if tank == lower:
-                target = np.full(2, 100.0 * TARGET[tank - 1])
-                curves.append(Curve("setpoint", np.array([0.0, SHOWN]), target, "dashed"))
-            panels.append(Panel(f"h{tank}", f"h{tank} [cm]", tuple(curves)))
-        figures.append(Figure(number, f"Levels h{lower} and h{upper}", tuple(panels), READING))
-    for number, pump in (("Fig. 5", 1), ("Fig. 6", 2)):
-        curves = [
-            Curve(name, time[seen], run.voltage(pump, _LANE)[seen], "held")
-            for name, run in both_runs
-        ]
-        panel = Panel(f"v{pump}", f"v{pump} [V]", tuple(curves))
-        figures.append(
-            Figure(
-                number,
-                f"Voltage v{pump}",
-                (panel,),
-                f"After decoupling; PI with K = {SETTINGS[pump - 1].gain:g} V/V, Ti = "
-                f"{SETTINGS[pump - 1].integral_time:g} s on {VOLTS_PER_METRE / 100:g} V/cm.",
-            )
+        for tank in (lower, lower + 2):
+            levels = {name: run.level(tank)[_LANE, seen] for name, run in runs.items()}
+            setpoint = [Curve("setpoint", ends, target, "dashed")] if tank == lower else []
+            panels.append(Panel(f"h{tank}", f"h{tank} [cm]", curves(time, levels) + setpoint))
+        yield Figure(number, f"Levels h{lower} and h{lower + 2}", panels, READING)
+    for pump, settings in enumerate(SETTINGS, start=1):
+        volts = {name: run.voltage(pump)[_LANE, seen] for name, run in runs.items()}
+        panel = Panel(f"v{pump}", f"v{pump} [V]", curves(time, volts, "held"))
+        words = (
+            f"After decoupling; PI with K = {settings.gain:g} V/V, Ti = "
+            f"{settings.integral_time:g} s on {VOLTS_PER_METRE / 100:g} V/cm."
         )
-    return tuple(figures)
+        yield Figure(f"Fig. {pump + 4}", f"Voltage v{pump}", (panel,), words)

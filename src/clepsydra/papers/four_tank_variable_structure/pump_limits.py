@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from clepsydra.papers.document import Found
-from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.figure import Figure, Panel, curves
 from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.decoupled import (
     LIMITS,
@@ -56,7 +56,7 @@ def run() -> Found:
     return (_returns(runs), *figures)
 
 
-def _shares(runs: dict[str, Filling], least: float = SATURATED) -> list[float]:
+def _shares(runs: dict[str, Filling], least: float = SATURATED) -> np.ndarray:
     return shares_at_limit(runs["variable_structure"], runs[CONVENTIONAL], least)
 
 
@@ -65,8 +65,8 @@ def _returns(runs: dict[str, dict[str, Filling]]) -> Row:
     return PRINTED[
         "section 4, feature (3)", "time of the pumps at a limit, from 4 to 20 V"
     ].claimed(
-        all(max(each) < 1.0 for each in shares.values())
-        and all(max(_shares(found, _SHORTEST)) <= 1.0 for found in runs.values()),
+        all(each.max() < 1.0 for each in shares.values())
+        and all(_shares(found, _SHORTEST).max() <= 1.0 for found in runs.values()),
         "; ".join(
             f"{reading} {min(each):.2f} to {max(each):.2f} times as long"
             for reading, each in shares.items()
@@ -77,26 +77,19 @@ def _returns(runs: dict[str, dict[str, Filling]]) -> Row:
 
 
 def _figure(reading: str, runs: dict[str, Filling]) -> Figure:
-    def panel(title: str, label: str, value: Callable[[Filling, int], float]) -> Panel:
-        curves = [
-            Curve(WAYS[way], LIMITS, np.array([value(run, lane) for lane in range(len(LIMITS))]))
-            for way, run in runs.items()
-        ]
-        return Panel(title, label, tuple(curves), x_label="upper limit of the pumps [V]")
+    def panel(title: str, label: str, of: Callable[[Filling, int], np.ndarray], part: int) -> Panel:
+        found = {WAYS[way]: of(run, part) for way, run in runs.items()}
+        return Panel(title, label, curves(LIMITS, found), "upper limit of the pumps [V]")
 
     return Figure(
         "",
         f"Five ways against windup over the limit of the pumps, {reading}",
         (
-            panel("Overshoot of h1", "[%]", lambda run, lane: run.overshoot(1, lane)),
-            panel("Rise time of h1", "[s]", lambda run, lane: run.rise(1, lane)),
-            panel("Settling time of h1, 2 %", "[s]", lambda run, lane: run.settling(1, lane)),
-            panel("Settling time of h2, 2 %", "[s]", lambda run, lane: run.settling(2, lane)),
-            panel(
-                "Time of v1 at a limit",
-                "[s]",
-                lambda run, lane: run.saturated(1, float(LIMITS[lane]), lane),
-            ),
+            panel("Overshoot of h1", "[%]", Filling.overshoot, 1),
+            panel("Rise time of h1", "[s]", Filling.rise, 1),
+            panel("Settling time of h1, 2 %", "[s]", Filling.settling, 1),
+            panel("Settling time of h2, 2 %", "[s]", Filling.settling, 2),
+            panel("Time of v1 at a limit", "[s]", Filling.saturated, 1),
         ),
         "From empty to 12.4 and 12.7 cm. The target needs 3 V: below 5 V there is hardly room, "
         "above 18 V nothing saturates. Variable structure takes its integral back while a pump "

@@ -97,11 +97,8 @@ def filled_in(
 def saturating() -> list[int]:
     """Return the lanes of the readings in which a pump saturates, as the document's do."""
     old = filled(CONVENTIONAL)
-    return [
-        lane
-        for lane, reading in enumerate(READINGS)
-        if max(old.saturated(pump, reading.limit, lane) for pump in (1, 2)) >= SATURATED
-    ]
+    longest = np.maximum(old.saturated(1), old.saturated(2))
+    return np.flatnonzero(longest >= SATURATED).tolist()
 
 
 def both(run: Filling, what: str, form: str = ".1f", lane: int = 0) -> str:
@@ -112,4 +109,4 @@ def both(run: Filling, what: str, form: str = ".1f", lane: int = 0) -> str:
     >>> both(filled(CONVENTIONAL), "overshoot", lane=READINGS.index(USUAL))
     '13.0 and 9.0'
     """
-    return " and ".join(format(getattr(run, what)(tank, lane), form) for tank in (1, 2))
+    return " and ".join(format(getattr(run, what)(tank)[lane], form) for tank in (1, 2))

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
-from functools import cache
+from collections.abc import Callable, Mapping
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -132,61 +132,59 @@ class Filling:
         Signal to trajectories [lanes, samples], SI.
     target : tuple of float
         [m]
+    limits : ndarray [lanes]
+        Upper limits of both pumps [V].
     """
 
     time: np.ndarray
     values: dict[str, np.ndarray]
     target: tuple[float, float]
+    limits: np.ndarray
 
-    def level(self, tank: int, lane: int = 0) -> np.ndarray:
-        """Return a level [cm]."""
-        return 100.0 * self.values[f"tank_{tank}.level"][lane]
+    def level(self, tank: int) -> np.ndarray:
+        """Return a level [cm] of each lane."""
+        return 100.0 * self.values[f"tank_{tank}.level"]
 
-    def voltage(self, pump: int, lane: int = 0) -> np.ndarray:
-        """Return a voltage [V]."""
-        return self.values[f"pump_{pump}"][lane]
+    def voltage(self, pump: int) -> np.ndarray:
+        """Return a voltage [V] of each lane."""
+        return self.values[f"pump_{pump}"]
 
-    def overshoot(self, tank: int, lane: int = 0) -> float:
-        """Return the overshoot of a lower level [%]."""
-        return overshoot(self.time, self.level(tank, lane), 0.0, 100.0 * self.target[tank - 1])
+    def overshoot(self, tank: int) -> np.ndarray:
+        """Return the overshoot of a lower level [%] in each lane."""
+        return self._scored(overshoot, tank)
 
-    def rise(self, tank: int, lane: int = 0) -> float:
-        """Return the time of a lower level from 10 % to 90 % [s]."""
-        return rise_time(self.time, self.level(tank, lane), 0.0, 100.0 * self.target[tank - 1])
+    def rise(self, tank: int) -> np.ndarray:
+        """Return the time of a lower level from 10 % to 90 % [s] in each lane."""
+        return self._scored(rise_time, tank)
 
-    def settling(self, tank: int, lane: int = 0) -> float:
-        """Return the settling time of a lower level to 2 % [s]."""
+    def settling(self, tank: int) -> np.ndarray:
+        """Return the settling time of a lower level to 2 % [s] in each lane."""
+        return self._scored(partial(settling_time, band=0.02), tank)
+
+    def _scored(self, score: Callable[..., float], tank: int) -> np.ndarray:
         target = 100.0 * self.target[tank - 1]
-        return settling_time(self.time, self.level(tank, lane), 0.0, target, band=0.02)
+        return np.array([score(self.time, level, 0.0, target) for level in self.level(tank)])
 
-    def saturated(self, pump: int, limit: float, lane: int = 0) -> float:
-        """Return how long a pump stands at one of its limits [s]."""
-        voltage = self.voltage(pump, lane)
-        step = float(self.time[1] - self.time[0])
-        return float(np.sum((voltage >= limit) | (voltage <= 0.0))) * step
+    def saturated(self, pump: int) -> np.ndarray:
+        """Return how long a pump stands at one of its limits [s] in each lane."""
+        voltage = self.voltage(pump)
+        return self._summed((voltage >= self.limits[:, None]) | (voltage <= 0.0))
 
-    def pumped(self, lane: int = 0, until: float = DURATION) -> float:
-        """Return the volume that both pumps lift [l]."""
-        step = float(self.time[1] - self.time[0])
-        gains = [plant().signal(f"pump_{pump}.gain").initial for pump in (1, 2)]
-        seen = self.time < until
-        return (
-            1e3
-            * step
-            * sum(
-                gain * float(np.sum(self.voltage(pump, lane)[seen]))
-                for pump, gain in zip((1, 2), gains, strict=True)
-            )
-        )
+    def pumped(self) -> np.ndarray:
+        """Return the volume that both pumps lift [l] in each lane."""
+        gains = {pump: plant().signal(f"pump_{pump}.gain").initial for pump in (1, 2)}
+        return self._summed(*(1e3 * k * self.voltage(pump) for pump, k in gains.items()))
 
-    def electric(self, lane: int = 0) -> float:
-        """Return what the motors take, in proportion to the voltage squared [V² s]."""
-        step = float(self.time[1] - self.time[0])
-        return step * sum(float(np.sum(self.voltage(pump, lane) ** 2)) for pump in (1, 2))
+    def electric(self) -> np.ndarray:
+        """Return what the motors take, in proportion to the voltage squared [V² s], in each."""
+        return self._summed(*(self.voltage(pump) ** 2 for pump in (1, 2)))
 
-    def spilt(self, lane: int = 0) -> float:
-        """Return what ran over the rims [cm³]."""
-        return 1e6 * sum(float(self.values[f"tank_{j}.spilt"][lane, -1]) for j in range(1, 5))
+    def _summed(self, *rates: np.ndarray) -> np.ndarray:
+        return np.sum(rates, axis=(0, 2)) * (self.time[1] - self.time[0])
+
+    def spilt(self) -> np.ndarray:
+        """Return what ran over the rims [cm³] in each lane."""
+        return np.sum([1e6 * self.values[f"tank_{j}.spilt"][:, -1] for j in range(1, 5)], axis=0)
 
 
 def fill(
@@ -225,4 +223,5 @@ def fill(
     run = Kernel(program).run(samples, state=state, parameters=given, every=KEPT)
     values = {signal.name: run.output(signal.name) for signal in program.outputs}
     time = np.arange(values["pump_1"].shape[1]) * KEPT * loop.process.sampling_period
-    return Filling(time, values, target)
+    lanes = len(values["pump_1"])
+    return Filling(time, values, target, np.broadcast_to(limits, lanes))

@@ -48,7 +48,7 @@ def _derivative() -> Row:
             "after decoupling": [at_limits(way, Setting(derivative=share)) for way in _WAYS],
             "without": [fill(in_volts(way, derivative=share), LIMITS) for way in _WAYS],
         }
-        longest = max(longest, *(max(shares_at_limit(pair[0], pair[1])) for pair in runs.values()))
+        longest = max(longest, *(shares_at_limit(pair[0], pair[1]).max() for pair in runs.values()))
         told = "; ".join(
             f"{reading} " + " against ".join(both(each, "overshoot", lane=_LANE) for each in pair)
             for reading, pair in runs.items()
@@ -58,8 +58,7 @@ def _derivative() -> Row:
         share
         for share in DERIVATIVES
         if not any(
-            at_limits("none", Setting(derivative=share)).saturated(pump, 10.0, _LANE)
-            for pump in (1, 2)
+            at_limits("none", Setting(derivative=share)).saturated(pump)[_LANE] for pump in (1, 2)
         )
     ]
     unsaturated = " and ".join(f"Ti/{1 / share:g}" for share in idle)
@@ -76,16 +75,16 @@ def _derivative() -> Row:
 
 def _settings() -> Row:
     pairs = [[at_limits(way, each) for way in _WAYS] for each in _OTHERS]
-    ranges = []
-    for place in range(len(_WAYS)):
-        found = [pair[place].overshoot(tank, _LANE) for pair in pairs for tank in (1, 2)]
-        ranges.append(f"{min(found):.1f} to {max(found):.1f}")
-    longest = max(share for pair in pairs for share in shares_at_limit(pair[0], pair[1]))
-    spilt = filled_with("none", _OTHERS, target=HIGH)
-    least = min(spilt.spilt(lane) for lane in range(len(_OTHERS)))
+    ranges = [
+        f"{min(found):.1f} to {max(found):.1f}"
+        for runs in zip(*pairs, strict=True)
+        for found in [[run.overshoot(tank)[_LANE] for run in runs for tank in (1, 2)]]
+    ]
+    longest = max(shares_at_limit(pair[0], pair[1]).max() for pair in pairs)
+    least = filled_with("none", _OTHERS, target=HIGH).spilt().min()
     printed = PRINTED[PLACE, "overshoot of the level, conventional PID"].value
     nearest = min(
-        (abs(pair[1].overshoot(tank, _LANE) - printed), -each.time, each, pair[1])
+        (abs(pair[1].overshoot(tank)[_LANE] - printed), -each.time, each, pair[1])
         for each, pair in zip(_OTHERS, pairs, strict=True)
         for tank in (1, 2)
     )

@@ -10,7 +10,6 @@ import numpy as np
 
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.loop_margins import LoopMargins, loop_margins
-from clepsydra.papers.figure import Curve
 from clepsydra.papers.printed import Printed
 from clepsydra.papers.row import Row
 from clepsydra.papers.three_tanks.printed_model import printed_model
@@ -152,6 +151,6 @@ class FeedbackLoop:
         points = 1j * frequencies[:, None, None] * np.eye(3) - A
         return np.asarray(C @ np.linalg.solve(points, self.model.B))[:, 0, 0]
 
-    def step_without_precompensator(self, time: np.ndarray) -> Curve:
+    def step_without_precompensator(self, time: np.ndarray) -> np.ndarray:
         """Return level 3 over a setpoint step that is fed in as it is."""
-        return Curve(self.label, time, self.step(1.0, time)[0][:, 2] / self.setpoint_gain)
+        return np.asarray(self.step(1.0, time)[0][:, 2] / self.setpoint_gain)

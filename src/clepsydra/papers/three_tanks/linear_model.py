@@ -157,16 +157,12 @@ def _open_loop() -> Figure:
         lambda t, x: model.A @ x + model.B[:, 0] * (flow - FLOW),
         (0.0, time[-1]), np.zeros(3), t_eval=time, rtol=1e-8, method="LSODA",
     ).y  # fmt: skip
-    panels = tuple(
-        Panel(
-            f"tank {i + 1}", "level [cm]",
-            (
-                Curve("orifice laws", time, 100.0 * tanks[i]),
-                Curve("linear model", time, 100.0 * (linear[i] + start[i]), "dashed"),
-            ),
-        )
+    panels = [
+        Panel(f"tank {i + 1}", "level [cm]", (
+            Curve("orifice laws", time, 100.0 * tanks[i]),
+            Curve("linear model", time, 100.0 * (linear[i] + start[i]), "dashed"),
+        ))
         for i in range(3)
-    )  # fmt: skip
-    return Figure(
-        "Fig. 4", "Levels after a rise of the feed by a tenth, from rest at 50 cm³/s", panels
-    )
+    ]  # fmt: skip
+    title = "Levels after a rise of the feed by a tenth, from rest at 50 cm³/s"
+    return Figure("Fig. 4", title, panels)

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 
 from clepsydra.papers.document import Found
-from clepsydra.papers.figure import Curve, Figure, Panel, bode_panels
+from clepsydra.papers.figure import Figure, Panel, bode_panels, curves
 from clepsydra.papers.row import Rows
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
@@ -21,7 +21,7 @@ SIZES = ("0.1", "0.01", "0.001")
 
 def run() -> Found:
     """Return the rows on linear-quadratic control, and its pictures."""
-    return (*_table(), *_claims(), _servo_without(), _servo(), _bode())
+    return (*_table(), *_claims(), *_figures())
 
 
 @cache
@@ -131,33 +131,25 @@ def _effort(loop: FeedbackLoop) -> float:
     return float((rest.T @ weight @ rest)[0, 0])
 
 
-def _servo_without() -> Figure:
-    time = np.linspace(0.0, 6.0, 1201)
-    curves = [quadratic_loop(weight).step_without_precompensator(time) for weight in SIZES]
-    return Figure(
+def _figures() -> Found:
+    """Draw Figs. 7, 9 and 12."""
+    time, frequencies = np.linspace(0.0, 6.0, 1201), np.logspace(-2.0, 2.0, 300)
+    loops = [quadratic_loop(weight) for weight in SIZES]
+    alone = {loop.label: loop.step_without_precompensator(time) for loop in loops}
+    yield Figure(
         "Fig. 7", "Setpoint step with linear-quadratic feedback alone",
-        (Panel("level 3", "level / step [1]", tuple(curves)),),
+        (Panel("level 3", "level / step [1]", curves(time, alone)),),
     )  # fmt: skip
-
-
-def _servo() -> Figure:
-    time = np.linspace(0.0, 6.0, 1201)
-    runs = {w: quadratic_loop(w).step(STEP, time) for w in SIZES}
-    return Figure(
+    runs = {loop.label: loop.step(STEP, time) for loop in loops}
+    yield Figure(
         "Fig. 9", "Setpoint step of 1 cm with LQC and precompensator, linear model",
         (
             Panel("level 3", "level [cm]",
-                  tuple(Curve(f"R = {w}", time, 100 * x[:, 2]) for w, (x, _) in runs.items())),
-            Panel("feed", "feed [m³/s]",
-                  tuple(Curve(f"R = {w}", time, u) for w, (_, u) in runs.items())),
+                  curves(time, {name: 100.0 * x[:, 2] for name, (x, _) in runs.items()})),
+            Panel("feed", "feed [m³/s]", curves(time, {name: u for name, (_, u) in runs.items()})),
         ),
         "A pump of 100 cm³/s gives a ten-thousandth of the feed that these loops ask for.",
     )  # fmt: skip
-
-
-def _bode() -> Figure:
-    frequencies = np.logspace(-2.0, 2.0, 300)
-    loops = [quadratic_loop(weight) for weight in SIZES]
     shown = {loop.label: loop.closed_response(frequencies) for loop in loops}
     title = "Closed loop with LQC and precompensator"
-    return Figure("Fig. 12", title, bode_panels(frequencies, shown))
+    yield Figure("Fig. 12", title, bode_panels(frequencies, shown))

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from functools import cache
-from typing import NamedTuple
 
 import numpy as np
 
-from clepsydra.designs.models.first_order_delay import FirstOrderDelay
+from clepsydra.designs.models.transfer_element import TransferElement
+from clepsydra.designs.models.ultimate_point import ultimate_point
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.loop_margins import LoopMargins, loop_margins
+from clepsydra.linear.loop_margins import loop_margins
 from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Figure, bode_panels
 from clepsydra.papers.row import Rows
@@ -20,13 +19,6 @@ from clepsydra.papers.three_tanks.printed_model import DENOMINATOR, NUMERATOR, c
 
 #: The settings that the document goes on with: K_c [m²/s], K_i [m²/s²], K_d [m²].
 GAIN, INTEGRAL_GAIN, DERIVATIVE_GAIN = PRINTED.numbers("Ziegler-Nichols", "Kc", "Ki", "Kd")
-
-
-class Ultimate(NamedTuple):
-    """Gain and frequency at which a loop with proportional control oscillates for ever."""
-
-    gain: float
-    frequency: float
 
 
 def run() -> Found:
@@ -43,23 +35,6 @@ def response(time: float) -> float:
     0.333
     """
     return float(from_rest(companion(), DENOMINATOR[3] * np.eye(3)[2], np.array([time]))[0, 0])
-
-
-def ultimate_of(model: FirstOrderDelay) -> Ultimate:
-    """Return the ultimate point of a first-order model with delay.
-
-    Examples
-    --------
-    >>> round(ultimate_of(FirstOrderDelay(5744.0 / 328.6, 328.6, 48.56)).frequency, 4)
-    0.0342
-    """
-    from scipy.optimize import brentq
-
-    def lag(frequency: float) -> float:
-        return frequency * model.delay + math.atan(frequency * model.time_constant) - math.pi
-
-    frequency = float(brentq(lag, 1e-6, math.pi / model.delay))
-    return Ultimate(math.hypot(1.0, frequency * model.time_constant) / model.gain, frequency)
 
 
 def _two_points() -> Rows:
@@ -85,12 +60,12 @@ def _two_points() -> Rows:
 
 def _settings() -> Rows:
     gain, lag, delay = PRINTED.numbers("two-point method", "Kp", "τp", "td")
-    point = ultimate_of(FirstOrderDelay(gain / lag, lag, delay))
-    period = 2.0 * math.pi / point.frequency
+    point = ultimate_point(TransferElement(gain, (-1.0 / lag,), (), 0, delay), 0.0)
+    period, frequency = point.period, math.tau / point.period
     integral, derivative = period / 2.0, period / 8.0
     is_frequency = (
-        f"0.034 rad/s is the ultimate frequency, {point.frequency:.4f} rad/s",
-        abs(point.frequency - PRINTED["Ziegler-Nichols", "Pu"].value) < 5e-4,
+        f"0.034 rad/s is the ultimate frequency, {frequency:.4f} rad/s",
+        abs(frequency - PRINTED["Ziegler-Nichols", "Pu"].value) < 5e-4,
     )
     gains_need = (
         f"τi = Pu/2 and τd = Pu/8 with the {period:.1f} s that Pu of (5) is, and Ki and Kd "
@@ -108,12 +83,6 @@ def _settings() -> Rows:
     yield PRINTED["Ziegler-Nichols", "Ki"].compared(GAIN / integral)
     yield PRINTED["Ziegler-Nichols", "τd"].compared(derivative, right_if=[gains_need])
     yield PRINTED["Ziegler-Nichols", "Kd"].compared(GAIN * derivative)
-
-
-@cache
-def pid_margins() -> LoopMargins:
-    """Return the margins of the loop of (3) and the printed PID settings."""
-    return loop_margins(loop_model())
 
 
 def loop_model() -> LinearModel:
@@ -139,7 +108,7 @@ def _loop() -> Rows:
         PRINTED[place, name].compared(value, tolerance=left.get(name, 0.0) / value)
         for name, value in found.items()
     ]
-    margins = pid_margins()
+    margins = loop_margins(loop_model())
     phase = math.degrees(margins.phase_margin or 0.0)
     peak = 20.0 * math.log10(margins.sensitivity.peak)
     poles = np.roots([1.0, *(PRINTED[place, name].value for name in below)])

@@ -18,12 +18,13 @@ from clepsydra.designs.lqi import design_lqi
 from clepsydra.designs.states.state_controllers import state_feedback_controller
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.linearise import linearise
+from clepsydra.linear.linearise import linearise, operating_point_of
 from clepsydra.loop.loop import Loop
+from clepsydra.loop.profile import Change
 from clepsydra.loop.run import Run
-from clepsydra.loop.scenario import Scenario, Segment
+from clepsydra.loop.scenario import Scenario, scenario_of_changes
 from clepsydra.papers.document import Found
-from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.figure import Curve, CurveKind, Figure, Panel
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
 from clepsydra.papers.three_tanks.linear_quadratic import quadratic_loop
 from clepsydra.papers.three_tanks.pid_design import DERIVATIVE_GAIN, GAIN, INTEGRAL_GAIN
@@ -69,26 +70,22 @@ def _pid_controller() -> Controller:
         "feed.low_limit": 0.0,
         "feed.high_limit": 1e-4,
     }
-    rest = float(find_equilibrium(three_tanks()).state[2])
-    state = state_at_rest(
-        law, values, {"level_3.sp": rest, "level_3.pv": rest, "feed.tracking": FLOW}
-    )
+    at = {"level_3": float(find_equilibrium(three_tanks()).state[2]), "feed": FLOW}
+    state = state_at_rest(law, values, at)
     return Controller(
         "Ziegler-Nichols PID", "multiloop PID", "The document's gains.", law, values, state,
         ("level_3",), ("level_3",), ("feed",),
     )  # fmt: skip
 
 
-def _scenario(period: float) -> Scenario:
-    samples, late = round(_END / period) + 1, round(_LOAD_AT / period)
-    setpoints = np.full((samples, 1), float(find_equilibrium(three_tanks()).state[2]) + STEP)
-    load = np.zeros((samples, 1))
-    load[late:] = _LOAD
-    segments = (
-        Segment("setpoint", "level_3", 0.0, _LOAD_AT, STEP),
-        Segment("load", "inflow_3", _LOAD_AT, _END, _LOAD),
+def _scenario(model: LinearModel) -> Scenario:
+    """Return the setpoint step and the load, from rest."""
+    point = operating_point_of(model)
+    changes = (
+        Change("level_3", float(point.state[2]) + STEP, 0.0, 0.0),
+        Change("inflow_3", _LOAD, _LOAD_AT, _LOAD_AT),
     )
-    return Scenario(period, setpoints, load, np.zeros((samples, 3)), segments, seed=1)
+    return scenario_of_changes(point, changes, round(_END / point.process.sampling_period) + 1)
 
 
 @cache
@@ -102,7 +99,7 @@ def runs() -> dict[str, Run]:
         "LQI, Bryson": (design_lqi(_model(_USUAL)), _USUAL),
     }
     return {
-        name: Loop(controller, _model(period)).run(_scenario(period))
+        name: Loop(controller, _model(period)).run(_scenario(_model(period)))
         for name, (controller, period) in designs.items()
     }
 
@@ -111,19 +108,18 @@ def _panels(names: tuple[str, ...]) -> tuple[Panel, ...]:
     found = {name: runs()[name] for name in names}
     thin = {name: max(1, len(run.time) // 3000) for name, run in found.items()}
 
-    def curves(signal: str, factor: float, kind: str = "line") -> tuple[Curve, ...]:
-        return tuple(
-            Curve(name, run.time[:: thin[name]], factor * run.values[signal][:: thin[name]],
-                  "held" if kind == "held" else "line")
+    def drawn(signal: str, factor: float, kind: CurveKind = "line") -> list[Curve]:
+        return [
+            Curve(name, run.time[:: thin[name]], factor * run.values[signal][:: thin[name]], kind)
             for name, run in found.items()
-        )  # fmt: skip
+        ]
 
     run = next(iter(found.values()))
     target = Curve("", run.time, 100.0 * run.scenario.setpoints[:, 0], "dashed")
     return (
-        Panel("level 3", "level [cm]", (*curves("tank_3.level", 100.0), target)),
-        Panel("level 1", "level [cm]", curves("tank_1.level", 100.0)),
-        Panel("feed", "feed [cm³/s]", curves("feed", 1e6, "held")),
+        Panel("level 3", "level [cm]", (*drawn("tank_3.level", 100.0), target)),
+        Panel("level 1", "level [cm]", drawn("tank_1.level", 100.0)),
+        Panel("feed", "feed [cm³/s]", drawn("feed", 1e6, "held")),
     )
 
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 
 from clepsydra.papers.document import Found
-from clepsydra.papers.figure import Curve, Figure, Panel, bode_panels
+from clepsydra.papers.figure import Curve, Figure, Panel, bode_panels, curves
 from clepsydra.papers.printed_table import entries
 from clepsydra.papers.row import Rows
 from clepsydra.papers.three_tanks import PRINTED
@@ -24,8 +24,7 @@ STEP = 0.01  # ours [m]; the document's is not printed
 
 def run() -> Found:
     """Return the rows on state feedback, and its pictures."""
-    figures = (_servo_without(), _servo(), _magnitudes(), _nyquist())
-    return (*_table(), *_closed_loop(), *_claims(), *figures)
+    return (*_table(), *_closed_loop(), *_claims(), *_figures())
 
 
 @cache
@@ -90,50 +89,42 @@ def _claims() -> Rows:
     )
 
 
-def _servo_without() -> Figure:
+def _figures() -> Found:
+    """Draw Figs. 6, 8, 11 and 14."""
+    loops = [placed_loop(distance) for distance in DISTANCES]
     time = np.linspace(0.0, 2.0, 1201)
-    curves = [placed_loop(distance).step_without_precompensator(time) for distance in DISTANCES]
-    return Figure(
+    alone = {loop.label: loop.step_without_precompensator(time) for loop in loops}
+    yield Figure(
         "Fig. 6", "Setpoint step with state feedback alone",
-        (Panel("level 3", "level / step [1]", tuple(curves)),),
+        (Panel("level 3", "level / step [1]", curves(time, alone)),),
         "Without the precompensator the level moves by a millionth of the step.",
     )  # fmt: skip
-
-
-def _servo() -> Figure:
     time = np.linspace(0.0, 1.5, 1201)
-    runs = {placed_loop(d).label: placed_loop(d).step(STEP, time) for d in DISTANCES}
-    return Figure(
+    levels = {loop.label: loop.step(STEP, time)[0] for loop in loops}
+    yield Figure(
         "Fig. 8", "Setpoint step of 1 cm with state feedback and precompensator, linear model",
         (
             Panel("level 3", "level [cm]",
-                  tuple(Curve(name, time, 100 * x[:, 2]) for name, (x, _) in runs.items())),
+                  curves(time, {name: 100.0 * x[:, 2] for name, x in levels.items()})),
             Panel("level 1", "level [m]",
-                  tuple(Curve(name, time, x[:, 0]) for name, (x, _) in runs.items())),
+                  curves(time, {name: x[:, 0] for name, x in levels.items()})),
         ),
-        f"The feed starts at {placed_loop(25).setpoint_gain * STEP:.0f} m³/s for poles at -25.",
+        f"The feed starts at {loops[0].setpoint_gain * STEP:.0f} m³/s for poles at -25.",
     )  # fmt: skip
-
-
-def _magnitudes() -> Figure:
     frequencies = np.logspace(-1.0, 3.0, 300)
-    loops = [placed_loop(distance) for distance in DISTANCES]
-    shown = {loop.label: loop.closed_response(frequencies) for loop in loops}
-    magnitude, _ = bode_panels(frequencies, shown)
-    panel = dataclasses.replace(magnitude, title="setpoint to level 3")
-    return Figure("Fig. 11", "Closed loop with state feedback and precompensator", (panel,))
-
-
-def _nyquist() -> Figure:
-    frequencies = np.logspace(-1.0, 4.0, 600)
-    turn = np.linspace(0.0, 2.0 * math.pi, 121)
-    curves = [Curve("unit circle around -1", np.cos(turn) - 1.0, np.sin(turn), "dashed")]
-    for distance in DISTANCES:
-        value = placed_loop(distance).frequency_response(frequencies)
+    magnitude, _ = bode_panels(
+        frequencies, {k.label: k.closed_response(frequencies) for k in loops}
+    )
+    panel = replace(magnitude, title="setpoint to level 3")
+    yield Figure("Fig. 11", "Closed loop with state feedback and precompensator", (panel,))
+    frequencies, turn = np.logspace(-1.0, 4.0, 600), np.linspace(0.0, 2.0 * math.pi, 121)
+    shown = [Curve("unit circle around -1", np.cos(turn) - 1.0, np.sin(turn), "dashed")]
+    for loop in loops:
+        value = loop.frequency_response(frequencies)
         near = np.where(np.abs(value) < 4.0, value, np.nan)
-        curves.append(Curve(placed_loop(distance).label, near.real, near.imag))
-    panel = Panel("L at the feed", "imaginary part", tuple(curves), "real part")
-    return Figure(
-        "Fig. 14", "Nyquist plot with state feedback", (panel,),
+        shown.append(Curve(loop.label, near.real, near.imag))
+    yield Figure(
+        "Fig. 14", "Nyquist plot with state feedback",
+        (Panel("L at the feed", "imaginary part", shown, "real part"),),
         "No curve enters the circle: max|S| is one.",
     )  # fmt: skip
