@@ -72,17 +72,16 @@ _SECTIONS = (
 
 def run() -> Found:
     """Return the rows on the loops in symbols."""
-    rows = [*_pairing(), *_decoupler()]
-    for section in _SECTIONS:
-        rows += [*_proportional(section), *_integral(section), *_derivative(section)]
-    return rows
-
-
-def _pairing() -> Rows:
     for section in _SECTIONS:
         G = plant(section.variant).transfer
         gains = G.multiply_elementwise(G.inv().T).applyfunc(simplify)
         yield from PRINTED.compared(section.rga, entries("RGA", gains))
+    yield from _decoupler()
+    for section in _SECTIONS:
+        yield from _plain(section, section.p, section.gains[0], K1, K2)
+        integral = K1 * (1 + 1 / (Ti1 * s)), K2 * (1 + 1 / (Ti2 * s))
+        yield from _plain(section, section.pi, section.gains[1], *integral)
+        yield from _derivative(section)
 
 
 def _decoupler() -> Rows:
@@ -107,18 +106,13 @@ def _steady_state(error: Any) -> Any:
     return error.applyfunc(lambda entry: limit(entry * _A, s, 0))
 
 
-def _stable_for_positive(denominator: Expr) -> bool:
-    """Judge a polynomial of first or second order: stable where all coefficients agree in sign."""
-    coefficients = Poly(denominator, s).all_coeffs()
-    signs = {bool(coefficient.is_positive) for coefficient in coefficients}
-    return len(coefficients) <= 3 and signs == {True}
-
-
 def _stability(place: str, gains: str, closed: Any, sign: int, note: str = "") -> Row:
     """Judge "stable if", for positive parameters or for a K_p2 of the other sign."""
     parts = [expand(denom(together(closed[i, i]))) for i in range(2)]
     if sign > 0:
-        stable = all(_stable_for_positive(part) for part in parts)
+        # Of first or second order: stable where all coefficients agree in sign.
+        coefficients = [Poly(part, s).all_coeffs() for part in parts]
+        stable = all(len(each) <= 3 and all(k.is_positive for k in each) for each in coefficients)
         found, reason = "stable for positive parameters", (
             "For positive parameters all coefficients of both denominators, of second order at "
             f"most, are positive: {parts[0]} and {parts[1]}.{note}"
@@ -138,33 +132,24 @@ def _stability(place: str, gains: str, closed: Any, sign: int, note: str = "") -
     return PRINTED[place, f"stability, {place}"].claimed(stable, found, reason=reason)
 
 
-def _proportional(section: _Section) -> Rows:
-    (place, of_error, at_rest), gains = section.p, section.gains[0]
-    closed, error = _loops(section, K1, K2)
-    if section.variant == "outflow":
-        yield from PRINTED.formulas(place, entries("GCL", closed))
-        yield _stability(place, gains, closed, 1)
-    else:
+def _plain(section: _Section, places: tuple[str, str, str], gains: str, *loops: Expr) -> Rows:
+    """Judge loops without derivative action: closed, their stability, error and steady state."""
+    closed, error = _loops(section, *loops)
+    if section.sign < 0 and not closed[1, 1].has(Ti2):
         # The -1 of f_out is left out here, to be found missing.
         bare, _ = closed_loop("inflow", controller(K1, K2))
         (pole,) = solve(denom(together(bare[1, 1])), s)
         holds = bool(pole.subs(K2, -K2).is_negative and pole.is_positive)
-        without = PRINTED[place, "stability without the gain of -1"]
-        yield from PRINTED.formulas(place, entries("GCL", bare))
+        yield from PRINTED.formulas(places[0], entries("GCL", bare))
+        without = PRINTED[places[0], "stability without the gain of -1"]
         yield without.claimed(holds, f"pole at s = {pole}")
         yield _stability(gains, gains, closed, -1)
-    yield from PRINTED.formulas(of_error, entries("GE", error))
-    yield from PRINTED.formulas(at_rest, entries("ess", _steady_state(error)))
-
-
-def _integral(section: _Section) -> Rows:
-    place, of_error, at_rest = section.pi
-    closed, error = _loops(section, K1 * (1 + 1 / (Ti1 * s)), K2 * (1 + 1 / (Ti2 * s)))
-    note = " They are those of (57) and (73); (56) is damaged." if place == "(56)" else ""
-    yield from PRINTED.formulas(place, entries("GCL", closed))
-    yield _stability(place, section.gains[1], closed, section.sign, note)
-    yield from PRINTED.formulas(of_error, entries("GE", error))
-    yield from PRINTED.formulas(at_rest, entries("ess", _steady_state(error)))
+    else:
+        note = " They are those of (57) and (73); (56) is damaged." if places[0] == "(56)" else ""
+        yield from PRINTED.formulas(places[0], entries("GCL", closed))
+        yield _stability(places[0], gains, closed, section.sign, note)
+    yield from PRINTED.formulas(places[1], entries("GE", error))
+    yield from PRINTED.formulas(places[2], entries("ess", _steady_state(error)))
 
 
 def _derivative(section: _Section) -> Rows:

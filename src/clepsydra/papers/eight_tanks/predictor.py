@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from functools import cache, reduce
+from functools import cache, partial, reduce
 
 import numpy as np
+from numpy.polynomial.polynomial import polyadd, polymul, polysub
 
 from clepsydra.designs.polynomial.sampled_model import SampledModel
 from clepsydra.designs.polynomial.spectral_factor import spectral_factor
@@ -37,26 +38,14 @@ def closed_loop_radius(
     K P u = r0 w − Q (y + (B(1) z^-1 − z^-d B) u / A), y = B' u / A', where the primes are of the
     process.
     """
-    K = np.array([1.0, -1.0])
-    P = np.array([float(value) for value in found.P])
-    Q = np.array([float(value) for value in found.Q])
+    K, P, Q = (np.array(each, dtype=float) for each in ((1.0, -1.0), found.P, found.Q))
     ahead = np.array([0.0, float(np.sum(model.B))])
     late = np.concatenate([np.zeros(model.delay), model.B])
     behind = np.concatenate([np.zeros(process.delay), process.B])
-    inner = _sum(_product(process.A, _sum(ahead, -late)), _product(model.A, behind))
-    whole = _sum(_product(K, P, model.A, process.A), _product(Q, inner))
+    product = partial(reduce, polymul)
+    inner = polyadd(product([process.A, polysub(ahead, late)]), product([model.A, behind]))
+    whole = polyadd(product([K, P, model.A, process.A]), product([Q, inner]))
     return float(np.max(np.abs(np.roots(whole))))
-
-
-def _product(*polynomials: np.ndarray) -> np.ndarray:
-    return reduce(np.convolve, polynomials)
-
-
-def _sum(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    total = np.zeros(max(len(first), len(second)))
-    total[: len(first)] += first
-    total[: len(second)] += second
-    return total
 
 
 def _second_order() -> Rows:
@@ -114,19 +103,15 @@ def _placed(model: SampledModel) -> TwoDegreeOfFreedom:
 def _offset_on_integrator() -> float:
     """Return the error that a plain predictor keeps under a load, simulated sample by sample."""
     model = SampledModel((_INTEGRATOR,), (-1.0,), 5, 1.0)
-    found = _placed(model)
-    q = [float(value) for value in found.Q]
-    samples, late = 400, model.delay
-    u, ahead, y = np.zeros(samples + 1), np.zeros(samples + 1), np.zeros(samples + 1)
-    predicted = np.zeros(samples + 1)
-    for k in range(1, samples):
-        predicted[k] = y[k] + ahead[k] - (ahead[k - late] if k >= late else 0.0)
-        feedback = sum(q[j] * predicted[k - j] for j in range(len(q)) if k >= j)
-        u[k] = u[k - 1] - feedback
-        before = u[k - late] if k >= late else 0.0
+    q, late, samples = list(map(float, _placed(model).Q)), model.delay, 400
+    # What was before the start is zero, and stands in front.
+    u, ahead, y, predicted = np.zeros((4, late + samples + 1))
+    for k in range(late + 1, late + samples):
+        predicted[k] = y[k] + ahead[k] - ahead[k - late]
+        u[k] = u[k - 1] - sum(q[j] * predicted[k - j] for j in range(len(q)))
         ahead[k + 1] = ahead[k] + _INTEGRATOR * u[k]
-        y[k + 1] = y[k] + _INTEGRATOR * (before + _LOAD)
-    return float(y[samples])
+        y[k + 1] = y[k] + _INTEGRATOR * (u[k - late] + _LOAD)
+    return float(y[late + samples])
 
 
 def _picture() -> Figure:

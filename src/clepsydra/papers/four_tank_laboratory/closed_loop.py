@@ -88,22 +88,16 @@ def runs(
     stretch = 150.0 if set_up is MINIMUM else 800.0
     each, second = round(stretch / period), round(1.0 / period)
     samples = 3 * each
-    given = {}
+    given: dict[str, float | np.ndarray] = {}
     for tank in (1, 2):
         target = TARGET * process.signal(f"level_{tank}").high / 1.2
         given[f"level_{tank}.setpoint"] = np.full(samples, target)
-        given[f"pour_{tank}"] = np.zeros(samples)
-        given[f"pour_{tank}"][tank * each : tank * each + second] = POURED
+        pour = given[f"pour_{tank}"] = np.zeros(samples)
+        pour[tank * each : tank * each + second] = POURED
     result = simulated(
-        designed,
-        process,
-        samples,
-        drawn=np.random.default_rng(4),
-        seeds=SEEDS,
-        noise=noise,
-        every=every,
-        given=given,
-    )
+        designed, process, samples, given, drawn=np.random.default_rng(4), seeds=SEEDS,
+        noise=noise, every=every,
+    )  # fmt: skip
     levels = np.array([result.output(f"tank_{tank}.level") for tank in (1, 2)])
     highs = [process.signal(f"pump_{number}").high for number in (1, 2)]
     pumps = np.array([result.output(f"pump_{number}") for number in (1, 2)])

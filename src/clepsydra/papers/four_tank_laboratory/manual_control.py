@@ -91,7 +91,7 @@ def _table(set_up: SetUp) -> Rows:
 
 def _level(runs: ManualRuns, tank: int) -> tuple[float, float]:
     """Return a level at last and three standard deviations of one reading of it [cm]."""
-    return float(runs.at_last[tank - 1]), _DEVIATIONS * float(runs.scatter[tank - 1])
+    return float(runs.at_last[tank - 1]), _DEVIATIONS * float(runs.last[tank - 1].std())
 
 
 def _left_open(line: Printed, levels: dict[Reading, tuple[float, float]], what: str) -> Row:

@@ -35,20 +35,19 @@ class ManualRuns:
     off: float
 
     @property
-    def at_last(self) -> np.ndarray:
-        """Levels over the last quarter of the time, mean over time and seeds [4] [cm]."""
-        return np.asarray(self.levels[:, :, -self.levels.shape[2] // 4 :].mean(axis=(1, 2)))
+    def last(self) -> np.ndarray:
+        """Levels over the last quarter of the time [4, seeds, t / 4] [cm]."""
+        return self.levels[:, :, -self.levels.shape[2] // 4 :]
 
     @property
-    def scatter(self) -> np.ndarray:
-        """Standard deviation of one reading in that time [4] [cm]."""
-        last = self.levels[:, :, -self.levels.shape[2] // 4 :]
-        return np.asarray(last.std(axis=(1, 2)))
+    def at_last(self) -> np.ndarray:
+        """Their mean over time and seeds [4] [cm]."""
+        return np.asarray(self.last.mean(axis=(1, 2)))
 
     def settled(self, tank: int, band: float) -> float:
         """Return when a level enters a band around its end for good [s], median of the seeds."""
-        last = self.levels[tank - 1, :, -self.levels.shape[2] // 4 :].mean(axis=1)
-        outside = np.abs(self.levels[tank - 1] - last[:, None]) > band * last[:, None]
+        end = self.last[tank - 1].mean(axis=1, keepdims=True)
+        outside = np.abs(self.levels[tank - 1] - end) > band * end
         places = outside.shape[1] - np.argmax(outside[:, ::-1], axis=1)
         return float(np.median(self.time[np.minimum(places, len(self.time) - 1)]))
 
@@ -71,23 +70,21 @@ def by_hand(
     """
     process = plant(set_up, "volts", holes)
     period = process.sampling_period
-    constant: dict[str, float] = {}
+    given: dict[str, float | np.ndarray] = {}
     for number, value in enumerate(volts, start=1):  # the law stands in manual
-        constant |= {f"pump_{number}.mode": 0.0, f"pump_{number}.manual": value}
-    parameters: dict[str, float] = {}
-    if plugged:
-        parameters |= {f"outlet_{tank}.area": 0.0 for tank in (1, 2, 3, 4)}
-        parameters |= {"splitter_1.tank_1": 1.0, "splitter_2.tank_2": 1.0}
+        given |= {f"pump_{number}.mode": 0.0, f"pump_{number}.manual": float(value)}
+    closed = {f"outlet_{tank}.area": 0.0 for tank in (1, 2, 3, 4)}
+    straight = {"splitter_1.tank_1": 1.0, "splitter_2.tank_2": 1.0}
     result = simulated(
         decentralised(set_up),
         process,
         round(duration / period),
+        given,
+        closed | straight if plugged else {},
         drawn=np.random.default_rng(7),
         seeds=seeds,
         noise=noise,
         every=every,
-        constant=constant,
-        parameters=parameters,
     )
     levels = np.array([result.output(f"tank_{tank}.level") for tank in (1, 2, 3, 4)])
     off = result.output("pump_1.tripped")

@@ -22,14 +22,13 @@ def simulated(
     designed: Controller,
     process: Process,
     samples: int,
+    given: Mapping[str, float | np.ndarray],
+    parameters: Mapping[str, float] | None = None,
     *,
     drawn: np.random.Generator,
     seeds: int,
     noise: Noise,
     every: int,
-    given: Mapping[str, np.ndarray] | None = None,
-    constant: Mapping[str, float] | None = None,
-    parameters: Mapping[str, float] | None = None,
 ) -> Trajectories:
     """Run a controller from empty tanks.
 
@@ -39,6 +38,10 @@ def simulated(
         In volts.
     process : Process
     samples : int
+    given : mapping
+        Inputs at each sample, and those that stay.
+    parameters : mapping, optional
+        In the place of those of the plant.
     drawn : Generator
         Of the noise of both pumps.
     seeds : int
@@ -47,25 +50,19 @@ def simulated(
         How the 30 % of the report are read.
     every : int
         One sample in so many is kept.
-    given, constant : mapping, optional
-        Inputs at each sample, and those that stay.
-    parameters : mapping, optional
-        In the place of those of the plant.
     """
     loop = Loop(at_the_simulator(designed, process), linearise(find_equilibrium(process)))
     noises = ["pump_1.noise", "pump_2.noise"]
     columns = drawn.standard_normal((2, 1 if noise == "none" else seeds, samples))
     for name, column in zip(noises, columns, strict=True):
         column *= process.noise[name] * DEVIATIONS[noise]  # in place: they are large
-    inputs = {**(given or {}), **dict(zip(noises, columns, strict=True))}
-    still = {name: value for name, value in loop.at_rest().items() if name not in inputs}
-    program = closed_loop(
-        process, loop.controller, substeps=1, constant=still | dict(constant or {})
-    )
+    every_input = {**loop.at_rest(), **given, **dict(zip(noises, columns, strict=True))}
+    still = {name: value for name, value in every_input.items() if isinstance(value, float)}
+    program = closed_loop(process, loop.controller, substeps=1, constant=still)
     empty = {entry.name: 0.0 for entry in process.motion.contents}
     return Kernel(program, individual=noises).run(
         samples,
-        inputs=inputs,
+        inputs={name: value for name, value in every_input.items() if name not in still},
         state=loop.initial_state() | empty,
         parameters=loop.law_parameters() | dict(parameters or {}),
         every=every,
