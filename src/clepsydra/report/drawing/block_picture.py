@@ -283,22 +283,17 @@ def _stack(column: list[_Item], pulls: dict[_Item, list[float]]) -> None:
 
     Boxes keep their order. Least squares of the distances: what would overlap moves as one.
     """
+    import numpy as np
+    from scipy.optimize import isotonic_regression
+
     wanted = {item: item.top + statistics.fmean(pulls.get(item, [0.0])) for item in column}
     keys: dict[_Item, float] = {}
     for item in column:
         before = max((keys[other] for other in keys if other.box and item.box), default=-math.inf)
         keys[item] = max(before, wanted[item] + item.height / 2)
     column.sort(key=keys.__getitem__)
-    groups: list[tuple[float, float, list[_Item]]] = []  # where it begins, its height, its items
-    for item in column:
-        place, items, height = wanted[item], [item], item.height + _GAP * bool(item.box) + _ROW / 2
-        while groups and groups[-1][0] + groups[-1][1] > place:
-            above, tall, others = groups.pop()
-            weight = len(others) / (len(others) + len(items))
-            place = weight * above + (1.0 - weight) * (place - tall)
-            height, items = tall + height, [*others, *items]
-        groups.append((place, height, items))
-    for place, _, items in groups:
-        for item in items:
-            item.top = place
-            place += item.height + _GAP * bool(item.box) + _ROW / 2
+    heights = [item.height + _GAP * bool(item.box) + _ROW / 2 for item in column]
+    above = np.cumsum([0.0, *heights[:-1]])
+    tops = isotonic_regression([wanted[item] for item in column] - above).x + above
+    for item, top in zip(column, tops.tolist(), strict=True):
+        item.top = top

@@ -92,6 +92,14 @@ class Body:
     side: int = 1
     across: bool = False
 
+    @property
+    def room(self) -> tuple[int, int, int, int]:
+        """Left, top, right and bottom of its areas, and of the ends of its pins."""
+        lefts, tops, rights, bottoms = zip(
+            *self.areas, *((*pin.end, *pin.end) for pin in self.pins), strict=True
+        )
+        return min(lefts), min(tops), max(rights), max(bottoms)
+
     def move(self, distance: int) -> None:
         """Move it sideways."""
         self.renumber(lambda x: x + distance)

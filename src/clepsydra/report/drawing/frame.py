@@ -166,15 +166,10 @@ class Frame:
         """Move a tank with what hangs below to its column; return its bodies and pipes."""
         body, pipes = self.tanks[tank], []
         body.move(x)
-        upper = body
         for below in self.hanging[tank]:
             below.move(x)
-            if below.symbol in ("splitter", "header"):
-                for pin in (*upper.free("out"), *below.free("both")):
-                    pin.used = pin.used or pin.role == "out" or pin.end == (upper.x, below.y - 2)
-                pipes.append((upper.name, [(upper.x, upper.y), (below.x, below.y)]))
+            if below.symbol == "splitter":
                 continue
-            upper = below
             down = below.y + (0 if below.free("out") else 1)
             pipes.append((below.name, [(below.x, body.y + TANK_ROWS), (below.x, down)]))
         return [body, *self.hanging[tank]], pipes

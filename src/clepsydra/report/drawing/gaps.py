@@ -39,10 +39,8 @@ class Item:
     @property
     def reach(self) -> tuple[int, int]:
         """How far it reaches to the left and to the right of its middle."""
-        areas = [area for body in self.bodies for area in body.areas]
-        pins = [pin.end[0] for body in self.bodies for pin in body.pins]
-        left, right = min(area[0] for area in areas), max(area[2] for area in areas)
-        return -min([left, *pins]), max([right, *pins])
+        rooms = [body.room for body in self.bodies]
+        return -min(room[0] for room in rooms), max(room[2] for room in rooms)
 
 
 class Gaps:
@@ -71,13 +69,9 @@ class Gaps:
         self, gap: Gap, side: int, *bodies: Body, distance: int = 3, top: int | None = None
     ) -> None:
         """Put bodies into a gap; from `top` on nothing stands above them."""
-        areas = [area for body in bodies for area in body.areas]
-        ends = [pin.end[1] for body in bodies for pin in body.pins]
-        first = min([*(area[1] for area in areas), *ends])
-        rows = (
-            first if top is None else min(first, top),
-            max([*(area[3] for area in areas), *ends]),
-        )
+        rooms = [body.room for body in bodies]
+        tops = [room[1] for room in rooms] + ([] if top is None else [top])
+        rows = min(tops), max(room[3] for room in rooms)
         self.items.append(Item(gap, side, list(bodies), rows, distance))
 
     def item_of(self, name: str) -> Item | None:

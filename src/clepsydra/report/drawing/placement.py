@@ -14,7 +14,6 @@ from clepsydra.report.drawing.bodies import (
     DOWN,
     TANK_HALF,
     TANK_ROWS,
-    UP,
     Body,
     Point,
     delay_body,
@@ -26,7 +25,7 @@ from clepsydra.report.drawing.control_functions import ControlFunction
 from clepsydra.report.drawing.control_placement import ControlPlacement
 from clepsydra.report.drawing.flow_graph import FlowGraph, Junction, Link
 from clepsydra.report.drawing.frame import Frame, Gap, Labels
-from clepsydra.report.drawing.gaps import Gaps, Item
+from clepsydra.report.drawing.gaps import Gaps
 from clepsydra.report.drawing.stacking import Seat
 
 
@@ -47,8 +46,6 @@ class Placement:
         Bodies that signal lines join.
     basin_rows : list of int
         Of each shelf, the line of the surface of its reservoirs.
-    draws : list of (x, shelf, reservoir)
-        Where a pump stands in a reservoir.
     width, height : int
         In lines of the grid.
 
@@ -67,7 +64,6 @@ class Placement:
     fixed: list[tuple[str, list[Point]]] = field(default_factory=list)
     signals: list[tuple[str, str]] = field(default_factory=list)
     basin_rows: list[int] = field(default_factory=list)
-    draws: list[tuple[int, int, str]] = field(default_factory=list)
     width: int = 0
     height: int = 0
 
@@ -250,8 +246,6 @@ class _Placer:
         bodies.update(self.gaps.bodies)
         for tank, link in self.stubs.items():
             self._put_stub(tank, link)
-        for item in self.gaps.items:
-            self._join(item)
 
     def _put_stub(self, tank: str, link: Link) -> None:
         body, side = self.placement.bodies[tank], self.frame.inner(tank)
@@ -265,25 +259,3 @@ class _Placer:
             link.name, x, y, self.label(link.name), side, body.y - 1
         )
         self.placement.fixed.append((link.name, [(x, y), (x, body.y)]))
-
-    def _join(self, item: Item) -> None:
-        """Join a pump to its reservoir, and to the splitter above it."""
-        foot = item.bodies[0]
-        link = next((link for link in self.graph.links if link.name == foot.name), None)
-        if link is None:
-            return
-        shelf = item.gap[0]
-        basin = next((s for s in link.sources if s in self.graph.reservoirs), None)
-        down = next((pin for pin in foot.pins if pin.way == DOWN), None)
-        if basin is not None and down is not None and foot.y == self.frame.pump_rows[shelf]:
-            down.used = True
-            row = self.placement.basin_rows[shelf]
-            self.placement.draws.append((foot.x, shelf, basin))
-            self.placement.fixed.append((f"{link.name}<", [(foot.x, row), (foot.x, foot.y)]))
-        if len(item.bodies) > 1:
-            splitter = item.bodies[1]
-            up = next(pin for pin in foot.pins if pin.way == UP)
-            into = next(pin for pin in splitter.pins if pin.way == DOWN)
-            up.used = into.used = True
-            way = [(foot.x, foot.y), (splitter.x, splitter.y)]
-            self.placement.fixed.append((link.name, way))

@@ -134,8 +134,6 @@ class _Router:
             for pin in body.pins:
                 self.grid.dear[pin.end] = 4.0
         self.grid.dear[:, placement.basin_rows] = 8.0
-        for draw in placement.draws:
-            self._use(*draw)
 
     def _use(self, x: int, shelf: int, reservoir: str) -> None:
         """Keep the place below where a pipe reaches a reservoir for its name."""
@@ -149,10 +147,8 @@ class _Router:
         targets = {link.name: link.targets for link in placement.graph.links}
         for name, points in placement.fixed:
             self.grid.lay(points)
-            line = name.removesuffix("<")
-            ends = len(points) == 2 and not targets.get(line, ("",))
-            arrow = ends or placement.bodies[line].symbol == "stub"
-            self.routes.pipes.append(Pipe(line, line, line, points, arrow))
+            arrow = placement.bodies[name].symbol == "stub" or not targets[name]
+            self.routes.pipes.append(Pipe(name, name, name, points, arrow))
         ways = sorted(
             self._ways(),
             key=lambda way: (way.ends not in urgent, ORDER.index(way.kind), self._length(way)),
@@ -161,24 +157,16 @@ class _Router:
 
     def _ways(self) -> Iterator[_Way]:
         placement, graph = self.placement, self.placement.graph
-        joined = {
-            (line, other.name)
-            for line, points in placement.fixed
-            for other in placement.bodies.values()
-            if (other.x, other.y) == points[-1]
-        }
-        fallen = {name for name, points in placement.fixed if points[0][1] < points[1][1]}
+        fixed = {name for name, _ in placement.fixed}
         for link in graph.links:
-            name, body = link.name, placement.bodies[link.name]
-            if body.symbol == "stub":
+            name = link.name
+            if placement.bodies[name].symbol == "stub":
                 continue
             for source in link.sources:
-                hangs = name in fallen and source in graph.vessels
-                if not hangs and (body.x, placement.shelf_of(name), source) not in placement.draws:
+                if name not in fixed or source not in graph.vessels:
                     yield _Way(name, source, "side", name, "in")
             for target in link.targets:
-                if (name, target) not in joined:
-                    yield _Way(name, name, "out", target, "side" if link.submerged else "in")
+                yield _Way(name, name, "out", target, "side" if link.submerged else "in")
         for junction in graph.junctions:
             for _, target in junction.branches:
                 yield _Way(junction.name, junction.name, "out", target, "in")
