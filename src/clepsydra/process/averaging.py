@@ -62,9 +62,8 @@ def read_averaging(
         if name in sensors and sensors[name].measured in ("level", "volume")
     ]
     if not contents:
-        raise table.refused(
+        raise table.wrong(
             "averaging",
-            table.written("averaging"),
             "no such key, since no level or volume of a tank is controlled",
             "remove it, or name a level in controlled",
         )

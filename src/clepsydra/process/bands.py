@@ -56,9 +56,8 @@ def read_bands(
             continue
         table = TableReader(document, (sensor.table, sensor.name), None)
         if sensor.name not in averaging:
-            raise table.refused(
+            raise table.wrong(
                 _KEY,
-                table.written(_KEY),
                 "no band, since this is none of the levels that average",
                 f'remove it, or write averaging = ["{sensor.name}"] at the top of the file',
             )
@@ -67,9 +66,8 @@ def read_bands(
         least, most = sensor.to_reading(0.0), sensor.to_reading(most)
         signal = sensor.measurements()[0]
         if sensor.band[0] < least or sensor.band[1] > most:
-            raise table.refused(
+            raise table.wrong(
                 _KEY,
-                table.written(_KEY),
                 f"a band between the floor and the rim of {sensor.tank}, "
                 f"{band_text(signal, (least, most))}",
                 "correct it, or the height of the tank",
@@ -78,7 +76,7 @@ def read_bands(
         if not sensor.band[0] <= at_rest <= sensor.band[1]:
             point = TableReader(document, ("operating_point",), None)
             expected, remedy = within_band(signal, sensor.band)
-            raise point.refused(sensor.name, point.written(sensor.name), expected, remedy)
+            raise point.wrong(sensor.name, expected, remedy)
         found[sensor.name] = sensor.band
     return found
 

@@ -84,9 +84,8 @@ def _steps(
     slack = _ROUNDING * (high - low)
     for row, value in zip(rows, list(accumulate(steps, initial=nominal))[1:], strict=True):
         if not low - slack <= value <= high + slack:
-            raise row.refused(
+            raise row.wrong(
                 "step",
-                row.written("step"),
                 "a step that stays within the range, from where the steps before it lead",
                 "make the step smaller or the range wider",
             )

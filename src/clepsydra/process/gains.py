@@ -67,7 +67,7 @@ def read_gain(
             f"{parts[1]!r} does not join {moved.name} in {moved.shown_unit} to {measured.name} in "
             f"{measured.shown_unit}"
         )
-        raise table.refused(key, table.written(key), words, f'{problem}: write as in "{example}"')
+        raise table.wrong(key, words, f'{problem}: write as in "{example}"')
     number = to_si(text, found.unit, table.place(key)) * found.factor
     if above is not None and not number > above:
         raise table.refused(key, shown_value(text), f"{expected} above {above:g}", remedy)

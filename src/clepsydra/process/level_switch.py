@@ -194,9 +194,8 @@ def read_trips(table: TableReader) -> LevelTrips | None:
     limits = (*_limits(table, "trip_above"), *_limits(table, "trip_below"))
     if not limits:
         if table.has("hysteresis"):
-            raise table.refused(
+            raise table.wrong(
                 "hysteresis",
-                table.written("hysteresis"),
                 "no hysteresis, since the pump has no trip",
                 'remove it, or add a trip as in trip_above = { tank_3 = "27.5 cm" }',
             )
@@ -223,9 +222,8 @@ def read_trips(table: TableReader) -> LevelTrips | None:
             vessel = table.vessel_of(limit.tank)
             room = math.inf if vessel is None else vessel.height - limit.level
         if room <= hysteresis:
-            raise table.refused(
+            raise table.wrong(
                 "hysteresis",
-                table.written("hysteresis"),
                 f"less than what is left {'below' if limit.above else 'above'} the level at which "
                 f"{limit.tank} trips the pump",
                 "make it smaller, or the pump is never released",

@@ -127,9 +127,8 @@ def read_lid(table: TableReader, tank: str, vessel: Vessel, *, spills: bool) -> 
     """
     if spills:
         if table.has(LID_KEY):
-            raise table.refused(
+            raise table.wrong(
                 LID_KEY,
-                table.written(LID_KEY),
                 "no such key beside a weir, over which a full tank spills",
                 "remove one of the two",
             )

@@ -96,9 +96,8 @@ def _unit(table: TableReader) -> str:
         for unit in _UNITS:
             if convertible(written, unit):
                 return unit
-    raise table.refused(
+    raise table.wrong(
         "range",
-        table.written("range"),
         "a signal in V, mA, %, Hz, 1/min or without a unit",
         "write the range in the unit that the controller sends",
     )

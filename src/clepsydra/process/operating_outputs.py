@@ -108,9 +108,7 @@ def read_nominal_outputs(
     shown = [_one(sensors[name][0]) for name in values]
     for name, quantity in zip(values, shown, strict=True):
         if shown.count(quantity) > 1:
-            raise table.refused(
-                name, table.written(name), f"one value for {quantity}", "remove one of the two"
-            )
+            raise table.wrong(name, f"one value for {quantity}", "remove one of the two")
     if len(values) != len(manipulated):
         raise InputError(
             table.place(),
@@ -144,9 +142,8 @@ def _reading(table: TableReader, sensor: Sensor, bounds: _Bounds) -> float:
     liquid = sensor.measured in ("level", "volume")
     if quantity > most or quantity < least or (liquid and quantity == least):
         limit = _end(sensor, "range", most)
-        raise table.refused(
+        raise table.wrong(
             sensor.name,
-            table.written(sensor.name),
             f"a {sensor.measured} above the floor and below the rim of {sensor.tank}, at most "
             f"{limit}"
             if liquid

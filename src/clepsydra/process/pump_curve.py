@@ -65,19 +65,17 @@ class PumpCurve:
         remedy = 'write as in curve = [["0 l/s", "30 m"], ["5 l/s", "27 m"], ["10 l/s", "18 m"]]'
         points = table.pairs("curve", "m^3/s", "m", expected, remedy)
         if len(points) < 2:
-            raise table.refused("curve", table.written("curve"), "at least two points", remedy)
+            raise table.wrong("curve", "at least two points", remedy)
         flows, heads = zip(*points, strict=True)
         if flows[0] < 0.0 or any(b <= a for a, b in pairwise(flows)):
-            raise table.refused(
+            raise table.wrong(
                 "curve",
-                table.written("curve"),
                 "flows that rise from zero or more",
                 "put the points in the order of their flow, each flow once",
             )
         if any(b >= a for a, b in pairwise(heads)):
-            raise table.refused(
+            raise table.wrong(
                 "curve",
-                table.written("curve"),
                 "a head that falls from point to point, since a pump curve that rises has two "
                 "flows at one head",
                 "correct the heads, or begin the curve at its highest point",

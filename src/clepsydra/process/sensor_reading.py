@@ -150,9 +150,8 @@ def read_scale(table: TableReader, quantity: str) -> SensorScale:
         return SensorScale(unit, low, high, (high - low) / (last - first), first)
     if any(convertible(shown.get("range") or quantity, signal) for signal in _SIGNALS):
         ends = f'["0 {quantity}", "2 {quantity}"]'
-        raise table.refused(
+        raise table.wrong(
             "range",
-            table.written("range"),
             f"a range in {quantity}, or beside a range of a signal its span",
             f"add what it measures at the ends of its range, as in span = {ends}",
         )
@@ -227,7 +226,7 @@ def read_band(table: TableReader, key: str, known: Mapping[str, Any]) -> tuple[f
     remedy = 'write as in band = ["30 %", "70 %"]'
     ends = table.raw(key)
     if not isinstance(ends, list) or len(ends) != 2:
-        raise table.refused(key, table.written(key), "the two ends of a band", remedy)
+        raise table.wrong(key, "the two ends of a band", remedy)
     unit = table.display_units("range").get("range", "")
     shown = Signal(known["measured"], known["unit"], unit, known["low"], known["high"])
     low, high = (
@@ -236,7 +235,7 @@ def read_band(table: TableReader, key: str, known: Mapping[str, Any]) -> tuple[f
     )
     if low >= high:
         expected, remedy = "a lower end below the upper end", "exchange or correct them"
-        raise table.refused(key, table.written(key), expected, remedy)
+        raise table.wrong(key, expected, remedy)
     return low, high
 
 

@@ -43,18 +43,18 @@ def check_unit(
     """
     write = f'write as in "{example}"'
     if not table.has(key):
-        raise table.refused(key, f"no {key}", expected, f"{remedy}: {write}")
+        raise table.wrong(key, expected, f"{remedy}: {write}")
     written = table.raw(key)
     number = isinstance(written, (int, float)) and not isinstance(written, bool)
     parts = split_quantity(written)
     if not number and parts is None:
-        raise table.refused(key, table.written(key), expected, write)
+        raise table.wrong(key, expected, write)
     written_unit = parts[1] if parts else ""
     if not written_unit and unit != "1":
-        raise table.refused(key, table.written(key), expected, f"the unit is missing: {write}")
+        raise table.wrong(key, expected, f"the unit is missing: {write}")
     if written_unit and not convertible(written_unit, unit):
         problem = f"{shown_value(written_unit)!r} is no unit of it"
-        raise table.refused(key, table.written(key), expected, f"{problem}: {write}")
+        raise table.wrong(key, expected, f"{problem}: {write}")
 
 
 def read_value(

@@ -160,11 +160,8 @@ def read_suction(table: TableReader, source: str, *, forced: bool = True) -> Suc
     vessel = table.vessel_of(source) if source and forced else None
     if vessel is None:
         if table.has(SUCTION_KEY):
-            raise table.refused(
-                SUCTION_KEY,
-                table.written(SUCTION_KEY),
-                "no such key, since nothing is drawn from a tank by force",
-                "remove it",
+            raise table.wrong(
+                SUCTION_KEY, "no such key, since nothing is drawn from a tank by force", "remove it"
             )
         return None
     if not table.has(SUCTION_KEY):

@@ -113,11 +113,16 @@ class TableReader:
         """Return the error that says what is wrong with the value of a key."""
         return InputError(self.place(key), value, expected, remedy)
 
+    def wrong(self, key: str, expected: str, remedy: str) -> InputError:
+        """Return the error that says what is expected where a key is missing or otherwise."""
+        value = self.written(key) if self.has(key) else f"no {key}"
+        return self.refused(key, value, expected, remedy)
+
     def refuse(self, keys: Iterable[str], expected: str, remedy: str) -> None:
         """Refuse each of some keys that the table should not have."""
         for key in keys:
             if self.has(key):
-                raise self.refused(key, self.written(key), expected, remedy)
+                raise self.wrong(key, expected, remedy)
 
     def raw(self, key: str) -> object:
         """Return the value of a key as TOML has it."""
@@ -136,7 +141,7 @@ class TableReader:
         """Return the tables of a list; none where the key is missing."""
         rows = self._content.get(key, [])
         if not isinstance(rows, list):
-            raise self.refused(key, shown_value(rows), expected, remedy)
+            raise self.wrong(key, expected, remedy)
         known = None if keys is None else tuple(keys)
         return tuple(
             TableReader(
@@ -159,18 +164,15 @@ class TableReader:
         """Return true or false."""
         value = self._content.get(key, default)
         if not isinstance(value, bool):
-            raise self.refused(key, shown_value(value), "true or false", "write it without quotes")
+            raise self.wrong(key, "true or false", "write it without quotes")
         return value
 
     def choice(self, key: str, choices: Sequence[str], default: str) -> str:
         """Return one of a few words."""
         value = self._content.get(key, default)
         if value not in choices:
-            raise self.refused(
-                key,
-                shown_value(value),
-                f"one of {', '.join(choices)}",
-                suggestion(str(value), choices, "choose one"),
+            raise self.wrong(
+                key, f"one of {', '.join(choices)}", suggestion(str(value), choices, "choose one")
             )
         return str(value)
 
@@ -240,21 +242,13 @@ class TableReader:
         remedy = f'write as in {key} = ["0 {unit}", "10 {unit}"]'
         value = self._require(key, expected, remedy)
         if not isinstance(value, list) or len(value) != 2:
-            raise self.refused(key, shown_value(value), expected, remedy)
+            raise self.wrong(key, expected, remedy)
         low, high = (self._to_si(key, end, unit) for end in value)
         if not low < high:
-            raise self.refused(
-                key,
-                shown_value(value),
-                "a lower end below the upper end",
-                "exchange or correct them",
-            )
+            raise self.wrong(key, "a lower end below the upper end", "exchange or correct them")
         if at_least is not None and low < at_least:
-            raise self.refused(
-                key,
-                shown_value(value),
-                f"a lower end of at least {self._in_written_unit(key, at_least, unit)}",
-                remedy,
+            raise self.wrong(
+                key, f"a lower end of at least {self._in_written_unit(key, at_least, unit)}", remedy
             )
         return low, high
 
@@ -264,7 +258,7 @@ class TableReader:
         """Return a list of pairs of quantities [`first_unit`, `second_unit`]."""
         value = self._require(key, expected, remedy)
         if not isinstance(value, list) or not value:
-            raise self.refused(key, shown_value(value), expected, remedy)
+            raise self.wrong(key, expected, remedy)
         for pair in value:
             if not isinstance(pair, list) or len(pair) != 2:
                 raise self.refused(key, shown_value(pair), expected, remedy)
@@ -286,7 +280,7 @@ class TableReader:
             return default
         value = self._require(key, expected, remedy)
         if not isinstance(value, str) or not value.isprintable() or not value.strip():
-            raise self.refused(key, shown_value(value), expected, remedy)
+            raise self.wrong(key, expected, remedy)
         return value
 
     def names(self, key: str, expected: str, remedy: str) -> tuple[str, ...]:
@@ -297,7 +291,7 @@ class TableReader:
             or not value
             or not all(isinstance(name, str) for name in value)
         ):
-            raise self.refused(key, shown_value(value), expected, remedy)
+            raise self.wrong(key, expected, remedy)
         for name in value:
             if value.count(name) > 1:
                 raise self.refused(key, name, "every name once", "remove one of the two")
@@ -323,9 +317,8 @@ class TableReader:
         shown = value if isinstance(value, str) else shown_value(value)
         number = to_si(shown, unit, self.place(key))
         if number and not 1 / _LARGEST <= abs(number) <= _LARGEST:
-            raise self.refused(
+            raise self.wrong(
                 key,
-                shown_value(value),
                 f"zero or a size from {1 / _LARGEST:.0e} to {_LARGEST:.0e}"
                 + ("" if unit == "1" else f" {unit}"),
                 "correct the number or its unit",
@@ -334,7 +327,7 @@ class TableReader:
 
     def _require(self, key: str, expected: str, remedy: str) -> Any:
         if key not in self._content:
-            raise InputError(self.place(key), f"no {key}", expected, remedy)
+            raise self.wrong(key, expected, remedy)
         return self._content[key]
 
 

@@ -199,9 +199,8 @@ def _contents(document: Document, general: TableReader) -> dict[str, dict[str, A
         table = TableReader(document, ("variants", name), None)
         for key in (*VARIANT_KEYS, "name"):
             if table.has(key):
-                raise table.refused(
+                raise table.wrong(
                     key,
-                    table.written(key),
                     f"no {key} within a variant",
                     "remove it, or move it to the top of the file",
                 )

@@ -184,15 +184,13 @@ def _set(rows: TableReader, label: str) -> membership.Membership:
     count, make = _SHAPES[shape]
     written = table.raw(shape)
     if not isinstance(written, list) or len(written) != count:
-        raise table.refused(
-            shape, shown_value(written), f"a list of {count} numbers",
-            f"write as in {shape} = {list(range(count))}",
-        )  # fmt: skip
+        remedy = f"write as in {shape} = {list(range(count))}"
+        raise table.wrong(shape, f"a list of {count} numbers", remedy)
     numbers = [to_si(shown_value(number), "1", table.place(shape)) for number in written]
     try:
         return make(*numbers)
     except InputError as error:
-        raise table.refused(shape, shown_value(written), error.expected, error.remedy) from None
+        raise table.wrong(shape, error.expected, error.remedy) from None
 
 
 def _points(general: TableReader) -> int:

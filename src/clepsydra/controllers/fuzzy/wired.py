@@ -149,11 +149,11 @@ class WiredFuzzy:
             parameter = parameters[path(owner, part)]
             if not parameter.low <= value <= parameter.high:
                 key = part.removeprefix("output_")
-                raise table.refused(
-                    key, table.written(key),
+                raise table.wrong(
+                    key,
                     f"what makes {parameter.low:g} to {parameter.high:g} {parameter.unit}",
                     "check the number and the unit",
-                )  # fmt: skip
+                )
             self.values[parameter.name] = value
 
 

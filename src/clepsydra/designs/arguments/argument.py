@@ -164,7 +164,7 @@ def whole_number(name: str, words: str, most: int | None = None) -> Argument:
         try:
             check(written)
         except InputError as error:
-            raise table.refused(key, table.written(key), expected, error.remedy) from None
+            raise table.wrong(key, expected, error.remedy) from None
         return cast(int, written)
 
     return argument(name, read, words, {"type": "integer", **bounds}, "", check)

@@ -33,10 +33,10 @@ def angle(name: str, words: str) -> Argument:
         parts = split_quantity(table.raw(key))
         # Any share would be taken for radians: 60 % of them are 34 deg.
         if parts is None or parts[1] not in _ANGLES:
-            raise table.refused(key, table.written(key), "an angle in deg or rad", remedy)
+            raise table.wrong(key, "an angle in deg or rad", remedy)
         degrees = table.quantity(key, "deg", "an angle", remedy, above=0.0)
         if not degrees < 180.0:
-            raise table.refused(key, table.written(key), "an angle below 180 deg", remedy)
+            raise table.wrong(key, "an angle below 180 deg", remedy)
         return math.radians(degrees)
 
     return argument(name, read, words, {"type": "string"}, "quantity", check)
@@ -51,11 +51,8 @@ def angular_frequency(name: str, words: str) -> Argument:
         parts = split_quantity(table.raw(key))
         # Units of an angle are numbers, so that a hertz would be taken for one radian a second.
         if parts is not None and re.search("hz|hertz", parts[1], re.IGNORECASE):
-            raise table.refused(
-                key,
-                table.written(key),
-                "an angular frequency in rad/s",
-                "multiply hertz by 2 pi, which is 6.283",
+            raise table.wrong(
+                key, "an angular frequency in rad/s", "multiply hertz by 2 pi, which is 6.283"
             )
         return float(table.declared(declared, {}, MISSING))
 

@@ -28,7 +28,7 @@ def _poles(table: TableReader, key: str, process: Process) -> list[complex]:
     remedy = 'write as in [0.97, "0.9+0.05j", "0.9-0.05j"], z = e^(sT) each'
     written = table.raw(key)
     if not isinstance(written, list) or not written:
-        raise table.refused(key, table.written(key), "a list of poles", remedy)
+        raise table.wrong(key, "a list of poles", remedy)
     found: list[complex] = []
     for entry in written:
         try:
@@ -49,7 +49,7 @@ def _real_numbers(table: TableReader, key: str, process: Process) -> list[float]
     if not entries or not all(
         isinstance(entry, (int, float)) and not isinstance(entry, bool) for entry in entries
     ):
-        raise table.refused(key, table.written(key), "a list of numbers", "write as in [0.5]")
+        raise table.wrong(key, "a list of numbers", "write as in [0.5]")
     return [float(entry) for entry in entries]
 
 

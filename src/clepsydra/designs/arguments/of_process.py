@@ -64,9 +64,8 @@ def one_deviation(name: str, words: str) -> Argument:
     def read(table: TableReader, key: str, process: Process) -> float:
         signals = [process.signal(name) for name in process.controlled]
         if len({(signal.unit, signal.low, signal.high) for signal in signals}) > 1:
-            raise table.refused(
+            raise table.wrong(
                 key,
-                table.written(key),
                 f"no one {key} for {', '.join(process.controlled)}, which differ in unit or range",
                 "leave it out, or give a time instead",
             )
@@ -82,7 +81,7 @@ def one_deviation(name: str, words: str) -> Argument:
 def _positive(table: TableReader, key: str, signal: Signal, remedy: str) -> float:
     value = read_value(table, key, signal, "a deviation", remedy, change=True)
     if not value > 0.0:
-        raise table.refused(key, table.written(key), "a deviation above 0", remedy)
+        raise table.wrong(key, "a deviation above 0", remedy)
     return value
 
 
@@ -114,7 +113,7 @@ def _values_of(over: str) -> Argument:
         remedy = f'write as in ["10 {signal.shown_unit}"]'
         written = table.raw(key)
         if not isinstance(written, list) or not written:
-            raise table.refused(key, table.written(key), f"a list of values of {name}", remedy)
+            raise table.wrong(key, f"a list of values of {name}", remedy)
         return [
             read_value(table.with_value(key, entry), key, signal, "a value", remedy)
             for entry in written

@@ -113,9 +113,7 @@ def _read_fractions(table: TableReader) -> dict[str, float]:
         for destination in inner.present
     }
     if len(fractions) < 2:
-        raise table.refused(
-            "fractions", table.written("fractions"), "at least two destinations", _REMEDY
-        )
+        raise table.wrong("fractions", "at least two destinations", _REMEDY)
     total = math.fsum(fractions.values())
     if abs(total - 1.0) > 1e-9:
         raise table.refused(

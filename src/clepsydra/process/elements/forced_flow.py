@@ -78,9 +78,8 @@ class ForcedFlow(Element):
         """Make the flow from its table of a process file."""
         flow = super().read(name, table)
         if not flow.source and not flow.destination:
-            raise table.refused(
+            raise table.wrong(
                 "destination",
-                "no destination",
                 "the name of a tank",
                 'write as in destination = "tank_1", or give a source',
             )

@@ -167,9 +167,8 @@ class Sensor(Element):
         whole = sensor.vessel is None or sensor.vessel.uniform
         if sensor.lag is None and (sensor.flow or (sensor.measured == "volume" and not whole)):
             # Without a lag the measurement must be in proportion to a state.
-            raise table.refused(
+            raise table.wrong(
                 "lag",
-                "no lag",
                 f"the time constant of a sensor of {'flow' if sensor.flow else 'such a volume'}",
                 'write as in lag = "0.5 s"' + ("" if sensor.flow else ", or measure the level"),
             )

@@ -69,9 +69,8 @@ class Cone(Vessel):
         """Make the shape from its height and the diameters at floor and rim."""
         cone = super().read(table)
         if cone.floor_diameter == cone.rim_diameter == 0.0:
-            raise table.refused(
+            raise table.wrong(
                 "rim_diameter",
-                table.written("rim_diameter"),
                 "a diameter above 0 m at the floor or at the rim",
                 "correct one of the two diameters",
             )

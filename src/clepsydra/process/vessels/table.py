@@ -142,7 +142,7 @@ def _read_rows(table: TableReader) -> _Rows:
     remedy = 'write as in table = [["0 m", "1 m^2"], ["0.5 m", "2 m^2"]]'
     rows = table.pairs("table", "m", "m^2", "a list of pairs of level and area", remedy)
     if len(rows) < 2:
-        raise table.refused("table", table.written("table"), "at least two rows", remedy)
+        raise table.wrong("table", "at least two rows", remedy)
     levels, areas = tuple(row[0] for row in rows), tuple(row[1] for row in rows)
     if levels[0] != 0.0:
         raise table.refused(

@@ -150,9 +150,8 @@ def _pairing(table: TableReader, analysis: Analysis) -> tuple[tuple[str, str], .
     if analysis.pairing:
         return analysis.pairing
     process = analysis.operating_point.process
-    raise table.refused(
+    raise table.wrong(
         "pairing",
-        "no pairing",
         f"a pairing, since the relative gains of {process.name} suggest none",
         f'write as in pairing = {{ {process.controlled[0]} = "{process.inputs[0].name}" }}',
     )

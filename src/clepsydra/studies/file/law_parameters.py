@@ -90,9 +90,8 @@ class LawParameters:
         unit = unit_of_gain(parameter, Signal(""))
         parts = split_quantity(table.raw(key))
         if parts is not None and parts[1] and not has_units_of(parts[1], parameter.unit):
-            raise table.refused(
+            raise table.wrong(
                 key,
-                table.written(key),
                 f"{expected} in {parameter.unit}" if parameter.unit != "1" else expected,
                 f"{parts[1]!r} is no unit of it: {remedy}",
             )

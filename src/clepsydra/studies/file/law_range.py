@@ -47,7 +47,7 @@ def check_law_range(table: TableReader, key: str, parameter: Signal, value: floa
         expected = f"a size of at most {high.lstrip('-')}"
     else:
         expected = f"a value from {low.partition(' ')[0]} to {high}"
-    raise table.refused(key, table.written(key), expected, "correct the number or its unit")
+    raise table.wrong(key, expected, "correct the number or its unit")
 
 
 def in_written_unit(table: TableReader, key: str, value: float, shown: float) -> str:

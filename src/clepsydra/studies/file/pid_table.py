@@ -113,9 +113,7 @@ def read_form(table: TableReader) -> PidForm:
     True
     """
     if not table.has("actions"):
-        raise table.refused(
-            "actions", "no actions", "one of P, PI, PD, PID", 'write as in actions = "PI"'
-        )
+        raise table.wrong("actions", "one of P, PI, PD, PID", 'write as in actions = "PI"')
     with errors_at(table):
         return PidForm(**read_fields(PidForm, table))
 
@@ -167,9 +165,8 @@ class PidTable:
         keys = {key_of(parameter): parameter for parameter in block.parameters()}
         for key in table.present:
             if key in _SETTINGS and key not in keys:
-                raise table.refused(
+                raise table.wrong(
                     key,
-                    table.written(key),
                     f"a setting of this {_words(block)} ({', '.join(keys)})",
                     _remedy(key, block),
                 )
@@ -182,11 +179,8 @@ class PidTable:
         low, high = (path(block.owner, f"{end}_limit") for end in _ENDS)
         if low in self.values and not self.values[low] < self.values[high]:
             key = next(filter(table.has, _ENDS), _ENDS[1])
-            raise table.refused(
-                key,
-                table.written(key),
-                "a low limit of the setpoint below the high one",
-                "exchange or correct them",
+            raise table.wrong(
+                key, "a low limit of the setpoint below the high one", "exchange or correct them"
             )
 
     def _action(self) -> float:
@@ -195,7 +189,7 @@ class PidTable:
             f'{self.block.measurement.name} falls, else action = "direct"'
         )
         if not self.table.has("action"):
-            raise self.table.refused("action", "no action", "reverse or direct", remedy)
+            raise self.table.wrong("action", "reverse or direct", remedy)
         found = self.table.choice("action", ("reverse", "direct"), "reverse")
         return 1.0 if found == "reverse" else -1.0
 
@@ -221,7 +215,7 @@ class PidTable:
             remedy = "give it in the unit of the measurement"
             value = read_value(table, key, block.measurement, "a deviation", remedy, change=True)
             if not value > 0.0:
-                raise table.refused(key, table.written(key), "a deviation above 0", "correct it")
+                raise table.wrong(key, "a deviation above 0", "correct it")
             return value
         return self._sign * read_gain(
             table, key, block.moved, block.measurement,
@@ -246,9 +240,7 @@ class PidTable:
             return read_in_range(table, key, signal, "a limit", "give a value of the measurement")
         end = signal.low if key == _ENDS[0] else signal.high
         if not math.isfinite(end):
-            raise table.refused(
-                key, f"no {key}", f"a limit, since {signal.name} has no finite range", "add it"
-            )
+            raise table.wrong(key, f"a limit, since {signal.name} has no finite range", "add it")
         return self._taken(key, end, signal)
 
     def _tracking_time(self) -> float:

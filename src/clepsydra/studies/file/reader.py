@@ -29,9 +29,7 @@ from clepsydra.studies.file.scenario_reader import ScenarioTable, read_scenario
 def _seed(table: TableReader, key: str, known: Mapping[str, Any]) -> int:
     value = table.raw(key) if table.has(key) else 1
     if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < 2**63:
-        raise table.refused(
-            key, table.written(key), "a whole number from 0", "write as in seed = 1"
-        )
+        raise table.wrong(key, "a whole number from 0", "write as in seed = 1")
     return value
 
 

@@ -176,9 +176,8 @@ def _samples(table: TableReader, period: float) -> int:
     )
     samples = samples_before(duration, period)
     if samples > MOST_SAMPLES:
-        raise table.refused(
+        raise table.wrong(
             "duration",
-            table.written("duration"),
             f"at most {time_text(MOST_SAMPLES * period, 4)}, {MOST_SAMPLES:,} sampling periods",
             "shorten it, or lengthen the sampling period of the process",
         )
@@ -193,9 +192,8 @@ def _noise_begins(table: TableReader, period: float, samples: int) -> int | None
     time = table.quantity("noise", "s", "a time", remedy, above=0.0)
     sample = samples_before(time, period)
     if sample >= samples:
-        raise table.refused(
+        raise table.wrong(
             "noise",
-            table.written("noise"),
             f"a time before the end of the scenario at {time_text(samples * period, 4)}",
             "lengthen the duration, or let the noise begin earlier",
         )
@@ -218,9 +216,8 @@ def _steps(table: TableReader, known: Mapping[str, Any]) -> list[Step]:
     steps.sort(key=lambda step: step.sample)
     for first, second in pairwise(steps):
         if first.sample == second.sample:
-            raise second.table.refused(
+            raise second.table.wrong(
                 "at",
-                second.table.written("at"),
                 f"a time at which {first.signal.name} does not step as well, so that it is known "
                 "what the response is to",
                 "let one step follow the other",
@@ -242,9 +239,8 @@ def _sample(row: TableReader, period: float, samples: int) -> int:
     time = row.quantity("at", "s", "a time", "say when it steps", at_least=0.0)
     sample = samples_before(time, period)
     if sample >= samples:
-        raise row.refused(
+        raise row.wrong(
             "at",
-            row.written("at"),
             f"a time before the end of the steps at {time_text(samples * period, 4)}",
             "lengthen the duration, or let it step earlier",
         )
@@ -279,7 +275,5 @@ def _value(
     if not band[0] <= value <= band[1]:
         raise table.refused(key, table.written(key), *within_band(signal, band))
     if value == before:
-        raise table.refused(
-            key, table.written(key), f"a change of {signal.name}", "let it step, or leave it out"
-        )
+        raise table.wrong(key, f"a change of {signal.name}", "let it step, or leave it out")
     return value

@@ -225,9 +225,8 @@ class SchemeBlocks:
                 ("low", "below", "high") if table.has("low") else ("high", "above", "low")
             )
             end = f"the {other} end of its range" if not table.has(other) else f"its {other} limit"
-            raise table.refused(
+            raise table.wrong(
                 key,
-                table.written(key),
                 f"a limit of {signal.name} {side} {end}, {in_shown_unit(signal, ends[other])}",
                 "exchange the two or widen them",
             )

@@ -251,7 +251,7 @@ def _setpoint(table: TableReader, measurement: Signal, form: PidForm) -> float |
 
 def _selection(table: TableReader) -> Selection:
     if not table.has("select"):
-        raise table.refused("select", "no select", "low or high", 'write as in select = "low"')
+        raise table.wrong("select", "low or high", 'write as in select = "low"')
     return "low" if table.choice("select", get_args(Selection), "low") == "low" else "high"
 
 
@@ -273,9 +273,8 @@ def _legs(table: TableReader, process: Process) -> _Legs:
         for other in legs:
             low, high = other.span
             if start < high and low < end:
-                raise row.refused(
+                raise row.wrong(
                     "from",
-                    row.written("from"),
                     f"a part that does not overlap that of {other.moves[0][1]}, "
                     f"{low:g} to {high:g} %",
                     "let one begin where the other ends",
@@ -292,9 +291,7 @@ def _span(table: TableReader) -> tuple[float, float]:
         for key in ("from", "to")
     )
     if not start < end:
-        raise table.refused(
-            "to", table.written("to"), "the end of the part above its start", "exchange them"
-        )
+        raise table.wrong("to", "the end of the part above its start", "exchange them")
     return start, end
 
 

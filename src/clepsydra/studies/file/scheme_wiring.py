@@ -121,11 +121,8 @@ class Wiring:
         """Return the ratio that a loop trims, with its limits as range."""
         low, high = part.lowest_ratio(moved, part.wild), part.highest_ratio(moved, part.wild)
         if not low < high:
-            raise part.table.refused(
-                "lowest_ratio",
-                part.table.written("lowest_ratio"),
-                "a lowest ratio below the highest",
-                "exchange or correct them",
+            raise part.table.wrong(
+                "lowest_ratio", "a lowest ratio below the highest", "exchange or correct them"
             )
         return Signal(part.name, unit_of_gain(moved, part.wild), low=low, high=high)
 
@@ -219,14 +216,13 @@ class Wiring:
                 expected = "lowest_ratio and highest_ratio, since a loop trims it"
             for key in ("ratio",) if sources else ("lowest_ratio", "highest_ratio"):
                 if table.has(key):
-                    raise table.refused(key, table.written(key), expected, "remove it")
+                    raise table.wrong(key, expected, "remove it")
 
     def _check_setpoint(self, loop: Loop, outer: str | None) -> None:
         table, controlled = loop.table, self.parts.process.controlled
         if outer is not None and table.has("setpoint"):
-            raise table.refused(
+            raise table.wrong(
                 "setpoint",
-                table.written("setpoint"),
                 f"no setpoint: {outer} gives it",
                 "leave it out, or let that loop move something else",
             )

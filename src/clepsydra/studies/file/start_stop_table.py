@@ -22,7 +22,7 @@ from clepsydra.process.errors_at import errors_at
 from clepsydra.process.known_names import known_names
 from clepsydra.process.process import Process
 from clepsydra.process.signal_values import read_in_range
-from clepsydra.process.table_reader import TableReader, shown_value
+from clepsydra.process.table_reader import TableReader
 from clepsydra.studies.file.fields import sensor, table_below
 from clepsydra.studies.file.law_range import check_law_range
 from clepsydra.studies.file.written import Written, WrittenMaker
@@ -54,10 +54,7 @@ def _one_for_each(table: TableReader, key: str, signals: Sequence[Signal]) -> li
     remedy = f'write as in {key} = ["1 m", "2 m"], in the unit of what it is of'
     written = table.raw(key) if table.has(key) else None
     if not isinstance(written, list) or len(written) != len(signals):
-        shown = f"no {key}" if written is None else shown_value(written)
-        raise table.refused(
-            key, shown, f"a list of {len(signals)} values, one for each pump", remedy
-        )
+        raise table.wrong(key, f"a list of {len(signals)} values, one for each pump", remedy)
     return [
         read_in_range(table.with_value(key, value), key, signal, "a value", remedy)
         for value, signal in zip(written, signals, strict=True)

@@ -11,7 +11,7 @@ from clepsydra.base.signal import path
 from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.controller import Controller
 from clepsydra.process.errors_at import errors_at
-from clepsydra.process.table_reader import TableReader, shown_value
+from clepsydra.process.table_reader import TableReader
 from clepsydra.studies.file.law_parameters import (
     GAINS,
     LawParameters,
@@ -68,7 +68,7 @@ class Bound:
 
     def refused(self, expected: str, remedy: str) -> InputError:
         """Return the error that says what is wrong with the two."""
-        return self.table.refused(self.key, shown_value(self.table.raw(self.key)), expected, remedy)
+        return self.table.wrong(self.key, expected, remedy)
 
     def read(self, read: Callable[[TableReader], float]) -> tuple[float, float]:
         """Return both ends, in order.

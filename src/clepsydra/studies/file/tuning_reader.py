@@ -15,7 +15,7 @@ from clepsydra.process.declared import part, read_fields
 from clepsydra.process.errors_at import errors_at
 from clepsydra.process.process import Process
 from clepsydra.process.signal_values import read_value
-from clepsydra.process.table_reader import TableReader, shown_value
+from clepsydra.process.table_reader import TableReader
 from clepsydra.scores.score import SCORES
 from clepsydra.scores.score_key import ScoreKey, score_key
 from clepsydra.studies.file.tuning_bounds import Bound
@@ -152,7 +152,7 @@ def _objective(table: TableReader, process: Process) -> Objective:
             for score in _scores(table, name, process)
         }
     else:
-        raise table.refused("objective", shown_value(written), "a score, or several", _NAMES)
+        raise table.wrong("objective", "a score, or several", _NAMES)
     weighted = "weighted" if isinstance(written, dict) else "minimax"
     method = table.choice("method", METHODS, weighted)
     return Objective("minimax" if method == "minimax" else "weighted", weights)
@@ -206,7 +206,7 @@ def _total_variation(table: TableReader, process: Process) -> dict[str, float]:
     }
     for name, limit in found.items():
         if not limit > 0.0:
-            raise row.refused(name, row.written(name), f"{what} above 0", remedy)
+            raise row.wrong(name, f"{what} above 0", remedy)
     return found
 
 
@@ -237,6 +237,4 @@ def _bounds_below(rows: TableReader, owner: str, remedy: str) -> Iterator[Bound]
 def _check_pair(bound: Bound, remedy: str) -> None:
     value = bound.table.raw(bound.key)
     if not isinstance(value, list) or len(value) != 2:
-        raise bound.table.refused(
-            bound.key, shown_value(value), "a list of a low and a high bound", remedy
-        )
+        raise bound.table.wrong(bound.key, "a list of a low and a high bound", remedy)
