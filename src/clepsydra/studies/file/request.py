@@ -5,16 +5,27 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
-from clepsydra.studies.file.tuning_request import TuningRequest
+from clepsydra.studies.tuning.result import TuningResult
+from clepsydra.studies.tuning.tune import Search
 
 #: Takes the analysis of the process and its linear model with all measurements.
 Maker = Callable[[Analysis, LinearModel], Controller]
+
+
+class Tuner(Protocol):
+    """What tunes a controller by simulation."""
+
+    def run(
+        self, controller: Controller, model: LinearModel, scenario: Scenario, search: Search
+    ) -> TuningResult:
+        """Return what became of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +40,7 @@ class ControllerRequest:
         (analysis, model) → Controller. It raises `NotApplicable` where a design does not apply
         to the process, and an `InputError` that names line and key where the file is wrong. What
         is asked of a tuning is checked as well.
-    tune : TuningRequest or None
+    tune : Tuner or None
         How it is tuned by simulation after that; None if it is not.
     place : str
         Where it stands in the file.
@@ -41,7 +52,7 @@ class ControllerRequest:
 
     name: str
     make: Maker
-    tune: TuningRequest | None
+    tune: Tuner | None
     place: str
 
 
