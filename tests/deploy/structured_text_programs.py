@@ -1,6 +1,10 @@
 """Programs that the tests of Structured Text and of PLCopen XML print."""
 
 from clepsydra import Signal
+from clepsydra.deploy.plcopen.printer import document
+from clepsydra.deploy.printing.origin import Origin
+from clepsydra.deploy.structured_text.dialect import dialect_of
+from clepsydra.deploy.structured_text.printer import function_blocks
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.operation import Operation
 from clepsydra.program.program import Block, ForLoop, Program
@@ -83,3 +87,15 @@ def flow_of_pipe(given: list[float]) -> list[float]:
             last = u * share
         found.append(total)
     return found
+
+
+def plcopen_of(
+    program: Program,
+    *,
+    dialect: str = "codesys",
+    precision: str = "double",
+    origin: Origin | None = None,
+) -> str:
+    """The function blocks of a program as PLCopen XML."""
+    spoken = dialect_of(dialect)
+    return document(program.name, function_blocks(program, spoken, precision, origin), spoken)

@@ -7,13 +7,12 @@ from xml.etree import ElementTree
 import pytest
 from plants import designed, plant
 from refusals import refused
-from structured_text_programs import every_kind
+from structured_text_programs import every_kind, plcopen_of
 
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.deploy.plcopen.printer import (
     XHTML,
     namespace_of,
-    print_plcopen,
     print_plcopen_project,
 )
 from clepsydra.deploy.printing.declarations import Variable
@@ -99,7 +98,7 @@ def without_titles(unit: Unit) -> Unit:
 @pytest.mark.parametrize("precision", ["double", "single"])
 @pytest.mark.parametrize("dialect", ["codesys", "matiec"])
 def test_a_block_comes_back_as_it_was_printed(dialect, precision):
-    text = print_plcopen(every_kind(), origin=ORIGIN, dialect=dialect, precision=precision)
+    text = plcopen_of(every_kind(), origin=ORIGIN, dialect=dialect, precision=precision)
     root, namespace = read(text, dialect)
     printed = function_blocks(every_kind(), dialect_of(dialect), precision, ORIGIN)
     assert [unit.name for unit in printed] == ["FC_Min", "FC_Floor", "every_kind"]
@@ -111,7 +110,7 @@ def test_a_block_comes_back_as_it_was_printed(dialect, precision):
 def test_the_text_of_the_block_is_in_the_document():
     """Declarations with comments and statements are those of the Structured Text."""
     text = print_structured_text(every_kind(), origin=ORIGIN)
-    root, namespace = read(print_plcopen(every_kind(), origin=ORIGIN), "codesys")
+    root, namespace = read(plcopen_of(every_kind(), origin=ORIGIN), "codesys")
     *_, element = root.iter(f"{namespace}pou")
     declared = formatted(element, namespace, "addData/data/InterfaceAsPlainText")
     body = formatted(element, namespace, "body/ST")
@@ -122,7 +121,7 @@ def test_the_text_of_the_block_is_in_the_document():
 def test_the_order_of_the_schema():
     """What TC6 demands of the order of elements, and of the attributes."""
     for dialect in ("codesys", "matiec"):
-        root, namespace = read(print_plcopen(every_kind(), dialect=dialect), dialect)
+        root, namespace = read(plcopen_of(every_kind(), dialect=dialect), dialect)
 
         def children(element, namespace=namespace):
             return [child.tag.removeprefix(namespace) for child in element]
@@ -184,4 +183,4 @@ def test_the_test_project(dialect):
 
 def test_tia_portal_reads_none():
     with refused(remedy="TIA Portal reads no PLCopen XML"):
-        print_plcopen(every_kind(), dialect="scl")
+        plcopen_of(every_kind(), dialect="scl")

@@ -4,11 +4,11 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from structured_text_programs import plcopen_of
 from tools import need_grammar
 
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.c99.printer import print_c
-from clepsydra.deploy.plcopen.printer import print_plcopen
 from clepsydra.deploy.proof.compiled_c import CompiledC
 from clepsydra.deploy.proof.engine_run import engine_run
 from clepsydra.deploy.proof.interpreted_text import InterpretedText
@@ -77,7 +77,7 @@ def test_c_has_the_structure_inside_that_of_the_outputs():
 
 
 def test_plcopen_declares_a_data_type():
-    root = ElementTree.fromstring(print_plcopen(structured_program_of(law())))
+    root = ElementTree.fromstring(plcopen_of(structured_program_of(law())))
     space = {"p": root.tag[1:].partition("}")[0]}
     (kind,) = root.findall(".//p:dataTypes/p:dataType", space)
     assert kind.get("name") == "ST_WhatIsTold"

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from law_of_blocks import FILTER, law_of_blocks
 from plants import plant
+from structured_text_programs import plcopen_of
 from tools import need_grammar
 
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.plcopen.printer import print_plcopen
 from clepsydra.deploy.process_program import process_program
 from clepsydra.deploy.proof.interpreted_text import InterpretedText
 from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES
@@ -72,7 +72,7 @@ def test_a_state_is_declared_where_it_lives():
 
 
 def test_plcopen_has_a_pou_for_each_block():
-    text = print_plcopen(structured_program_of(law_of_blocks()))
+    text = plcopen_of(structured_program_of(law_of_blocks()))
     assert text.count("<pou ") == 3 and '<derived name="FB_Filter" />' in text
 
 

@@ -1,4 +1,4 @@
-"""PLCopen XML of a step program, and of a controller with the simulated process beside it."""
+"""PLCopen XML of a controller with the simulated process beside it."""
 
 from __future__ import annotations
 
@@ -9,13 +9,9 @@ from xml.etree.ElementTree import Element, indent, tostring
 from clepsydra import __version__
 from clepsydra.base.errors import InputError
 from clepsydra.deploy.printing.declarations import Variable
-from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.structured_text.dialect import Dialect, dialect_of
 from clepsydra.deploy.structured_text.pou import Unit, declaration_lines
-from clepsydra.deploy.structured_text.printer import function_blocks
 from clepsydra.deploy.structured_text.project import CONFIGURATION, RESOURCE, TASK, Project
-from clepsydra.program.precision import Precision
-from clepsydra.program.program import Program
 
 XHTML = "http://www.w3.org/1999/xhtml"
 #: Equal programs make equal files, so a file says nothing of the moment it was written.
@@ -56,46 +52,6 @@ def namespace_of(dialect: str) -> str:
     return _NAMESPACES[dialect]
 
 
-def print_plcopen(
-    program: Program,
-    *,
-    origin: Origin | None = None,
-    precision: Precision = "double",
-    dialect: str = "codesys",
-) -> str:
-    """Print a step program as PLCopen XML (TC6): the function block of `print_structured_text`.
-
-    Parameters
-    ----------
-    program : Program
-        Without fused operations.
-    origin : Origin, optional
-    precision : {"double", "single"}
-    dialect : {"codesys", "matiec"}
-        For CODESYS and TwinCAT 3, or for the editors of OpenPLC and Beremiz.
-
-    Raises
-    ------
-    InputError
-        What `print_structured_text` refuses, or a dialect whose editor reads no PLCopen XML.
-
-    References
-    ----------
-    PLCopen Technical Committee 6, XML Formats for IEC 61131-3, version 2.01.
-
-    Examples
-    --------
-    >>> from clepsydra.base.signal import Signal
-    >>> from clepsydra.program.program import Block, Operation
-    >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
-    >>> program = Program("double_it", (), (Signal("x"),), (), (Signal("y"),), double)
-    >>> "y := x + x;" in print_plcopen(program)
-    True
-    """
-    spoken = dialect_of(dialect)
-    return document(program.name, function_blocks(program, spoken, precision, origin), spoken)
-
-
 def print_plcopen_project(project: Project) -> str:
     """Print a test project as PLCopen XML.
 
@@ -106,6 +62,10 @@ def print_plcopen_project(project: Project) -> str:
     ------
     InputError
         What `print_test_project` refuses, or a dialect whose editor reads no PLCopen XML.
+
+    References
+    ----------
+    PLCopen Technical Committee 6, XML Formats for IEC 61131-3, version 2.01.
 
     Examples
     --------

@@ -133,11 +133,6 @@ class CompiledC(Instance):
         """Go back to the initial state."""
         self._start(ctypes.byref(self.memory))
 
-    @property
-    def state_size(self) -> int:
-        """Size of the state [bytes]."""
-        return ctypes.sizeof(self.memory) if self.program.state or self.program.rings else 0
-
     def __call__(self, inputs: Mapping[str, float]) -> list[float]:
         """Run one scan and return the outputs in order."""
         for signal in self.program.inputs:
