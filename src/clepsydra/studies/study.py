@@ -92,10 +92,6 @@ def run_study(
         Name of the one controller that is wanted, from `controller_names`; the others are left
         out, but for the one that its tuning starts from.
 
-    Returns
-    -------
-    StudyResult
-
     Raises
     ------
     NoEquilibrium

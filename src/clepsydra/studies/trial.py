@@ -101,12 +101,7 @@ def _cut_short(tuning: TuningResult | None) -> tuple[Caveat, ...]:
 
 
 def scores_of(run: Run) -> dict[str, float]:
-    """Return every score of a run; errors are those of the true levels, without noise.
-
-    Examples
-    --------
-    See `trial_of`.
-    """
+    """Return every score of a run; errors are those of the true levels, without noise."""
     process = run.process
     scored = ScoredRun(
         run.time,

@@ -67,10 +67,6 @@ class LawParameters:
         Parameter of the law to its signal.
     loops : mapping
         Loop of the law, as a study file calls it, to its block.
-
-    Examples
-    --------
-    See `law_parameters`.
     """
 
     known: Mapping[str, Signal]

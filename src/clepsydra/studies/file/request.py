@@ -44,10 +44,6 @@ class ControllerRequest:
         How it is tuned by simulation after that; None if it is not.
     place : str
         Where it stands in the file.
-
-    Examples
-    --------
-    See `clepsydra.studies.file.reader.read_study`.
     """
 
     name: str
@@ -78,10 +74,6 @@ class StudyRequest:
         "iae[level]" of one; empty for the usual rule.
     seed : int
         Of noise and searches.
-
-    Examples
-    --------
-    See `clepsydra.studies.file.reader.read_study`.
     """
 
     path: Path | None

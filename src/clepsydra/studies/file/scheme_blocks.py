@@ -28,11 +28,6 @@ from clepsydra.studies.file.scheme_wiring import Way, Wiring
 class SchemeBlocks:
     """The blocks of a scheme; each owns its parameters by its name in the file.
 
-    Parameters
-    ----------
-    parts : SchemeParts
-    wiring : Wiring
-
     Attributes
     ----------
     blocks : list of Block
@@ -50,10 +45,6 @@ class SchemeBlocks:
     ------
     InputError
         A number is missing or wrong.
-
-    Examples
-    --------
-    See `clepsydra.studies.file.scheme.read_scheme`.
     """
 
     def __init__(self, parts: SchemeParts, wiring: Wiring) -> None:

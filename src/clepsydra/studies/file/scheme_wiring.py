@@ -47,10 +47,6 @@ class Way(NamedTuple):
 class Wiring:
     """The ways of all signals of a scheme, checked.
 
-    Parameters
-    ----------
-    parts : SchemeParts
-
     Attributes
     ----------
     ways : list of Way
@@ -65,10 +61,6 @@ class Wiring:
         A name is unknown or stands for two things; something is moved twice; a loop, split or
         ratio lacks what it needs; a selector has fewer than two sources; a fixed setpoint is moved;
         the signals run in a circle; nothing moves an output.
-
-    Examples
-    --------
-    See `clepsydra.studies.file.scheme.read_scheme`.
     """
 
     def __init__(self, parts: SchemeParts) -> None:

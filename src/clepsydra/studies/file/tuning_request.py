@@ -47,10 +47,6 @@ class TuningRequest:
     weighted : callable or None
         What makes the start of a design by weights, which are tuned unless `bounds` name
         parameters of the law.
-
-    Examples
-    --------
-    See `clepsydra.studies.file.tuning_reader.read_tuning`.
     """
 
     table: TableReader

@@ -14,12 +14,7 @@ from clepsydra.studies.tuning.search_space import NumberWords, SearchSpace
 
 
 class NumberDesign(Protocol):
-    """A design by some numbers.
-
-    Examples
-    --------
-    See `clepsydra.studies.tuning.lqi_weights.LqiWeights`.
-    """
+    """A design by some numbers."""
 
     @property
     def numbers(self) -> Mapping[str, float]:
@@ -57,10 +52,6 @@ class DesignSpace(SearchSpace):
     parameters : sequence of TunedParameter
         Numbers of the design; the others stay as they are.
     design : NumberDesign
-
-    Examples
-    --------
-    See `clepsydra.studies.tuning.weight_space.weight_space`.
     """
 
     design: NumberDesign

@@ -32,10 +32,6 @@ class Goal:
     ------
     InputError
         One of them is something else.
-
-    Examples
-    --------
-    See `clepsydra.studies.tuning.tune.tune`.
     """
 
     model: LinearModel

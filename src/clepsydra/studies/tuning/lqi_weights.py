@@ -38,10 +38,6 @@ class WeightedDesign(NamedTuple):
         About how long a response takes [s].
     tracking_times : callable
         (feedback [m, measurements], gains) → one for each input [s].
-
-    Examples
-    --------
-    See `clepsydra.studies.tuning.weighted_designs.lqi_by_bryson`.
     """
 
     controller: Controller
@@ -57,10 +53,6 @@ class LqiWeights:
     A number is an element of the diagonal of its matrix. What stands beside the diagonal keeps
     its correlation, w_ij / √(w_ii w_jj), so that the matrix stays definite. A weight of zero is
     no number to tune, and stays.
-
-    Parameters
-    ----------
-    start : WeightedDesign
 
     Examples
     --------

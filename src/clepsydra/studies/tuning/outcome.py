@@ -20,12 +20,7 @@ _BINDS = 1e-3
 
 
 def why_none(problem: TuningProblem) -> str:
-    """Return why a search ended without a controller.
-
-    Examples
-    --------
-    See `clepsydra.studies.tuning.tune.tune`.
-    """
+    """Return why a search ended without a controller."""
     limits, process = problem.limits, problem.batch.loop.process
     said = [f"max|S| at most {limits.maximum_sensitivity:g}"]
     said = said if np.isfinite(limits.maximum_sensitivity) else []
@@ -68,10 +63,6 @@ def outcome(
     front : ParetoFront
     seed : int
     interrupted : bool
-
-    Examples
-    --------
-    See `clepsydra.studies.tuning.tune.tune`.
     """
     best = problem.best
     assert best is not None

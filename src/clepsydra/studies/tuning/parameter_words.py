@@ -18,10 +18,6 @@ from clepsydra.studies.tuning.search_space import NumberWords
 class ParameterWords(NumberWords):
     """The parameters of one controller in words.
 
-    Parameters
-    ----------
-    controller : Controller
-
     Examples
     --------
     >>> from clepsydra.designs.simc import design_simc

@@ -55,10 +55,6 @@ def pareto_front(problem: TuningProblem, bounds: Sequence[float]) -> ParetoFront
     ------
     InputError
         A bound is not above 1.
-
-    Examples
-    --------
-    See `clepsydra.studies.tuning.tune.tune`.
     """
     for bound in bounds:
         if not bound > 1.0:

@@ -103,20 +103,11 @@ class BestSoFar:
 class TuningProblem:
     """Candidates are points of the unit cube; each is simulated once, however often asked for.
 
-    Parameters
-    ----------
-    space : SearchSpace
-    goal : Goal
-
     Raises
     ------
     InputError
         A score or limit names an unknown signal, an overshoot is limited where no setpoint
         steps, or the scores of the start are no measure.
-
-    Examples
-    --------
-    See `clepsydra.studies.tuning.tune.tune`.
     """
 
     def __init__(self, space: SearchSpace, goal: Goal) -> None:

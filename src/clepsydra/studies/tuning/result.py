@@ -37,10 +37,6 @@ class TuningResult:
         Whether it was stopped before its end; the controller is then the best so far.
     tuned : dict
         What was tuned to the value found: parameters of the law, or design numbers.
-
-    Examples
-    --------
-    See `clepsydra.studies.tuning.tune.tune`.
     """
 
     controller: Controller

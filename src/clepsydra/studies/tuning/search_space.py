@@ -55,10 +55,6 @@ class SearchSpace(ABC):
     InputError
         There is no parameter, one is unknown or named twice, or the start lies outside of its
         bounds.
-
-    Examples
-    --------
-    See `clepsydra.studies.tuning.law_space.LawSpace`.
     """
 
     controller: Controller

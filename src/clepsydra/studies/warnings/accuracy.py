@@ -18,10 +18,6 @@ def accuracy_caveats(run: Run) -> list[Caveat]:
     ----------
     run : Run
         Without an error estimate there is nothing to tell.
-
-    Examples
-    --------
-    See `clepsydra.studies.warnings.after.caveats_after`.
     """
     if run.error_estimate is None or run.error_estimate <= _ERROR:
         return []

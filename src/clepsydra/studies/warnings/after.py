@@ -18,10 +18,6 @@ from clepsydra.studies.warnings.unfinished import unfinished_caveats
 def run_warnings(run: Run) -> tuple[str, ...]:
     """Return what is unusual about a run: overflow, trips, saturation, wind-up.
 
-    Parameters
-    ----------
-    run : Run
-
     Examples
     --------
     >>> from dataclasses import replace
@@ -59,10 +55,6 @@ def warnings_after(run: Run, scores: Mapping[str, float]) -> tuple[str, ...]:
     run : Run
     scores : mapping
         Score to value, "settling_time[level_1]".
-
-    Examples
-    --------
-    See `run_warnings` and `settling.settling_warnings`.
     """
     followed = set(run.controller.setpoints) - set(run.process.averaging)
     times = by_signal(scores, "settling_time")
@@ -72,10 +64,6 @@ def warnings_after(run: Run, scores: Mapping[str, float]) -> tuple[str, ...]:
 
 def caveats_after(run: Run) -> tuple[Caveat, ...]:
     """Return what a run leaves open, whatever its controller: its error, steps cut short.
-
-    Parameters
-    ----------
-    run : Run
 
     Examples
     --------

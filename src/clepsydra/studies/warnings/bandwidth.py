@@ -138,10 +138,6 @@ def bandwidth_warnings(
     ----------
     S. Skogestad and I. Postlethwaite, Multivariable Feedback Control, 2nd ed., 2005, sections
     5.6 and 5.7.
-
-    Examples
-    --------
-    See `clepsydra.studies.warnings.before.warnings_before`.
     """
     words = []
     for found in zeros:

@@ -31,10 +31,6 @@ class Caveat:
 def told_once(runs: Iterable[tuple[str, Sequence[Caveat]]]) -> tuple[str, ...]:
     """Return the caveats of several controllers, each once, with whom it is true of.
 
-    Parameters
-    ----------
-    runs : iterable of (name, caveats)
-
     Examples
     --------
     >>> coarse, coarser = (Caveat(f"It is {x} % wrong.", "error", x) for x in (1, 2))

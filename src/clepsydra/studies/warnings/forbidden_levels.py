@@ -44,10 +44,6 @@ def level_words(
     scenario : Scenario
     rests : list of Rest
         Of `resting_after`.
-
-    Examples
-    --------
-    See `clepsydra.studies.warnings.before.caveats_before`.
     """
     process, words, controlled = point.process, [], set()
     for name in dict.fromkeys(controller.setpoints):

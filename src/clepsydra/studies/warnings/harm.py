@@ -80,14 +80,6 @@ def harms(run: Run) -> tuple[Harm, ...]:
 
     An element says of each of its events whether it does harm (`Event.harm`). A level beyond floor
     or rim and a state that stops being a number are seen at the samples.
-
-    Parameters
-    ----------
-    run : Run
-
-    Examples
-    --------
-    See `clepsydra.studies.warnings.after.run_warnings` for a run.
     """
     found = [*_of_states(run), *_of_events(run)]
     return tuple(sorted(found, key=lambda harm: harm.time))

@@ -14,16 +14,7 @@ _MOSTLY = 0.5
 
 
 def inner_setpoint_warnings(run: Run) -> list[str]:
-    """Return warnings of inner setpoints that stand at a limit for more than half of a run.
-
-    Parameters
-    ----------
-    run : Run
-
-    Examples
-    --------
-    See `clepsydra.studies.warnings.after.run_warnings`.
-    """
+    """Return warnings of inner setpoints that stand at a limit for more than half of a run."""
     words = []
     for inner in inner_setpoints(run.controller, run.process):
         values = run.values[inner.name]

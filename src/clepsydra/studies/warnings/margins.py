@@ -41,18 +41,10 @@ def margin_warnings(response: LoopResponse) -> list[str]:
 
     An unstable loop has no margins: it raises none of these, but that of `stability`.
 
-    Parameters
-    ----------
-    response : LoopResponse
-
     References
     ----------
     S. Skogestad and I. Postlethwaite, Multivariable Feedback Control, 2nd ed., 2005, section
     2.4.3. P. Seiler, A. Packard and P. Gahinet, doi 10.1109/MCS.2020.3005277.
-
-    Examples
-    --------
-    See `clepsydra.studies.warnings.before.warnings_before`.
     """
     if not response.loop.is_stable:
         return []

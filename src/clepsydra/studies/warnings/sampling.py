@@ -28,19 +28,10 @@ def sampling_warnings(controller: Controller, response: LoopResponse) -> list[st
     samples the filter has forgotten everything, so that the derivative is the difference of two
     noisy samples.
 
-    Parameters
-    ----------
-    controller : Controller
-    response : LoopResponse
-
     References
     ----------
     K. J. Åström and B. Wittenmark, Computer-Controlled Systems, 3rd ed., 1997, on the choice of
     the sampling period.
-
-    Examples
-    --------
-    See `clepsydra.studies.warnings.before.warnings_before`.
     """
     return [*_crossover(response), *_derivative(controller, response.period)]
 

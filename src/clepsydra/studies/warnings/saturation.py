@@ -36,10 +36,6 @@ def resting_saturation_words(
     point : OperatingPoint
     rests : list of Rest
         Of `resting_after`.
-
-    Examples
-    --------
-    See `clepsydra.studies.warnings.before.caveats_before`.
     """
     process, at, words = point.process, point.as_dict(), []
     for name in controller.manipulated:
@@ -70,14 +66,6 @@ def saturation_warnings(run: Run) -> list[str]:
 
     More than 5 % of the time is told; more than half of it is most of the time. An integral
     without anti-windup (see `winds_up`) is told wherever its output stood at a limit at all.
-
-    Parameters
-    ----------
-    run : Run
-
-    Examples
-    --------
-    See `clepsydra.studies.warnings.after.run_warnings`.
     """
     if not run.controller.setpoints:  # pumps that start and stop stand at their limits
         return []

@@ -58,10 +58,6 @@ def stability_warnings(
     ----------
     S. Skogestad and I. Postlethwaite, Multivariable Feedback Control, 2nd ed., 2005, section
     4.7 on internal stability.
-
-    Examples
-    --------
-    See `clepsydra.studies.warnings.before.warnings_before`.
     """
     return [
         *_loop(response),

@@ -24,14 +24,6 @@ def unfinished_caveats(run: Run) -> list[Caveat]:
     than 1 % of its way in the last tenth of the segment, the segment is shorter than what its
     loop takes, an arrest time, say: the next step begins before the last one is over, and
     scores are of a part of the response. Of each level the first such segment is told.
-
-    Parameters
-    ----------
-    run : Run
-
-    Examples
-    --------
-    See `clepsydra.studies.warnings.after.caveats_after`.
     """
     found = []
     for name in run.process.averaging:

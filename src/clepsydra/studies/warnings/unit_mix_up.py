@@ -63,10 +63,6 @@ def unit_warnings(controller: Controller, model: LinearModel, response: LoopResp
     model : LinearModel
         With the measurements of the controller.
     response : LoopResponse
-
-    Examples
-    --------
-    See `clepsydra.studies.warnings.before.warnings_before`.
     """
     if not controller.family.startswith("multiloop"):
         return []

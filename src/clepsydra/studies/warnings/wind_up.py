@@ -87,10 +87,6 @@ def wind_up_warnings(
     References
     ----------
     K. J. Åström and T. Hägglund, Advanced PID Control, ISA 2006, section 3.5.
-
-    Examples
-    --------
-    See `clepsydra.studies.warnings.before.warnings_before`.
     """
     return [
         *_without(controller, point, response, scenario),
