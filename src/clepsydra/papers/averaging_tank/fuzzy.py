@@ -34,11 +34,11 @@ from clepsydra.papers.averaging_tank.printed_tables import (
     printed_indices,
 )
 from clepsydra.papers.averaging_tank.step_run import (
-    MEASURED,
     PERIOD,
     STEPS,
     indices,
     settling,
+    step_of,
     step_run,
 )
 from clepsydra.papers.averaging_tank.trends import trend_figure
@@ -147,14 +147,6 @@ def _rate(found: Run, name: str) -> float:
     return float(np.abs(np.diff(found.values[name])).max() / (found.time[1] - found.time[0]))
 
 
-def _overshoot(found: Run, output: str) -> float:
-    name, factor = MEASURED[output]
-    target = float(found.values[f"{name}.setpoint"][0])
-    return overshoot(
-        found.time, found.true_measurement(name), target - factor * STEPS[output], target
-    )
-
-
 def _table_8() -> Rows:
     filtered = indices(fuzzy_run(FILTERED))
     printed = printed_indices("Table 8")
@@ -191,7 +183,7 @@ def _behaviour(reading: Reading) -> Rows:
     }
     times = {o: settling(found, o) for o in ("C", "V")}
     slower = {who: {o: settles(o) for o in ("C", "V")} for who, settles in others.items()}
-    over, less = ({o: _overshoot(each, o) for o in ("C", "V")} for each in (found, finer))
+    over, less = ({o: overshoot(*step_of(each, o)) for o in ("C", "V")} for each in (found, finer))
     printed, of_lqi = fuzzy_indices(), lqi_indices()
     lowest, highest = (
         {n: float(of(found.values[n])) for n in ("inflow", "outflow", "inflow.impurity")}

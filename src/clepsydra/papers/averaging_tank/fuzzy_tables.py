@@ -21,17 +21,25 @@ def tables(system: FuzzySystem, with_printed_top: FuzzySystem) -> Rows:
     with_printed_top : FuzzySystem
         The same with the top of LL at 8.0, as Table 3 prints it.
     """
-    by_input = {variable.name: variable for variable in system.inputs}
     flow, inlet = system.outputs[0], system.outputs[2]
     named = {a.set for rule in system.rules for a in atoms(rule.condition) if a.variable == "e_V"}
     printed = ("NL", "NS", "ZO", "AP", "LP")
     lower, upper = ({v.name for v in system.used_by(output)} for output in ("f_out", "C_in"))
     lower_rules = [r for r in system.rules_for("f_out") if len(list(atoms(r.condition))) == 2]
     unions = sum(_has_union(rule.condition) for rule in system.rules)
-    edge = flow.sets["LM"]
-    assert isinstance(edge, Trapezoid)
-    misread = with_printed_top.outputs[0].sets["LL"]
-    degree = float(misread.degrees(flow.high))
+    degree = float(with_printed_top.outputs[0].sets["LL"].degrees(flow.high))
+    shapes = [
+        (variable, name, member)
+        for variable in (*system.inputs, flow, inlet)
+        for name, member in variable.sets.items()
+        if isinstance(member, Trapezoid)
+    ]
+    (edge,) = (member for _, name, member in shapes if name == "LM")
+    shoulders_reach_one = all(
+        member.degrees([variable.low, variable.high]).max() == 1.0
+        for variable, _, member in shapes
+        if len(member.corners) == 2
+    )
     yield PRINTED["Table 2", "names of the last two sets of eV"].stated(
         "PS, PL", set(printed) <= named
     )
@@ -41,7 +49,7 @@ def tables(system: FuzzySystem, with_printed_top: FuzzySystem) -> Rows:
             ("8.0 lies beyond the range 0 to 1, and LM ends at 0.8", 8.0 > flow.high == 1.0),
             (
                 "every other shoulder of Tables 2 and 3 reaches 1 within its range",
-                degree < 0.1 and _shoulders_reach_one(system),
+                degree < 0.1 and shoulders_reach_one,
             ),
         ],
     )
@@ -56,10 +64,9 @@ def tables(system: FuzzySystem, with_printed_top: FuzzySystem) -> Rows:
     )
     yield PRINTED["Tables 2 and 3", "shapes"].claimed(
         all(
-            _symmetrical(variable.sets[name]) == (name not in ("M", "LM"))
-            for variable in (*by_input.values(), flow, inlet)
-            for name in variable.sets
-            if _is_triangle(variable.sets[name])
+            _is_symmetrical(member) == (name not in ("M", "LM"))
+            for _, name, member in shapes
+            if len(member.corners) == 4
         ),
         "all triangles but M and LM are symmetrical",
     )
@@ -70,19 +77,5 @@ def _has_union(condition: object) -> bool:
     return isinstance(condition, Some) or any(map(_has_union, parts))
 
 
-def _is_triangle(member: object) -> bool:
-    return isinstance(member, Trapezoid) and len(member.corners) == 4
-
-
-def _symmetrical(member: object) -> bool:
-    assert isinstance(member, Trapezoid)
+def _is_symmetrical(member: Trapezoid) -> bool:
     return abs((member.top - member.foot) - (member.end - member.end_of_top)) < 1e-9
-
-
-def _shoulders_reach_one(system: FuzzySystem) -> bool:
-    return all(
-        member.degrees([variable.low, variable.high]).max() == 1.0
-        for variable in (*system.inputs, *system.outputs)
-        for member in variable.sets.values()
-        if isinstance(member, Trapezoid) and len(member.corners) == 2
-    )

@@ -11,6 +11,7 @@ from clepsydra.papers.averaging_tank.lqi_runs import (
     COLUMNS,
     PRINTED_Q3,
     Weights,
+    beaten,
     gains,
     indices_of,
     lqi_run,
@@ -20,7 +21,6 @@ from clepsydra.papers.averaging_tank.printed_tables import KEYS
 from clepsydra.papers.averaging_tank.step_run import MEASURED, PERIOD, STEPS, indices, settling
 from clepsydra.papers.averaging_tank.trends import trend_figure
 from clepsydra.papers.document import Found
-from clepsydra.papers.figure import Figure
 from clepsydra.papers.printed import Printed
 from clepsydra.papers.printed_number import printed_number
 from clepsydra.papers.printed_table import entries
@@ -34,7 +34,12 @@ _COUPLED, _SECOND_ROW = ("F12", "F21", "Fi12", "Fi21"), ("F21", "F22", "Fi21", "
 
 def run() -> Found:
     """Return the rows on LQI control, and Fig. 8."""
-    return (*_gains(), *_table_7(), *_squared_slopes(), *_claims(), *_figures())
+    yield from (*_gains(), *_table_7(), *_squared_slopes(), *_claims())
+    yield trend_figure(
+        "Fig. 8", "Steps of both references under LQI control",
+        {column.title: lqi_run(column) for column in COLUMNS}, 4.0,
+        "The optimal weights press the settling of V from seconds to a tenth of one.",
+    )  # fmt: skip
 
 
 def _gains() -> Rows:
@@ -212,25 +217,9 @@ def _claims() -> Rows:
         f"{swings[3]:.2f} against {swings[2]:.2f} m³/s, of its maximum it fails. Inputs within "
         "the ranges of section 3.3.",
     )
-    yield PRINTED["(100a)", "optimal weights"].claimed(
-        any(better["ITAE", o] >= printed["ITAE", o] for o in ("C", "V")),
-        ", ".join(
-            f"ITAE of {o} {better['ITAE', o]:.2e} against {printed['ITAE', o]:.2e}"
-            for o in ("C", "V")
-        ),
-    )
+    yield beaten(PRINTED["(100a)", "optimal weights"], "ITAE", better, printed)
 
 
 def _count(found: list[dict[tuple[str, str], float]], pairs: tuple[tuple[int, int], ...]) -> int:
     """Count in how many indices the first column of each pair is lower than the second."""
     return sum(found[a][key] < found[b][key] for key in found[0] for a, b in pairs)
-
-
-def _figures() -> tuple[Figure, ...]:
-    runs = {column.title: lqi_run(column) for column in COLUMNS}
-    return (
-        trend_figure(
-            "Fig. 8", "Steps of both references under LQI control", runs, 4.0,
-            "The optimal weights press the settling of V from seconds to a tenth of one.",
-        ),
-    )  # fmt: skip

@@ -13,6 +13,7 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.run import Run
 from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.model import KMOL, numbers
+from clepsydra.papers.averaging_tank.printed_tables import Indices
 from clepsydra.papers.averaging_tank.step_run import (
     HORIZON,
     PERIOD,
@@ -22,6 +23,8 @@ from clepsydra.papers.averaging_tank.step_run import (
     step_run,
 )
 from clepsydra.papers.averaging_tank.symbols import Variant, constant_flow
+from clepsydra.papers.printed import Printed
+from clepsydra.papers.row import Row
 
 
 class Weights(NamedTuple):
@@ -111,3 +114,12 @@ def lqi_run(weights: Weights, period: float = PERIOD, horizon: float = HORIZON) 
 def indices_of(weights: Weights) -> dict[tuple[str, str], float]:
     """Return IE, IAE, ISE and ITAE of C and V, in kmol/m³ and m³."""
     return indices(lqi_run(weights))
+
+
+def beaten(line: Printed, index: str, better: Indices, printed: Indices) -> Row:
+    """Judge that printed weights are optimal for an index by what other weights make of it."""
+    pairs = {o: (better[index, o], printed[index, o]) for o in ("C", "V")}
+    told = (
+        f"{index} of {o} {ours:.2e} against {theirs:.2e}" for o, (ours, theirs) in pairs.items()
+    )
+    return line.claimed(any(ours >= theirs for ours, theirs in pairs.values()), ", ".join(told))

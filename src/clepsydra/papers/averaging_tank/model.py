@@ -75,10 +75,11 @@ def _balances() -> Rows:
     mixed = product.subs(Derivative(V, t), inflow - outflow)
     volume_balance = inflow - outflow
     solved = (inflow * inlet - outflow * C - volume_balance * C) / V
-    yield from PRINTED.formulas("(3)", {"left side": product})
-    yield from PRINTED.formulas("(4)", {"left side": mixed})
-    yield from PRINTED.formulas("(6)", {"dC/dt": solved})
-    yield from PRINTED.formulas("(10)", {"f_V": volume_balance})
+    for place, name, found in (
+        ("(3)", "left side", product), ("(4)", "left side", mixed), ("(6)", "dC/dt", solved),
+        ("(10)", "f_V", volume_balance),
+    ):  # fmt: skip
+        yield PRINTED[place, name].formula(found)
 
 
 def _evaporation() -> Row:

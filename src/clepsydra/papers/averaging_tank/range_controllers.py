@@ -27,11 +27,10 @@ from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.process_equations import process_equations
 from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.loop import Loop
-from clepsydra.loop.scenario import Scenario
 from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, Weights, in_moles, weighed
 from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.pi import BY_HAND, pi_controller
-from clepsydra.papers.averaging_tank.step_run import high_model_of
+from clepsydra.papers.averaging_tank.step_run import high_model_of, step_scenario
 from clepsydra.papers.averaging_tank.symbols import FLOW, V0, Variant
 from clepsydra.program.step_law import StepLaw
 
@@ -74,43 +73,21 @@ def controller_of(constant: Variant, kind: str, period: float) -> Controller:
     return _recomputed_lqi(weights, model, period, winding)
 
 
-class Bench:
-    """The closed loop of a controller on the tank, compiled once for many steps.
+@cache
+def bench_of(constant: Variant, kind: str, period: float) -> tuple[Loop, Kernel]:
+    """Return the loop of one of `KINDS` for a sampling period [s], compiled once for many steps.
 
     Examples
     --------
-    >>> from clepsydra.papers.averaging_tank.step_run import step_scenario
-    >>> bench = bench_of("outflow", "LQI", 0.1)
-    >>> found = bench.run(step_scenario(bench.loop.model, (0.0, 0.1), 30.0))
-    >>> round(float(found["volume"][-1]), 3)
-    2.1
+    >>> loop, _ = bench_of("outflow", "LQI", 0.1)
+    >>> loop.controller.manipulated
+    ('inflow', 'inflow.impurity')
     """
-
-    def __init__(self, controller: Controller, model: LinearModel) -> None:
-        self.loop = Loop(controller, model)
-        self._kernel: Kernel | None = None
-
-    def run(self, scenario: Scenario) -> dict[str, np.ndarray]:
-        """Return time, setpoints, measurements and inputs of a scenario by name."""
-        loop, given = self.loop, self.loop.inputs_of(scenario)
-        if self._kernel is None:
-            constant = {name: v for name, v in loop.at_rest().items() if name not in given}
-            program = closed_loop(
-                loop.process, loop.controller, substeps=loop.substeps, constant=constant
-            )
-            self._kernel = Kernel(program)
-        result = self._kernel.run(
-            scenario.samples, inputs=given, state=loop.initial_state(),
-            parameters=loop.law_parameters(),
-        )  # fmt: skip
-        found = {s.name: result.output(s.name)[0] for s in self._kernel.program.outputs}
-        return {**given, **found, "time": scenario.time}
-
-
-@cache
-def bench_of(constant: Variant, kind: str, period: float) -> Bench:
-    """Return the bench of one of `KINDS` for a sampling period [s]."""
-    return Bench(controller_of(constant, kind, period), high_model_of(constant, period))
+    loop = Loop(controller_of(constant, kind, period), high_model_of(constant, period))
+    given = loop.inputs_of(step_scenario(loop.model, (0.0, 0.0), period))
+    still = {name: value for name, value in loop.at_rest().items() if name not in given}
+    program = closed_loop(loop.process, loop.controller, substeps=loop.substeps, constant=still)
+    return loop, Kernel(program)
 
 
 @cache

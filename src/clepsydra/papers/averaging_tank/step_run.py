@@ -76,8 +76,10 @@ def step_run(
     return Loop(controller, model).run(step_scenario(model, sizes, horizon))
 
 
-def settling(run: Run, output: str, size: float | None = None) -> float:
-    """Return when C or V stays within 2 % of its step [s].
+def step_of(
+    run: Run, output: str, size: float | None = None
+) -> tuple[np.ndarray, np.ndarray, float, float]:
+    """Return time, C or V in its SI unit, where its step starts and where it goes.
 
     Parameters
     ----------
@@ -89,7 +91,12 @@ def settling(run: Run, output: str, size: float | None = None) -> float:
     name, factor = MEASURED[output]
     target = float(run.values[f"{name}.setpoint"][0])
     start = target - factor * (STEPS[output] if size is None else size)
-    return settling_time(run.time, run.true_measurement(name), start, target, band=0.02)
+    return run.time, run.true_measurement(name), start, target
+
+
+def settling(run: Run, output: str, size: float | None = None) -> float:
+    """Return when C or V stays within 2 % of its step [s], see `step_of`."""
+    return settling_time(*step_of(run, output, size), band=0.02)
 
 
 def indices(run: Run, horizon: float | None = None) -> dict[tuple[str, str], float]:

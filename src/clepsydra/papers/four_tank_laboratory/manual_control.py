@@ -64,33 +64,38 @@ def run() -> Found:
         yield from _coupling(*coupled)
     for set_up in SET_UPS:
         yield from _held(set_up)
-    yield _by_relative_gains()
+    array = relative_gain_array(static_gain(course_model(MINIMUM)))
+    yield PRINTED["Exercise 2.2.2", "coupling of tanks 1 and 4"].claimed(
+        array.shape[0] >= 4, f"an array of {array.shape[0]} outputs, the levels of tanks 1 and 2"
+    )
     yield from _differences()
 
 
+def _in_each_reading(
+    set_up: SetUp, volts: tuple[float, ...], duration: float = 1000.0
+) -> dict[Reading, ManualRuns]:
+    return {
+        reading: by_hand(set_up, volts, reading.holes, duration=duration, noise=reading.noise)
+        for reading in readings_of(set_up)
+    }
+
+
 def _table(set_up: SetUp) -> Rows:
+    """Compare the levels at rest of a table with the simulator's."""
+    found, table = _in_each_reading(set_up, set_up.voltages), _TABLES[set_up]
     for tank in (1, 2, 3, 4):
-        levels = {
-            reading: _level(
-                by_hand(set_up, set_up.voltages, reading.holes, noise=reading.noise), tank
-            )
-            for reading in readings_of(set_up)
-        }
-        line = PRINTED[_TABLES[set_up], f"h{tank}, simulation"]
-        yield _left_open(line, levels, f"At 7.5 V {_SIMULATOR}")
+        levels = {reading: _level(runs, tank) for reading, runs in found.items()}
+        yield _left_open(PRINTED[table, f"h{tank}, simulation"], levels, f"At 7.5 V {_SIMULATOR}")
     again = (
         f"{set_up.level_table} prints it too, as the level that the hole was found from: the same "
         "number twice, and no forecast."
     )
-    found = {
-        f"h{tank}, calculated": level.value for tank, level in enumerate(set_up.levels, start=1)
-    }
-    calculated = PRINTED.compared(_TABLES[set_up], found)
-    yield from (row.circular(again) for row in calculated)
+    for tank, level in enumerate(set_up.levels, start=1):
+        yield PRINTED[table, f"h{tank}, calculated"].compared(level.value).circular(again)
 
 
 def _level(runs: ManualRuns, tank: int) -> tuple[float, float]:
-    """Return a level at last and three standard deviations of one reading of it [cm]."""
+    """Return a level at rest, and what is left open of one reading of it [cm]."""
     return float(runs.at_last[tank - 1]), _DEVIATIONS * float(runs.last[tank - 1].std())
 
 
@@ -122,10 +127,7 @@ def _coupling(set_up: SetUp, pump: int, tanks: tuple[int, int], place: str) -> F
         tuple(value * (number == pump) for number, value in enumerate(values, start=1))
         for values in (set_up.voltages, (50, 50))
     )
-    found = {
-        reading: by_hand(set_up, volts, reading.holes, duration=600.0, noise=reading.noise)
-        for reading in readings_of(set_up)
-    }
+    found = _in_each_reading(set_up, volts, 600.0)
     moved = np.isin((1, 2, 3, 4), tanks)
     holds: dict[Reading | str, bool] = {
         reading: bool(each.at_last[moved].min() > each.at_last[~moved].max())
@@ -143,13 +145,6 @@ def _coupling(set_up: SetUp, pump: int, tanks: tuple[int, int], place: str) -> F
         f"Levels with input1 = {percent[0]} %, input2 = {percent[1]} %, {set_up.phase}",
         (_panel(runs, (1, 2, 3, 4)),),
         "One seed of the simulator's noise, from empty tanks.",
-    )
-
-
-def _by_relative_gains() -> Row:
-    array = relative_gain_array(static_gain(course_model(MINIMUM)))
-    return PRINTED["Exercise 2.2.2", "coupling of tanks 1 and 4"].claimed(
-        array.shape[0] >= 4, f"an array of {array.shape[0]} outputs, the levels of tanks 1 and 2"
     )
 
 
@@ -190,22 +185,20 @@ def _levels_of_15(set_up: SetUp, volts: tuple[float, float]) -> Rows:
     voltages = (
         "6.6 and 3.6 V" if set_up is MINIMUM else f"{percents[0]:g} % and {percents[1]:g} % of 15 V"
     )
-    for holes in dict.fromkeys(reading.holes for reading in readings_of(set_up)):
-        found = {
-            reading: [
-                _level(by_hand(set_up, volts, holes, noise=reading.noise), tank) for tank in (1, 2)
-            ]
-            for reading in readings_of(set_up)
-            if reading.holes == holes
-        }
+    runs = _in_each_reading(set_up, volts)
+    for holes in dict.fromkeys(reading.holes for reading in runs):
         which = "fitted holes" if holes == "fitted" else "holes of the report"
         line = PRINTED["Exercise 2.2.3", f"level of both lower tanks, {set_up.phase}, {which}"]
         wanted = line.value
-        row = _left_open(
-            line,
-            {r: max(each, key=lambda level: abs(level[0] - wanted)) for r, each in found.items()},
-            f"At {voltages}, of the one that is farther off, {_SIMULATOR}",
-        )
+        levels = {
+            reading: max(
+                (_level(each, tank) for tank in (1, 2)), key=lambda level: abs(level[0] - wanted)
+            )
+            for reading, each in runs.items()
+            if reading.holes == holes
+        }
+        words = f"At {voltages}, of the one that is farther off, {_SIMULATOR}"
+        row = _left_open(line, levels, words)
         is_fitted = holes == "fitted"
         yield (row.circular("The holes were fitted to these levels.") if is_fitted else row)
 
@@ -238,18 +231,16 @@ def _transient(set_up: SetUp, place: str) -> Row:
 
 
 def _differences() -> Rows:
-    upper = [[hole.value for hole in set_up.holes[2:]] for set_up in SET_UPS]
-    ratios = [two / one for one, two in zip(*upper, strict=True)]
-    lower = [[hole.value for hole in set_up.holes[:2]] for set_up in SET_UPS]
-    spreads = [abs(two / one - 1.0) for one, two in zip(*lower, strict=True)]
+    holes = np.array([[hole.value for hole in set_up.holes] for set_up in SET_UPS])
+    ratios = holes[1] / holes[0]
+    spreads, larger = abs(ratios[:2] - 1.0), ratios[2:] - 1.0
     zero = max(zero.real for zero in zeros(course_model(NON_MINIMUM)))
-    times = [_settled(set_up, USUAL, 0.02) for set_up in SET_UPS]
+    times = [f"{each.phase} {_settled(each, USUAL, 0.02):.0f} s" for each in SET_UPS]
     yield PRINTED["Exercise 2.2.4", "upper holes"].claimed(
-        min(ratios) > 1.0 + 2.0 * max(spreads),
-        " and ".join(f"{100.0 * (ratio - 1.0):.1f} %" for ratio in ratios) + " larger",
+        bool(min(larger) > 2.0 * max(spreads)),
+        f"{100.0 * larger[0]:.1f} % and {100.0 * larger[1]:.1f} % larger",
         reason="The printed holes; those of the lower tanks, a1 and a2, differ by "
-        + " and ".join(f"{100.0 * spread:.1f} %" for spread in spreads)
-        + ".",
+        f"{100.0 * spreads[0]:.1f} % and {100.0 * spreads[1]:.1f} %.",
     )
     yield PRINTED["Exercise 2.2.4", "zero in the right half-plane"].claimed(
         zero > 0.0,
@@ -258,9 +249,7 @@ def _differences() -> Rows:
         f"and with {OF_THE_COURSE}; at any others it is positive as well.",
     )
     yield PRINTED["Exercise 2.2.4", "manual control"].remark(
-        "; ".join(
-            f"{set_up.phase} {time:.0f} s" for set_up, time in zip(SET_UPS, times, strict=True)
-        ),
+        "; ".join(times),
         reason="How difficult it is, is measured nowhere: by the transient at constant "
         "voltages, which section 2.2.3 has, it fails. From empty to within 2 %, the report's "
         f"holes, with {OF_THE_COURSE}.",

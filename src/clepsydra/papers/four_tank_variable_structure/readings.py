@@ -69,7 +69,7 @@ def filled(way: str) -> Filling:
     Examples
     --------
     >>> run = filled("none")
-    >>> round(run.overshoot(1, READINGS.index(USUAL)))
+    >>> round(run.overshoot(1)[READINGS.index(USUAL)])
     13
     """
     return filled_in(way, READINGS)

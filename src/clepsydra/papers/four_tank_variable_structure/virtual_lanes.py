@@ -83,8 +83,8 @@ def filled_with(
     Twice the integral time makes the overshoot of which the document speaks:
 
     >>> run = filled_with("none", [Setting(), Setting(time=2.0)])
-    >>> [round(run.overshoot(1, lane)) for lane in (0, 1)]
-    [20, 11]
+    >>> run.overshoot(1).round().tolist()
+    [20.0, 11.0]
     """
     parameters, start = {}, {}
     divisors = np.array([each.divisors() for each in settings])

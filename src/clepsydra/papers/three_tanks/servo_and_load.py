@@ -40,7 +40,16 @@ _FAST, _USUAL = 0.01, 1.0  # [s]
 
 def run() -> Found:
     """Return the pictures."""
-    return (_pid(), _all())
+    pid = "Ziegler-Nichols PID"
+    yield Figure(
+        "Fig. 5", "Setpoint step of 1 cm, then a load of 10 cm³/s, with PID on the tanks",
+        _panels((pid,)),
+    )  # fmt: skip
+    yield Figure(
+        "Fig. 10", "The same with all designs",
+        _panels((pid, "FSFB, -25 ± j25", "LQC, R = 0.1", "LQI, Bryson")),
+        "The published feedbacks switch the pump between its limits.",
+    )  # fmt: skip
 
 
 @cache
@@ -121,18 +130,3 @@ def _panels(names: tuple[str, ...]) -> tuple[Panel, ...]:
         Panel("level 1", "level [cm]", drawn("tank_1.level", 100.0)),
         Panel("feed", "feed [cm³/s]", drawn("feed", 1e6, "held")),
     )
-
-
-def _pid() -> Figure:
-    return Figure(
-        "Fig. 5", "Setpoint step of 1 cm, then a load of 10 cm³/s, with PID on the tanks",
-        _panels(("Ziegler-Nichols PID",)),
-    )  # fmt: skip
-
-
-def _all() -> Figure:
-    return Figure(
-        "Fig. 10", "The same with all designs",
-        _panels(("Ziegler-Nichols PID", "FSFB, -25 ± j25", "LQC, R = 0.1", "LQI, Bryson")),
-        "The published feedbacks switch the pump between its limits.",
-    )  # fmt: skip
