@@ -240,7 +240,7 @@ class _Band:
                 yield _small(at - 4.0 * out, y + 2.3, port.name, inner, INK)
             if port.names:
                 # Above its wire, or else at its end.
-                base = y - 2.5 if self._wired(port) else y + 2.3
+                base = y - 1.9 if self._wired(port) else y + 2.3
                 yield _small(at + (_STUB + 2.0) * out, base, _names(port), outer)
             if port.computed:
                 yield circle(at, y, 2.0, width=0.8)

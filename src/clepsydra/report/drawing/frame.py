@@ -8,7 +8,6 @@ from clepsydra.report.drawing.bodies import (
     TANK_HALF,
     TANK_ROWS,
     Body,
-    Point,
     falling_body,
     splitter_body,
     tank_body,
@@ -36,8 +35,8 @@ class Frame:
     ----------
     below : dict
         Tank to the links below its floor, at most two.
-    hanging : dict
-        Tank to their bodies, in columns from its middle, and those of splitters under them.
+    standing : dict
+        Tank to its body and to those below it, splitters too, in columns from its middle.
     tops : dict
         Shelf and row to the line of the rims.
     pump_rows, basin_rows : list of int
@@ -47,8 +46,8 @@ class Frame:
     --------
     >>> fall = Link("outlet", "orifice", ("tank",), ("basin",), by_weight=True)
     >>> frame = Frame(FlowGraph(("tank",), ("basin",), (fall,), (), ()), {}, 0)
-    >>> frame.tops, [body.name for body in frame.hanging["tank"]]
-    ({(0, 0): 10}, ['outlet'])
+    >>> frame.tops, [body.name for body in frame.standing["tank"]]
+    ({(0, 0): 10}, ['tank', 'outlet'])
     """
 
     def __init__(self, graph: FlowGraph, labels: Labels, slack: int) -> None:
@@ -65,8 +64,7 @@ class Frame:
                 own = self.below.setdefault(link.sources[0], [])
                 if (link.by_weight or ends) and len(own) < 2:
                     own.append(link)
-        self.tanks: dict[str, Body] = {}
-        self.hanging: dict[str, list[Body]] = {}
+        self.standing: dict[str, list[Body]] = {}
         self.tops: dict[tuple[int, int], int] = {}
         self.pump_rows: list[int] = []
         self.basin_rows: list[int] = []
@@ -130,7 +128,7 @@ class Frame:
                 y += 9 + slack
                 self.tops[shelf, row] = y
                 for tank in tanks:
-                    self.tanks[tank] = tank_body(tank, 0, y)
+                    self.standing[tank] = [tank_body(tank, 0, y)]
                     self._hang(tank, y + TANK_ROWS)
                 links = [link for tank in tanks for link in self.below.get(tank, ())]
                 y += TANK_ROWS + 4 + slack
@@ -150,7 +148,7 @@ class Frame:
     def _hang(self, tank: str, floor: int) -> None:
         """Build what stands below a tank, as if its middle were at 0."""
         links = self.below.get(tank, [])
-        hung = self.hanging.setdefault(tank, [])
+        hung = self.standing[tank]
         for place, link in enumerate(links):
             side = self.inner(tank) if len(links) == 1 else (-1, 1)[place]
             x = 0 if len(links) == 1 else side * (2 if link.symbol == "orifice" else 3)
@@ -158,28 +156,16 @@ class Frame:
             hung.append(falling_body(link.name, link.symbol, x, floor, label, side, ends))
             for name in link.targets:
                 junction = self.graph.junction(name)
-                known = any(body.name == name for own in self.hanging.values() for body in own)
+                known = any(body.name == name for own in self.standing.values() for body in own)
                 if junction is not None and self.falls_into(junction) is link and not known:
                     hung.append(self.splitter(junction, x, hung[-1].y + 4, side))
-
-    def settle(self, tank: str, x: int) -> tuple[list[Body], list[tuple[str, list[Point]]]]:
-        """Move a tank with what hangs below to its column; return its bodies and pipes."""
-        body, pipes = self.tanks[tank], []
-        body.move(x)
-        for below in self.hanging[tank]:
-            below.move(x)
-            if below.symbol == "splitter":
-                continue
-            down = below.y + (0 if below.free("out") else 1)
-            pipes.append((below.name, [(below.x, body.y + TANK_ROWS), (below.x, down)]))
-        return [body, *self.hanging[tank]], pipes
 
     def overhang(self, gap: Gap, side: int) -> dict[int, int]:
         """Return how far words below the tanks at one wall of a gap reach into it, by row."""
         found: dict[int, int] = {}
         for tank in (tank for tank in self.seats if self.beside(tank, side) == gap):
-            for area in (area for body in self.hanging[tank] for area in body.areas):
-                reach = (area[2] if side > 0 else -area[0]) - TANK_HALF
+            for area in (area for body in self.standing[tank] for area in body.areas):
+                reach = side * (area[2 if side > 0 else 0] - self.standing[tank][0].x) - TANK_HALF
                 for row in range(area[1], area[3] + 1):
                     if reach > 0:
                         found[row] = max(found.get(row, 0), reach + 1)

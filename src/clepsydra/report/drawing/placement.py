@@ -229,7 +229,6 @@ class _Placer:
     # Columns
 
     def _set_columns(self) -> None:
-        bodies, fixed = self.placement.bodies, self.placement.fixed
         for shelf, columns in self.frame.columns.items():
             x = 2
             for gap in range(columns + 1):
@@ -238,14 +237,22 @@ class _Placer:
                     break
                 for tank, seat in self.seats.items():
                     if (seat.shelf, seat.column) == (shelf, gap):
-                        settled, pipes = self.frame.settle(tank, x + TANK_HALF)
-                        bodies.update({body.name: body for body in settled})
-                        fixed.extend(pipes)
+                        self._settle(self.frame.standing[tank], x + TANK_HALF)
                 x += 2 * TANK_HALF
             self.placement.width = max(self.placement.width, x + 2)
-        bodies.update(self.gaps.bodies)
+        self.placement.bodies.update(self.gaps.bodies)
         for tank, link in self.stubs.items():
             self._put_stub(tank, link)
+
+    def _settle(self, standing: list[Body], x: int) -> None:
+        """Move a tank with what hangs below to its column, and join the two."""
+        floor = standing[0].y + TANK_ROWS
+        for body in standing:
+            body.move(x)
+            self.placement.bodies[body.name] = body
+            if body.symbol not in ("tank", "splitter"):
+                down = body.y + (0 if body.free("out") else 1)
+                self.placement.fixed.append((body.name, [(body.x, floor), (body.x, down)]))
 
     def _put_stub(self, tank: str, link: Link) -> None:
         body, side = self.placement.bodies[tank], self.frame.inner(tank)
