@@ -166,14 +166,14 @@ def test_the_engine_itself_is_compared_and_not_assumed(monkeypatch):
     from clepsydra.deploy.proof import job
 
     run = job.engine_run
-    place = places(level_control(), "multiply")[-1]
 
     def half(operation: Operation) -> Operation:
         return dataclasses.replace(operation, code="add")
 
-    monkeypatch.setattr(
-        job, "engine_run", lambda program, inputs: run(spoilt(program, place, half), inputs)
-    )
+    def spoilt_run(program, inputs):
+        return run(spoilt(program, places(program, "multiply")[-1], half), inputs)
+
+    monkeypatch.setattr(job, "engine_run", spoilt_run)
     proof = quick_proof(monkeypatch)
     wrong = {row.target for row in proof.failures if row.precision == "double"}
     assert wrong == {row.target for row in proof.rows if row.precision == "double"}
