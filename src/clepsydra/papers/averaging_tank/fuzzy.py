@@ -29,6 +29,7 @@ from clepsydra.papers.averaging_tank.pi import BY_HAND, OPTIMAL
 from clepsydra.papers.averaging_tank.printed_tables import (
     IAE_OF_C,
     fuzzy_indices,
+    lower_cells,
     lqi_indices,
     pi_indices,
     printed_indices,
@@ -185,13 +186,12 @@ def _behaviour(reading: Reading) -> Rows:
     slower = {who: {o: settles(o) for o in ("C", "V")} for who, settles in others.items()}
     over, less = ({o: overshoot(*step_of(each, o)) for o in ("C", "V")} for each in (found, finer))
     printed, of_lqi = fuzzy_indices(), lqi_indices()
-    lowest, highest = (
-        {n: float(of(found.values[n])) for n in ("inflow", "outflow", "inflow.impurity")}
-        for of in (np.min, np.max)
+    f_in, f_out, c_in = (
+        (float(values.min()), float(values.max()))
+        for name, factor in (("inflow", 1.0), ("outflow", 1.0), ("inflow.impurity", KMOL))
+        for values in [found.values[name] / factor]
     )
-    above_lqi = [f"{i} of {o}" for (i, o), v in of_lqi.items() if printed[i, o] >= v]
-    above_pi = [f"{i} of {o}" for (i, o), v in pi_indices().items() if printed[i, o] > v]
-    below = [f"{i} of {o}" for (i, o), v in pi_indices().items() if printed[i, o] < v]
+    below_lqi, below_pi = (lower_cells(printed, each) for each in (of_lqi, pi_indices()))
     told = "; ".join(f"{who} {t['C']:.2f} s" for who, t in slower.items())
     yield PRINTED["section 4", "overshoot, fuzzy"].claimed(
         max(over.values()) < 0.1 and max(less.values()) < 1e-3 * max(over.values()),
@@ -205,14 +205,11 @@ def _behaviour(reading: Reading) -> Rows:
         ", ".join(f"{o} {times[o]:.3f} s against {slower['LQI'][o]:.3f} s" for o in times),
     )
     yield PRINTED["section 4", "control values, fuzzy"].claimed(
-        highest["inflow"] < HIGHEST_FLOW
-        and highest["outflow"] < HIGHEST_FLOW
-        and highest["inflow.impurity"] < HIGHEST_INLET * KMOL
-        and min(lowest.values()) > 0.0,
-        f"f_in {lowest['inflow']:.2f} to {highest['inflow']:.2f}, f_out "
-        f"{lowest['outflow']:.2f} to {highest['outflow']:.2f} m³/s, C_in "
-        f"{lowest['inflow.impurity'] / KMOL:.1f} to {highest['inflow.impurity'] / KMOL:.1f} "
-        "kmol/m³",
+        max(f_in[1], f_out[1]) < HIGHEST_FLOW
+        and c_in[1] < HIGHEST_INLET
+        and min(*f_in, *f_out, *c_in) > 0.0,
+        f"f_in {f_in[0]:.2f} to {f_in[1]:.2f}, f_out {f_out[0]:.2f} to {f_out[1]:.2f} m³/s, C_in "
+        f"{c_in[0]:.1f} to {c_in[1]:.1f} kmol/m³",
     )
     yield PRINTED["section 4", "change rates, fuzzy"].remark(
         f"f_in {_rate(found, 'inflow'):.0f} m³/s², C_in "
@@ -223,26 +220,29 @@ def _behaviour(reading: Reading) -> Rows:
         f"{_rate(finer, 'inflow') / _rate(found, 'inflow'):.1f} times the rate: it jumps.",
     )
     yield PRINTED["section 4", "indices, fuzzy against LQI"].claimed(
-        not above_lqi, f"{len(of_lqi) - len(above_lqi)} of {len(of_lqi)} cells"
+        len(below_lqi) == len(of_lqi), f"{len(below_lqi)} of {len(of_lqi)} cells"
     )
     yield PRINTED["section 4", "indices, fuzzy against all"].remark(
-        f"Table 6 is lower in {', '.join(above_pi)}",
+        f"Table 6 is lower in {', '.join(lower_cells(pi_indices(), printed))}",
         reason="By which index is not said: Table 8 against Table 6, f_out constant, of IE the "
-        f"size, IAE of C as 8.80E-03. It holds of {', '.join(below)}, and fails of the others.",
+        f"size, IAE of C as 8.80E-03. It holds of {', '.join(below_pi)}, and fails of the others.",
     )
 
 
 def _rest(reading: Reading) -> Rows:
     """Judge what rules (103) do to the settling of C."""
     plain = reading._replace(added_rules=False)
-    turned = []
-    for words, size in (("positive", STEPS["C"]), ("negative", -STEPS["C"])):
-        with_rules, without = (
+    steps = {"positive": STEPS["C"], "negative": -STEPS["C"]}
+    turned = {
+        words: [
             settling(fuzzy_run(each, (size, 0.0), 20.0), "C", size) for each in (reading, plain)
-        )
-        turned.append((words, with_rules, without))
+        ]
+        for words, size in steps.items()
+    }
+    up, down = (without - with_rules for with_rules, without in turned.values())
     yield PRINTED["section 3.3", "rules (103)"].claimed(
-        all(with_rules < without for _, with_rules, without in turned)
-        and turned[1][2] - turned[1][1] > turned[0][2] - turned[0][1],
-        ", ".join(f"{a:.2f} s against {b:.2f} s ({words} step)" for words, a, b in turned),
+        0.0 < up < down,
+        ", ".join(
+            f"{a:.2f} s against {b:.2f} s ({words} step)" for words, (a, b) in turned.items()
+        ),
     )

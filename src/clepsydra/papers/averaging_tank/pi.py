@@ -23,7 +23,12 @@ from clepsydra.papers.averaging_tank.continuous_pi import (
 )
 from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, lqi_run
 from clepsydra.papers.averaging_tank.model import KMOL
-from clepsydra.papers.averaging_tank.printed_tables import fuzzy_indices, lqi_indices, pi_indices
+from clepsydra.papers.averaging_tank.printed_tables import (
+    fuzzy_indices,
+    lower_cells,
+    lqi_indices,
+    pi_indices,
+)
 from clepsydra.papers.averaging_tank.step_run import (
     STEPS,
     model_of,
@@ -245,6 +250,8 @@ def _claims() -> Rows:
     free, limited = (continuous_run(OPTIMAL["outflow"], free=f) for f in (True, False))
     other = continuous_run(OPTIMAL["inflow"], free=True)
     overshoot = free.overshoot("V")
+    others = {"LQI": lqi_indices(), "fuzzy": fuzzy_indices()}
+    wins = [f"{cell} ({who})" for who in others for cell in lower_cells(pi_indices(), others[who])]
     smaller = OPTIMAL["outflow"]._replace(time_c=OPTIMAL["outflow"].time_c / 10.0)
     yield PRINTED["section 4", "PI, C with f_out constant"].claimed(
         free.settling("C") < hand.settling("C") and free.rise_time("C") < hand.rise_time("C"),
@@ -270,17 +277,6 @@ def _claims() -> Rows:
         f"a tenth of T_iC makes IE of C {_error_of(smaller):.1e}",
     )
     yield PRINTED["section 4", "PI against the others"].remark(
-        f"Table 6 is lower in {', '.join(_wins())}; V settles in {free.settling('V'):.2f} s, "
+        f"Table 6 is lower in {', '.join(wins)}; V settles in {free.settling('V'):.2f} s, "
         f"with LQI in {settling(lqi_run(COLUMNS[1]), 'V'):.2f} s"
     )
-
-
-def _wins() -> list[str]:
-    """Name the printed cells in which PI beats LQI (optimal) or the fuzzy controller."""
-    ours = pi_indices()
-    return [
-        f"{index} of {output} ({who})"
-        for who, theirs in (("LQI", lqi_indices()), ("fuzzy", fuzzy_indices()))
-        for (index, output), value in theirs.items()
-        if ours[index, output] < value
-    ]

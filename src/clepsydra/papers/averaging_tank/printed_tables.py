@@ -38,3 +38,14 @@ def lqi_indices() -> Indices:
 def fuzzy_indices() -> Indices:
     """Return Table 8, IAE of C with the exponent that its IE asks for."""
     return printed_indices("Table 8") | {("IAE", "C"): IAE_OF_C}
+
+
+def lower_cells(ours: Indices, theirs: Indices) -> list[str]:
+    """Name the cells in which our indices are lower.
+
+    Examples
+    --------
+    >>> lower_cells({("IAE", "C"): 0.01}, {("IAE", "C"): 0.02})
+    ['IAE of C']
+    """
+    return [f"{i} of {output}" for (i, output), value in theirs.items() if ours[i, output] < value]

@@ -38,18 +38,16 @@ class Derived:
         self.linearised: VectorRelativeDegree = relative_degree(at_target().model)
         equations = self.linearised.equations
         self.names: dict[str, Any] = {"gravity": self.g}
-        for symbol, level in zip(ca_names(equations.state), self.h, strict=True):
-            self.names[symbol] = level
-        for symbol, voltage in zip(ca_names(equations.moved), self.v, strict=True):
-            self.names[symbol] = voltage
-        for j in range(1, 5):
-            self.names[f"tank_{j}_area"] = self.A[j - 1]
-            self.names[f"outlet_{j}_area"] = self.a[j - 1]
-            self.names[f"outlet_{j}_discharge"] = Integer(1)
-            # Below its rim a tank loses nothing over it.
-            self.names |= {f"tank_{j}_weir": Integer(0), f"tank_{j}_weir_discharge": Integer(0)}
-            # The document controls the levels themselves, not what sensors show.
-            self.names[f"level_{j}_gain"] = Integer(1)
+        for known, named in ((equations.state, self.h), (equations.moved, self.v)):
+            self.names |= {known[place].name(): symbol for place, symbol in enumerate(named)}
+        one, zero = Integer(1), Integer(0)
+        for j, (area, hole) in enumerate(zip(self.A, self.a, strict=True), start=1):
+            # Below its rim a tank loses nothing over it, and the document controls the levels
+            # themselves, not what sensors show.
+            self.names |= {
+                f"tank_{j}_area": area, f"outlet_{j}_area": hole, f"outlet_{j}_discharge": one,
+                f"tank_{j}_weir": zero, f"tank_{j}_weir_discharge": zero, f"level_{j}_gain": one,
+            }  # fmt: skip
         (g1, g2), (k1, k2) = self.gamma, self.k
         self.names |= {"pump_1_gain": k1, "pump_2_gain": k2}
         self.names |= {"splitter_1_tank_1": g1, "splitter_2_tank_2": g2}
@@ -84,16 +82,10 @@ class Derived:
         return [a * sqrt(2 * self.g * h) for a, h in zip(self.a, self.h, strict=True)]
 
 
-def ca_names(symbols: ca.SX) -> list[str]:
-    """Return the names of a vector of CasADi symbols."""
-    return [symbols[k].name() for k in range(symbols.numel())]
-
-
 def run() -> Found:
     """Derive what the document derives, and compare every entry."""
     derived = Derived()
-    rows = [*_balances(derived), *_decoupling(derived), *_new_inputs(derived)]
-    return rows
+    return (*_balances(derived), *_decoupling(derived), *_new_inputs(derived))
 
 
 def _balances(s: Derived) -> Rows:

@@ -8,13 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from clepsydra.papers.document import Found
-from clepsydra.papers.row import Rows
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop, from_rest
-from clepsydra.papers.three_tanks.linear_quadratic import quadratic_loop
+from clepsydra.papers.three_tanks.linear_quadratic import SIZES, quadratic_loop
 from clepsydra.papers.three_tanks.pid_design import DERIVATIVE_GAIN, GAIN, INTEGRAL_GAIN, loop_model
 from clepsydra.papers.three_tanks.printed_model import AREA, printed_model
-from clepsydra.papers.three_tanks.state_feedback import STEP, placed_loop, settling
+from clepsydra.papers.three_tanks.state_feedback import DISTANCES, STEP, placed_loop, settling
 
 #: What the design of the FSFB controller desires: overshoot [%] and settling time [s].
 OVERSHOOT, SETTLING = PRINTED.numbers("design of the FSFB controller", "overshoot", "settling time")
@@ -51,17 +50,10 @@ class Response(NamedTuple):
 
 def run() -> Found:
     """Judge the conclusion's claims."""
-    placed = {distance: _of_feedback(placed_loop(distance), 3.0) for distance in (25, 10, 5)}
-    calm = {
-        weight: _of_feedback(quadratic_loop(weight), 12.0) for weight in ("0.1", "0.01", "0.001")
-    }
-    return _claims(placed, calm, _of_pid())
-
-
-def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Response) -> Rows:
-    best = placed[25]
-    others = [*calm.values(), pid]
-    names = [*(f"LQC, R = {weight}" for weight in calm), "PID"]
+    placed = {distance: _of_feedback(placed_loop(distance), 3.0) for distance in DISTANCES}
+    best, pid = placed[25], _of_pid()
+    others = [*(_of_feedback(quadratic_loop(weight), 12.0) for weight in SIZES), pid]
+    names = [*(f"LQC, R = {weight}" for weight in SIZES), "PID"]
     on_model = (
         "FSFB with poles -40 and -25 ± j25 on (2) before rounding, without a limit of the feed."
     )

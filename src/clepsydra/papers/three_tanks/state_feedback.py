@@ -43,12 +43,12 @@ def placed_loop(distance: int, *, rounded: bool = False) -> FeedbackLoop:
     >>> round(float(placed_loop(5).gain[0, 0]), 3)
     0.768
     """
+    from control import acker
+
     model = rounded_model() if rounded else printed_model()
-    reached = np.hstack([model.B, model.A @ model.B, model.A @ model.A @ model.B])
-    wanted = np.poly([_THIRD, -distance + 1j * distance, -distance - 1j * distance]).real
-    value = sum(factor * np.linalg.matrix_power(model.A, 3 - i) for i, factor in enumerate(wanted))
-    gain = np.linalg.solve(reached.T, np.array([0.0, 0.0, 1.0])) @ value
-    return FeedbackLoop(f"poles -{distance} ± j{distance}", gain[None, :], model)
+    poles = [_THIRD, -distance + 1j * distance, -distance - 1j * distance]
+    gain = acker(model.A, model.B, poles)
+    return FeedbackLoop(f"poles -{distance} ± j{distance}", np.reshape(gain, (1, 3)), model)
 
 
 def _table() -> Rows:
