@@ -39,7 +39,7 @@ from clepsydra.papers.averaging_tank.step_run import (
 from clepsydra.papers.averaging_tank.symbols import VARIANTS, Variant, constant_flow
 from clepsydra.papers.averaging_tank.trends import trend_figure
 from clepsydra.papers.document import Found
-from clepsydra.papers.row import Rows
+from clepsydra.papers.row import Rows, joined
 from clepsydra.studies.tuning.goal import Goal
 from clepsydra.studies.tuning.law_space import LawSpace
 from clepsydra.studies.tuning.objective import Objective
@@ -118,16 +118,12 @@ def pi_controller(
     >>> pi_controller(BY_HAND["inflow"], model_of("inflow")).values["volume.proportional_gain"]
     -5.0
     """
-    sign = 1.0 if constants.constant == "outflow" else -1.0
     flow = "inflow" if constants.constant == "outflow" else "outflow"
     moved = ("inflow.impurity", flow)
     law = multiloop_pid_law(_CONTROLLED, moved, form or PidForm(anti_windup="none"))
     # Concentrations in mol: the gain of C has no unit of amount.
     given = {
-        "concentration.proportional_gain": constants.gain_c,
-        "concentration.integral_time": constants.time_c,
-        "volume.proportional_gain": sign * constants.gain_v,
-        "volume.integral_time": constants.time_v,
+        **_settings(constants),
         "concentration.setpoint_weight": 1.0,
         "volume.setpoint_weight": 1.0,
         "inflow.impurity.low_limit": -_FREE if free else 0.0,
@@ -144,18 +140,26 @@ def pi_controller(
     )  # fmt: skip
 
 
+def _settings(constants: Constants) -> dict[str, float]:
+    """Return settings of PI control by name; f_out acts on V the other way."""
+    return {
+        "concentration.proportional_gain": constants.gain_c,
+        "concentration.integral_time": constants.time_c,
+        "volume.proportional_gain": constants.gain_v * (-1.0) ** (constants.constant == "inflow"),
+        "volume.integral_time": constants.time_v,
+    }
+
+
 def _signed_error() -> Rows:
     """IE, integrated with the loop, and the relation that it has to keep."""
-    found = {v: continuous_run(OPTIMAL[v], free=True).indices for v in VARIANTS}
-    of_c, of_v = (
-        {each: PRINTED["Table 6", f"IE of {output}, {constant_flow(each)}"] for each in found}
-        for output in ("C", "V")
-    )
     against = "The cell and (83) contradict each other, and nothing tells which is wrong."
-    for variant, line in of_c.items():
-        yield line.compared(found[variant]["IE", "C"], unprinted=f"{line.note} {against}")
-    for variant, line in of_v.items():
-        yield line.compared(found[variant]["IE", "V"], zero=_NO_ERROR)
+    for output, variant in product(("C", "V"), VARIANTS):
+        line = PRINTED["Table 6", f"IE of {output}, {constant_flow(variant)}"]
+        found = continuous_run(OPTIMAL[variant], free=True).indices["IE", output]
+        if output == "C":
+            yield line.compared(found, unprinted=joined(line.note, against))
+        else:
+            yield line.compared(found, zero=_NO_ERROR)
 
 
 def _error_of(constants: Constants) -> float:
@@ -182,14 +186,7 @@ def minimax_tuned(variant: Variant, index: str, actions: Actions) -> TuningResul
     without integral action on V, which integrates by itself, and from the optimum of the type
     that it contains, so that no type is worse than one that it contains. C_in has no limits.
     """
-    by_hand = BY_HAND[variant]
-    sign = 1.0 if variant == "outflow" else -1.0
-    hand = {
-        "concentration.proportional_gain": by_hand.gain_c,
-        "concentration.integral_time": by_hand.time_c,
-        "volume.proportional_gain": sign * by_hand.gain_v,
-        "volume.integral_time": by_hand.time_v,
-    } | {path(y, "derivative_time"): 1e-3 for y in _CONTROLLED}
+    hand = _settings(BY_HAND[variant]) | {path(y, "derivative_time"): 1e-3 for y in _CONTROLLED}
     starts = [hand]
     if actions in _CONTAINED:
         least = minimax_tuned(variant, index, _CONTAINED[actions]).controller.values
@@ -197,7 +194,7 @@ def minimax_tuned(variant: Variant, index: str, actions: Actions) -> TuningResul
         without |= {path(y, "derivative_time"): _NO_DERIVATIVE for y in _CONTROLLED}
         gains = [path(y, "proportional_gain") for y in _CONTROLLED]
         fastest = {name: _BOUNDS[name][1] for name in gains}
-        fastest["volume.proportional_gain"] *= sign
+        fastest["volume.proportional_gain"] *= 1.0 if variant == "outflow" else -1.0
         starts.append(hand | fastest | {"volume.integral_time": _NO_INTEGRAL})
         starts.append(without | {name: least[name] for name in _BOUNDS if name in least})
     found = [_tuned_from(start, variant, index, actions) for start in starts]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ from clepsydra.linear.static_gain import static_gain
 from clepsydra.papers.document import Found
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.six_designs import GAIN, MINUTE, TANKS, chain
-from clepsydra.papers.row import Row, Rows
+from clepsydra.papers.row import Rows
 
 _DIAMETER, _TIME, _AREA, _K1 = PRINTED.numbers(
     "section 2", "tank diameter d_T", "time constant T", "tank area F", "K1"
@@ -42,27 +41,25 @@ def _numbers() -> Rows:
     yield PRINTED["section 2", "unit of K_g"].stated("min/m²", of_gain == {"m": 2, "min": 1})
 
 
-@cache
-def _poles() -> np.ndarray:
-    return np.asarray(np.linalg.eigvals(chain().model.A))
-
-
-def _transfer_function() -> list[Row]:
+def _transfer_function() -> Rows:
     """Return the numbers of (8) beside those of the process that is simulated here."""
     gain = float(static_gain(chain().model)[0, 0]) / MINUTE
+    poles = np.linalg.eigvals(chain().model.A)
     # Eight equal poles come out as a ring; its middle is exact.
-    time_constant = float(-1.0 / np.mean(_poles()).real) / MINUTE
+    time_constant = float(-1.0 / np.mean(poles).real) / MINUTE
     why = (
         "Read back from that process, linearised. By the printed K1 it is "
         f"{1.0 / _K1:.3f} min/m², see K_g in section 2."
     )
-    others = {"time constant of a tank": time_constant, "order": len(_poles())}
-    rows = [PRINTED["(8)", "static gain"].compared(gain, why=why), *PRINTED.compared("(8)", others)]
     taken = "The process eight-tanks:paper was made from (8), to be the document's chain."
-    return [row.circular(taken) for row in rows]
+    yield PRINTED["(8)", "static gain"].compared(gain, why=why).circular(taken)
+    for row in PRINTED.compared(
+        "(8)", {"time constant of a tank": time_constant, "order": len(poles)}
+    ):
+        yield row.circular(taken)
 
 
-def _formulas() -> list[Row]:
+def _formulas() -> Rows:
     from sympy import solve, symbols
 
     s, T, K1, F = symbols("s T K_1 F", positive=True)
@@ -81,13 +78,11 @@ def _formulas() -> list[Row]:
     for _ in range(TANKS):
         last = tank(into)
         into = last[outflow]
-    by_place = {
-        "(3)": {"level over inflow of a tank": first[level] / inflow},
-        "(4)": {"level of tank 1": first[level]},
-        "(5)": {
-            "level of tank 2": tank(second_inflow)[level],
-            "level of tank 2 by that of tank 1": tank(K1 * first_level)[level],
-        },
-        "(6), (7)": {"level of tank n over inflow of tank 1, n = 8": last[level] / inflow},
-    }
-    return [row for place, found in by_place.items() for row in PRINTED.formulas(place, found)]
+    for place, name, found in (
+        ("(3)", "level over inflow of a tank", first[level] / inflow),
+        ("(4)", "level of tank 1", first[level]),
+        ("(5)", "level of tank 2", tank(second_inflow)[level]),
+        ("(5)", "level of tank 2 by that of tank 1", tank(K1 * first_level)[level]),
+        ("(6), (7)", "level of tank n over inflow of tank 1, n = 8", last[level] / inflow),
+    ):
+        yield PRINTED[place, name].formula(found)
