@@ -111,10 +111,10 @@ def draw_basins(
 
     Examples
     --------
-    >>> from clepsydra.report.drawing.flow_graph import FlowGraph
-    >>> from clepsydra.report.drawing.placement import Placement
-    >>> placement = Placement(FlowGraph((), ("basin",), (), (), ()), {}, basin_rows=[9])
-    >>> routes = Routes(placement, [], [(3, 0, "basin"), (6, 0, "basin")])
+    >>> from clepsydra.process.reader import load_process
+    >>> from clepsydra.report.drawing.flow_graph import flow_graph
+    >>> from clepsydra.report.drawing.routing import route
+    >>> routes = route(flow_graph(load_process("quadruple-tank")), {})
     >>> len(draw_basins(routes, {}, 500.0, lambda name: "#d3e2ee"))
     1
     """

@@ -8,7 +8,6 @@ by side.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 from clepsydra.report.drawing.bodies import (
     DOWN,
@@ -26,60 +25,10 @@ from clepsydra.report.drawing.control_placement import ControlPlacement
 from clepsydra.report.drawing.flow_graph import FlowGraph, Junction, Link
 from clepsydra.report.drawing.frame import Frame, Gap, Labels
 from clepsydra.report.drawing.gaps import Gaps
-from clepsydra.report.drawing.stacking import Seat
 
 
-@dataclass(eq=False)
 class Placement:
     """Everything that does not depend on the ways of pipes and signals.
-
-    Parameters
-    ----------
-    graph : FlowGraph
-    seats : dict
-        Tank to its shelf, column and row.
-    bodies : dict
-        Element to its body; instruments by the name of their sensor, functions by their own.
-    fixed : list of (link or junction, points)
-        Pipes whose way follows from where things stand: source, from, points.
-    signals : list of (from, to)
-        Bodies that signal lines join.
-    basin_rows : list of int
-        Of each shelf, the line of the surface of its reservoirs.
-    width, height : int
-        In lines of the grid.
-
-    Examples
-    --------
-    >>> fall = Link("outlet", "orifice", ("tank",), ("basin",), by_weight=True)
-    >>> lift = Link("pump", "pump", ("basin",), ("tank",))
-    >>> placement = place(FlowGraph(("tank",), ("basin",), (fall, lift), (), ()), {})
-    >>> placement.bodies["pump"].x < placement.bodies["tank"].x
-    True
-    """
-
-    graph: FlowGraph
-    seats: dict[str, Seat]
-    bodies: dict[str, Body] = field(default_factory=dict)
-    fixed: list[tuple[str, list[Point]]] = field(default_factory=list)
-    signals: list[tuple[str, str]] = field(default_factory=list)
-    basin_rows: list[int] = field(default_factory=list)
-    width: int = 0
-    height: int = 0
-
-    def shelf_of(self, name: str) -> int:
-        """Return the shelf at which a body stands."""
-        y = self.bodies[name].y
-        return next(
-            (shelf for shelf, row in enumerate(self.basin_rows) if y <= row),
-            len(self.basin_rows) - 1,
-        )
-
-
-def place(
-    graph: FlowGraph, labels: Labels, functions: Sequence[ControlFunction] = (), slack: int = 0
-) -> Placement:
-    """Place everything that has a place of its own.
 
     Parameters
     ----------
@@ -91,27 +40,43 @@ def place(
     slack : int
         More room for pipes, where they did not find their way.
 
+    Attributes
+    ----------
+    seats : dict
+        Tank to its shelf, column and row.
+    bodies : dict
+        Element to its body; instruments by the name of their sensor, functions by their own.
+    fixed : list of (link, points)
+        Pipes whose way follows from where things stand.
+    signals : list of (from, to)
+        Bodies that signal lines join.
+    basin_rows : list of int
+        Of each shelf, the line of the surface of its reservoirs.
+    width, height : int
+        In lines of the grid.
+
     Examples
     --------
     >>> from clepsydra.process.reader import load_process
     >>> from clepsydra.report.drawing.flow_graph import flow_graph
-    >>> bodies = place(flow_graph(load_process("quadruple-tank")), {}).bodies
+    >>> bodies = Placement(flow_graph(load_process("quadruple-tank")), {}).bodies
     >>> bodies["tank_1"].x == bodies["tank_3"].x, bodies["tank_3"].y < bodies["tank_1"].y
     (True, True)
     """
-    return _Placer(graph, labels, functions, slack).placed()
 
-
-class _Placer:
     def __init__(
-        self, graph: FlowGraph, labels: Labels, functions: Sequence[ControlFunction], slack: int
+        self,
+        graph: FlowGraph,
+        labels: Labels,
+        functions: Sequence[ControlFunction] = (),
+        slack: int = 0,
     ) -> None:
-        self.graph, self.functions = graph, functions
-        self.frame = Frame(graph, labels, slack)
+        self.graph, self.frame = graph, Frame(graph, labels, slack)
         self.gaps = Gaps(self.frame, slack)
         self.seats, self.label = self.frame.seats, self.frame.label
-        self.placement = Placement(graph, self.seats, height=self.frame.height)
-        self.placement.basin_rows = self.frame.basin_rows
+        self.basin_rows, self.width, self.height = self.frame.basin_rows, 0, self.frame.height
+        self.bodies: dict[str, Body] = {}
+        self.fixed: list[tuple[str, list[Point]]] = []
         self.followed: set[str] = set()
         self.left_and_right: dict[int, int] = {}
         #: What comes from outside straight into a tank, one for each.
@@ -119,25 +84,30 @@ class _Placer:
         for link in graph.links:
             if not link.sources and len(link.targets) == 1 and link.targets[0] in self.seats:
                 self.stubs.setdefault(link.targets[0], link)
-
-    def placed(self) -> Placement:
-        """Place rows first, then what stands in the gaps, then the columns."""
-        control = ControlPlacement(self.frame, self.gaps, self.functions)
+        control = ControlPlacement(self.frame, self.gaps, functions)
+        self.signals = control.signals
+        # Rows first, then what stands in the gaps, then the columns.
         control.seat_instruments()
         hanging = [own for links in self.frame.below.values() for own in links]
-        for link in self.graph.links:
+        for link in graph.links:
             if link not in (*self.stubs.values(), *hanging):
                 self._put_link(link)
-        for junction in self.graph.junctions:
+        for junction in graph.junctions:
             if junction.name not in self.followed and not self.frame.falls_into(junction):
                 self._put_junction(junction)
-        for name in self.graph.loose:
+        for name in graph.loose:
             self._put_loose(name)
         control.put_meters()
         control.put_functions()
-        self.placement.signals = control.signals
         self._set_columns()
-        return self.placement
+
+    def shelf_of(self, name: str) -> int:
+        """Return the shelf at which a body stands."""
+        y = self.bodies[name].y
+        return next(
+            (shelf for shelf, row in enumerate(self.basin_rows) if y <= row),
+            len(self.basin_rows) - 1,
+        )
 
     # What stands in gaps
 
@@ -239,8 +209,8 @@ class _Placer:
                     if (seat.shelf, seat.column) == (shelf, gap):
                         self._settle(self.frame.standing[tank], x + TANK_HALF)
                 x += 2 * TANK_HALF
-            self.placement.width = max(self.placement.width, x + 2)
-        self.placement.bodies.update(self.gaps.bodies)
+            self.width = max(self.width, x + 2)
+        self.bodies.update(self.gaps.bodies)
         for tank, link in self.stubs.items():
             self._put_stub(tank, link)
 
@@ -249,20 +219,18 @@ class _Placer:
         floor = standing[0].y + TANK_ROWS
         for body in standing:
             body.move(x)
-            self.placement.bodies[body.name] = body
+            self.bodies[body.name] = body
             if body.symbol not in ("tank", "splitter"):
                 down = body.y + (0 if body.free("out") else 1)
-                self.placement.fixed.append((body.name, [(body.x, floor), (body.x, down)]))
+                self.fixed.append((body.name, [(body.x, floor), (body.x, down)]))
 
     def _put_stub(self, tank: str, link: Link) -> None:
-        body, side = self.placement.bodies[tank], self.frame.inner(tank)
+        body, side = self.bodies[tank], self.frame.inner(tank)
         # On the side where no pump stands, a little away from the wall.
         x = body.x + side * (TANK_HALF - 2)
         pin = next(pin for pin in body.pins if pin.end == (x, body.y - 1))
         pin.used = True
         # Instruments that make room for pipes at the floor reach higher up.
         y = body.y - (6 if self.frame.low(tank) else 3)
-        self.placement.bodies[link.name] = stub_body(
-            link.name, x, y, self.label(link.name), side, body.y - 1
-        )
-        self.placement.fixed.append((link.name, [(x, y), (x, body.y)]))
+        self.bodies[link.name] = stub_body(link.name, x, y, self.label(link.name), side, body.y - 1)
+        self.fixed.append((link.name, [(x, y), (x, body.y)]))

@@ -11,7 +11,7 @@ from clepsydra.report.drawing.control_functions import ControlFunction
 from clepsydra.report.drawing.flow_graph import FlowGraph
 from clepsydra.report.drawing.frame import Labels
 from clepsydra.report.drawing.grid_router import GridRouter, straightened
-from clepsydra.report.drawing.placement import Placement, place
+from clepsydra.report.drawing.placement import Placement
 
 #: With more room and in another order each time; the last one runs through what is in the way.
 _ATTEMPTS = 10
@@ -96,7 +96,7 @@ def route(graph: FlowGraph, labels: Labels, functions: Sequence[ControlFunction]
     """
     urgent: list[tuple[str, str]] = []
     for attempt in range(_ATTEMPTS + 1):
-        placement = place(graph, labels, functions, slack=3 * (attempt // 2))
+        placement = Placement(graph, labels, functions, slack=3 * (attempt // 2))
         router = _Router(placement, through=attempt == _ATTEMPTS)
         stuck = router.lay_all(urgent)
         if stuck is None:
