@@ -76,30 +76,16 @@ class Symbols:
 
 def run() -> Found:
     """Derive what (5) to (7) rest on, and compare."""
-    symbols = Symbols()
-    return (
-        _two_point_model(symbols),
-        _characteristic(symbols),
-        *_quadratic_cost(symbols),
-        _weights(),
-        _riccati(),
-        _vector_margin(),
-    )
-
-
-def _two_point_model(symbols: Symbols) -> Row:
     from sympy import exp, sympify
 
+    symbols = Symbols()
     gain, delay, lag = (sympify(PRINTED["two-point method", n].text) for n in ("Kp", "td", "τp"))
-    found = gain * exp(-delay * symbols.s) / (lag * symbols.s + 1)
-    return PRINTED["(5)", "G(s)"].formula(found)
-
-
-def _characteristic(symbols: Symbols) -> Row:
-    closed = symbols.A - symbols.B * symbols.K
+    two_points = gain * exp(-delay * symbols.s) / (lag * symbols.s + 1)
+    yield PRINTED["(5)", "G(s)"].formula(two_points)
+    characteristic = (symbols.A - symbols.B * symbols.K).charpoly(symbols.s).as_expr()
     printed = PRINTED["(6)", "left side, whose roots are the closed-loop poles"]
-    is_right = symbols.are_equal(printed.text, closed.charpoly(symbols.s).as_expr())
-    return printed.stated("det(s*I - A + B*K)", is_right)
+    yield printed.stated("det(s*I - A + B*K)", symbols.are_equal(printed.text, characteristic))
+    yield from (*_quadratic_cost(symbols), _weights(), _riccati(), _vector_margin())
 
 
 def _quadratic_cost(symbols: Symbols) -> Rows:
