@@ -38,7 +38,7 @@ class Candidate(results.Candidate):
     """A controller of a study with its run, its scores and its place in the ranking.
 
     `controller`, `run`, `scores`, `rank`, `standing`, `maximum_sensitivity`, `reason`, `warnings`
-    and, of a tuned one, `tuning`.
+    of the controller, `caveats` of its simulation and scenario and, of a tuned one, `tuning`.
     """
 
     controller: Controller

@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from clepsydra.base.errors import InputError
 from clepsydra.designs.sampled.sampled_loop import SampledLoops
@@ -230,15 +231,15 @@ class TuningProblem:
         values = self.space.values_at(points)
         usable = np.all([np.isfinite(column) for column in values.values()], axis=0)
         own = self.space.controller.values
-        found = self.batch.run(
+        rows = self._run_with(
             {name: np.where(usable, column, own[name]) for name, column in values.items()}
         )
-        scores = [np.where(usable, found.scores[name], np.inf) for name in self.names]
-        return np.stack([*scores, found.status], axis=1)
+        rows[~usable, :-1] = np.inf
+        return rows
 
-    def _run_with(self, values: Mapping[str, float]) -> np.ndarray:
-        """Return scores and status of the controller with all its values [1, scores + 1]."""
-        found = self.batch.run({name: np.array([value]) for name, value in values.items()})
+    def _run_with(self, values: Mapping[str, ArrayLike]) -> np.ndarray:
+        """Return scores and status of candidates with these values [n, scores + 1]."""
+        found = self.batch.run({name: np.atleast_1d(value) for name, value in values.items()})
         return np.stack([*(found.scores[name] for name in self.names), found.status], axis=1)
 
     def sensitivity(self, point: np.ndarray) -> float:

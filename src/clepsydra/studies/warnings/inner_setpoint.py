@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.run import Run
-from clepsydra.scores.effort import at_limit
+from clepsydra.studies.warnings.saturation import MOSTLY, share_at_limit
 from clepsydra.studies.warnings.words import shown
-
-#: Share of a run at a limit above which the outer loop controls nothing for most of it.
-_MOSTLY = 0.5
 
 
 def inner_setpoint_warnings(run: Run) -> list[str]:
     """Return warnings of inner setpoints that stand at a limit for more than half of a run."""
     words = []
     for inner in inner_setpoints(run.controller, run.process):
-        values = run.values[inner.name]
-        share = float(np.mean(at_limit(values, inner.low, inner.high)))
-        if share > _MOSTLY:
-            lower = float(np.mean(at_limit(values, inner.low, np.inf)))
-            end, limit = ("low", inner.low) if lower > share / 2.0 else ("high", inner.high)
+        share, mostly_low = share_at_limit(run.values[inner.name], inner.low, inner.high)
+        if share > MOSTLY:
+            end, limit = ("low", inner.low) if mostly_low else ("high", inner.high)
             words.append(
                 f"The inner setpoint of {inner.measurement} stands at a limit for "
                 f"{100.0 * share:.0f} % of the time, mostly at its {end} limit of "

@@ -17,9 +17,9 @@ from clepsydra.studies.warnings.words import shown
 _NO_ROOM = 0.02
 #: And within this share it is at the limit: less is rounding.
 _AT_LIMIT = 1e-6
-#: Share of the run in saturation above which the reader is told, and above which it is most of it.
+#: Share of a run at a limit above which the reader is told, and above which it is most of it.
 _SATURATED = 0.05
-_MOSTLY = 0.5
+MOSTLY = 0.5
 
 
 def resting_saturation_words(
@@ -71,14 +71,14 @@ def saturation_warnings(run: Run) -> list[str]:
         return []
     words, shares = [], {}
     for signal in run.process.inputs:
-        values, (low, high) = run.values[signal.name], run.limits(signal.name)
-        shares[signal.name] = share = float(np.mean(at_limit(values, low, high)))
+        low, high = run.limits(signal.name)
+        share, mostly_low = share_at_limit(run.values[signal.name], low, high)
+        shares[signal.name] = share
         if share > _SATURATED:
-            lower = float(np.mean(at_limit(values, low, np.inf)))
-            end = low if lower > share / 2.0 else high
+            end = low if mostly_low else high
             effect = (
                 "nothing is controlled for most of it; ask for less, or give it another size"
-                if share > _MOSTLY
+                if share > MOSTLY
                 else "nothing is corrected meanwhile"
             )
             words.append(
@@ -88,6 +88,18 @@ def saturation_warnings(run: Run) -> list[str]:
     if any(shares[name] > 0.0 for name in run.controller.manipulated):
         words += _wound_up(run, shares)
     return words
+
+
+def share_at_limit(values: np.ndarray, low: float, high: float) -> tuple[float, bool]:
+    """Return for which share of samples values are at a limit, and whether mostly at the low one.
+
+    Examples
+    --------
+    >>> share_at_limit(np.array([0.0, 0.0, 4.0, 10.0]), 0.0, 10.0)
+    (0.75, True)
+    """
+    share = float(np.mean(at_limit(values, low, high)))
+    return share, float(np.mean(at_limit(values, low, np.inf))) > share / 2.0
 
 
 def _wound_up(run: Run, shares: dict[str, float]) -> list[str]:
