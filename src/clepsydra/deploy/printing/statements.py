@@ -160,6 +160,16 @@ class Language(ABC):
           a = u;
           b = u;
         }
+
+        What holds otherwise comes first, where nothing that is assigned is read:
+
+        >>> from clepsydra.deploy.structured_text.dialect import dialect_of
+        >>> from clepsydra.deploy.structured_text.statements import StructuredText
+        >>> share = Expression("divide", (variable("gain"), variable("time")))
+        >>> chosen = Expression("select", (flag("acts"), share, variable("rest")))
+        >>> both = [Assignment(name, chosen) for name in ("low", "high")]
+        >>> StructuredText(dialect_of("codesys"), "double").statements(both)[:3]
+        ['low := rest;', 'high := rest;', 'IF acts THEN']
         """
         lines: list[str] = []
         rest = list(entries)
@@ -173,6 +183,12 @@ class Language(ABC):
             first = [Assignment(name, value) for name, _, value, _ in choices]
             last = [Assignment(name, v) for name, _, _, v in choices if not _keeps(name, v)]
             branches = [(self.expression(choices[0][1]), self._assigned(first))]
+            read = {part.text for each in group for part in each.expression.parts}
+            free = read.isdisjoint(each.name for each in group)
+            if free and all(value.is_atom for *_, value in choices):
+                # What holds otherwise comes first.
+                lines += [*self._assigned(last), *self._decided(branches)]
+                continue
             lines += self._decided([*branches, ("", self._assigned(last))])
         return lines
 
