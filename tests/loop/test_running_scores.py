@@ -194,7 +194,7 @@ def test_every_lane_has_the_scores_of_its_own_run(loop):
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("iae", "score: got 'iae', expected a score of a signal"),
+        ("iae", "running scores: got 'iae', expected iae of one of level_1, level_2"),
         ("iea[level_1]", r"got 'iea\[level_1\]', expected one of ie, iae"),
         ("iae[level_3]", "iae of one of level_1, level_2"),
         ("total_variation[level_1]", "total_variation of one of pump_1, pump_2"),

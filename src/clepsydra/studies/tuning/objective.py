@@ -68,7 +68,7 @@ class Objective:
                 raise InputError(
                     "tuning, objective",
                     name,
-                    f"a signal's score of {', '.join(judged())}",
+                    f"one of {', '.join(judged())}, of a signal",
                     'write as in "iae[level_1]"',
                 )
             if not is_finite_number(weight) or not weight > 0.0:
