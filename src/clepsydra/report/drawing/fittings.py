@@ -13,6 +13,9 @@ from clepsydra.report.quantities import short_text
 #: Where the share of a branch is written, from the middle of its splitter.
 _SHARE = {(1, 0): (16, -7), (-1, 0): (-16, -7), (0, -1): (6, -22), (0, 1): (8, 30)}
 
+#: What has a symbol of its own; all else, such as a user's element, is a box.
+_OWN_SYMBOLS = ("pump", "valve", "flow", "orifice", "stub")
+
 
 def draw_fitting(scene: Scene, body: Body) -> list[str]:
     """Return the symbol of a body that stands in pipes, and its words; empty for others.
@@ -34,7 +37,7 @@ def draw_fitting(scene: Scene, body: Body) -> list[str]:
     if body.symbol == "delay":
         below = text(x, y + 27, scene.labels[name][0], style="small", colour=MUTED)
         return [symbols.channel(x, y, half, scene.delay_time(name), title), below]
-    if body.symbol == "box":
+    if body.symbol not in _OWN_SYMBOLS:
         words = "" if body.across else scene.elements[name].kind
         shape = symbols.plain(x, y, max(half, 20.0), words, title)
     else:
