@@ -7,7 +7,7 @@ from tunings import tuning
 
 from clepsydra import PidForm
 from clepsydra.deploy.vendor_tuning.filling import filled
-from clepsydra.deploy.vendor_tuning.vendors.every_block import EVERY_BLOCK
+from clepsydra.deploy.vendor_tuning.vendor_block import EVERY_BLOCK
 
 S = 1j * np.logspace(-4, 1, 40)
 

@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-from tunings import LEVEL, PUMP, tuning
+from tunings import BLOCKS, LEVEL, PUMP, tuning
 
 from clepsydra import PidForm
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.deploy.vendor_tuning.filling import filled
-from clepsydra.deploy.vendor_tuning.vendors.every_block import vendor_block
 
 PERIOD, SAMPLES, REST, OUTPUT = 0.5, 400, 2.5, 5.0
 
@@ -49,7 +48,7 @@ def own_output(case):
 
 
 def entered(key, case):
-    found = filled(vendor_block(key), case)
+    found = filled(BLOCKS[key], case)
     return {setting.name: setting.value for setting in found.settings}, dict(found.choices)
 
 

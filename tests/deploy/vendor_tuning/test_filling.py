@@ -1,17 +1,15 @@
 """Numbers that can be had by hand, and what a block cannot do."""
 
 import pytest
-from refusals import refused
-from tunings import LEVEL, PUMP, tuning
+from tunings import BLOCKS, LEVEL, PUMP, tuning
 
 from clepsydra import InputError, PidForm, Signal
 from clepsydra.deploy.vendor_tuning.block_units import printed_number
 from clepsydra.deploy.vendor_tuning.filling import filled
-from clepsydra.deploy.vendor_tuning.vendors.every_block import vendor_block
 
 
 def words(key, case):
-    return [setting.words for setting in filled(vendor_block(key), case).settings]
+    return [setting.words for setting in filled(BLOCKS[key], case).settings]
 
 
 def test_units_of_gain_and_time():
@@ -54,7 +52,7 @@ def test_series_form_by_hand():
 )
 def test_action_is_a_switch_beside_a_gain_above_zero(key, switch, reverse, direct):
     for gain, expected in ((4.0, reverse), (-4.0, direct)):
-        found = filled(vendor_block(key), tuning(gain))
+        found = filled(BLOCKS[key], tuning(gain))
         assert dict(found.choices)[switch] == expected
         assert all(setting.value > 0 or "α" in setting.name for setting in found.settings)
         assert found.applied.settings.gain == gain
@@ -81,17 +79,17 @@ def test_action_is_the_sign_of_the_gain():
     ],
 )
 def test_what_a_block_lacks_is_said(key, case, expected):
-    assert any(expected in said for said in filled(vendor_block(key), case).differs)
+    assert any(expected in said for said in filled(BLOCKS[key], case).differs)
 
 
 def test_an_unpublished_filter_is_a_note():
-    found = filled(vendor_block("rockwell-pide-dependent"), tuning(4.0, 120, 15, 1.5))
+    found = filled(BLOCKS["rockwell-pide-dependent"], tuning(4.0, 120, 15, 1.5))
     assert not found.differs
     assert any("not published; the check takes 1.5 s" in said for said in found.notes)
 
 
 def test_what_is_not_confirmed_of_the_derivative_concerns_only_loops_with_one():
-    block = vendor_block("rockwell-pide-dependent")
+    block = BLOCKS["rockwell-pide-dependent"]
     with_derivative = filled(block, tuning(4.0, 120, 15, 1.5)).notes
     assert any("not confirmed" in said for said in with_derivative)
     assert not filled(block, tuning()).notes
@@ -99,14 +97,14 @@ def test_what_is_not_confirmed_of_the_derivative_concerns_only_loops_with_one():
 
 def test_without_integral_there_is_no_integral_time_but_a_bias():
     case = tuning(4.0, float("inf"), form=PidForm("P"))
-    found = filled(vendor_block("rockwell-pide-dependent"), case)
+    found = filled(BLOCKS["rockwell-pide-dependent"], case)
     assert [setting.words for setting in found.settings] == ["KC = 2 %/%"]
     assert any("bias" in said for said in found.notes)
 
 
 def test_rounding_is_that_of_the_block():
     assert words("rockwell-micrologix", tuning(4.01, 100.0)) == ["KC = 2 %/%", "TI = 1.67 min"]
-    found = filled(vendor_block("rockwell-micrologix"), tuning(4.01, 100.0)).applied.settings
+    found = filled(BLOCKS["rockwell-micrologix"], tuning(4.01, 100.0)).applied.settings
     assert found.gain == pytest.approx(4.0, rel=1e-14)
     assert found.integral_time == pytest.approx(100.2, rel=1e-14)
     assert words("beckhoff-fb-ctrl-pid", tuning(4.0, 2.000416)) == ["fKp = 0.04 V/cm", "tTn = 2 s"]
@@ -123,7 +121,7 @@ def test_rounding_is_that_of_the_block():
 )
 def test_what_cannot_be_filled_is_refused(key, case, expected):
     with pytest.raises(InputError, match=expected):
-        filled(vendor_block(key), case)
+        filled(BLOCKS[key], case)
 
 
 def test_a_gain_in_units_needs_no_range():
@@ -136,8 +134,3 @@ def test_five_digits():
     assert [printed_number(v) for v in (1 / 3, 123456.0, 1e-7 / 3, -2.0, 0.0)] == [
         "0.33333", "1.2346e+05", "3.3333e-08", "-2", "0",
     ]  # fmt: skip
-
-
-def test_an_unknown_block_is_refused_with_the_known_ones():
-    with refused(expected="siemens-pid-compact"):
-        vendor_block("siemens")

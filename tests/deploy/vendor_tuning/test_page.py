@@ -9,7 +9,7 @@ from plants import designed
 
 from clepsydra import PidForm
 from clepsydra.deploy.vendor_tuning.translation import translate
-from clepsydra.deploy.vendor_tuning.vendors.every_block import EVERY_BLOCK
+from clepsydra.deploy.vendor_tuning.vendor_block import EVERY_BLOCK
 
 PAGE = (Path(__file__).parents[3] / "docs" / "vendor-tuning.md").read_text(encoding="utf-8")
 FLOWING = " ".join(PAGE.split())

@@ -17,7 +17,7 @@ from clepsydra.deploy.vendor_tuning.check import Check
 from clepsydra.deploy.vendor_tuning.filling import Applied
 from clepsydra.deploy.vendor_tuning.standard_tuning import standard_tunings
 from clepsydra.deploy.vendor_tuning.translation import translate
-from clepsydra.deploy.vendor_tuning.vendors.every_block import EVERY_BLOCK
+from clepsydra.deploy.vendor_tuning.vendor_block import EVERY_BLOCK
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.studies.file.reader import read_study
@@ -37,6 +37,11 @@ def quadruple():
 @pytest.fixture(scope="module")
 def three():
     return plant("three-tanks")
+
+
+def row_of(translation, loop, key):
+    (row,) = (r for r in translation.rows if (r.tuning.loop, r.block.key) == (loop, key))
+    return row
 
 
 def of_study(text, folder):
@@ -77,7 +82,7 @@ def test_what_rounding_does_is_what_a_run_with_the_rounded_numbers_shows(quadrup
     for loop, pump in (("level_1", "pump_1"), ("level_2", "pump_2")):
         expected = np.max(np.abs(runs[0][pump] - runs[1][pump])) / 10.0  # of 0 V to 10 V
         assert expected > 1e-5
-        assert found.row(loop, key).by_numbers == pytest.approx(expected, rel=1e-3)
+        assert row_of(found, loop, key).by_numbers == pytest.approx(expected, rel=1e-3)
 
 
 def test_the_check_sees_one_percent_of_each_number(three):
@@ -102,8 +107,8 @@ def test_pid_control_by_its_numbers_is_the_same_and_what_blocks_lack_shows(three
             assert row.by_numbers < 2e-4, row.block.key
     # Noise through an unfiltered derivative, and setpoint steps through one on the error.
     for key in ("codesys-pid", "iec-61131-3-pid", "yokogawa-fieldbus-pid"):
-        assert found.row("level_3", key).by_block > 0.2
-    assert found.row("level_3", "siemens-cont-c").by_block > 0.05
+        assert row_of(found, "level_3", key).by_block > 0.2
+    assert row_of(found, "level_3", "siemens-cont-c").by_block > 0.05
 
 
 def test_the_series_form_differs_by_sampling_alone(three):
@@ -115,7 +120,9 @@ def test_the_series_form_differs_by_sampling_alone(three):
         scenario = default_scenario(cl.Plant(process).linear)
         quiet = replace(scenario, noise=np.zeros_like(scenario.noise))
         found.append(
-            translate(controller, process, quiet).row("level_3", "emerson-deltav-series").by_numbers
+            row_of(
+                translate(controller, process, quiet), "level_3", "emerson-deltav-series"
+            ).by_numbers
         )
     assert found[0] / found[1] == pytest.approx(4.0, rel=0.1)
 
@@ -123,7 +130,7 @@ def test_the_series_form_differs_by_sampling_alone(three):
 def test_a_series_controller_is_the_series_block_to_the_printed_digits(three):
     controller = cl.design.simc(three, form=PidForm("PID", "series"))
     found = translate(controller, three.process)
-    row = found.row("level_3", "emerson-deltav-series")
+    row = row_of(found, "level_3", "emerson-deltav-series")
     values = controller.values
     assert {setting.name: setting.value for setting in row.filled.settings} == pytest.approx(
         {
@@ -163,10 +170,10 @@ def test_both_loops_of_a_cascade(tmp_path):
     found = translate(controller, request.process)
     assert [tuning.title for tuning in found.tunings] == ["level by duty_flow", "duty_flow by duty"]
     assert [tuning.action for tuning in found.tunings] == ["direct", "reverse"]
-    outer = found.row("level", "siemens-pid-compact").filled
+    outer = row_of(found, "level", "siemens-pid-compact").filled
     assert [setting.words for setting in outer.settings[:2]] == ["Gain = 3 %/%", "Ti = 600 s"]
     assert found.as_markdown().count("Other blocks stand between it and the outputs.") == 1
-    inner = found.row("flow", "siemens-pid-compact").filled
+    inner = row_of(found, "flow", "siemens-pid-compact").filled
     assert [setting.words for setting in inner.settings[:2]] == ["Gain = 0.3 %/%", "Ti = 6 s"]
     for row in found.rows:
         assert row.by_numbers < (1e-2 if row.block.key in COARSE else 1e-6), row.block.key

@@ -3,6 +3,9 @@
 from clepsydra import PidForm, Signal
 from clepsydra.deploy.vendor_tuning.filtered_forms import FilteredPid
 from clepsydra.deploy.vendor_tuning.standard_tuning import StandardTuning
+from clepsydra.deploy.vendor_tuning.vendor_block import EVERY_BLOCK
+
+BLOCKS = {block.key: block for block in EVERY_BLOCK}
 
 #: 0 to 500 cm, and 0 to 10 V: 4 V/m is 0.04 V/cm and 2 %/%.
 LEVEL = Signal("level", "m", display_unit="cm", low=0.0, high=5.0)

@@ -18,22 +18,7 @@ DIGITS = 5
 
 @dataclass(frozen=True)
 class Setting:
-    """One parameter of a block with its value as it is printed.
-
-    Parameters
-    ----------
-    name : str
-        The vendor's.
-    text : str
-        The number; it is what the check computes with.
-    unit : str
-        Empty of a pure number.
-
-    Examples
-    --------
-    >>> Setting("Ti", "0.5", "min").words
-    'Ti = 0.5 min'
-    """
+    """One parameter of a block, with the number as it is printed: the check computes with it."""
 
     name: str
     text: str
@@ -65,29 +50,12 @@ def printed_number(value: float, resolution: float = 0.0) -> str:
 
 @dataclass(frozen=True)
 class BlockUnits:
-    """The units of a block for one loop: its gain in percent of ranges, or in display units.
-
-    Parameters
-    ----------
-    block : VendorBlock
-    tuning : StandardTuning
-
-    Examples
-    --------
-    >>> from clepsydra.base.signal import Signal
-    >>> from clepsydra.controllers.pid_form import PidForm
-    >>> from clepsydra.deploy.vendor_tuning.vendors.every_block import vendor_block
-    >>> level, pump = Signal("level", "m", low=0.0, high=5.0), Signal("pump", "V", low=0, high=10)
-    >>> tuning = StandardTuning("k", level, pump, PidForm(), FilteredPid(-4.0, 120.0), True)
-    >>> units = BlockUnits(vendor_block("siemens-cont-c"), tuning)
-    >>> units.of_gain(-4.0), units.gain_of(-2.0)
-    (-2.0, -4.0)
-    """
+    """The units of a block for one loop: its gain in percent of ranges, or in display units."""
 
     block: VendorBlock
     tuning: StandardTuning
 
-    def of_gain(self, gain: float) -> float:
+    def _of_gain(self, gain: float) -> float:
         """Return a gain as the block has it."""
         tuning, sign = self.tuning, self.block.sign
         if self.block.gain_in == "percent":
@@ -96,7 +64,7 @@ class BlockUnits:
             shown = gain * tuning.engineering_factor
         return abs(shown) if sign == "switch" else -shown if sign == "opposite gain" else shown
 
-    def gain_of(self, shown: float) -> float:
+    def _gain_of(self, shown: float) -> float:
         """Return the gain that the block's stands for."""
         tuning, sign = self.tuning, self.block.sign
         if sign == "switch":
@@ -109,67 +77,65 @@ class BlockUnits:
 
     def unit(self, parameter: Parameter) -> str:
         """Return the unit of a parameter as it is printed."""
+        percent = self.block.gain_in == "percent"
         if parameter.kind not in ("gain", "integral gain", "derivative gain"):
             return parameter.unit
-        gain = "%/%" if self.block.gain_in == "percent" else self.tuning.engineering_unit
-        if not parameter.unit:
-            return gain
-        if self.block.gain_in == "percent":
+        if percent and parameter.unit:
             return parameter.unit
-        return f"{gain} {parameter.unit}"
+        return f"{'%/%' if percent else self.tuning.engineering_unit} {parameter.unit}".strip()
 
     def value(
         self, parameter: Parameter, numbers: FilteredPid, derivative_on: DerivativeOn
     ) -> float:
         """Return what a parameter has to be for numbers in the block's form."""
-        gain = self.of_gain(numbers.gain)
-        length = parameter.seconds
+        gain, integral_time, derivative_time, filter_time, weight = numbers
+        gain, length = self._of_gain(gain), parameter.seconds
         values: dict[Kind, float] = {
             "gain": gain,
             "proportional band": 100.0 / gain,
-            "integral time": numbers.integral_time / length,
-            "repeats": length / numbers.integral_time,
-            "integral gain": gain * length / numbers.integral_time,
-            "derivative time": numbers.derivative_time / length,
-            "derivative gain": gain * numbers.derivative_time / length,
-            "filter time": numbers.filter_time / length,
-            "setpoint weight": numbers.setpoint_weight,
-            "reduced setpoint weight": 1.0 - numbers.setpoint_weight,
+            "integral time": integral_time / length,
+            "repeats": length / integral_time,
+            "integral gain": gain * length / integral_time,
+            "derivative time": derivative_time / length,
+            "derivative gain": gain * derivative_time / length,
+            "filter time": filter_time / length,
+            "filter ratio": filter_time / derivative_time if derivative_time else math.nan,
+            "setpoint weight": weight,
+            "reduced setpoint weight": 1.0 - weight,
             "derivative weight": 1.0 if derivative_on == "error" else 0.0,
         }
-        if numbers.derivative_time:
-            values["filter ratio"] = numbers.filter_time / numbers.derivative_time
         return values[parameter.kind]
 
     def meant(self, settings: Sequence[Setting], target: FilteredPid) -> FilteredPid:
         """Return what the printed numbers mean, in the block's form; gains come first."""
-        found = target
+        found = target._asdict()
         kinds = {parameter.name: parameter for parameter in self.block.parameters}
-        gain = self.of_gain(target.gain)
+        gain = self._of_gain(target.gain)
         for setting in settings:
             parameter, value = kinds[setting.name], setting.value
-            seconds, kind = value * parameter.seconds, parameter.kind
-            if kind in ("gain", "proportional band"):
-                gain = value if kind == "gain" else 100.0 / value
-                found = found._replace(gain=self.gain_of(gain))
-            elif kind == "integral time":
-                found = found._replace(integral_time=seconds)
-            elif kind == "repeats":
-                found = found._replace(integral_time=parameter.seconds / value)
-            elif kind == "integral gain":
-                found = found._replace(integral_time=gain * parameter.seconds / value)
-            elif kind == "derivative time":
-                found = found._replace(derivative_time=seconds)
-            elif kind == "derivative gain":
-                found = found._replace(derivative_time=seconds / gain)
-            elif kind == "filter time":
-                found = found._replace(filter_time=seconds)
-            elif kind == "filter ratio":
-                found = found._replace(filter_time=value * found.derivative_time)
-            elif kind == "setpoint weight":
-                found = found._replace(setpoint_weight=value)
-            elif kind == "reduced setpoint weight":
-                found = found._replace(setpoint_weight=1.0 - value)
+            length = parameter.seconds
+            match parameter.kind:
+                case "gain" | "proportional band":
+                    gain = value if parameter.kind == "gain" else 100.0 / value
+                    found["gain"] = self._gain_of(gain)
+                case "integral time":
+                    found["integral_time"] = value * length
+                case "repeats":
+                    found["integral_time"] = length / value
+                case "integral gain":
+                    found["integral_time"] = gain * length / value
+                case "derivative time":
+                    found["derivative_time"] = value * length
+                case "derivative gain":
+                    found["derivative_time"] = value * length / gain
+                case "filter time":
+                    found["filter_time"] = value * length
+                case "filter ratio":
+                    found["filter_time"] = value * found["derivative_time"]
+                case "setpoint weight":
+                    found["setpoint_weight"] = value
+                case "reduced setpoint weight":
+                    found["setpoint_weight"] = 1.0 - value
         if isinstance(self.block.derivative_filter, float):
-            found = found._replace(filter_time=found.derivative_time / self.block.derivative_filter)
-        return found
+            found["filter_time"] = found["derivative_time"] / self.block.derivative_filter
+        return FilteredPid(**found)

@@ -59,14 +59,11 @@ class Check:
     def differences(self, applied: Mapping[str, Applied]) -> dict[str, float]:
         """Return the largest difference of each manipulated variable, as a share of its range.
 
-        Parameters
-        ----------
-        applied : mapping
-            Loop to what its block does; other loops stay as they are.
+        What a loop's block does is told by the loop's name; other loops stay as they are.
         """
         key = tuple(sorted(applied.items()))
         if key not in self._known:
-            other = in_form(self.controller, self.model, applied)
+            other = _in_form(self.controller, self.model, applied)
             run = Loop(other, self.model).run(self.scenario)
             self._known[key] = {name: self._largest(run, name) for name in other.manipulated}
         return self._known[key]
@@ -86,24 +83,12 @@ class Check:
         return float(np.max(np.abs(run.values[name] - self.original.values[name]))) / width
 
 
-def in_form(
+def _in_form(
     controller: Controller, model: LinearModel, applied: Mapping[str, Applied]
 ) -> Controller:
     """Return a controller with the forms and numbers of some of its PID loops replaced.
 
     Its anti-windup, limits, setpoint ramps and all other blocks stay.
-
-    Parameters
-    ----------
-    controller : Controller
-    model : LinearModel
-        At whose operating point it starts at rest.
-    applied : mapping
-        Loop to what its block does.
-
-    Examples
-    --------
-    See `Check`.
     """
     law, values = controller.law, dict(controller.values)
     blocks = []
@@ -123,27 +108,17 @@ def in_form(
     )
     # A weight above 1 is none that a user should set, but some forms ask for it.
     weights = {path(loop, "setpoint_weight") for loop in applied}
-    changed = replace(
-        changed,
-        parameters=tuple(
-            replace(parameter, low=-math.inf, high=math.inf)
-            if parameter.name in weights
-            else parameter
-            for parameter in changed.parameters
-        ),
+    parameters = tuple(
+        replace(each, low=-math.inf, high=math.inf) if each.name in weights else each
+        for each in changed.parameters
     )
-    values = {
-        parameter.name: values.get(parameter.name, parameter.initial)
-        for parameter in changed.parameters
-    }
-    at_rest = Loop(controller, model).at_rest() | Loop(controller, model).point.as_dict()
+    changed = replace(changed, parameters=parameters)
+    values = {each.name: values.get(each.name, each.initial) for each in parameters}
+    loop = Loop(controller, model)
+    at_rest = loop.at_rest() | loop.point.as_dict()
     wired = {name: at_rest[signal] for name, signal in controller.input_wires.items()}
-    return replace(
-        controller,
-        law=changed,
-        values=values,
-        initial_state=state_at_rest(changed, values, wired),
-    )
+    state = state_at_rest(changed, values, wired)
+    return replace(controller, law=changed, values=values, initial_state=state)
 
 
 def _algorithm(applied: Applied, own: Algorithm) -> Algorithm:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.pid_form import DerivativeOn
@@ -19,22 +20,8 @@ from clepsydra.deploy.vendor_tuning.vendor_block import (
 )
 
 
-@dataclass(frozen=True)
-class Applied:
-    """What the printed numbers of a block amount to.
-
-    Parameters
-    ----------
-    form : {"isa", "series", "parallel"}
-        Of the block; numbers of the parallel form stand in ISA form.
-    settings : FilteredPid
-    derivative_on : {"measurement", "error"}
-
-    Examples
-    --------
-    >>> Applied("isa", FilteredPid(2.0, 30.0), "measurement").settings.gain
-    2.0
-    """
+class Applied(NamedTuple):
+    """What the printed numbers of a block amount to; those of the parallel form in ISA form."""
 
     form: Form
     settings: FilteredPid
@@ -58,10 +45,6 @@ class Filled:
         What the printed numbers mean where the block could do all that the controller does.
     applied : Applied
         What they mean in the block as it is.
-
-    Examples
-    --------
-    See `filled`.
     """
 
     settings: tuple[Setting, ...]
@@ -75,11 +58,6 @@ class Filled:
 def filled(block: VendorBlock, tuning: StandardTuning) -> Filled:
     """Fill in a vendor's block for a loop.
 
-    Parameters
-    ----------
-    block : VendorBlock
-    tuning : StandardTuning
-
     Raises
     ------
     InputError
@@ -88,16 +66,13 @@ def filled(block: VendorBlock, tuning: StandardTuning) -> Filled:
 
     Examples
     --------
-    >>> from clepsydra.base.signal import Signal
-    >>> from clepsydra.controllers.pid_form import PidForm
-    >>> from clepsydra.deploy.vendor_tuning.vendors.every_block import vendor_block
+    >>> from clepsydra import PidForm, Signal
+    >>> from clepsydra.deploy.vendor_tuning.vendor_block import EVERY_BLOCK
     >>> volts = Signal("level", "V", low=0.0, high=10.0)
     >>> tuning = StandardTuning("k", volts, volts, PidForm(), FilteredPid(-3.0, 30.0), True)
-    >>> found = filled(vendor_block("rockwell-pide-dependent"), tuning)
-    >>> [setting.words for setting in found.settings]
-    ['KC = 3 %/%', 'TI = 0.5 min']
-    >>> found.choices[0]
-    ('control action', 'E = PV − SP')
+    >>> found = filled(EVERY_BLOCK[2], tuning)  # Rockwell PIDE, dependent gains
+    >>> [setting.words for setting in found.settings], found.choices[0]
+    (['KC = 3 %/%', 'TI = 0.5 min'], ('control action', 'E = PV − SP'))
     """
     return _Filling(block, tuning).done()
 
@@ -111,10 +86,10 @@ class _Filling:
         self.notes: list[str] = []
 
     def done(self) -> Filled:
-        block = self.block
+        block, own_on = self.block, self.tuning.form.derivative_on
         self._check()
         derivative_on = self._derivative_on()
-        wanted = self._in_form(self.tuning.form.derivative_on)
+        wanted = self._in_form(own_on)
         target = self._had(self._in_form(derivative_on))
         settings = tuple(
             self._setting(parameter, target, derivative_on)
@@ -123,12 +98,20 @@ class _Filling:
         )
         self._say_the_rest()
         meant = self.units.meant(settings, target)
-        applied = Applied(block.form, meant, derivative_on)
-        numbers = Applied(
-            block.form, self._undone(meant, target, wanted), self.tuning.form.derivative_on
+        # The printed numbers with the filter and weight of the controller again.
+        undone = {
+            name: getattr(wanted, name)
+            for name in ("filter_time", "setpoint_weight")
+            if getattr(target, name) != getattr(wanted, name)
+        }
+        return Filled(
+            settings,
+            self._choices(target, derivative_on),
+            tuple(self.differs),
+            tuple(self.notes),
+            Applied(block.form, meant._replace(**undone), own_on),
+            Applied(block.form, meant, derivative_on),
         )
-        choices = self._choices(target, derivative_on)
-        return Filled(settings, choices, tuple(self.differs), tuple(self.notes), numbers, applied)
 
     def _check(self) -> None:
         tuning, block = self.tuning, self.block
@@ -234,29 +217,18 @@ class _Filling:
                 f"takes {parameter.name} {ends.strip()} {unit}".rstrip() + f", not {value:g}"
             )
 
-    @staticmethod
-    def _undone(meant: FilteredPid, had: FilteredPid, wanted: FilteredPid) -> FilteredPid:
-        """Return the printed numbers with the filter and weight of the controller again."""
-        if had.filter_time != wanted.filter_time:
-            meant = meant._replace(filter_time=wanted.filter_time)
-        if had.setpoint_weight != wanted.setpoint_weight:
-            meant = meant._replace(setpoint_weight=wanted.setpoint_weight)
-        return meant
-
     def _choices(
         self, target: FilteredPid, derivative_on: DerivativeOn
     ) -> tuple[tuple[str, str], ...]:
-        block, chosen = self.block, []
-        if block.action is not None:
-            name, reverse, direct = block.action
-            chosen.append((name, reverse if self.tuning.action == "reverse" else direct))
-        if block.weight_choice is not None:
-            name, whole, none = block.weight_choice
-            chosen.append((name, whole if target.setpoint_weight == 1.0 else none))
-        if block.derivative_choice is not None and self.tuning.has_derivative:
-            name, measurement, error = block.derivative_choice
-            chosen.append((name, measurement if derivative_on == "measurement" else error))
-        return tuple(chosen)
+        block, derivative = self.block, self.tuning.has_derivative
+        switches = (
+            (block.action, self.tuning.action == "reverse"),
+            (block.weight_choice, target.setpoint_weight == 1.0),
+            (block.derivative_choice if derivative else None, derivative_on == "measurement"),
+        )
+        return tuple(
+            (switch[0], switch[1] if first else switch[2]) for switch, first in switches if switch
+        )
 
     def _say_the_rest(self) -> None:
         tuning, block = self.tuning, self.block

@@ -4,24 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.markdown import markdown
 from clepsydra.controllers.controller import Controller
 from clepsydra.deploy.tagged import process_tagging
-from clepsydra.deploy.vendor_tuning.check import Applied, Check
-from clepsydra.deploy.vendor_tuning.filling import Filled, filled
+from clepsydra.deploy.vendor_tuning.answer import tuning_answer
+from clepsydra.deploy.vendor_tuning.check import Check
+from clepsydra.deploy.vendor_tuning.filling import Applied, Filled, filled
 from clepsydra.deploy.vendor_tuning.standard_tuning import StandardTuning, standard_tunings
-from clepsydra.deploy.vendor_tuning.vendor_block import VendorBlock
-from clepsydra.deploy.vendor_tuning.vendors.every_block import EVERY_BLOCK
+from clepsydra.deploy.vendor_tuning.vendor_block import EVERY_BLOCK, VendorBlock
 from clepsydra.linear.analysis import analyse
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
-
-if TYPE_CHECKING:
-    from clepsydra.base.section import Section
 
 
 @dataclass(frozen=True)
@@ -39,10 +37,6 @@ class TranslatedLoop:
         that moves no output itself, the largest of all outputs.
     by_block : float
         The same with what the block lacks: its filter, setpoint weight and derivative.
-
-    Examples
-    --------
-    See `translate`.
     """
 
     tuning: StandardTuning
@@ -67,10 +61,6 @@ class Translation:
         Loop, block and the reason; the block is empty where the loop has no tuning at all.
     saturated : float
         Share of the samples of the check in which an output is at a limit.
-
-    Examples
-    --------
-    See `translate`.
     """
 
     controller: str
@@ -80,30 +70,9 @@ class Translation:
     refused: tuple[tuple[str, str, str], ...]
     saturated: float
 
-    def row(self, loop: str, key: str) -> TranslatedLoop:
-        """Return the row of a loop and a block's key.
-
-        Raises
-        ------
-        KeyError
-            There is none.
-        """
-        for row in self.rows:
-            if (row.tuning.loop, row.block.key) == (loop, key):
-                return row
-        raise KeyError((loop, key))
-
-    def answer(self, *, every: bool = False) -> Section:
-        """Return the loops and the blocks, and on request all numbers and what stands behind."""
-        from clepsydra.deploy.vendor_tuning.answer import tuning_answer
-
-        return tuning_answer(self, every=every)
-
     def as_markdown(self) -> str:
         """Return all of it as Markdown."""
-        from clepsydra.base.markdown import markdown
-
-        return markdown(self.answer(every=True), 1) + "\n"
+        return markdown(tuning_answer(self, every=True), 1) + "\n"
 
     def as_dict(self) -> dict[str, Any]:
         """Return the same as plain values, for JSON."""
@@ -148,15 +117,10 @@ def translate(
 
     Examples
     --------
-    PI control of the quadruple tank by SIMC, in two of the blocks:
-
     >>> import clepsydra as cl
     >>> found = translate(cl.design.simc(cl.load("quadruple-tank")), "quadruple-tank")
-    >>> row = found.row("level_1", "rockwell-pide-independent")
-    >>> [setting.words for setting in row.filled.settings]
-    ['KP = 3 %/%', 'KI = 5.6194 1/min']
-    >>> [setting.words for setting in found.row("level_1", "omron-pidat").filled.settings][:2]
-    ['P = 33.3 %', 'Tik = 32 s']
+    >>> {row.block.name: row.filled.settings[1].words for row in found.rows[4:8:2]}
+    {'PIDE, dependent gains': 'TI = 0.53387 min', 'PIDE, independent gains': 'KI = 5.6194 1/min'}
     """
     plant = process if isinstance(process, Process) else load_process(process)
     tunings, without = standard_tunings(controller, plant)

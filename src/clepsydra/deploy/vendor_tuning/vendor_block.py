@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import tomllib
+from collections.abc import Iterator
 from dataclasses import dataclass
+from importlib import resources
 from typing import Literal
 
 from clepsydra.controllers.pid_form import DerivativeOn
@@ -22,6 +25,8 @@ Kind = Literal[
     "reduced setpoint weight",
     "derivative weight",
 ]
+#: Files of `vendors/`, in the order in which their blocks are shown.
+_FILES = ("siemens", "rockwell", "languages", "schneider", "emerson", "others")
 #: What only a loop with integral, or with derivative action is given.
 INTEGRAL_KINDS = ("integral time", "repeats", "integral gain")
 DERIVATIVE_KINDS = (
@@ -110,9 +115,8 @@ class VendorBlock:
 
     Examples
     --------
-    >>> from clepsydra.deploy.vendor_tuning.vendors.every_block import vendor_block
-    >>> vendor_block("siemens-pid-compact").title
-    'Siemens PID_Compact'
+    >>> EVERY_BLOCK[0].key, EVERY_BLOCK[0].title
+    ('siemens-pid-compact', 'Siemens PID_Compact')
     """
 
     key: str
@@ -139,3 +143,17 @@ class VendorBlock:
     def title(self) -> str:
         """Vendor and name."""
         return f"{self.vendor} {self.name}"
+
+
+def _blocks(vendor: str) -> Iterator[VendorBlock]:
+    """Read the blocks of a file; its keys above the first one hold for all of them."""
+    file = resources.files("clepsydra.deploy.vendor_tuning") / "vendors" / f"{vendor}.toml"
+    shared = tomllib.loads(file.read_text(encoding="utf-8"))
+    for table in shared.pop("block"):
+        given = {k: tuple(v) if isinstance(v, list) else v for k, v in {**shared, **table}.items()}
+        given["parameters"] = tuple(Parameter(**each) for each in table["parameters"])
+        yield VendorBlock(**given)
+
+
+#: Every block that a tuning is translated for.
+EVERY_BLOCK = tuple(block for vendor in _FILES for block in _blocks(vendor))

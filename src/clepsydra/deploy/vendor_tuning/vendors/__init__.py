@@ -1,1 +1,0 @@
-"""The vendors' PID blocks, a vendor a file, each with the documents its facts are from."""
