@@ -6,7 +6,7 @@ import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib import resources
-from typing import Literal
+from typing import Any, Literal
 
 from clepsydra.controllers.pid_form import DerivativeOn
 
@@ -150,7 +150,10 @@ def _blocks(vendor: str) -> Iterator[VendorBlock]:
     file = resources.files("clepsydra.deploy.vendor_tuning") / "vendors" / f"{vendor}.toml"
     shared = tomllib.loads(file.read_text(encoding="utf-8"))
     for table in shared.pop("block"):
-        given = {k: tuple(v) if isinstance(v, list) else v for k, v in {**shared, **table}.items()}
+        given: dict[str, Any] = {
+            key: tuple(value) if isinstance(value, list) else value
+            for key, value in (shared | table).items()
+        }
         given["parameters"] = tuple(Parameter(**each) for each in table["parameters"])
         yield VendorBlock(**given)
 
