@@ -10,12 +10,14 @@ from refusals import refused
 
 import clepsydra as cl
 from clepsydra.report.analysis_page import analysis_page_text, write_analysis_page
+from clepsydra.report.analysis_pictures import (
+    bode_figure,
+    directionality_figure,
+    nyquist_figure,
+    roots_figure,
+    step_figure,
+)
 from clepsydra.report.analysis_tables import dead_time_grid, hankel_grid, reach_grid
-from clepsydra.report.bode import bode_figure
-from clepsydra.report.nyquist import nyquist_figure
-from clepsydra.report.roots_picture import roots_figure
-from clepsydra.report.singular_value_picture import directionality_figure
-from clepsydra.report.step_picture import step_figure
 
 LATE = Path(__file__).parents[1] / "dead-time.toml"
 

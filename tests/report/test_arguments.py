@@ -8,7 +8,7 @@ from refusals import refused
 
 from clepsydra import InputError
 from clepsydra.report.html import write_report
-from clepsydra.report.plot import plot
+from clepsydra.report.trends import plot
 
 
 def test_a_study_is_no_run_and_the_message_says_where_its_runs_are(result):

@@ -10,7 +10,7 @@ import pytest
 from clepsydra.process.reader import load_process
 from clepsydra.report import html
 from clepsydra.report.html import address_text, report_text, write_report
-from clepsydra.report.page_assets import STILL_WORDS, PageAssets
+from clepsydra.report.page import STILL_WORDS, PageAssets
 
 VOID = {"meta", "br", "link", "img", "hr", "input"}
 

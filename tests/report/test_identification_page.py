@@ -14,16 +14,18 @@ from rich.console import Console
 
 import clepsydra as cl
 from clepsydra import Signal
-from clepsydra.report.identification_answer import identification_answer
-from clepsydra.report.identification_page import identification_text
+from clepsydra.report.identification_page import (
+    estimate_cells,
+    identification_answer,
+    identification_text,
+)
 from clepsydra.report.identification_picture import (
     ComparedSignal,
     comparison_figure,
     correlations_figure,
 )
-from clepsydra.report.identification_tables import estimate_cells
+from clepsydra.report.page import svg_text
 from clepsydra.report.screen import Screen
-from clepsydra.report.svg import svg_text
 
 PLANT = cl.load("quadruple-tank")
 STEPS = [

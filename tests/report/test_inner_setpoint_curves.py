@@ -5,7 +5,7 @@ from flow_cascade import flow_cascade
 
 import clepsydra as cl
 from clepsydra.report.panels import all_panels
-from clepsydra.report.plot import plot
+from clepsydra.report.trends import plot
 
 FLOW = "duty_flow"
 

@@ -6,13 +6,13 @@ import pytest
 import clepsydra as cl
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario
+from clepsydra.report.analysis_pictures import nyquist_figure
 from clepsydra.report.analysis_tables import operating_point_grid
 from clepsydra.report.drawing.plant import process_drawing
-from clepsydra.report.nyquist import nyquist_figure
 from clepsydra.report.panels import all_panels
-from clepsydra.report.plot import plot
 from clepsydra.report.quantities import percent_scale
 from clepsydra.report.recording import recording_of
+from clepsydra.report.trends import plot
 
 PLANT = """
 name = "brine"

@@ -7,8 +7,7 @@ import pytest
 
 from clepsydra import Signal
 from clepsydra.process.reader import load_process
-from clepsydra.report.quantities import quantity_text
-from clepsydra.report.resolution import settled_gains
+from clepsydra.report.quantities import quantity_text, settled_gains
 from clepsydra.report.score_tables import score_text
 from clepsydra.scores.score import SCORES
 

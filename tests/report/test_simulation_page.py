@@ -9,17 +9,18 @@ import pytest
 import clepsydra as cl
 from clepsydra.process.catalogue_names import catalogue_file
 from clepsydra.report.colours import INK, signal_colours
-from clepsydra.report.event_marks import event_marks
 from clepsydra.report.panels import all_panels
-from clepsydra.report.plot import plot
-from clepsydra.report.simulation_page import simulation_text, write_simulation_page
-from clepsydra.report.simulation_tables import (
+from clepsydra.report.recording import event_marks
+from clepsydra.report.simulation_page import (
     balances_grid,
     change_words,
     events_grid,
+    simulation_text,
     trajectories_grid,
     trust_sentence,
+    write_simulation_page,
 )
+from clepsydra.report.trends import plot
 
 
 def simulated(name, *events, duration=None):

@@ -3,8 +3,8 @@ from xml.etree import ElementTree
 
 import pytest
 
+from clepsydra.report.page import svg_text
 from clepsydra.report.panels import controlled_panels
-from clepsydra.report.svg import svg_text
 from clepsydra.report.trends import trend_figure
 
 

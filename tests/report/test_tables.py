@@ -7,11 +7,11 @@ import pytest
 from rich.console import Console
 
 from clepsydra import Signal
-from clepsydra.report.analysis_answer import analysis_answer
+from clepsydra.report.analysis_page import analysis_answer
 from clepsydra.report.analysis_tables import relative_gain_grid, roots_grid, static_gain_grid
-from clepsydra.report.controller_tables import parameter_tables, status_words
 from clepsydra.report.first_screen import ranking_columns
 from clepsydra.report.html import report_text
+from clepsydra.report.law_tables import parameter_tables, status_words
 from clepsydra.report.score_tables import (
     glossary,
     reasons,

@@ -11,8 +11,7 @@ import clepsydra as cl
 from clepsydra.process.catalogue_names import catalogue_file
 from clepsydra.report.colours import INK, MUTED, signal_colours
 from clepsydra.report.panels import all_panels, controlled_panels
-from clepsydra.report.plot import plot
-from clepsydra.report.trends import segment_words, trend_figure
+from clepsydra.report.trends import plot, segment_words, trend_figure
 
 
 def panel_axes(figure, run):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
@@ -14,22 +13,20 @@ from clepsydra.cli.verb import verb
 @verb(30)
 def analyse(
     process: ProcessArgument,
-    every: Annotated[
-        bool, typer.Option("--all", help="Show every signal, pole, zero, gain and sentence.")
-    ] = False,
+    every: bool = typer.Option(
+        False, "--all", help="Show every signal, pole, zero, gain and sentence."
+    ),
     as_json: JsonOption = False,
-    file: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="FILE.html",
-            help="Write a page with poles, Bode, Nyquist, step responses and relative gains.",
-        ),
-    ] = None,
+    file: Path | None = typer.Option(
+        None,
+        "--output",
+        "-o",
+        metavar="FILE.html",
+        help="Write a page with poles, Bode, Nyquist, step responses and relative gains.",
+    ),
 ) -> None:
     """Show operating point, poles, zeros, static gain, RGA and pairing of a process."""
-    from clepsydra.cli.output import check_ending, output_file, print_json, show
+    from clepsydra.cli.output import check_ending, output_file, tell
     from clepsydra.interface.analyse import analyse as analysis_of
     from clepsydra.interface.plant import load
 
@@ -38,10 +35,4 @@ def analyse(
     analysis = analysis_of(load(process))
     if file is not None:
         analysis.report(output_file(file))
-    if as_json:
-        written = {} if file is None else {"page": str(file)}
-        print_json({**analysis.as_dict(), **written})
-        return
-    show(analysis.shown(every=every))
-    if file is not None:
-        typer.echo(f"Page: {file}")
+    tell(analysis, {} if file is None else {"page": file}, as_json=as_json, every=every)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
 import typer
 
 from clepsydra import __version__
@@ -34,9 +32,8 @@ def _show_version(wanted: bool) -> None:
 
 
 def _clepsydra(
-    version: Annotated[
-        bool,
-        typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version."),
-    ] = False,
+    version: bool = typer.Option(
+        False, "--version", callback=_show_version, is_eager=True, help="Show the version."
+    ),
 ) -> None:
     """From a liquid-tank process on paper to a proven controller in the PLC."""

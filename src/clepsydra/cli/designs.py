@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -21,17 +21,15 @@ _SHOWN = 21
 
 @verb(55)
 def designs(
-    process: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="[PROCESS]",
-            help="Say which apply to it, and why others do not: a process of the catalogue, or the "
-            "path of a process file.",
-        ),
-    ] = None,
-    every: Annotated[
-        bool, typer.Option("--all", help="Show arguments and source of each, and whole reasons.")
-    ] = False,
+    process: str | None = typer.Argument(
+        None,
+        metavar="[PROCESS]",
+        help="Say which apply to it, and why others do not: a process of the catalogue, or the "
+        "path of a process file.",
+    ),
+    every: bool = typer.Option(
+        False, "--all", help="Show arguments and source of each, and whole reasons."
+    ),
     as_json: JsonOption = False,
 ) -> None:
     """List the design methods with their arguments and sources, and which apply to a process."""

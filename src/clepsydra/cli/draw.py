@@ -3,33 +3,27 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
-from clepsydra.cli.subject import SubjectArgument, name_of
+from clepsydra.cli.options import SubjectArgument
+from clepsydra.cli.subject import name_of
 from clepsydra.cli.verb import verb
 
 
 @verb(40)
 def draw(
     subject: SubjectArgument,
-    controller: Annotated[
-        str | None,
-        typer.Option(
-            "--controller",
-            metavar="NAME",
-            callback=name_of,
-            help="Whose loops are drawn, as the study calls it, in quotation marks; none if left "
-            "out.",
-        ),
-    ] = None,
-    file: Annotated[
-        Path | None,
-        typer.Option(
-            "--output", "-o", metavar="FILE.svg", help="Where to write; NAME.svg if left out."
-        ),
-    ] = None,
+    controller: str | None = typer.Option(
+        None,
+        "--controller",
+        metavar="NAME",
+        callback=name_of,
+        help="Whose loops are drawn, as the study calls it, in quotation marks; none if left out.",
+    ),
+    file: Path | None = typer.Option(
+        None, "--output", "-o", metavar="FILE.svg", help="Where to write; NAME.svg if left out."
+    ),
 ) -> None:
     """Draw a process with the values of its operating point; write SVG."""
     from clepsydra.cli.output import check_ending, output_file

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
-from clepsydra.cli.options import JsonOption
-from clepsydra.cli.plant_options import (
+from clepsydra.cli.options import (
     FailSafeOption,
+    JsonOption,
     RateLimitOption,
     SensorDelayOption,
     SetpointRateOption,
+    SubjectArgument,
+    shell_options,
 )
-from clepsydra.cli.subject import SubjectArgument, name_of
+from clepsydra.cli.subject import name_of
 from clepsydra.cli.verb import verb
 from clepsydra.interface.targets import TARGETS, target_of
 
@@ -31,59 +33,48 @@ def _values(option: str) -> str:
 @verb(70)
 def export(
     subject: SubjectArgument,
-    target: Annotated[
-        str,
-        typer.Option(
-            "--to",
-            metavar=f"[{'|'.join(TARGETS)}]",
-            help="; ".join(f"{name}: {each.words}" for name, each in TARGETS.items()) + ".",
-        ),
-    ],
-    controller: Annotated[
-        str | None,
-        typer.Option(
-            "--controller",
-            metavar="NAME",
-            callback=name_of,
-            help="As the study calls it, in quotation marks; with --to fmu it may be left out: "
-            "then the process itself is exported.",
-        ),
-    ] = None,
-    dialect: Annotated[
-        str | None,
-        typer.Option(
-            metavar=_values("dialect"),
-            help="Of Structured Text: codesys (CODESYS, TwinCAT; if left out), matiec (OpenPLC, "
-            "Beremiz) or scl (TIA Portal).",
-        ),
-    ] = None,
-    precision: Annotated[
-        str | None,
-        typer.Option(
-            metavar=_values("precision"),
-            help="LREAL and double, as it is if left out, or REAL and float.",
-        ),
-    ] = None,
-    fmi: Annotated[
-        str | None,
-        typer.Option(metavar=_values("fmi"), help="Version of the FMU; 3.0 if left out."),
-    ] = None,
+    target: str = typer.Option(
+        ...,
+        "--to",
+        metavar=f"[{'|'.join(TARGETS)}]",
+        help="; ".join(f"{name}: {each.words}" for name, each in TARGETS.items()) + ".",
+    ),
+    controller: str | None = typer.Option(
+        None,
+        "--controller",
+        metavar="NAME",
+        callback=name_of,
+        help="As the study calls it, in quotation marks; with --to fmu it may be left out: "
+        "then the process itself is exported.",
+    ),
+    dialect: str | None = typer.Option(
+        None,
+        metavar=_values("dialect"),
+        help="Of Structured Text: codesys (CODESYS, TwinCAT; if left out), matiec (OpenPLC, "
+        "Beremiz) or scl (TIA Portal).",
+    ),
+    precision: str | None = typer.Option(
+        None,
+        metavar=_values("precision"),
+        help="LREAL and double, as it is if left out, or REAL and float.",
+    ),
+    fmi: str | None = typer.Option(
+        None, metavar=_values("fmi"), help="Version of the FMU; 3.0 if left out."
+    ),
     fail_safe: FailSafeOption = None,
     sensor_delay: SensorDelayOption = None,
     setpoint_rate: SetpointRateOption = None,
     rate_limit: RateLimitOption = None,
-    seed: Annotated[
-        int | None, typer.Option(min=0, help="Of a tuning; that of the study if left out.")
-    ] = None,
+    seed: int | None = typer.Option(
+        None, min=0, help="Of a tuning; that of the study if left out."
+    ),
     as_json: JsonOption = False,
-    folder: Annotated[
-        Path,
-        typer.Option("--output", "-o", metavar="FOLDER", help="Where the files are written."),
-    ] = Path(),
+    folder: Path = typer.Option(
+        Path(), "--output", "-o", metavar="FOLDER", help="Where the files are written."
+    ),
 ) -> None:
     """Write a controller for the plant, printed from the program that was simulated."""
     from clepsydra.cli.output import named_options, print_json, results_folder, show
-    from clepsydra.cli.plant_options import shell_options
     from clepsydra.cli.subject import study_of_one
     from clepsydra.interface.export import export as export_code
     from clepsydra.interface.shell import plant_shell

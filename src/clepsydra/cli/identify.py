@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
@@ -13,45 +12,33 @@ from clepsydra.cli.verb import verb
 
 @verb(90)
 def identify(
-    data: Annotated[
-        Path,
-        typer.Argument(
-            metavar="DATA.csv",
-            help="A record, sampled regularly; its head names time and signals with their units.",
-        ),
-    ],
-    manipulated: Annotated[
-        str | None,
-        typer.Option(metavar="NAME", help="The column that is moved by hand or by a controller."),
-    ] = None,
-    measured: Annotated[
-        str | None,
-        typer.Option(metavar="NAME", help="The column that follows it."),
-    ] = None,
-    process: Annotated[
-        str | None,
-        typer.Option(
-            metavar="PROCESS",
-            help="Fit parameters of this process instead: of the catalogue, or a process file.",
-        ),
-    ] = None,
-    parameters: Annotated[
-        str | None,
-        typer.Option(metavar="NAME,NAME", help="Those to fit, as in outlet_1.area,pump_1.gain."),
-    ] = None,
-    write: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE.toml", help="Write the process file with the fitted parameters."
-        ),
-    ] = None,
-    every: Annotated[bool, typer.Option("--all", help="Show every parameter and remark.")] = False,
+    data: Path = typer.Argument(
+        ...,
+        metavar="DATA.csv",
+        help="A record, sampled regularly; its head names time and signals with their units.",
+    ),
+    manipulated: str | None = typer.Option(
+        None, metavar="NAME", help="The column that is moved by hand or by a controller."
+    ),
+    measured: str | None = typer.Option(None, metavar="NAME", help="The column that follows it."),
+    process: str | None = typer.Option(
+        None,
+        metavar="PROCESS",
+        help="Fit parameters of this process instead: of the catalogue, or a process file.",
+    ),
+    parameters: str | None = typer.Option(
+        None, metavar="NAME,NAME", help="Those to fit, as in outlet_1.area,pump_1.gain."
+    ),
+    write: Path | None = typer.Option(
+        None, metavar="FILE.toml", help="Write the process file with the fitted parameters."
+    ),
+    every: bool = typer.Option(False, "--all", help="Show every parameter and remark."),
     as_json: JsonOption = False,
     folder: OutputOption = None,
 ) -> None:
     """Identify a model from a record: ARX, FOPDT, SOPDT, IPDT, or parameters of a process."""
     from clepsydra.base.errors import InputError
-    from clepsydra.cli.output import named_options, print_json, results_folder, show, written_files
+    from clepsydra.cli.output import named_options, results_folder, tell, written_files
     from clepsydra.interface.identify import FittedPlant, Identification
     from clepsydra.interface.identify import identify as identify_model
     from clepsydra.interface.plant import load
@@ -83,9 +70,4 @@ def identify(
     if write is not None and isinstance(found, FittedPlant):
         found.write(write)
         files["process file"] = write
-    if as_json:
-        print_json({**found.as_dict(), **files})
-        return
-    show(found.shown(every=every))
-    for what, where in files.items():
-        typer.echo(f"{what.capitalize()}: {where}")
+    tell(found, files, as_json=as_json, every=every)

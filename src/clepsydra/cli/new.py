@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
 import typer
 
 from clepsydra.cli.verb import verb
@@ -11,37 +9,28 @@ from clepsydra.cli.verb import verb
 
 @verb(60)
 def new(
-    name: Annotated[
-        str | None,
-        typer.Argument(metavar="NAME", help="Of process or study; the file is NAME.toml."),
-    ] = None,
-    copied: Annotated[
-        str | None,
-        typer.Option(
-            "--from",
-            metavar="PROCESS[:VARIANT]",
-            help="A process of the catalogue to copy instead; a variant is written into the copy.",
-        ),
-    ] = None,
-    study: Annotated[
-        bool, typer.Option("--study", help="Write a study file and not a process file.")
-    ] = False,
-    process: Annotated[
-        str | None,
-        typer.Option(
-            "--process",
-            metavar="PROCESS",
-            help="What is studied: a process of the catalogue or a process file; quadruple-tank if "
-            "left out. Only with --study.",
-        ),
-    ] = None,
-    schema: Annotated[
-        bool,
-        typer.Option(
-            "--schema",
-            help="Print the JSON Schema of such files, for editors, and write no file.",
-        ),
-    ] = False,
+    name: str | None = typer.Argument(
+        None, metavar="NAME", help="Of process or study; the file is NAME.toml."
+    ),
+    copied: str | None = typer.Option(
+        None,
+        "--from",
+        metavar="PROCESS[:VARIANT]",
+        help="A process of the catalogue to copy instead; a variant is written into the copy.",
+    ),
+    study: bool = typer.Option(False, "--study", help="Write a study file and not a process file."),
+    process: str | None = typer.Option(
+        None,
+        "--process",
+        metavar="PROCESS",
+        help="What is studied: a process of the catalogue or a process file; quadruple-tank if "
+        "left out. Only with --study.",
+    ),
+    schema: bool = typer.Option(
+        False,
+        "--schema",
+        help="Print the JSON Schema of such files, for editors, and write no file.",
+    ),
 ) -> None:
     """Write a commented process file, or with --study a study file, to begin with: NAME.toml.
 

@@ -98,6 +98,16 @@ def show(result: object) -> None:
     console.print(result, crop=False)  # a path stays whole
 
 
+def tell(result: Any, files: dict[str, Path], *, as_json: bool, **how: bool) -> None:
+    """Print a result with the files that were written: one JSON document, or for a person."""
+    if as_json:
+        print_json({**result.as_dict(), **files})
+        return
+    show(result.shown(**how))
+    for what, where in files.items():
+        print(f"{what.capitalize()}: {where}")
+
+
 def print_json(document: dict[str, Any] | list[Any]) -> None:
     """Print one JSON document; numbers that JSON has no form for become null."""
     from clepsydra.base.json_values import json_values

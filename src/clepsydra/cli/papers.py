@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
 import typer
 
 from clepsydra.cli.options import JsonOption, OutputOption
@@ -12,13 +10,10 @@ from clepsydra.cli.verb import verb
 
 @verb(100)
 def papers(
-    documents: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="[DOCUMENT]...", help="Keys of documents; all if left out."),
-    ] = None,
-    every: Annotated[
-        bool, typer.Option("--all", help="Show every row that is not as printed.")
-    ] = False,
+    documents: list[str] | None = typer.Argument(
+        None, metavar="[DOCUMENT]...", help="Keys of documents; all if left out."
+    ),
+    every: bool = typer.Option(False, "--all", help="Show every row that is not as printed."),
     as_json: JsonOption = False,
     folder: OutputOption = None,
 ) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
 import typer
 
 from clepsydra.cli.options import JsonOption
@@ -12,17 +10,14 @@ from clepsydra.cli.verb import verb
 
 @verb(50)
 def processes(
-    name: Annotated[
-        str | None, typer.Argument(metavar="[NAME]", help="One process, with source and variants.")
-    ] = None,
-    every: Annotated[
-        bool, typer.Option("--all", help="Show sources and variants of every process.")
-    ] = False,
+    name: str | None = typer.Argument(
+        None, metavar="[NAME]", help="One process, with source and variants."
+    ),
+    every: bool = typer.Option(False, "--all", help="Show sources and variants of every process."),
     as_json: JsonOption = False,
-    schema: Annotated[
-        bool,
-        typer.Option("--schema", help="Print the JSON Schema of process files, for editors."),
-    ] = False,
+    schema: bool = typer.Option(
+        False, "--schema", help="Print the JSON Schema of process files, for editors."
+    ),
 ) -> None:
     """List the processes of the catalogue with their sources and variants."""
     if schema:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
-from clepsydra.cli.options import JsonOption, OutputOption, ProcessArgument
+from clepsydra.cli.options import JsonOption, OutputOption, ProcessArgument, named_values
 from clepsydra.cli.verb import verb
 
 if TYPE_CHECKING:
@@ -40,54 +40,41 @@ class Format(StrEnum):
 @verb(20)
 def simulate(
     process: ProcessArgument,
-    inputs: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--input",
-            metavar="NAME=VALUE[@TIME[..TIME]]",
-            help="What an input or a disturbance does: pump_1=3.2V from the start, "
-            "pump_1=3.5V@60s as a step, pump_1=4V@60s..120s as a ramp; several in order of time. "
-            "Without one, the process stays at rest.",
-        ),
-    ] = None,
-    profile: Annotated[
-        Path | None,
-        typer.Option(
-            "--profile",
-            metavar="FILE.csv",
-            help="Values over time, with a head such as time \\[s],pump_1 \\[V]; each is held "
-            "until the next row.",
-        ),
-    ] = None,
-    duration: Annotated[
-        str | None,
-        typer.Option(
-            metavar="TIME",
-            help="As in '20 min'; if left out, six times the slowest time constant after the last "
-            "change, longer for tanks in series and dead times.",
-        ),
-    ] = None,
-    start: Annotated[Start, typer.Option(help="At rest, or with empty tanks.")] = Start.rest,
-    state: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=VALUE", help="A state that starts elsewhere, as in tank_1.level=5cm."
-        ),
-    ] = None,
-    solver: Annotated[
-        Solver, typer.Option(help="The compiled kernel, or CVODES to compare with.")
-    ] = Solver.kernel,
-    data_format: Annotated[
-        Format, typer.Option("--format", help="Of the trajectories.")
-    ] = Format.parquet,
-    every: Annotated[
-        bool, typer.Option("--all", help="Show every signal and balance, with times.")
-    ] = False,
+    inputs: list[str] | None = typer.Option(
+        None,
+        "--input",
+        metavar="NAME=VALUE[@TIME[..TIME]]",
+        help="What an input or a disturbance does: pump_1=3.2V from the start, "
+        "pump_1=3.5V@60s as a step, pump_1=4V@60s..120s as a ramp; several in order of time. "
+        "Without one, the process stays at rest.",
+    ),
+    profile: Path | None = typer.Option(
+        None,
+        "--profile",
+        metavar="FILE.csv",
+        help="Values over time, with a head such as time \\[s],pump_1 \\[V]; each is held "
+        "until the next row.",
+    ),
+    duration: str | None = typer.Option(
+        None,
+        metavar="TIME",
+        help="As in '20 min'; if left out, six times the slowest time constant after the last "
+        "change, longer for tanks in series and dead times.",
+    ),
+    start: Start = typer.Option(Start.rest, help="At rest, or with empty tanks."),
+    state: list[str] | None = typer.Option(
+        None, metavar="NAME=VALUE", help="A state that starts elsewhere, as in tank_1.level=5cm."
+    ),
+    solver: Solver = typer.Option(
+        Solver.kernel, help="The compiled kernel, or CVODES to compare with."
+    ),
+    data_format: Format = typer.Option(Format.parquet, "--format", help="Of the trajectories."),
+    every: bool = typer.Option(False, "--all", help="Show every signal and balance, with times."),
     as_json: JsonOption = False,
     folder: OutputOption = None,
 ) -> None:
     """Simulate a process without a controller; write report and trajectories."""
-    from clepsydra.cli.output import named_options, print_json, results_folder, show, written_files
+    from clepsydra.cli.output import named_options, results_folder, tell, written_files
     from clepsydra.interface.plant import load
     from clepsydra.interface.simulate import simulate as simulated
 
@@ -95,7 +82,9 @@ def simulate(
     plant = load(process)
     stem, named = f"{plant.file_stem}-simulation", {"report": "html", "trajectories": data_format}
     files = written_files(place, stem, **named)
-    changes, begins = _changes(plant, inputs or [], profile), _states(state or [])
+    changes = _changes(plant, inputs or [], profile)
+    remedy = "write as in --state tank_1.level=5cm"
+    begins = named_values(state, "state", lambda text: f"--state {text}", remedy)
     with named_options("state", "duration"):
         run = simulated(
             plant,
@@ -109,12 +98,7 @@ def simulate(
     if files:
         run.report(files["report"])
         run.save(files["trajectories"])
-    if as_json:
-        print_json({**run.as_dict(), **files})
-        return
-    show(run.shown(every=every))
-    for what, where in files.items():
-        typer.echo(f"{what.capitalize()}: {where}")
+    tell(run, files, as_json=as_json, every=every)
 
 
 def _changes(plant: Plant, inputs: list[str], profile: Path | None) -> list[Change]:
@@ -133,20 +117,3 @@ def _changes(plant: Plant, inputs: list[str], profile: Path | None) -> list[Chan
                 "leave out the option or the column",
             )  # fmt: skip
     return [*changes, *of_file]
-
-
-def _states(texts: list[str]) -> dict[str, str]:
-    from clepsydra.base.errors import InputError
-
-    states: dict[str, str] = {}
-    for text in texts:
-        name, equals, value = text.partition("=")
-        name = name.strip()
-        if not equals or name in states:
-            raise InputError(
-                f"--state {text[:60]}", text[:60],
-                "each state once" if equals else "a state, '=' and its value",
-                "write as in --state tank_1.level=5cm",
-            )  # fmt: skip
-        states[name] = value
-    return states

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
 import typer
 
 from clepsydra.cli.options import JsonOption, OutputOption
@@ -12,41 +10,31 @@ from clepsydra.cli.verb import verb
 
 @verb(10)
 def study(
-    subject: Annotated[
-        str,
-        typer.Argument(
-            metavar="PROCESS|STUDY.toml",
-            help="A process of the catalogue or a process file: every design that applies. Or a "
-            "study file, which names the controllers; write one with clepsydra new --study.",
-        ),
-    ],
+    subject: str = typer.Argument(
+        ...,
+        metavar="PROCESS|STUDY.toml",
+        help="A process of the catalogue or a process file: every design that applies. Or a "
+        "study file, which names the controllers; write one with clepsydra new --study.",
+    ),
     as_json: JsonOption = False,
     folder: OutputOption = None,
-    every: Annotated[
-        bool, typer.Option("--all", help="Show the whole ranking, not only its first five.")
-    ] = False,
-    why: Annotated[
-        bool, typer.Option("--why", help="Show the reason of every place, and all warnings.")
-    ] = False,
-    refused: Annotated[
-        bool, typer.Option("--refused", help="Show what does not apply, and why not.")
-    ] = False,
-    accept: Annotated[
-        float,
-        typer.Option(
-            min=1.0,
-            metavar="TIMES",
-            help="Good enough is an error of so many times that of the best; on a plant of one "
-            "loop, that of the best PI or PID.",
-        ),
-    ] = 1.5,
-    seed: Annotated[
-        int | None,
-        typer.Option(
-            min=0,
-            help="Seed of noise and tuning; 1, or that of the study file, if left out.",
-        ),
-    ] = None,
+    every: bool = typer.Option(
+        False, "--all", help="Show the whole ranking, not only its first five."
+    ),
+    why: bool = typer.Option(
+        False, "--why", help="Show the reason of every place, and all warnings."
+    ),
+    refused: bool = typer.Option(False, "--refused", help="Show what does not apply, and why not."),
+    accept: float = typer.Option(
+        1.5,
+        min=1.0,
+        metavar="TIMES",
+        help="Good enough is an error of so many times that of the best; on a plant of one "
+        "loop, that of the best PI or PID.",
+    ),
+    seed: int | None = typer.Option(
+        None, min=0, help="Seed of noise and tuning; 1, or that of the study file, if left out."
+    ),
 ) -> None:
     """Design, tune, simulate, score and rank controllers; write report and data."""
     from clepsydra.cli.output import print_json, results_folder, show, written_files

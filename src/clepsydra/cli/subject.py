@@ -1,24 +1,14 @@
-"""What a verb works on: a process or a study file."""
+"""One controller of what a verb works on, a process or a study file."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from clepsydra.interface.plant import Plant
     from clepsydra.interface.study import Study
     from clepsydra.interface.subject import StudyRequest
-
-SubjectArgument = Annotated[
-    str,
-    typer.Argument(
-        metavar="PROCESS|STUDY.toml",
-        help="A process of the catalogue, a process file, or a study file.",
-    ),
-]
 
 
 def name_of(controller: str | None) -> str | None:

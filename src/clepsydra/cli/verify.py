@@ -2,55 +2,49 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
 import typer
 
-from clepsydra.cli.options import JsonOption, OutputOption
-from clepsydra.cli.plant_options import (
+from clepsydra.cli.options import (
     FailSafeOption,
+    JsonOption,
+    OutputOption,
     RateLimitOption,
     SensorDelayOption,
     SetpointRateOption,
+    SubjectArgument,
+    shell_options,
 )
-from clepsydra.cli.subject import SubjectArgument, name_of
+from clepsydra.cli.subject import name_of
 from clepsydra.cli.verb import verb
 from clepsydra.interface.targets import TARGETS
+
+_PROVED = f"[{'|'.join(name for name, target in TARGETS.items() if target.runs)}]"
 
 
 @verb(80)
 def verify(
     subject: SubjectArgument,
-    controller: Annotated[
-        str | None,
-        typer.Option(
-            "--controller",
-            metavar="NAME",
-            callback=name_of,
-            help="One controller; every one if left out.",
-        ),
-    ] = None,
-    to: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar=f"[{'|'.join(name for name, target in TARGETS.items() if target.runs)}]",
-            help="What is run, also repeated; all if left out.",
-        ),
-    ] = None,
-    scans: Annotated[
-        int, typer.Option(min=10_000, help="Random scans of each controller.")
-    ] = 10_000,
-    seed: Annotated[
-        int | None,
-        typer.Option(min=0, help="Of the scans and the study; 1, or that of the study file."),
-    ] = None,
+    controller: str | None = typer.Option(
+        None,
+        "--controller",
+        metavar="NAME",
+        callback=name_of,
+        help="One controller; every one if left out.",
+    ),
+    to: list[str] | None = typer.Option(
+        None,
+        metavar=_PROVED,
+        help="What is run, also repeated; all if left out.",
+    ),
+    scans: int = typer.Option(10_000, min=10_000, help="Random scans of each controller."),
+    seed: int | None = typer.Option(
+        None, min=0, help="Of the scans and the study; 1, or that of the study file."
+    ),
     fail_safe: FailSafeOption = None,
     sensor_delay: SensorDelayOption = None,
     setpoint_rate: SetpointRateOption = None,
     rate_limit: RateLimitOption = None,
-    every: Annotated[
-        bool, typer.Option("--all", help="Show every target, with notes and versions.")
-    ] = False,
+    every: bool = typer.Option(False, "--all", help="Show every target, with notes and versions."),
     as_json: JsonOption = False,
     folder: OutputOption = None,
 ) -> None:
@@ -59,7 +53,6 @@ def verify(
     Exit status: 0 all within their bounds, 1 not, 130 interrupted; run it again to go on.
     """
     from clepsydra.cli.output import named_options, print_json, results_folder, show
-    from clepsydra.cli.plant_options import shell_options
     from clepsydra.cli.progress import shown_progress
     from clepsydra.cli.subject import study_of_one
     from clepsydra.interface.export import identifier_of

@@ -14,7 +14,7 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.relative_gain_array import relative_gain_response
 from clepsydra.linear.relative_gain_array import relative_gains as relative_gains_of
 from clepsydra.linear.roots import roots_of
-from clepsydra.report.margin_tables import margin_table
+from clepsydra.report.analysis_tables import margin_table
 from clepsydra.studies.warnings.loop_response import loop_response
 
 if TYPE_CHECKING:

@@ -21,7 +21,7 @@ class Analysis(Answered, inner.Analysis):
 
     def answer(self, *, every: bool = False) -> Section:
         """Return what matters for control, or every signal, pole, zero, gain and sentence."""
-        from clepsydra.report.analysis_answer import analysis_answer
+        from clepsydra.report.analysis_page import analysis_answer
 
         return analysis_answer(self, every=every)
 

@@ -10,13 +10,7 @@ from clepsydra.base.arguments import require_type, sequence_of
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.interface.plant import Plant
-from clepsydra.interface.quantities import (
-    Quantity,
-    check_within,
-    known,
-    read_signal,
-    read_time,
-)
+from clepsydra.interface.quantities import Quantity, check_within, known, read_signal, read_time
 from clepsydra.loop.default_scenario import segment_samples
 from clepsydra.loop.profile import Change as Change
 from clepsydra.loop.profile import read_assignment

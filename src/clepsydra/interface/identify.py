@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 class _Page(Answered):
     def answer(self, *, every: bool = False) -> Section:
         """Return what was found and what to do with it, or every parameter and remark."""
-        from clepsydra.report.identification_answer import identification_answer
+        from clepsydra.report.identification_page import identification_answer
 
         return identification_answer(self, every=every)  # type: ignore[arg-type]
 

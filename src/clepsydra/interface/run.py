@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 class _Drawn(Answered):
     def plot(self) -> Figure:
         """Draw everything that was recorded, as a Matplotlib figure."""
-        from clepsydra.report.plot import plot
+        from clepsydra.report.trends import plot
 
         return plot(self)  # type: ignore[arg-type]
 
@@ -109,7 +109,7 @@ class OpenLoopRun(_Drawn, Simulation):
 
     def answer(self, *, every: bool = False) -> Section:
         """Return what it did and how sure that is, or every signal and balance."""
-        from clepsydra.report.simulation_answer import simulation_answer
+        from clepsydra.report.simulation_page import simulation_answer
 
         return simulation_answer(self.plan, self, every=every)
 

@@ -10,7 +10,7 @@ from clepsydra.papers.figure_picture import drawn
 from clepsydra.papers.row import VERDICTS, Row
 from clepsydra.papers.row_words import difference_words, printed_words, value_words
 from clepsydra.report.page import page_text as section_page
-from clepsydra.report.svg import svg_text
+from clepsydra.report.page import svg_text
 
 _WORDS = (
     "Reproduced: the computed number rounds to the printed one, or is within the tolerance that "

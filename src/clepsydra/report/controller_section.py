@@ -12,16 +12,20 @@ from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.controllers.signals import owners
 from clepsydra.program.called_blocks import without_untold
 from clepsydra.program.owned_state import with_owned_state
-from clepsydra.report.controller_tables import parameter_tables, status_words
+from clepsydra.report.analysis_tables import margin_grid
 from clepsydra.report.drawing.block_picture import program_svg
 from clepsydra.report.facts import facts_table
-from clepsydra.report.law_tables import law_facts, law_grids, law_words
-from clepsydra.report.margin_tables import margin_grid
+from clepsydra.report.law_tables import (
+    law_facts,
+    law_grids,
+    law_words,
+    parameter_tables,
+    status_words,
+)
 from clepsydra.report.pid_tables import loop_settings
 from clepsydra.report.quantities import number_text, quantity_text
 from clepsydra.report.scheme_tables import scheme_blocks
-from clepsydra.report.score_tables import score_tables
-from clepsydra.report.tuning_tables import tuning_grid
+from clepsydra.report.score_tables import score_tables, tuning_grid
 from clepsydra.studies.result import Candidate, StudyResult
 from clepsydra.studies.tuning.result import TuningResult
 

@@ -9,11 +9,11 @@ from clepsydra.base.section import Line, Section, Table
 from clepsydra.base.words import time_text
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT
 from clepsydra.process.process import Process
-from clepsydra.report.margin_tables import margin_table
+from clepsydra.report.analysis_tables import margin_table
 from clepsydra.report.performance import figures_of, performance_words
 from clepsydra.report.quantities import number_text, time_cell
+from clepsydra.report.scheme_tables import added_table, settings_table
 from clepsydra.report.score_tables import standing_word
-from clepsydra.report.settings_table import added_table, settings_table
 from clepsydra.report.study_answer import better_words, watch_lines
 from clepsydra.studies.ranking import QUIET
 from clepsydra.studies.recommendation import Recommendation

@@ -21,13 +21,10 @@ from clepsydra.report.first_screen import cards, counted_words, headline, lead, 
 from clepsydra.report.html_section import html
 from clepsydra.report.overlay import event_windows, overlay_data, shown_signals
 from clepsydra.report.overlay_picture import overlay_figure
-from clepsydra.report.page import write_page
-from clepsydra.report.page_assets import STILL_WORDS, page_assets
-from clepsydra.report.resolution import RESOLUTION_WORDS
+from clepsydra.report.page import STILL_WORDS, page_assets, rendered, svg_text, write_page
+from clepsydra.report.quantities import RESOLUTION_WORDS
 from clepsydra.report.score_tables import glossary, ranking_note, standing_word
 from clepsydra.report.sensitivities import sensitivity_data
-from clepsydra.report.svg import svg_text
-from clepsydra.report.template import rendered
 from clepsydra.report.trends import segment_words
 from clepsydra.studies.recommendation import Recommendation, recommend
 from clepsydra.studies.result import Candidate, StudyResult

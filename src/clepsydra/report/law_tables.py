@@ -8,20 +8,22 @@ import numpy as np
 
 from clepsydra.base.section import Table
 from clepsydra.base.signal import Signal, path
+from clepsydra.base.words import time_text
+from clepsydra.controllers.blocks.status import STATUS_BITS, read_status
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.signals import owners
+from clepsydra.controllers.signals import LARGEST_PARAMETER, owners
+from clepsydra.loop.run import Run
 from clepsydra.process.process import Process
 from clepsydra.program.entries import signal_of
 from clepsydra.report.facts import DIGITS, facts_table, known_signal, level_words
-from clepsydra.report.output_facts import output_facts
 from clepsydra.report.quantities import (
     display_factor,
     number_text,
     quantity_text,
     setting_time,
+    settled_gains,
     unit_text,
 )
-from clepsydra.report.resolution import settled_gains
 
 _OBSERVER = (
     "Observer: x̂ = x̂⁻ + M (y − y° − C x̂⁻) with the measurements of this sample, then for the next "
@@ -31,10 +33,6 @@ _OBSERVER = (
 
 def law_words(controller: Controller) -> list[str]:
     """Return what the law of a controller does in automatic, in equations.
-
-    Parameters
-    ----------
-    controller : Controller
 
     Returns
     -------
@@ -192,11 +190,7 @@ def _estimates(controller: Controller, process: Process) -> list[Signal]:
 
 
 def _matrix(
-    stem: str,
-    title: str,
-    rows: Sequence[Signal],
-    columns: Sequence[Signal],
-    controller: Controller,
+    stem: str, title: str, rows: Sequence[Signal], columns: Sequence[Signal], controller: Controller
 ) -> Table | None:
     values = controller.values
     names = [[path(path(row, stem), column.name) for column in columns] for row in rows]
@@ -228,3 +222,91 @@ def _stages(controller: Controller, process: Process) -> Table:
         rows.append((f"stage {number}: {number} running", start, stop))
     title = f"Levels ({level.name})"
     return Table(title, (title, "starts at", "stops at"), tuple(rows))
+
+
+def output_facts(signal: Signal, controller: Controller) -> list[tuple[str, str]]:
+    """Return limits, rate limit and the value at rest of an output, in display units.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> pump = Signal("pump_1", "V", low=0.0, high=10.0)
+    >>> values = {"pump_1.low_limit": 0.0, "pump_1.high_limit": 10.0}
+    >>> controller = SimpleNamespace(values=values, initial_state={"pump_1.last_output": 3.0})
+    >>> output_facts(pump, controller)
+    [('output limits', '0 to 10.00 V'), ('output at rest', '3.000 V')]
+    """
+    values, state = controller.values, controller.initial_state
+    facts = []
+    ends = [path(signal, f"{end}_limit") for end in ("low", "high")]
+    if ends[0] in values:
+        low, high = (quantity_text(signal, values[end], DIGITS) for end in ends)
+        facts.append(("output limits", f"{low.split(' ')[0]} to {high}"))
+    rate = values.get(path(signal, "rate_limit"), LARGEST_PARAMETER)
+    if rate < LARGEST_PARAMETER:
+        facts.append(("rate limit", f"{quantity_text(signal, rate, DIGITS)} per s"))
+    if (last := path(signal, "last_output")) in state:
+        facts.append(("output at rest", quantity_text(signal, state[last], DIGITS)))
+    return facts
+
+
+def parameter_tables(controller: Controller) -> list[Table]:
+    """Return the parameters of a controller, those that many things have in columns.
+
+    "level_1.integral_time" and "level_2.integral_time" become the row "integral_time" with columns
+    level_1 and level_2; "pump_1.feedback.level_3" stands in the row "pump_1.feedback", column
+    level_3.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> controller = cl.design.simc(cl.load("quadruple-tank"))
+    >>> [table.head[1:-1] for table in parameter_tables(controller)]
+    [('level_1', 'level_2'), ('pump_1', 'pump_2')]
+    """
+    units = {signal.name: signal.unit for signal in controller.law.parameters}
+    grouped: dict[tuple[str, str], dict[str, float]] = {}
+    for name, value in controller.values.items():
+        owner, part, element = [*name.split(".", 2), "", ""][:3]
+        row, column = (f"{owner}.{part}", element) if element else (part or owner, part and owner)
+        grouped.setdefault((row, units.get(name, "1")), {})[column] = value
+    tables: dict[tuple[str, ...], list[tuple[str, ...]]] = {}
+    for (row, unit), values in grouped.items():
+        numbers = tuple(number_text(value, 4) for value in values.values())
+        tables.setdefault(tuple(values), []).append((row, *numbers, unit_text(unit)))
+    return [Table("", ("", *columns, "unit"), tuple(rows)) for columns, rows in tables.items()]
+
+
+def status_words(run: Run) -> list[str]:
+    """Return what the status words told, and for how long; outputs that told the same together.
+
+    Returns
+    -------
+    list of str
+        "pump_1, pump_2: the mode is automatic (14 min); the output stands at its high
+        limit (12 s)"
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> run = cl.simulate(plant, cl.design.simc(plant), duration="1 min")
+    >>> status_words(run)[0].split(" (")[0]
+    'pump_1, pump_2: the mode is automatic'
+    """
+    outputs: dict[str, list[str]] = {}
+    for name in run.controller.manipulated:
+        seconds = dict.fromkeys(STATUS_BITS, 0.0)
+        for word, samples in zip(
+            *np.unique(run.values[f"{name}.status"], return_counts=True), strict=True
+        ):
+            for bit in read_status(int(word)):
+                seconds[bit] += float(samples) * run.scenario.sampling_period
+        told = [
+            f"{STATUS_BITS[bit].meaning} ({time_text(duration)})"
+            for bit, duration in seconds.items()
+            if duration
+        ]
+        words = "; ".join(told) or "the mode is manual, nothing else to tell"
+        outputs.setdefault(words, []).append(name)
+    return [f"{', '.join(names)}: {words}" for words, names in outputs.items()]

@@ -17,6 +17,7 @@ from clepsydra.studies.result import Candidate
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+
 #: Columns, levels and manipulated variables at most; width, height of a row and around [inch].
 _COLUMNS, _HELD, _MOVED = 3, 2, 1
 _WIDTH, _ROW, _AROUND = 9.6, 1.05, 0.7

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import io
+import re
+from dataclasses import dataclass
+from html import escape
+from importlib import resources
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.files import whole_file
 from clepsydra.base.section import Section
 from clepsydra.report.html_section import html
-from clepsydra.report.template import rendered
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def page_text(section: Section) -> str:
@@ -33,11 +41,6 @@ def page_text(section: Section) -> str:
 def write_page(text: str, path: str | Path) -> None:
     """Write a page; an existing file is replaced only by a whole one.
 
-    Parameters
-    ----------
-    text : str
-    path : str or Path
-
     Raises
     ------
     InputError
@@ -53,3 +56,128 @@ def write_page(text: str, path: str | Path) -> None:
     """
     with whole_file(Path(path)) as part:
         part.write_text(text, encoding="utf-8", newline="\n")
+
+
+#: What a report says where it has no script.
+STILL_WORDS = (
+    "The pictures of this report are still: when Clepsydra was installed from its sources, what"
+    " makes them interactive could not be built. Install it once more with a network, or a wheel."
+)
+
+
+@dataclass(frozen=True)
+class PageAssets:
+    """What is put into a report to make its pictures interactive.
+
+    Parameters
+    ----------
+    script, style : str
+        JavaScript and CSS, whole: they fetch nothing.
+
+    Examples
+    --------
+    >>> PageAssets("drawTrends();", ".interactive { margin: 0 }").script
+    'drawTrends();'
+    """
+
+    script: str
+    style: str
+
+
+def page_assets() -> PageAssets | None:
+    """Return script and style as the installation built them, or None where it could not.
+
+    They are built from `page/`, which needs Node and its packages once, when Clepsydra is
+    installed from its sources; a wheel has them. Without them pictures are still.
+
+    Examples
+    --------
+    >>> assets = page_assets()
+    >>> assets is None or "uPlot" in assets.script
+    True
+    """
+    folder = resources.files("clepsydra.report") / "page"
+    try:
+        script = (folder / "report.js").read_text("utf-8")
+        return PageAssets(script, (folder / "report.css").read_text("utf-8"))
+    except FileNotFoundError:
+        return None
+
+
+def rendered(template: str, **values: Any) -> str:
+    """Return a page made from a template of this package.
+
+    Everything from the user's files is escaped; only what is marked as markup, such as pictures,
+    which escape their own words, is put in as it is.
+
+    Parameters
+    ----------
+    template : str
+        Name of its file.
+    **values
+        What it shows; it refuses a name that it is not given.
+
+    Examples
+    --------
+    >>> "max-width" in rendered("page_style.css.jinja")
+    True
+    """
+    import jinja2
+
+    folder = resources.files("clepsydra.report")
+    environment = jinja2.Environment(
+        loader=jinja2.FunctionLoader(lambda name: folder.joinpath(name).read_text("utf-8")),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template(template).render(**values)
+
+
+#: Letters become outlines, so that a picture looks the same on every machine; the salt makes
+#: the identifiers, and with them the file, the same at every run.
+_SETTINGS: dict[Any, Any] = {"svg.fonttype": "path", "svg.hashsalt": "clepsydra"}
+_NOTHING = {"Date": None, "Creator": None, "Format": None, "Type": None}
+
+
+def svg_text(figure: Figure, title: str, prefix: str) -> str:
+    """Return a figure as one ``<svg>`` element for use inside HTML.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+    title : str
+        What the picture shows, for readers who do not see it.
+    prefix : str
+        An identifier put before every id, so that several pictures may share a page.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> svg_text(Figure(figsize=(2, 1)), "nothing", "a").splitlines()[1]
+    '<title>nothing</title>'
+    """
+    import matplotlib
+
+    stream = io.StringIO()
+    with matplotlib.rc_context(_SETTINGS):
+        figure.savefig(stream, format="svg", metadata=_NOTHING)
+    text = stream.getvalue()
+    body = text[text.index(">", text.index("<svg")) + 1 :]
+    body = re.sub(r"\s*<metadata>.*?</metadata>|\s*<!--.*?-->", "", body, flags=re.DOTALL)
+    body = re.sub(r'\bid="', f'id="{prefix}-', body)
+    body = re.sub(r'href="#', f'href="#{prefix}-', body)
+    body = body.replace("url(#", f"url(#{prefix}-")
+    # Hundredths of a point are finer than any printer; matplotlib writes millionths.
+    body = re.sub(r' d="[^"]*"', lambda path: _rounded(path.group()), body)
+    width, height = (72.0 * length for length in figure.get_size_inches())
+    return (
+        f'<svg viewBox="0 0 {width:g} {height:g}" role="img"'
+        f' xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink">\n'
+        f"<title>{escape(title)}</title>{body}"
+    )
+
+
+def _rounded(path: str) -> str:
+    return re.sub(r"\d+\.\d{3,}", lambda number: f"{float(number.group()):.2f}", path)

@@ -12,13 +12,14 @@ from clepsydra.base.words import listed
 from clepsydra.process.bands import band_text
 from clepsydra.process.process import Process
 from clepsydra.report.quantities import (
+    DEVIATION,
     display_factor,
     number_text,
     sensor_scale,
+    settled,
     time_cell,
     unit_text,
 )
-from clepsydra.report.resolution import DEVIATION, settled
 from clepsydra.scores.band import TIME_OUTSIDE
 from clepsydra.scores.score import SCORES
 from clepsydra.scores.score_key import by_signal

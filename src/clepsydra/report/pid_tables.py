@@ -30,7 +30,7 @@ from clepsydra.report.facts import (
     level_words,
     range_text,
 )
-from clepsydra.report.output_facts import output_facts
+from clepsydra.report.law_tables import output_facts
 from clepsydra.report.quantities import (
     display_factor,
     number_text,

@@ -7,13 +7,22 @@ from collections.abc import Sequence
 
 from clepsydra.base.section import Table
 from clepsydra.process.process import Process
-from clepsydra.report.quantities import display_factor, number_text, time_cell, unit_text
-from clepsydra.report.resolution import DEVIATION, INTEGRAND, settled
+from clepsydra.report.facts import DIGITS
+from clepsydra.report.quantities import (
+    DEVIATION,
+    INTEGRAND,
+    display_factor,
+    number_text,
+    settled,
+    time_cell,
+    unit_text,
+)
 from clepsydra.scores.score import SCORES, Of, Score
 from clepsydra.scores.score_key import score_key
 from clepsydra.studies.ranking import RULE
 from clepsydra.studies.ranking_words import IDLE
 from clepsydra.studies.result import Candidate, Standing, StudyResult
+from clepsydra.studies.tuning.result import TuningResult
 
 #: The standing of a controller in a word.
 STANDING_WORDS = {
@@ -148,7 +157,7 @@ def score_text(
 ) -> tuple[str, str]:
     """Return a score [SI] of a signal and its unit as the reader sees them.
 
-    What `clepsydra.report.resolution` takes for nothing is 0.
+    What `clepsydra.report.quantities` takes for nothing is 0.
 
     Parameters
     ----------
@@ -208,3 +217,44 @@ def glossary(result: StudyResult) -> list[tuple[str, str]]:
     """
     present = {score_key(key).score for entry in result.ranking for key in entry.scores}
     return [(s.title, s.description) for key, s in SCORES.items() if key in present]
+
+
+def tuning_grid(tuning: TuningResult, process: Process, duration: float = 0.0) -> Table:
+    """Return objective, scores and max\\|S\\| before and after a tuning.
+
+    Parameters
+    ----------
+    tuning : TuningResult
+    process : Process
+        Lends display units.
+    duration : float
+        Of the runs that were compared [s], as `clepsydra.report.score_tables.score_text` takes it.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> from clepsydra.process.reader import load_process
+    >>> found = SimpleNamespace(objective=0.6, start_objective=1.0, maximum_sensitivity=1.8,
+    ...     start_maximum_sensitivity=1.2, scores={"iae[level_1]": 30.0},
+    ...     start_scores={"iae[level_1]": 50.0})
+    >>> tuning_grid(found, load_process("quadruple-tank")).rows[2]
+    ('IAE of level_1', '50.0 V s', '30.0 V s')
+    """
+    peaks = tuning.start_maximum_sensitivity, tuning.maximum_sensitivity
+    errors = tuning.start_objective, tuning.objective
+    rows = [
+        ("objective", *(number_text(value, DIGITS) for value in errors)),
+        ("max|S|", *(number_text(value) for value in peaks)),
+    ]
+    for key, value in tuning.scores.items():
+        name, signal = score_key(key)
+        before = tuning.start_scores[key]
+        if name in SCORES and signal:
+            cells = [
+                " ".join(score_text(process, signal, number, SCORES[name], duration)).strip()
+                for number in (before, value)
+            ]
+            rows.append((score_key(key).title, *cells))
+        else:
+            rows.append((key, number_text(before), number_text(value)))
+    return Table("Tuned by simulation", ("", "start", "tuned"), tuple(rows))

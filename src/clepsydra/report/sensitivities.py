@@ -17,10 +17,6 @@ _PER_DECADE, _DECADES = 40, 4.0
 def sensitivity_data(ranking: Sequence[Candidate]) -> dict[str, Any] | None:
     """Return frequencies [rad/s] and each controller's S at the measurements; None without any.
 
-    Parameters
-    ----------
-    ranking : sequence of Candidate
-
     Returns
     -------
     dict or None

@@ -11,8 +11,8 @@ from clepsydra.base.section import Line, Mark, Section, Table, marked
 from clepsydra.base.words import listed
 from clepsydra.report.facts import told_table
 from clepsydra.report.performance import figures_of, performance_words
+from clepsydra.report.scheme_tables import added_table, settings_table
 from clepsydra.report.score_tables import ranking_note, reasons, standing_word
-from clepsydra.report.settings_table import added_table, settings_table
 from clepsydra.scores.score import in_sentence
 from clepsydra.studies.ranking_words import TIE, trust_sentence
 from clepsydra.studies.recommendation import Recommendation, recommend

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from clepsydra.base.arguments import require_type
 from clepsydra.base.words import time_unit
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.run import Run
@@ -12,13 +13,15 @@ from clepsydra.loop.scenario import Segment
 from clepsydra.process.process import Process
 from clepsydra.report.colours import INK, MUTED, signal_colours
 from clepsydra.report.panel_axes import draw_panel
-from clepsydra.report.panels import Panel
+from clepsydra.report.panels import Panel, all_panels
 from clepsydra.report.quantities import display_factor, fitted, sensor_scale, short_text, unit_text
 from clepsydra.report.recording import Recording, recording_of
+from clepsydra.studies.result import Candidate, StudyResult
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
 
 #: Figure style. The font comes with Matplotlib, so that text has the same width everywhere.
 STYLE: dict[Any, Any] = {
@@ -66,11 +69,6 @@ def trend_figure(run: Run | Simulation, panels: Sequence[Panel]) -> Figure:
     dashed, limits shaded; a bar on the time axis marks where a manipulated variable stands at a
     limit; the strip on top says what the scenario does. Vertical hairlines are events, numbered
     in order of time where there is room; one that happens often has one, with its count.
-
-    Parameters
-    ----------
-    run : Run or Simulation
-    panels : sequence of Panel
 
     Returns
     -------
@@ -204,3 +202,34 @@ def _draw_numbers(
                 bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
             )  # fmt: skip
             free = time + width / 2
+
+
+def plot(run: Run | Simulation) -> Figure:
+    """Draw everything that a run recorded: states, manipulated variables, disturbances, events.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        A notebook shows it; ``figure.savefig("run.pdf")`` writes it.
+
+    Raises
+    ------
+    InputError
+        It is no run; a whole study holds one for each controller.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> step = [cl.step("level_1", "+0.5 V", at="10 s")]
+    >>> figure = plot(cl.simulate(plant, cl.design.simc(plant), step, duration="1 min"))
+    >>> len(figure.axes)  # the strip, four levels, two pumps
+    7
+    """
+    remedy = "give one, as from Loop(controller, model).run(scenario)"
+    if isinstance(run, StudyResult):
+        remedy = "give result.ranking[0].run" if run.ranking else "no controller of it has a run"
+    elif isinstance(run, Candidate):
+        remedy = "give candidate.run"
+    require_type(run, (Run, Simulation), "plot", "a Run or a Simulation", remedy)
+    return trend_figure(run, all_panels(run))

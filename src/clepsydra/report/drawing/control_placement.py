@@ -26,12 +26,6 @@ class ControlPlacement:
     A controller of one measurement stands above its transmitter, one of several between those
     that it reads, and a relay by the actuator that it moves.
 
-    Parameters
-    ----------
-    frame : Frame
-    gaps : Gaps
-    functions : sequence of ControlFunction
-
     Attributes
     ----------
     signals : list of (from, to)

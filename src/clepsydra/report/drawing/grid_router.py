@@ -23,10 +23,6 @@ class GridRouter:
     best way is the shortest path in a graph with two nodes a point, one for level pipes and one
     for upright ones, joined where a pipe may bend.
 
-    Parameters
-    ----------
-    width, height : int
-
     Examples
     --------
     >>> router = GridRouter(10, 5)

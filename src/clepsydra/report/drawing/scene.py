@@ -21,12 +21,7 @@ from clepsydra.report.drawing.lettering import shortened, wrapped
 from clepsydra.report.drawing.outline import TANK_WIDTH, Outline, outline_of
 from clepsydra.report.drawing.routing import Routes, route
 from clepsydra.report.drawing.style import TINTS
-from clepsydra.report.quantities import (
-    percent_text,
-    quantity_text,
-    short_text,
-    unit_text,
-)
+from clepsydra.report.quantities import percent_text, quantity_text, short_text, unit_text
 
 #: Room for a line beside a pump, a flow or a splitter, at an instrument, and in a tank [px].
 _BESIDE, _AT, INSIDE = 170.0, 104.0, TANK_WIDTH - 6.0
