@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import casadi as ca
 import numpy as np
 import pytest
+from plain_process import plain_process
 
 from clepsydra import LinearModel, Signal
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.process.process import Process
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -42,7 +42,7 @@ def quadruple_tank(gamma_1, gamma_2, k_1, k_2, voltage):
         (-flows[3] + (1 - gamma_1) * k_1 * u[0]) / AREAS[3],
     )
     levels = [f"tank_{i}.level" for i in range(1, 5)]
-    process = Process(
+    process = plain_process(
         name="quadruple_tank",
         title="",
         source="",
@@ -134,7 +134,7 @@ def one_input_one_output(A, B, C, *, low=0.0, high=10.0, at=5.0, period=1.0, spa
     n = len(A)
     x, u, none = ca.SX.sym("x", n), ca.SX.sym("u"), ca.SX(0, 1)
     states = tuple(f"tank_{i + 1}.level" for i in range(n))
-    process = Process(
+    process = plain_process(
         name="tank",
         title="",
         source="",

@@ -16,6 +16,7 @@ from types import SimpleNamespace
 import casadi as ca
 import numpy as np
 import pytest
+from plain_process import plain_process
 
 from clepsydra import Signal
 from clepsydra.process.process import Process
@@ -109,7 +110,7 @@ def quadruple_tank(plant: Johansson) -> Process:
         ((1 - g1) * k1 * u[0] - q[3]) / area[3],
     )
     level = [Signal(f"tank_{i}.level", "m", "cm", 0, 0.2, 0.1) for i in range(1, 5)]
-    return Process(
+    return plain_process(
         name="quadruple-tank",
         title="Quadruple tank",
         source="Johansson 2000",
@@ -163,7 +164,7 @@ def make_process() -> Callable[..., Process]:
         p = ca.SX.sym("p", 0)
         shown = measure(x) if measure else [x[i] for i in range(levels)]
         names = [f"level_{i}" for i in range(1, len(shown) + 1)]
-        return Process(
+        return plain_process(
             name="plant",
             title="Plant",
             source="by hand",

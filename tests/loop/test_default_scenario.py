@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 import pytest
+from plain_process import plain_process
 from scipy import stats
 from scipy.integrate import solve_ivp
 
@@ -48,7 +49,7 @@ def make_process(
     """Return a process by its signals; the scenario does not evaluate its equations."""
     x, u = ca.SX.sym("x", len(states)), ca.SX.sym("u", len(inputs))
     d, p = ca.SX.sym("d", len(inflows)), ca.SX.sym("p", 0)
-    return Process(
+    return plain_process(
         name="rig",
         title="A rig",
         source="this test",

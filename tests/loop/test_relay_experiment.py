@@ -6,6 +6,7 @@ import math
 import casadi as ca
 import numpy as np
 import pytest
+from plain_process import plain_process
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
@@ -14,7 +15,6 @@ from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.relay_experiment import relay_experiment
-from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 
 A = np.array([[-1.0, 0.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, -1.0]])
@@ -25,7 +25,7 @@ def three_lags(period, *, sign=1.0, bias=5.0):
     """Return the model of y = sign/(s + 1)³ (u − bias) as a process."""
     x, u, none = ca.SX.sym("x", 3), ca.SX.sym("u"), ca.SX(0, 1)
     levels = tuple(f"tank_{i}.level" for i in (1, 2, 3))
-    process = Process(
+    process = plain_process(
         name="lags", title="", source="",
         state=tuple(Signal(name, "m", low=-10.0, high=10.0) for name in levels),
         inputs=(Signal("pump", "V", low=0.0, high=10.0, initial=bias),),

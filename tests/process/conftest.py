@@ -1,7 +1,7 @@
 """What the tests of elements share."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -12,8 +12,6 @@ from clepsydra.loop import open_loop
 from clepsydra.process.equations import join
 from clepsydra.process.process import Process
 
-#: What joined equations have beside the signals and functions of a process.
-OF_A_LOOP = ("motion", "display", "noise")
 GRAVITY = Signal("gravity", "m/s^2", initial=9.81)
 
 
@@ -39,10 +37,9 @@ def _simulate(
     disturbances: Sequence[float] = (),
 ) -> Course:
     joined = join(elements, GRAVITY)
-    named = {f.name: getattr(joined, f.name) for f in fields(joined) if f.name not in OF_A_LOOP}
     process = Process(
         name="elements", title="", source="", controlled=(), elements=tuple(elements),
-        nominal_outputs={}, sampling_period=step, joined_motion=joined.motion, **named,
+        nominal_outputs={}, sampling_period=step, **vars(joined),
     )  # fmt: skip
     rows = [inputs(k * step) if callable(inputs) else inputs for k in range(steps)]
     columns = zip(process.inputs, np.array(rows).T, strict=True)

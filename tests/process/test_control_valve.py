@@ -14,12 +14,11 @@ from written_plants import plant_of
 
 import clepsydra as cl
 from clepsydra.base.units import from_si
-from clepsydra.process.backlash import Backlash
 from clepsydra.process.elements.control_valve import ControlValve
 from clepsydra.process.elements.reservoir import Reservoir
 from clepsydra.process.elements.tank import Tank
+from clepsydra.process.friction import Backlash, Stiction
 from clepsydra.process.reader import load_process
-from clepsydra.process.stiction import Stiction
 from clepsydra.process.suction import Suction
 from clepsydra.process.valve_characteristic import CHARACTERISTICS, opened
 from clepsydra.process.vessels.prism import Prism

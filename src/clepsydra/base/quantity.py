@@ -156,7 +156,7 @@ def quantity(
     above, at_least, at_most : float
         Bounds [unit]; the upper one may be the name of a field.
     default : float or None
-        Of a file without the key, which must have it where no default is given.
+        Of a file without the key, which must have it where neither it nor `absent` is given.
     **options
         `lowest`, `absent`, `needs`, `unless` and `required`.
 
@@ -168,7 +168,7 @@ def quantity(
     ...     unit: str
     ...     gain: float = quantity("W/{unit}", "a gain", "power per volt of", remedy="give it")
     ...     lag: float = quantity("s", "a time constant", "time constant of", above=0.0,
-    ...                           default=0.0, absent=0.0, remedy="leave it out")
+    ...                           absent=0.0, remedy="leave it out")
     >>> heater = Heater("heater_1", "V", 20.0)
     >>> gain, lag = quantities(Heater)
     >>> gain.parameter(heater).unit, gain.parameter(heater).description, lag.parameter(heater)
@@ -176,6 +176,7 @@ def quantity(
     """
     upper = {"at_most": at_most} if isinstance(at_most, str) else {"high": at_most}
     low = at_least if above is None else above
+    default = options.get("absent", MISSING) if default is MISSING else default
     declared = Quantity(
         "",
         unit,

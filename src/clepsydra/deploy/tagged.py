@@ -135,7 +135,7 @@ def tagged_point(point: OperatingPoint) -> OperatingPoint:
         disturbances=named(process.disturbances),
         measurements=named(process.measurements),
         parameters=named(process.parameters),
-        joined_motion=replace(
+        motion=replace(
             motion,
             contents=named(motion.contents),
             totals=named(motion.totals),

@@ -34,7 +34,6 @@ def read_averaging(
         Measurements that follow setpoints.
     inputs : sequence of Signal
         What controllers move.
-    elements : sequence of Element
 
     Returns
     -------
@@ -93,7 +92,6 @@ def averaged_flows(process: Process, name: str) -> tuple[tuple[str, ...], tuple[
 
     Parameters
     ----------
-    process : Process
     name : str
         Of an averaging measurement.
 

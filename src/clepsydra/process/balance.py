@@ -47,7 +47,6 @@ def crossing(
 
     Parameters
     ----------
-    flows : sequence of Flow
     totals : sequence of Signal
         As `balance_totals` returns them.
     outside : callable

@@ -11,7 +11,6 @@ from clepsydra.base.units import from_si
 from clepsydra.process.document import Document
 from clepsydra.process.element import Element
 from clepsydra.process.elements.sensor import Sensor
-from clepsydra.process.elements.tank import Tank
 from clepsydra.process.table_reader import TableReader
 
 if TYPE_CHECKING:
@@ -30,8 +29,6 @@ def read_bands(
 
     Parameters
     ----------
-    document : Document
-    elements : sequence of Element
     averaging : sequence of str
         Measurements of the levels that average.
     nominal_outputs : mapping
@@ -49,7 +46,6 @@ def read_bands(
     >>> load_process("equalisation-tank").bands
     {}
     """
-    tanks = {element.name: element for element in elements if isinstance(element, Tank)}
     found = {}
     for sensor in elements:
         if not isinstance(sensor, Sensor) or sensor.band is None:
@@ -61,9 +57,7 @@ def read_bands(
                 "no band, since this is none of the levels that average",
                 f'remove it, or write averaging = ["{sensor.name}"] at the top of the file',
             )
-        vessel = tanks[sensor.tank].vessel
-        most = vessel.height if sensor.measured == "level" else vessel.capacity
-        least, most = sensor.to_reading(0.0), sensor.to_reading(most)
+        least, most = map(sensor.to_reading, sensor.bounds)
         signal = sensor.measurements()[0]
         if sensor.band[0] < least or sensor.band[1] > most:
             raise table.wrong(
@@ -99,13 +93,8 @@ def check_at_rest(process: Process, values: Mapping[str, float]) -> None:
 
     Parameters
     ----------
-    process : Process
     values : mapping
         Measurements at the operating point, by name.
-
-    Raises
-    ------
-    InputError
 
     Examples
     --------

@@ -11,7 +11,6 @@ class Component:
 
     Parameters
     ----------
-    name : str
     unit : str
         SI unit of its concentration: "kg/m^3" or "mol/m^3".
     display_unit : str

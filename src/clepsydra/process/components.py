@@ -25,14 +25,6 @@ def read_components(document: Document, general: TableReader) -> tuple[Component
     InputError
         A range is wrong, its unit is neither a mass nor an amount per volume, or the name has
         another meaning.
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> text = b"[components.salt]\\nrange = ['0 kmol/m^3', '25 kmol/m^3']"
-    >>> document = parse(text, "plant.toml")
-    >>> read_components(document, TableReader(document, (), None))[0].high
-    25000.0
     """
     if not general.has("components"):
         return ()
@@ -59,10 +51,6 @@ def check_components(
     components: Sequence[Component], elements: Sequence[Element], place: Place
 ) -> None:
     """Refuse a component that enters the plant nowhere.
-
-    Raises
-    ------
-    InputError
 
     Examples
     --------

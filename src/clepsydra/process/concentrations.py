@@ -10,9 +10,9 @@ import casadi as ca
 
 from clepsydra.base.signal import Signal
 from clepsydra.process import told
-from clepsydra.process.component import Component
 from clepsydra.process.declared import Part
-from clepsydra.process.disturbance_range import read_disturbance_range
+from clepsydra.process.element import Element
+from clepsydra.process.outside_signal import read_disturbance_range
 from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
@@ -31,22 +31,12 @@ class GivenConcentration:
         Range where it is a signal that may be manipulated or disturb; None where it is constant.
     steps : tuple of float
         Sizes of the load steps of the default scenario, for a signal.
-
-    Examples
-    --------
-    >>> GivenConcentration(5e3, 0.0, 25e3).varies
-    True
     """
 
     value: float
     low: float | None = None
     high: float | None = None
     steps: tuple[float, ...] = ()
-
-    @property
-    def varies(self) -> bool:
-        """Whether it is a signal."""
-        return self.low is not None
 
 
 def read_concentrations(table: TableReader) -> dict[str, GivenConcentration]:
@@ -55,23 +45,6 @@ def read_concentrations(table: TableReader) -> dict[str, GivenConcentration]:
     Written as ``concentration = { salt = "5 kg/m^3" }`` for a constant, or as a table
     ``concentration.salt = { range = ["0 kg/m^3", "25 kg/m^3"], nominal = "5 kg/m^3" }`` for a
     signal "feed.salt".
-
-    Parameters
-    ----------
-    table : TableReader
-        Of an element that may have the key ``concentration``.
-
-    Raises
-    ------
-    InputError
-        A component is unknown, a value is negative, or it or a step is out of range.
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> from clepsydra.process.table_reader import TableReader
-    >>> read_concentrations(TableReader(parse(b"[flows.feed]", "a.toml"), ("flows", "feed"), None))
-    {}
     """
     if not table.has("concentration"):
         return {}
@@ -109,64 +82,40 @@ def brought() -> Any:
     return field(default_factory=dict, metadata={"declared": declared})
 
 
-def concentration_signals(
-    element: str, given: Mapping[str, GivenConcentration], components: tuple[Component, ...]
-) -> tuple[Signal, ...]:
-    """Return the signals among given concentrations, "feed.salt".
+class BringsFromOutside(Element):
+    """An element whose liquid comes from outside, with its concentrations in a field `given`."""
 
-    Examples
-    --------
-    >>> concentration_signals("feed", {"salt": GivenConcentration(5.0)}, ())
-    ()
-    """
-    by_name = {component.name: component for component in components}
-    return tuple(
-        Signal(
-            f"{element}.{name}",
-            by_name[name].unit,
-            display_unit=by_name[name].display_unit,
-            low=value.low,
-            high=value.high,
-            initial=value.value,
-            description=f"concentration of {name} in {element}",
+    given: Mapping[str, GivenConcentration]
+
+    def brings(self) -> tuple[str, ...]:
+        """Return the components with a concentration of their own."""
+        return tuple(self.given)
+
+    def disturbances(self) -> tuple[Signal, ...]:
+        """Return the concentrations that vary, "feed.salt"."""
+        by_name = {component.name: component for component in self.components}
+        return tuple(
+            Signal(
+                f"{self.name}.{name}",
+                by_name[name].unit,
+                by_name[name].display_unit,
+                value.low,
+                value.high,
+                value.value,
+                description=f"concentration of {name} in {self.name}",
+            )
+            for name, value in self.given.items()
+            if value.low is not None and value.high is not None
         )
-        for name, value in given.items()
-        if value.low is not None and value.high is not None
-    )
 
+    def load_steps(self) -> dict[str, tuple[float, ...]]:
+        """Return the sizes of the load steps of its concentrations by signal."""
+        return {f"{self.name}.{name}": v.steps for name, v in self.given.items() if v.steps}
 
-def concentration_steps(
-    element: str, given: Mapping[str, GivenConcentration]
-) -> dict[str, tuple[float, ...]]:
-    """Return the sizes of the load steps of each given concentration that has one, by signal.
-
-    Examples
-    --------
-    >>> concentration_steps("feed", {"salt": GivenConcentration(5.0, 0.0, 10.0, (2.0,))})
-    {'feed.salt': (2.0,)}
-    """
-    return {f"{element}.{name}": value.steps for name, value in given.items() if value.steps}
-
-
-def concentration_values(
-    element: str,
-    given: Mapping[str, GivenConcentration],
-    components: tuple[Component, ...],
-    symbols: Symbols,
-) -> dict[str, ca.SX]:
-    """Return the concentration of every component, zero where nothing is given.
-
-    Examples
-    --------
-    >>> from clepsydra.process.component import Component
-    >>> salt = Component("salt", "kg/m^3", "", 0.0, 10.0)
-    >>> concentration_values("feed", {"salt": GivenConcentration(5.0)}, (salt,), {})["salt"]
-    SX(5)
-    """
-    none = GivenConcentration(0.0)
-    return {
-        component.name: symbols[f"{element}.{component.name}"]
-        if given.get(component.name, none).varies
-        else ca.SX(given.get(component.name, none).value)
-        for component in components
-    }
+    def concentrations(self, symbols: Symbols) -> dict[str, ca.SX]:
+        """Return what its liquid carries, zero of a component of which nothing is given."""
+        found = {component.name: ca.SX(0.0) for component in self.components}
+        for name, value in self.given.items():
+            varies = value.low is not None
+            found[name] = symbols[f"{self.name}.{name}"] if varies else ca.SX(value.value)
+        return found

@@ -44,7 +44,6 @@ class Part:
 
     Parameters
     ----------
-    read : callable
     told : mapping
         The keys of a file that it knows, each with what an editor is told of it in the words of
         JSON Schema; the name of the field where empty.
@@ -126,7 +125,6 @@ def choice(choices: Sequence[str], default: str = "", words: str = "") -> Any:
 
     Parameters
     ----------
-    choices : sequence of str
     default : str
         The first of them where it is empty.
     words : str
@@ -197,10 +195,6 @@ def read_fields(owner: type, table: TableReader, **context: Any) -> dict[str, An
 
     Quantities come last, since their units and bounds may depend on the others. What reads a part
     knows the parts before it, and the context.
-
-    Raises
-    ------
-    InputError
     """
     defaults = {f.name: f.default for f in fields(owner)}
     found: dict[str, Any] = {}

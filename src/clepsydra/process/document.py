@@ -71,7 +71,6 @@ def parse(content: bytes, file: str, kind: Kind = "process") -> Document:
 
     Parameters
     ----------
-    content : bytes
     file : str
         Its name, for messages.
     kind : {"process", "study", "fuzzy"}

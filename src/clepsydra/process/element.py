@@ -19,7 +19,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.process.component import Component
 from clepsydra.process.declared import DeclaredKeys, Part, read_fields
 from clepsydra.process.flow import Flow
-from clepsydra.process.hybrid import Delay, Event
+from clepsydra.process.hybrid import Delay, Event, Switch
 from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
@@ -157,7 +157,7 @@ class Element(ABC):
 
     def memories(self) -> tuple[Signal, ...]:
         """Return what stays as it is until an event or a step changes it."""
-        return ()
+        return tuple(switch.memory(self.name) for switch in self._switches())
 
     def inputs(self) -> tuple[Signal, ...]:
         """Return the manipulated variables that it brings."""
@@ -216,6 +216,12 @@ class Element(ABC):
 
     def events(self, symbols: Symbols) -> tuple[Event, ...]:
         """Return the switches that are located inside an integration step."""
+        return tuple(
+            event for switch in self._switches() for event in switch.events(self.name, symbols)
+        )
+
+    def _switches(self) -> tuple[Switch, ...]:
+        """Return what of it has two positions, such as a level switch of a pump."""
         return ()
 
     @property
@@ -267,12 +273,5 @@ class Element(ABC):
         self, key: str, unit: str, value: float, description: str, high: float = float("inf")
     ) -> Signal:
         """Return the parameter "name.key" in the unit that the user wrote it in."""
-        return Signal(
-            f"{self.name}.{key}",
-            unit,
-            display_unit=self.display_units.get(key, ""),
-            low=0.0,
-            high=high,
-            initial=value,
-            description=f"{description} {self.name}",
-        )
+        shown, words = self.display_units.get(key, ""), f"{description} {self.name}"
+        return Signal(f"{self.name}.{key}", unit, shown, 0.0, high, value, description=words)

@@ -23,34 +23,36 @@ from clepsydra.process.wiring import flow_order
 _Said = TypeVar("_Said")
 
 
-@dataclass(frozen=True)
-class JoinedEquations:
-    """Signals and functions of a plant, as `Process` holds them.
+@dataclass(frozen=True, kw_only=True)
+class Equations:
+    """Signals and functions of a plant.
 
     Parameters
     ----------
-    state, inputs, disturbances, measurements, parameters : tuple of Signal
-    measured_state : dict
-        Measurement name to state name.
+    state : tuple of Signal
+        Levels "tank_1.level" [m], ranges from the floor to the rim.
+    inputs : tuple of Signal
+        Manipulated variables "pump_1" with their range; `initial` is the nominal value.
+    disturbances : tuple of Signal
+        Inputs that nobody manipulates, "inflow_1" [m³/s].
+    measurements : tuple of Signal
+        Sensors "level_1" with their range, in the order of the file.
+    parameters : tuple of Signal
+        Element parameters "tank_1.area" with their value in `initial`.
+    measured_state : mapping
+        Measurement name to the state that it shows, "level_1" → "tank_1.level".
     dynamics : casadi.Function
-        (x [n], u [m], d [k], p [l]) → dx/dt [n], SI, with every delay passed at once and every
-        memory as it is at first.
+        SX function (x [n], u [m], d [k], p [l]) → dx/dt [n], SI, for slow changes: transport
+        delays pass at once, and switches stand as they do at first.
     measure : casadi.Function
-        (x [n], p [l]) → y [q], in the unit of each measurement.
+        SX function (x [n], p [l]) → y [q], in the unit of each measurement.
     display : casadi.Function
-        y [q] with noise → y [q] as the controller gets it.
-    noise : dict
-        Measurement or disturbance to the standard deviation of its noise, where it is known.
+        SX function y [q] → y [q]: what a controller gets of the readings with their noise.
+    noise : mapping
+        Measurement or disturbance to the standard deviation of its noise [its unit], where the
+        file gives it.
     motion : Motion
-
-    Examples
-    --------
-    >>> from clepsydra.process.elements.tank import Tank
-    >>> from clepsydra.process.vessels.prism import Prism
-    >>> tank = Tank("tank", vessel=Prism(0.3, area=0.01))
-    >>> joined = join([tank], Signal("gravity", "m/s^2", initial=9.81))
-    >>> [signal.name for signal in joined.parameters], joined.dynamics.size_out(0)
-    (['tank.area', 'gravity'], (1, 1))
+        The same equations for an integrator, with delays, memories and switches.
     """
 
     state: tuple[Signal, ...]
@@ -72,7 +74,7 @@ def join(
     *,
     components: Sequence[Component] = (),
     manipulated: Sequence[str] | None = None,
-) -> JoinedEquations:
+) -> Equations:
     """Join elements to one set of equations in which every parameter is symbolic.
 
     Parameters
@@ -152,7 +154,7 @@ class _Join:
         chosen = tuple(outside[name] for name in manipulated)
         return chosen, tuple(s for s in outside.values() if s.name not in manipulated)
 
-    def result(self) -> JoinedEquations:
+    def result(self) -> Equations:
         x, c, u, d, p, z, m = (
             ca.SX.sym(name, len(group))
             for name, group in (
@@ -216,18 +218,19 @@ class _Join:
         dynamics = self._state_rates(steady.rates, x, to_contents)
         readings = _merged(e.readings(in_states) for e in self.elements)
         reading = _stacked(self.measurements, readings)
-        return JoinedEquations(
-            self.state,
-            self.inputs,
-            self.disturbances,
-            self.measurements,
-            self.parameters,
-            _merged(e.measured_states() for e in self.elements),
-            ca.Function("dynamics", [x, u, d, p], [ca.cse(dynamics)], ["x", "u", "d", "p"], ["dx"]),
-            ca.Function("measure", [x, p], [reading], ["x", "p"], ["y"]),
-            self._display(),
-            _merged(e.noises() for e in self.elements),
-            motion,
+        dx = ca.cse(dynamics)
+        return Equations(
+            state=self.state,
+            inputs=self.inputs,
+            disturbances=self.disturbances,
+            measurements=self.measurements,
+            parameters=self.parameters,
+            measured_state=_merged(e.measured_states() for e in self.elements),
+            dynamics=ca.Function("dynamics", [x, u, d, p], [dx], ["x", "u", "d", "p"], ["dx"]),
+            measure=ca.Function("measure", [x, p], [reading], ["x", "p"], ["y"]),
+            display=self._display(),
+            noise=_merged(e.noises() for e in self.elements),
+            motion=motion,
         )
 
     def _display(self) -> ca.Function:

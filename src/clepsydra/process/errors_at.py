@@ -18,24 +18,8 @@ def errors_at(table: TableReader, places: Mapping[str, str] | None = None) -> It
 
     Parameters
     ----------
-    table : TableReader
     places : mapping, optional
         Parameter of a law to the place of the key that gave it.
-
-    Raises
-    ------
-    InputError
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> table = TableReader(parse(b"design = 'simc'\\nphase = '-1 deg'", "a.toml"), (), None)
-    >>> with errors_at(table):
-    ...     raise InputError("phase margin, phase", -0.017, "a phase above 0", "raise it")
-    Traceback (most recent call last):
-        ...
-    clepsydra.base.errors.InputError: a.toml, line 2, phase: got -0.017, expected a phase above 0; \
-raise it.
     """
     try:
         yield

@@ -21,7 +21,6 @@ def flat_text(text: str, file: str, variants: tuple[str, ...]) -> str:
 
     Parameters
     ----------
-    text : str
     file : str
         Its name, for messages.
     variants : tuple of str

@@ -59,7 +59,6 @@ class Flow:
 
         Parameters
         ----------
-        truth : casadi.SX
         back : bool
             What runs back to the source is held, and not what runs to the destination.
 

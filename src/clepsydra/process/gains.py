@@ -31,18 +31,10 @@ def read_gain(
 
     Parameters
     ----------
-    table : TableReader
-    key : str
-    moved, measured : Signal
     expected, remedy : str
         What it is and what to do where it is wrong.
-    time : {"1", "1/s", "s"}
     above : float or None
         A bound that it must be above.
-
-    Raises
-    ------
-    InputError
 
     Examples
     --------

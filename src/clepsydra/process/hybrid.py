@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 import casadi as ca
 
 from clepsydra.base.signal import Signal
+from clepsydra.program.step_law import Symbols
 
 
 @dataclass(frozen=True)
@@ -24,11 +26,6 @@ class Delay:
         τ [s].
     conserves : str
         "liquid" or the component whose flow it is; empty for a quantity of another kind.
-
-    Examples
-    --------
-    >>> Delay("channel.delayed_flow", "m^3/s", 300.0, "liquid").time
-    300.0
     """
 
     name: str
@@ -75,12 +72,42 @@ class Event:
     ends: bool = False
 
 
+class Switch(Protocol):
+    """What remembers one of two positions for its element, and changes it at events."""
+
+    def memory(self, element: str) -> Signal:
+        """Return the memory of its position."""
+
+    def events(self, element: str, symbols: Symbols) -> tuple[Event, ...]:
+        """Return when it changes its position."""
+
+
 def switch_memory(name: str, initial: float, description: str) -> Signal:
-    """Return a memory that is 0 or 1.
+    """Return a memory that is 0 or 1."""
+    return Signal(name, kind="boolean", low=0.0, high=1.0, initial=initial, description=description)
+
+
+def switching(
+    memory: str,
+    on: ca.SX,
+    to: bool,
+    what: str,
+    words: str,
+    excess: ca.SX,
+    harm: str = "",
+    *,
+    ends: bool = False,
+) -> Event:
+    """Return the event that sets a memory to 1 or to 0, in the other position, beyond a limit.
+
+    `on` is the truth that the memory is 1, the same for all events of a switch.
 
     Examples
     --------
-    >>> switch_memory("pump_1.tripped", 0.0, "pump_1 has tripped").high
-    1.0
+    >>> event = switching("pump.runs", ca.SX(1), False, "stops", "pump stops", ca.SX(-0.2))
+    >>> event.name, float(event.guard), event.resets
+    ('pump.stops', -0.2, {'pump.runs': 0.0})
     """
-    return Signal(name, kind="boolean", low=0.0, high=1.0, initial=initial, description=description)
+    guard = ca.if_else(on, -1, excess) if to else ca.if_else(on, excess, -1)
+    name = f"{memory.rpartition('.')[0]}.{what}"
+    return Event(name, words, guard, {memory: float(to)}, harm, ends)

@@ -45,8 +45,6 @@ def joined_unit(written: str, moved: Signal, measured: Signal, time: Time) -> Jo
     ----------
     written : str
         "V/cm", "%/% min"
-    moved, measured : Signal
-    time : {"1", "1/s", "s"}
 
     Examples
     --------

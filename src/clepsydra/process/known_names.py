@@ -17,16 +17,6 @@ def known_name(
     ------
     InputError
         It is none of those that are known; the message lists them after the words.
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> table = TableReader(parse(b"to = 'lvl'", "study.toml"), (), None)
-    >>> known_name(table, "to", "lvl", ["level", "flow"], "a loop of this scheme")
-    Traceback (most recent call last):
-        ...
-    clepsydra.base.errors.InputError: study.toml, line 1, to: got 'lvl', expected a loop of this \
-scheme (level, flow); perhaps 'level' was meant.
     """
     if name in known:
         return name
@@ -51,9 +41,6 @@ def known_names(
 
     Parameters
     ----------
-    known : sequence of str
-    table : TableReader
-    key : str
     expected, remedy : str
         What the list is and how it is written: as a list of the first of those that are known
         where no remedy is given.
@@ -64,15 +51,6 @@ def known_names(
     ------
     InputError
         It is no list of names, a name stands twice, or one is unknown.
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> table = TableReader(parse(b"controlled = ['level']", "plant.toml"), (), None)
-    >>> known_names(
-    ...     ["level", "strength"], table, "controlled", expected="a list of sensors",
-    ...     remedy="write one", each="the name of a sensor")
-    ('level',)
     """
     names = table.names(key, expected, remedy or f'write as in ["{known[0]}"]')
     for name in names:

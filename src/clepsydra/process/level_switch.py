@@ -11,7 +11,7 @@ import casadi as ca
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
 from clepsydra.process import told
-from clepsydra.process.hybrid import Event, switch_memory
+from clepsydra.process.hybrid import Event, switch_memory, switching
 from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
@@ -37,7 +37,6 @@ class LevelLimit:
 
     Parameters
     ----------
-    tank : str
     level : float
         [m]
     above : bool
@@ -75,7 +74,6 @@ class LevelTrips:
 
     Parameters
     ----------
-    limits : tuple of LevelLimit
     hysteresis : float
         How far all levels must come back before the pump may run again [m], above zero.
 
@@ -98,29 +96,27 @@ class LevelTrips:
 
     def events(self, element: str, symbols: Symbols) -> tuple[Event, ...]:
         """Return one trip for each limit, and the release when all levels are back."""
-        name = f"{element}.tripped"
-        tripped = symbols[name] > 0.5
-        back = ca.SX(1)
+        tripped, back = f"{element}.tripped", ca.SX(1)
+        on = symbols[tripped] > 0.5
         for limit in self.limits:
             back = ca.fmin(back, -limit.excess(symbols) - self.hysteresis)
         released = " and ".join(limit.words(self.hysteresis) for limit in self.limits)
+        released = f"{element} is released: {released}"
+        harm = "until it is released nothing is controlled; keep the levels away from it"
         return (
             *(
-                Event(
-                    f"{element}.trips_{limit.tank}_{'above' if limit.above else 'below'}",
+                switching(
+                    tripped,
+                    on,
+                    True,
+                    f"trips_{limit.tank}_{'above' if limit.above else 'below'}",
                     f"{element} trips: {limit.words()}",
-                    ca.if_else(tripped, -1, limit.excess(symbols)),
-                    {name: 1.0},
-                    "until it is released nothing is controlled; keep the levels away from it",
+                    limit.excess(symbols),
+                    harm,
                 )
                 for limit in self.limits
             ),
-            Event(
-                f"{element}.is_released",
-                f"{element} is released: {released}",
-                ca.if_else(tripped, back, -1),
-                {name: 0.0},
-            ),
+            switching(tripped, on, False, "is_released", released, back),
         )
 
 
@@ -156,21 +152,13 @@ class LevelStarter:
 
     def events(self, element: str, symbols: Symbols) -> tuple[Event, ...]:
         """Return its start and its stop."""
-        name = f"{element}.runs"
-        runs = symbols[name] > 0.5
+        runs = f"{element}.runs"
+        on = symbols[runs] > 0.5
+        starts = f"{element} starts: {self.start.words()}"
+        stops = f"{element} stops: {self.stop.words()}"
         return (
-            Event(
-                f"{element}.starts",
-                f"{element} starts: {self.start.words()}",
-                ca.if_else(runs, -1, self.start.excess(symbols)),
-                {name: 1.0},
-            ),
-            Event(
-                f"{element}.stops",
-                f"{element} stops: {self.stop.words()}",
-                ca.if_else(runs, self.stop.excess(symbols), -1),
-                {name: 0.0},
-            ),
+            switching(runs, on, True, "starts", starts, self.start.excess(symbols)),
+            switching(runs, on, False, "stops", stops, self.stop.excess(symbols)),
         )
 
 
@@ -181,15 +169,6 @@ def read_trips(table: TableReader) -> LevelTrips | None:
     ------
     InputError
         A trip without hysteresis, or limits that leave no level at which the pump may run.
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> from clepsydra.process.table_reader import TableReader
-    >>> content = b"[pumps.p]\\nhysteresis = '5 mm'\\ntrip_above = { tank_3 = '27.5 cm' }"
-    >>> document = parse(content, "plant.toml")
-    >>> read_trips(TableReader(document, ("pumps", "p"), None)).limits[0].words()
-    'tank_3 above 27.5 cm'
     """
     limits = (*_limits(table, "trip_above"), *_limits(table, "trip_below"))
     if not limits:
@@ -242,15 +221,6 @@ def read_starter(table: TableReader) -> LevelStarter | None:
     InputError
         One of the two without the other, more than one tank, two different tanks, or a start
         that is not above the stop.
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> from clepsydra.process.table_reader import TableReader
-    >>> document = parse(b"[pumps.p]\\nstart_above = {well='1.2 m'}\\nstop_below = {well='40 cm'}",
-    ...                  "plant.toml")
-    >>> read_starter(TableReader(document, ("pumps", "p"), None)).stop.level
-    0.4
     """
     start, stop = _limits(table, "start_above"), _limits(table, "stop_below")
     if not start and not stop:

@@ -68,8 +68,6 @@ class Motion:
     ----------
     contents, totals, memories : tuple of Signal
         Integrated; integrated without an effect; held.
-    delays : tuple of Delay
-    events : tuple of MotionEvent
     to_contents : casadi.Function
         (x, p) → c
     to_state : casadi.Function
@@ -137,42 +135,3 @@ class Motion:
     def plain(self) -> bool:
         """Nothing is remembered, delayed or switched: dc/dt = f(c, u, d, p)."""
         return not (self.memories or self.delays or self.events)
-
-
-def plain_motion(state: tuple[Signal, ...], dynamics: ca.Function) -> Motion:
-    """Return the motion of a process that is nothing but dx/dt = f(x, u, d, p).
-
-    Parameters
-    ----------
-    state : tuple of Signal
-    dynamics : casadi.Function
-        SX function (x [n], u [m], d [k], p [l]) → dx/dt [n]
-
-    Examples
-    --------
-    >>> x, u, d, p = ca.SX.sym("x"), ca.SX.sym("u"), ca.SX(0, 1), ca.SX(0, 1)
-    >>> motion = plain_motion((Signal("x"),), ca.Function("f", [x, u, d, p], [u - x]))
-    >>> float(motion.rates([1.0], [], [], [3.0], [], [])[0])
-    2.0
-    """
-    x, u, d, p = (ca.SX.sym(name, dynamics.numel_in(i)) for i, name in enumerate("xudp"))
-    none = ca.SX(0, 1)
-    held = [x, none, none, u, d, p]
-    rates = dynamics(x, u, d, p)
-    return Motion(
-        contents=state,
-        totals=(),
-        memories=(),
-        delays=(),
-        events=(),
-        to_contents=ca.Function("to_contents", [x, p], [x]),
-        to_state=ca.Function("to_state", [x, p], [x]),
-        rates=ca.Function("rates", held, [rates, none, none]),
-        guards=ca.Function("guards", held, [none]),
-        resets=ca.Function("resets", [none, *held], [none]),
-        updates=ca.Function("updates", held, [none]),
-        stored=ca.Function("stored", [x, p], [none]),
-        stored_names=(),
-        flows=ca.Function("flows", held, [none]),
-        flow_paths=(),
-    )

@@ -9,103 +9,60 @@ from clepsydra.base.units import from_si
 from clepsydra.process.document import Document
 from clepsydra.process.element import Element
 from clepsydra.process.elements.sensor import Sensor
-from clepsydra.process.elements.tank import Tank
-from clepsydra.process.table_reader import TableReader, shown_value
+from clepsydra.process.sensor_reading import CONTENTS
+from clepsydra.process.table_reader import TableReader
 
 
 def check_sensor_ranges(document: Document, elements: Sequence[Element]) -> None:
-    """Refuse a sensor whose range shows nothing that its quantity can be.
-
-    Raises
-    ------
-    InputError
-        The range lies above the rim or below the floor of its tank, or beyond the range of the
-        component that it measures.
-
-    Examples
-    --------
-    A sensor whose range ends at the rim shows every level of its tank:
-
-    >>> from clepsydra.process.document import parse
-    >>> from clepsydra.process.vessels.prism import Prism
-    >>> tank = Tank("tank", vessel=Prism(0.3, area=0.01))
-    >>> sensor = Sensor("level", "tank", 0.0, 0.3)
-    >>> check_sensor_ranges(parse(b"name = 'plant'", "plant.toml"), [tank, sensor])
-    """
-    for sensor, bounds in _sensors(elements).values():
-        if bounds is None:
+    """Refuse a sensor whose range shows nothing that its quantity can be."""
+    for sensor in (each for each in elements if isinstance(each, Sensor)):
+        least, most = sensor.bounds
+        if sensor.to_quantity(sensor.low) < most and sensor.to_quantity(sensor.high) > least:
             continue
-        least, most = bounds
-        if sensor.to_quantity(sensor.low) >= most or sensor.to_quantity(sensor.high) <= least:
-            key = "range" if sensor.zero is None else "span"
-            raise InputError(
-                document.place(sensor.table, sensor.name, key),
-                shown_value(document.tables[sensor.table][sensor.name][key]),
-                f"a {key} that shows {_several(sensor)}, from {_end(sensor, key, least)} "
-                f"to {_end(sensor, key, most)}",
-                f"correct the {key}"
-                + (" or the gain of the sensor" if key == "range" else " of the sensor"),
-            )
+        key = "range" if sensor.zero is None else "span"
+        several = f"concentrations of {sensor.measured}"
+        if sensor.measured in CONTENTS:
+            several = f"{sensor.measured}s of {sensor.tank}"
+        raise TableReader(document, (sensor.table, sensor.name), None).wrong(
+            key,
+            f"a {key} that shows {several}, from {_end(sensor, key, least)} "
+            f"to {_end(sensor, key, most)}",
+            f"correct the {key}"
+            + (" or the gain of the sensor" if key == "range" else " of the sensor"),
+        )
 
 
 def read_nominal_outputs(
-    document: Document, elements: Sequence[Element], manipulated: Sequence[str] | None = None
+    document: Document, elements: Sequence[Element], manipulated: Sequence[str]
 ) -> dict[str, float]:
     """Return the measurements that fix the operating point, or none where the inputs do.
 
-    Parameters
-    ----------
-    document : Document
-    elements : sequence of Element
-    manipulated : sequence of str, optional
-        The inputs of the process; all pumps and valves where left out.
-
-    Raises
-    ------
-    InputError
-        The operating point is given twice, not at all, by too many or too few values, or by
-        values that no tank can hold.
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> from clepsydra.process.elements.pump import Pump
-    >>> from clepsydra.process.vessels.prism import Prism
-    >>> tank = Tank("tank", vessel=Prism(0.3, area=0.01))
-    >>> sensor = Sensor("level", "tank", 0.0, 0.3)
-    >>> text = b"[pumps.pump]\\n[operating_point]\\nlevel = '12 cm'"
-    >>> pump = Pump("pump", "basin", "tank", 1e-6, 0.0, 10.0, 5.0)
-    >>> read_nominal_outputs(parse(text, "plant.toml"), [tank, sensor, pump])
-    {'level': 0.12}
+    Those that are manipulated are the inputs of the process.
     """
     driven = [element for element in elements if element.inputs()]
-    if manipulated is None:
-        manipulated = [signal.name for element in driven for signal in element.inputs()]
     given = "operating_point" in document.tables
     free = [e for e in driven if given and any(s.name in manipulated for s in e.inputs())]
     for element in driven:
-        nominal = document.tables[element.table][element.name].get("nominal")
-        if nominal is None and element not in free:
-            raise InputError(
-                document.place(element.table, element.name, "nominal"),
-                "no nominal",
+        table = TableReader(document, (element.table, element.name), None)
+        if not table.has("nominal") and element not in free:
+            raise table.wrong(
+                "nominal",
                 "the value at the operating point",
                 "add it, or give measured levels in a table [operating_point]",
             )
-        if nominal is not None and element in free:
-            raise InputError(
-                document.place(element.table, element.name, "nominal"),
-                shown_value(nominal),
+        if table.has("nominal") and element in free:
+            raise table.wrong(
+                "nominal",
                 "no nominal value, since [operating_point] gives levels",
                 f"remove it, or remove [operating_point], or, if no controller moves "
                 f"{element.name}, list at the top of the file what one moves, manipulated = [...]",
             )
     if not given:
         return {}
-    sensors = _sensors(elements)
+    sensors = {each.name: each for each in elements if isinstance(each, Sensor)}
     table = TableReader(document, ("operating_point",), sensors)
-    values = {name: _reading(table, *sensors[name]) for name in table.present}
-    shown = [_one(sensors[name][0]) for name in values]
+    values = {name: _reading(table, sensors[name]) for name in table.present}
+    shown = [_one(sensors[name]) for name in values]
     for name, quantity in zip(values, shown, strict=True):
         if shown.count(quantity) > 1:
             raise table.wrong(name, f"one value for {quantity}", "remove one of the two")
@@ -121,11 +78,7 @@ def read_nominal_outputs(
     return values
 
 
-#: The least and the largest value of what a sensor measures [SI]; none for a flow.
-_Bounds = tuple[float, float] | None
-
-
-def _reading(table: TableReader, sensor: Sensor, bounds: _Bounds) -> float:
+def _reading(table: TableReader, sensor: Sensor) -> float:
     """Read the value of one sensor at the operating point."""
     value = table.quantity(
         sensor.name,
@@ -135,23 +88,20 @@ def _reading(table: TableReader, sensor: Sensor, bounds: _Bounds) -> float:
         at_least=sensor.low,
         at_most=sensor.high,
     )
-    if bounds is None:
-        return value
-    least, most = bounds
-    quantity = sensor.to_quantity(value)
-    liquid = sensor.measured in ("level", "volume")
-    if quantity > most or quantity < least or (liquid and quantity == least):
-        limit = _end(sensor, "range", most)
+    least, most = sensor.bounds
+    quantity, limit = sensor.to_quantity(value), _end(sensor, "range", most)
+    if sensor.measured in CONTENTS and not least < quantity <= most:
         raise table.wrong(
             sensor.name,
             f"a {sensor.measured} above the floor and below the rim of {sensor.tank}, at most "
-            f"{limit}"
-            if liquid
-            else f"a concentration of {sensor.measured} from "
-            f"{_end(sensor, 'range', least)} to {limit}",
-            "lower it, or correct the height of the tank"
-            if liquid
-            else "correct it, or the range of the component",
+            f"{limit}",
+            "lower it, or correct the height of the tank",
+        )
+    if not least <= quantity <= most:
+        raise table.wrong(
+            sensor.name,
+            f"a concentration of {sensor.measured} from {_end(sensor, 'range', least)} to {limit}",
+            "correct it, or the range of the component",
         )
     return value
 
@@ -171,29 +121,6 @@ def _one(sensor: Sensor) -> str:
     """Return what a sensor measures; level and volume are the same."""
     if sensor.flow:
         return f"the flow of {sensor.flow}"
-    if sensor.measured in ("level", "volume"):
+    if sensor.measured in CONTENTS:
         return sensor.tank
     return f"{sensor.measured} in {sensor.tank}"
-
-
-def _several(sensor: Sensor) -> str:
-    """Return the values that a sensor measures, in words."""
-    if sensor.measured in ("level", "volume"):
-        return f"{sensor.measured}s of {sensor.tank}"
-    return f"concentrations of {sensor.measured}"
-
-
-def _sensors(elements: Sequence[Element]) -> dict[str, tuple[Sensor, _Bounds]]:
-    """Return every sensor with the bounds of what it measures."""
-    tanks = {element.name: element for element in elements if isinstance(element, Tank)}
-    return {e.name: (e, _bounds(e, tanks)) for e in elements if isinstance(e, Sensor)}
-
-
-def _bounds(sensor: Sensor, tanks: dict[str, Tank]) -> _Bounds:
-    if sensor.flow:
-        return None
-    vessel = tanks[sensor.tank].vessel
-    if sensor.measured in ("level", "volume"):
-        return 0.0, vessel.height if sensor.measured == "level" else vessel.capacity
-    component = next(c for c in sensor.components if c.name == sensor.measured)
-    return component.low, component.high

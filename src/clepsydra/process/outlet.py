@@ -27,7 +27,6 @@ class Outlet(Element):
 
     Parameters
     ----------
-    name : str
     source, destination : str
         The tank, and the element that the liquid runs into.
     values : mapping

@@ -26,19 +26,9 @@ from clepsydra.process.table_reader import TableReader, checked_name
 
 #: Methods of an element, and of what the tuple consists that each returns.
 _TUPLES: dict[str, type] = {
-    "connections": Connection,
-    "states": Signal,
-    "contents": Signal,
-    "totals": Signal,
-    "memories": Signal,
-    "inputs": Signal,
-    "disturbances": Signal,
-    "measurements": Signal,
-    "parameters": Signal,
-    "brings": str,
-    "flows": Flow,
-    "events": Event,
-    "delays": Delay,
+    **{"connections": Connection, "brings": str, "flows": Flow, "events": Event, "delays": Delay},
+    **dict.fromkeys(("states", "contents", "totals", "memories", "parameters"), Signal),
+    **dict.fromkeys(("inputs", "disturbances", "measurements"), Signal),
 }
 #: Methods of an element that return a value for each of several names.
 _MAPPINGS = (
@@ -70,16 +60,6 @@ def read_own_kinds(
     ------
     InputError
         There is no such file, it lies elsewhere, it fails, or it defines no proper element.
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> general = TableReader(parse(b"elements = '../a.py'", "plant.toml"), (), None)
-    >>> try:
-    ...     read_own_kinds(general, Path("plant.toml"), ())
-    ... except InputError as error:
-    ...     print(error.place, "|", error.remedy)
-    plant.toml, line 1, elements | move it beside the process file
     """
     if not general.has("elements"):
         return ()
@@ -265,27 +245,22 @@ def _guard(method: Callable[..., Any], kind: type, name: str, file: Path) -> Cal
                 "correct it",
             ) from None
         if name == "read":
-            proper = isinstance(result, arguments[0]) and result.name == arguments[1]
-            wanted = "" if proper else "cls(name, …)"
+            fits = isinstance(result, arguments[0]) and result.name == arguments[1]
+            wanted = "cls(name, …)"
+        elif name in _MAPPINGS:
+            fits = isinstance(result, Mapping) and all(isinstance(key, str) for key in result)
+            wanted = "a dictionary with texts as keys"
         else:
-            wanted = _unfit(name, result)
-        if wanted:
+            part = _TUPLES[name]
+            fits = isinstance(result, tuple) and all(isinstance(value, part) for value in result)
+            wanted = f"a tuple of {part.__name__}"
+        if not fits:
             raise InputError(
                 f"{file.name}, {where}", shortened(repr(result)), wanted, "return that"
             )
         return result
 
     return guarded
-
-
-def _unfit(name: str, result: object) -> str:
-    """Return what a method should have returned, if it did not."""
-    if name in _MAPPINGS:
-        fits = isinstance(result, Mapping) and all(isinstance(key, str) for key in result)
-        return "" if fits else "a dictionary with texts as keys"
-    part = _TUPLES[name]
-    fits = isinstance(result, tuple) and all(isinstance(value, part) for value in result)
-    return "" if fits else f"a tuple of {part.__name__}"
 
 
 def _class_place(kind: type, file: Path) -> str:

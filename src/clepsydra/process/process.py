@@ -6,47 +6,27 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.process.component import Component
-from clepsydra.process.motion import Motion, plain_motion
+from clepsydra.process.element import Element
+from clepsydra.process.equations import Equations
 from clepsydra.program.dense_function import DenseFunction
 
-if TYPE_CHECKING:
-    from clepsydra.process.element import Element
 
-
-@dataclass(frozen=True)
-class Process:
+@dataclass(frozen=True, kw_only=True)
+class Process(Equations):
     """What is controlled: tanks, flows, pumps and sensors as one set of CasADi equations.
 
     Parameters
     ----------
     name, title, source : str
         Identifier, one line for the reader, and where the numbers come from.
-    state : tuple of Signal
-        Levels "tank_1.level" [m], ranges from the floor to the rim.
-    inputs : tuple of Signal
-        Manipulated variables "pump_1" with their range; `initial` is the nominal value.
-    disturbances : tuple of Signal
-        Inputs that nobody manipulates, "inflow_1" [m³/s].
-    measurements : tuple of Signal
-        Sensors "level_1" with their range, in the order of the file.
     controlled : tuple of str
         The measurements that follow setpoints.
-    parameters : tuple of Signal
-        Element parameters "tank_1.area" with their value in `initial`.
-    dynamics : casadi.Function
-        SX function (x [n], u [m], d [k], p [l]) → dx/dt [n], SI, for slow changes: transport
-        delays pass at once, and switches stand as they do at first.
-    measure : casadi.Function
-        SX function (x [n], p [l]) → y [q], in the unit of each measurement.
-    measured_state : mapping
-        Measurement name to the state that it shows, "level_1" → "tank_1.level".
     elements : tuple of Element
         The parts, for the drawing and for messages.
     nominal_outputs : mapping
@@ -56,9 +36,6 @@ class Process:
         Of the controllers [s].
     path : Path or None
         The file that it was read from; None for a process of the catalogue.
-    joined_motion : Motion or None
-        `motion` where elements have delays, memories, switches or contents other than their
-        states; None where dx/dt = f(x, u, d, p) is all.
     components : tuple of Component
         What is dissolved in the liquid.
     variant : tuple of str
@@ -67,11 +44,6 @@ class Process:
         Every variant of the file to its description.
     warnings : tuple of str
         What of a user's file has no effect.
-    joined_display : casadi.Function or None
-        `display` where sensors round or limit; None where they show what they read.
-    noise : mapping
-        Measurement or disturbance to the standard deviation of its noise [its unit], where the
-        file gives it.
     averaging : tuple of str
         Those controlled measurements whose tank is there to smooth the flow through it.
     bands : mapping
@@ -91,37 +63,18 @@ class Process:
     name: str
     title: str
     source: str
-    state: tuple[Signal, ...]
-    inputs: tuple[Signal, ...]
-    disturbances: tuple[Signal, ...]
-    measurements: tuple[Signal, ...]
     controlled: tuple[str, ...]
-    parameters: tuple[Signal, ...]
-    dynamics: ca.Function
-    measure: ca.Function
-    measured_state: dict[str, str]
     elements: tuple[Element, ...]
     nominal_outputs: dict[str, float]
     sampling_period: float
     path: Path | None = None
+    components: tuple[Component, ...] = ()
     variant: tuple[str, ...] = ()
     variants: Mapping[str, str] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
-    joined_motion: Motion | None = None
-    components: tuple[Component, ...] = ()
-    joined_display: ca.Function | None = None
-    noise: Mapping[str, float] = field(default_factory=dict)
     averaging: tuple[str, ...] = ()
     bands: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     tags: Mapping[str, str] = field(default_factory=dict)
-
-    @cached_property
-    def display(self) -> ca.Function:
-        """SX function y [q] → y [q]: what a controller gets of the readings with their noise."""
-        if self.joined_display is not None:
-            return self.joined_display
-        y = ca.SX.sym("y", len(self.measurements))
-        return ca.Function("display", [y], [y], ["y"], ["shown"])
 
     @cached_property
     def show(self) -> ca.Function:
@@ -139,13 +92,6 @@ class Process:
         f, h = self.dynamics(x, u, d, p), self.measure(x, p)
         slopes = [*(ca.jacobian(f, v) for v in (x, u, d, p)), ca.jacobian(h, x)]
         return DenseFunction("derivatives", [x, u, d, p], [f, h, *slopes])
-
-    @cached_property
-    def motion(self) -> Motion:
-        """The same equations for an integrator, with delays, memories and switches."""
-        if self.joined_motion is not None:
-            return self.joined_motion
-        return plain_motion(self.state, self.dynamics)
 
     @property
     def address(self) -> str:
@@ -181,11 +127,9 @@ class Process:
         KeyError
             There is none.
         """
-        for group in (self.state, self.inputs, self.disturbances, self.measurements):
+        groups = (self.state, self.inputs, self.disturbances, self.measurements, self.parameters)
+        for group in (*groups, self.motion.totals, self.motion.memories):
             for signal in group:
                 if signal.name == name:
                     return signal
-        for signal in (*self.parameters, *self.motion.totals, *self.motion.memories):
-            if signal.name == name:
-                return signal
         raise KeyError(name)

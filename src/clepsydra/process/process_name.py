@@ -14,7 +14,6 @@ def check_process_name(name: str, place: str) -> None:
 
     Parameters
     ----------
-    name : str
     place : str
         Where it was given.
 

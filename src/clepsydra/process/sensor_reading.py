@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
 
 #: What of a tank a sensor may measure, beside concentrations.
-QUANTITIES = ("level", "volume")
+CONTENTS = ("level", "volume")
 _SIGNALS = ("V", "A", "1")
 _PER = {"m": "/m", "m^3": "/m^3", "m^3/s": " s/m^3", "kg/m^3": " m^3/kg", "mol/m^3": " m^3/mol"}
 
@@ -73,14 +73,6 @@ def read_measured(table: TableReader) -> Measured:
     ------
     InputError
         A tank and a flow are named, or a quantity and a component, or an unknown component.
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> from clepsydra.process.table_reader import TableReader
-    >>> document = parse(b"[sensors.meter]\\nflow = 'pump_1'", "plant.toml")
-    >>> read_measured(TableReader(document, ("sensors", "meter"), None))
-    Measured(measured='flow', tank='', flow='pump_1')
     """
     if table.has("flow"):
         for key in ("tank", "quantity", "component"):
@@ -89,7 +81,7 @@ def read_measured(table: TableReader) -> Measured:
         return Measured("flow", flow=flow)
     tank = table.name("tank", "the name of a tank")
     if not table.has("component"):
-        return Measured(table.choice("quantity", QUANTITIES, "level"), tank)
+        return Measured(table.choice("quantity", CONTENTS, "level"), tank)
     table.refuse(("quantity",), "no quantity beside a component", "remove one of the two")
     known = [component.name for component in table.components]
     component = table.name("component", "the name of a component")
@@ -110,7 +102,6 @@ def read_scale(table: TableReader, quantity: str) -> SensorScale:
 
     Parameters
     ----------
-    table : TableReader
     quantity : str
         SI unit of what is measured.
 
@@ -166,9 +157,6 @@ def read_share(
 
     Parameters
     ----------
-    table : TableReader
-    key : str
-    scale : SensorScale
     at_least : float or None
         0 where it may be nothing.
 
@@ -176,14 +164,6 @@ def read_share(
     ------
     InputError
         It is no such part, or larger than the range.
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> from clepsydra.process.table_reader import TableReader
-    >>> table = TableReader(parse(b"[a]\\nnoise = '0.5 %'", "plant.toml"), ("a",), None)
-    >>> read_share(table, "noise", SensorScale("A", 0.004, 0.02))
-    8e-05
     """
     parts = split_quantity(table.raw(key))
     above = 0.0 if at_least is None else None
@@ -203,8 +183,6 @@ def read_band(table: TableReader, key: str, known: Mapping[str, Any]) -> tuple[f
 
     Parameters
     ----------
-    table : TableReader
-    key : str
     known : mapping
         Quantity, unit and range of the sensor.
 
@@ -212,14 +190,6 @@ def read_band(table: TableReader, key: str, known: Mapping[str, Any]) -> tuple[f
     ------
     InputError
         It is no pair of measurements within the range, the lower one first.
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> from clepsydra.process.table_reader import TableReader
-    >>> table = TableReader(parse(b"band = ['30 %', '2.1 m']", "plant.toml"), (), None)
-    >>> read_band(table, "band", {"measured": "level", "unit": "m", "low": 0.0, "high": 3.0})
-    (0.9, 2.1)
     """
     if not table.has(key):
         return None

@@ -16,8 +16,6 @@ def check_unit(
 
     Parameters
     ----------
-    table : TableReader
-    key : str
     unit : str
         SI unit; "1" for a number.
     expected : str
@@ -26,20 +24,6 @@ def check_unit(
         A quantity that could be written.
     remedy : str
         What to do where the key is missing.
-
-    Raises
-    ------
-    InputError
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> table = TableReader(parse(b"to = '3 m'", "a.toml"), (), None)
-    >>> check_unit(table, "to", "A", "a setpoint in mA", "12 mA", "add it")
-    Traceback (most recent call last):
-        ...
-    clepsydra.base.errors.InputError: a.toml, line 1, to: got '3 m', expected a setpoint in mA; \
-'m' is no unit of it: write as in "12 mA".
     """
     write = f'write as in "{example}"'
     if not table.has(key):
@@ -72,16 +56,8 @@ def read_value(
 
     Parameters
     ----------
-    table : TableReader
-    key : str
-    signal : Signal
-    expected, remedy : str
     change : bool
         Whether it is a difference of two values.
-
-    Raises
-    ------
-    InputError
 
     Examples
     --------
@@ -124,18 +100,6 @@ def read_rate(table: TableReader, key: str, signal: Signal, expected: str, remed
     """Read a largest rate of change of a signal, above zero [SI unit/s].
 
     Of a signal that is not itself in percent, percent are those of its range.
-
-    Raises
-    ------
-    InputError
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> level = Signal("level", "A", low=0.004, high=0.020)
-    >>> table = TableReader(parse(b"a = '0.6 mA/min'\\nb = '10 %/min'", "a.toml"), (), None)
-    >>> [round(read_rate(table, key, level, "a rate", ""), 9) for key in "ab"]
-    [1e-05, 2.6667e-05]
     """
     text = table.raw(key) if table.has(key) else None
     parts = split_quantity(text)
@@ -155,30 +119,14 @@ def read_rate(table: TableReader, key: str, signal: Signal, expected: str, remed
 def read_in_range(
     table: TableReader, key: str, signal: Signal, expected: str, remedy: str
 ) -> float:
-    """Read a value of a signal that lies in its range, in its SI unit.
-
-    Raises
-    ------
-    InputError
-    """
+    """Read a value of a signal that lies in its range, in its SI unit."""
     value = read_value(table, key, signal, expected, remedy)
     check_in_range(table, key, signal, value, expected)
     return value
 
 
 def check_in_range(table: TableReader, key: str, signal: Signal, value: float, what: str) -> None:
-    """Refuse a value [SI] outside the range of its signal.
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> table = TableReader(parse(b"to = '6 m'", "a.toml"), (), None)
-    >>> check_in_range(table, "to", Signal("level", "m", low=0.0, high=5.0), 6.0, "a setpoint")
-    Traceback (most recent call last):
-        ...
-    clepsydra.base.errors.InputError: a.toml, line 1, to: got '6 m', expected a setpoint from 0 to \
-5 m, the range of level; stay inside the range.
-    """
+    """Refuse a value [SI] outside the range of its signal."""
     if signal.low <= value <= signal.high:
         return
     unit = signal.shown_unit

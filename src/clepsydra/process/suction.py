@@ -11,7 +11,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
 from clepsydra.process import told
 from clepsydra.process.declared import part
-from clepsydra.process.hybrid import Event, switch_memory
+from clepsydra.process.hybrid import Event, switch_memory, switching
 from clepsydra.process.vessels.vessel import Vessel
 from clepsydra.program.step_law import Symbols
 
@@ -40,13 +40,14 @@ class Suction:
 
     Parameters
     ----------
-    tank : str
     vessel : Vessel
         Of the tank.
     level : float or None
         Where suction ends [m]; None where the tank holds 1 % of its capacity.
     unit : str
         In which words give the level.
+    harm : str
+        What the loss means and how it is avoided.
 
     Examples
     --------
@@ -60,6 +61,7 @@ class Suction:
     vessel: Vessel
     level: float | None = None
     unit: str = "m"
+    harm: str = BREAKS_OFF
 
     @property
     def ends(self) -> float:
@@ -73,50 +75,19 @@ class Suction:
         return self._level(held / self.vessel.capacity + _REGAINED)
 
     def memory(self, element: str) -> Signal:
-        """Return the memory that is 1 while an element draws liquid and 0 after its tank ran empty.
-
-        Examples
-        --------
-        >>> from clepsydra.process.vessels.prism import Prism
-        >>> Suction("tank", Prism(1.0, area=2.0)).memory("pump_1").name
-        'pump_1.draws'
-        """
+        """Return the memory that is 1 while an element draws liquid, 0 after its tank ran empty."""
         return switch_memory(f"{element}.draws", 1.0, f"{element} draws liquid")
 
-    def events(self, element: str, symbols: Symbols, harm: str) -> tuple[Event, ...]:
-        """Return the loss of suction near the floor of the tank and its return a little above.
-
-        Parameters
-        ----------
-        element : str
-        symbols : mapping
-        harm : str
-            What the loss means and how it is avoided.
-
-        Examples
-        --------
-        >>> from clepsydra.process.vessels.prism import Prism
-        >>> symbols = {"tank.level": ca.SX(0.5), "pump.draws": ca.SX(1)}
-        >>> suction = Suction("tank", Prism(1.0, area=2.0))
-        >>> [float(event.guard) for event in suction.events("pump", symbols, "it is damaged")]
-        [-0.49, -1.0]
-        """
-        level, draws = symbols[f"{self.tank}.level"], symbols[f"{element}.draws"]
-        name = f"{element}.draws"
+    def events(self, element: str, symbols: Symbols) -> tuple[Event, ...]:
+        """Return the loss of suction near the floor of the tank and its return a little above."""
+        level, draws = symbols[f"{self.tank}.level"], f"{element}.draws"
+        dry = f"{element} runs dry: {self._words(below=True)}"
+        again = f"{element} draws again: {self._words(below=False)}"
         return (
-            Event(
-                f"{element}.runs_dry",
-                f"{element} runs dry: {self._words(below=True)}",
-                ca.if_else(draws > 0.5, self.ends - level, -1.0),
-                {name: 0.0},
-                harm,
+            switching(
+                draws, symbols[draws] > 0.5, False, "runs_dry", dry, self.ends - level, self.harm
             ),
-            Event(
-                f"{element}.draws_again",
-                f"{element} draws again: {self._words(below=False)}",
-                ca.if_else(draws > 0.5, -1.0, level - self.begins),
-                {name: 1.0},
-            ),
+            switching(draws, symbols[draws] > 0.5, True, "draws_again", again, level - self.begins),
         )
 
     def _level(self, share: float) -> float:
@@ -130,42 +101,20 @@ class Suction:
         return f"{self.tank} {'below' if below else 'above'} {level:.4g} {self.unit}"
 
 
-def read_suction(table: TableReader, source: str, *, forced: bool = True) -> Suction | None:
+def read_suction(
+    table: TableReader, source: str, *, forced: bool = True, harm: str = BREAKS_OFF
+) -> Suction | None:
     """Read where an element no longer draws from its tank; None where it draws from no tank.
 
-    Parameters
-    ----------
-    table : TableReader
-    source : str
-        What it draws from.
-    forced : bool
-        It would go on drawing from an empty tank.
-
-    Raises
-    ------
-    InputError
-        The level is given where nothing is drawn from a tank by force, or is none of the tank.
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> from clepsydra.process.table_reader import TableReader
-    >>> from clepsydra.process.vessels.prism import Prism
-    >>> document = parse(b"[pumps.p]\\nsuction_level = '5 cm'", "plant.toml")
-    >>> vessels = {"tank": Prism(1.0, area=2.0)}
-    >>> table = TableReader(document, ("pumps", "p"), None, vessels=vessels)
-    >>> read_suction(table, "tank").ends
-    0.05
+    An element draws by force that would go on drawing from an empty tank.
     """
     vessel = table.vessel_of(source) if source and forced else None
     if vessel is None:
-        if table.has(SUCTION_KEY):
-            raise table.wrong(
-                SUCTION_KEY, "no such key, since nothing is drawn from a tank by force", "remove it"
-            )
+        expected = "no such key, since nothing is drawn from a tank by force"
+        table.refuse((SUCTION_KEY,), expected, "remove it")
         return None
     if not table.has(SUCTION_KEY):
-        return Suction(source, vessel)
+        return Suction(source, vessel, harm=harm)
     level = table.quantity(
         SUCTION_KEY,
         "m",
@@ -175,24 +124,18 @@ def read_suction(table: TableReader, source: str, *, forced: bool = True) -> Suc
         above=0.0,
         at_most=Suction(source, vessel)._level(1.0 - 2 * _REGAINED),
     )
-    return Suction(source, vessel, level, table.display_units(SUCTION_KEY)[SUCTION_KEY])
+    return Suction(source, vessel, level, table.display_units(SUCTION_KEY)[SUCTION_KEY], harm)
 
 
-def drawing() -> Any:
+def drawing(harm: str = BREAKS_OFF) -> Any:
     """Return the field of an element that draws from its source by force."""
     return part(
-        lambda table, key, known: read_suction(table, known["source"]),
+        lambda table, key, known: read_suction(table, known["source"], harm=harm),
         SUCTION_TOLD,
         default=None,
     )
 
 
 def drawn(element: str, flow: Any, symbols: Symbols, rest: Any = 0) -> ca.SX:
-    """Return a flow while there is suction, and the rest of it after the tank ran empty.
-
-    Examples
-    --------
-    >>> drawn("pump", ca.SX(2.0), {"pump.draws": ca.SX(0)})
-    SX(0)
-    """
+    """Return a flow while there is suction, and the rest of it after the tank ran empty."""
     return ca.if_else(symbols[f"{element}.draws"] > 0.5, flow, rest)

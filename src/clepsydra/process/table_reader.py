@@ -32,7 +32,6 @@ class TableReader:
 
     Parameters
     ----------
-    document : Document
     path : tuple of str
         The keys that lead to the table; empty for the whole file. In a list of tables they are
         numbered from "1".
@@ -192,7 +191,6 @@ class TableReader:
 
         Parameters
         ----------
-        key : str
         unit : str
             SI unit; "1" for a pure number.
         expected, remedy : str
@@ -269,9 +267,10 @@ class TableReader:
 
     def name(self, key: str, expected: str) -> str:
         """Return the name of another element."""
-        value = self._require(key, expected, f'write as in {key} = "tank_1"')
+        remedy = f'write as in {key} = "tank_1"'
+        value = self._require(key, expected, remedy)
         if not isinstance(value, str):
-            raise self.refused(key, shown_value(value), expected, f'write as in {key} = "tank_1"')
+            raise self.wrong(key, expected, remedy)
         return value
 
     def text(self, key: str, expected: str, remedy: str, default: str | None = None) -> str:

@@ -33,7 +33,6 @@ class Entry(NamedTuple):
     ----------
     path : tuple of str
         The tables of an array are numbered from 1: the second ``[[step]]`` is ("step", "2").
-    is_table : bool
     start, value, end : int
         Where the entry and its value begin and where its last line ends; a heading has no value
         and begins where it ends.

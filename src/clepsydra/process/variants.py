@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterable, Sequence
+from copy import deepcopy
+from typing import Any, NamedTuple
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
@@ -31,8 +31,7 @@ _SHOWN = 4
 _NAME = re.compile(r"[A-Za-z](?:[-_]?[A-Za-z0-9]){0,39}")
 
 
-@dataclass(frozen=True)
-class ChosenVariants:
+class ChosenVariants(NamedTuple):
     """A process file with variants laid over it.
 
     Parameters
@@ -45,20 +44,12 @@ class ChosenVariants:
         Every variant of the file to its description.
     warnings : tuple of str
         What has no effect where the file stands, since variants that nobody asked for give it.
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> text = b"[tanks.a]\\narea = '1 m^2'\\n[variants.wide.tanks.a]\\narea = '2 m^2'"
-    >>> chosen = choose_variants(parse(text, "plant.toml"), ("wide",))
-    >>> chosen.names, chosen.document.tables
-    (('wide',), {'tanks': {'a': {'area': '2 m^2'}}})
     """
 
     document: Document
     names: tuple[str, ...]
     descriptions: dict[str, str]
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[str, ...]
 
 
 def split_variants(text: str) -> tuple[str, tuple[str, ...] | None]:
@@ -146,15 +137,22 @@ def choose_variants(document: Document, asked: tuple[str, ...] | None) -> Chosen
     >>> chosen.document.place("sampling_period")
     'plant.toml, line 3, variants.slow.sampling_period'
     """
-    general = TableReader(document, (), None)
-    contents = _contents(document, general)
-    descriptions = {name: _description(document, name) for name in contents}
-    if asked is not None:
-        for name in asked:
-            _check_known(name, contents, "variant", document.file)
-        _check_once(asked, "variant")
-    names = _defaults(document, general, contents) if asked is None else asked
-    merged = _copied({k: v for k, v in document.tables.items() if k not in VARIANT_KEYS})
+    contents = _contents(document)
+    descriptions = {
+        name: TableReader(document, ("variants", name), None).text(
+            "description", "one line of text", "correct it", default=""
+        )
+        for name in contents
+    }
+    place = "variant" if asked is not None else document.place("default_variant")
+    names = _defaults(document) if asked is None else asked
+    for name in names:
+        if name not in contents:
+            raise _unknown(name, contents, place, document.file)
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(place, name, "every variant once", "remove one of the two")
+    merged = deepcopy({k: v for k, v in document.tables.items() if k not in VARIANT_KEYS})
     origins: dict[tuple[str, ...], tuple[str, ...]] = {}
     warnings = []
     for name in names:
@@ -162,12 +160,8 @@ def choose_variants(document: Document, asked: tuple[str, ...] | None) -> Chosen
         replaced = _merge(merged, content, (), ("variants", name), origins)
         if asked is None and replaced:
             warnings.append(_without_effect(document, name, replaced))
-    return ChosenVariants(
-        Document(document.file, merged, document.lines, origins),
-        names,
-        descriptions,
-        tuple(warnings),
-    )
+    laid_over = Document(document.file, merged, document.lines, origins)
+    return ChosenVariants(laid_over, names, descriptions, tuple(warnings))
 
 
 def _without_effect(document: Document, name: str, replaced: list[tuple[str, ...]]) -> str:
@@ -183,11 +177,10 @@ def _without_effect(document: Document, name: str, replaced: list[tuple[str, ...
     )
 
 
-def _contents(document: Document, general: TableReader) -> dict[str, dict[str, Any]]:
+def _contents(document: Document) -> dict[str, dict[str, Any]]:
     """Return the table of each variant, each with a fitting name and only keys that may vary."""
-    if not general.has("variants"):
+    if "variants" not in document.tables:
         return {}
-    contents = {}
     for name in TableReader(document, ("variants",), None).present:
         if not _NAME.fullmatch(name):
             raise InputError(
@@ -198,60 +191,31 @@ def _contents(document: Document, general: TableReader) -> dict[str, dict[str, A
             )
         table = TableReader(document, ("variants", name), None)
         for key in (*VARIANT_KEYS, "name"):
-            if table.has(key):
-                raise table.wrong(
-                    key,
-                    f"no {key} within a variant",
-                    "remove it, or move it to the top of the file",
-                )
-        contents[name] = document.tables["variants"][name]
+            expected = f"no {key} within a variant"
+            table.refuse((key,), expected, "remove it, or move it to the top of the file")
+    contents: dict[str, dict[str, Any]] = document.tables["variants"]
     return contents
 
 
-def _description(document: Document, name: str) -> str:
-    table = TableReader(document, ("variants", name), None)
-    return table.text("description", "one line of text", "correct it", default="")
-
-
-def _defaults(
-    document: Document, general: TableReader, contents: dict[str, dict[str, Any]]
-) -> tuple[str, ...]:
+def _defaults(document: Document) -> tuple[str, ...]:
     """Return the variants that are in force where none is asked for."""
+    general = TableReader(document, (), None)
     if not general.has("default_variant"):
         return ()
-    place = document.place("default_variant")
     expected, remedy = "the name of a variant", 'write as in default_variant = "nominal"'
     if isinstance(general.raw("default_variant"), str):
-        names: tuple[str, ...] = (general.text("default_variant", expected, remedy),)
-    else:
-        names = general.names("default_variant", expected, remedy)
-    for name in names:
-        _check_known(name, contents, place, document.file)
-    return names
+        return (general.text("default_variant", expected, remedy),)
+    return general.names("default_variant", expected, remedy)
 
 
-def _check_known(name: str, contents: dict[str, Any], place: str, file: str) -> None:
-    if name in contents:
-        return
-    raise InputError(
+def _unknown(name: str, contents: Iterable[str], place: str, file: str) -> InputError:
+    known = ", ".join(contents)
+    return InputError(
         place,
         shown_value(name),
-        f"a variant of {file} ({', '.join(contents)})"
-        if contents
-        else f"no variant, since {file} has none",
-        suggestion(name, contents, "choose one of them, or none" if contents else "leave it out"),
+        f"a variant of {file} ({known})" if known else f"no variant, since {file} has none",
+        suggestion(name, contents, "choose one of them, or none" if known else "leave it out"),
     )
-
-
-def _check_once(names: tuple[str, ...], place: str) -> None:
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(place, name, "every variant once", "remove one of the two")
-
-
-def _copied(table: dict[str, Any]) -> dict[str, Any]:
-    """Return a table whose inner tables may be changed without changing the first."""
-    return {k: _copied(v) if isinstance(v, dict) else v for k, v in table.items()}
 
 
 def _merge(
@@ -273,7 +237,7 @@ def _merge(
             continue
         if key in table and here not in origins:
             replaced.append(here)
-        table[key] = _copied(value) if isinstance(value, dict) else value
+        table[key] = deepcopy(value)
         # What an earlier variant brought below this key is gone, and with it its place.
         for old in [known for known in origins if known[: len(here)] == here]:
             del origins[old]

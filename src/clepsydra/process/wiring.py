@@ -24,7 +24,6 @@ def check_wiring(elements: Sequence[Element], place: Place) -> None:
 
     Parameters
     ----------
-    elements : sequence of Element
     place : callable
         Takes a table and keys below it, returns where they stand.
 

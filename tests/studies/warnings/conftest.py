@@ -5,6 +5,7 @@ import functools
 import casadi as ca
 import numpy as np
 import pytest
+from plain_process import plain_process
 from written_plants import plant_of
 
 import clepsydra as cl
@@ -14,7 +15,6 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import family, multiloop_pid_law
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.scenario import Scenario, Segment
-from clepsydra.process.process import Process
 
 # Its level in volts changes by 1e-4 / 1e-2 * 20 = 0.2 V/s for each volt of the pump.
 TANK = """
@@ -145,7 +145,7 @@ def model_of(A, B, C, period=1.0) -> LinearModel:
     states = [f"tank_{i}.level" for i in range(1, n + 1)]
     inputs = tuple(Signal(f"pump_{i}", "V", low=-5.0, high=5.0) for i in range(1, m + 1))
     outputs = tuple(Signal(f"level_{i}", "V", low=-5.0, high=5.0) for i in range(1, q + 1))
-    process = Process(
+    process = plain_process(
         name="by_matrices",
         title="",
         source="",

@@ -11,9 +11,9 @@ import casadi as ca
 from clepsydra.base.quantity import quantity
 from clepsydra.base.signal import Signal
 from clepsydra.process.declared import filled, link
-from clepsydra.process.disturbance_range import ranged
 from clepsydra.process.element import Element
 from clepsydra.process.flow import Flow
+from clepsydra.process.outside_signal import ranged
 from clepsydra.program.step_law import Symbols
 
 

@@ -13,16 +13,15 @@ from clepsydra.base.quantity import quantity
 from clepsydra.base.signal import Signal
 from clepsydra.process import told
 from clepsydra.process.actuator import ROUNDING, limited_speed
-from clepsydra.process.backlash import Backlash
 from clepsydra.process.declared import choice, filled, flag, link, part
 from clepsydra.process.element import Element
 from clepsydra.process.elements.orifice import LAMINAR
 from clepsydra.process.flow import Flow
-from clepsydra.process.hybrid import Event
-from clepsydra.process.manipulated_signal import actuator_signal
+from clepsydra.process.friction import Backlash, Stiction, read_friction
+from clepsydra.process.hybrid import Event, Switch
+from clepsydra.process.outside_signal import actuator_signal
 from clepsydra.process.root_law import falling_root, signed_root
-from clepsydra.process.stiction import Stiction
-from clepsydra.process.suction import BREAKS_OFF, SUCTION_TOLD, Suction, drawn, read_suction
+from clepsydra.process.suction import SUCTION_TOLD, Suction, drawn, read_suction
 from clepsydra.process.valve_characteristic import CHARACTERISTICS, opened
 from clepsydra.process.vessels.vessel import Vessel
 from clepsydra.program.step_law import Symbols
@@ -69,7 +68,6 @@ class ControlValve(Element):
         Signal at the operating point; None where the process gives levels instead.
     unit : str
         SI unit of the signal: "V", "A", "1" or "Hz".
-    characteristic : {"linear", "equal percentage", "quick opening"}
     rangeability : float
         Of an equal-percentage valve [1].
     submerged : bool
@@ -145,7 +143,6 @@ class ControlValve(Element):
         "a supply pressure",
         "pressure before",
         at_least=0.0,
-        default=0.0,
         absent=0.0,
         remedy="leave it out for an open source",
     )
@@ -154,7 +151,6 @@ class ControlValve(Element):
         "a Kv",
         "flow at 1 bar in the line of",
         above=0.0,
-        default=math.inf,
         absent=math.inf,
         remedy="leave it out for a line without loss",
     )
@@ -163,12 +159,11 @@ class ControlValve(Element):
         "a time",
         "stroke time of",
         above=0.0,
-        default=0.0,
         absent=0.0,
         remedy="leave it out for a valve that follows at once",
     )
     friction: Backlash | Stiction | None = part(
-        lambda table, key, known: _read_friction(table),
+        lambda table, key, known: read_friction(table),
         {
             "backlash": told.quantity("dead travel between signal and valve, a share of the range"),
             "stiction": told.quantity("what friction holds back, a share of the range"),
@@ -226,12 +221,12 @@ class ControlValve(Element):
             ),
         )
 
+    def _switches(self) -> tuple[Switch, ...]:
+        return (self.suction,) if self.suction else ()
+
     def memories(self) -> tuple[Signal, ...]:
         """Return whether it draws liquid, and where a stem with play or stiction stands."""
-        return (
-            *((self.suction.memory(self.name),) if self.suction else ()),
-            *(self.friction.memories(self.name) if self.friction else ()),
-        )
+        return (*super().memories(), *(self.friction.memories(self.name) if self.friction else ()))
 
     def inputs(self) -> tuple[Signal, ...]:
         """Return the signal; without a nominal value it stands in the middle of its range."""
@@ -292,12 +287,10 @@ class ControlValve(Element):
 
     def events(self, symbols: Symbols) -> tuple[Event, ...]:
         """Return where its tank runs empty, and where the stem breaks away and sticks."""
-        events: tuple[Event, ...] = ()
-        if self.suction:
-            events += self.suction.events(self.name, symbols, BREAKS_OFF)
-        if self.friction is not None:
-            events += self.friction.events(self.name, *self._actuator(symbols), symbols)
-        return events
+        if self.friction is None:
+            return super().events(symbols)
+        stem = self.friction.events(self.name, *self._actuator(symbols), symbols)
+        return (*super().events(symbols), *stem)
 
     def updates(self, symbols: Symbols) -> dict[str, ca.SX]:
         """Return where the stem stands at the end of a step."""
@@ -331,26 +324,3 @@ class ControlValve(Element):
         if self.friction is None:
             return position
         return self.friction.stem(self.name, position, symbols)
-
-
-def _read_friction(table: TableReader) -> Backlash | Stiction | None:
-    """Read what is between actuator and stem: play or stiction, but not both."""
-    what = "a share of the stroke"
-    if table.has("backlash"):
-        expected = "no stiction beside backlash, since its band contains the play"
-        table.refuse(("stiction", "slip_jump"), expected, "remove one of the two")
-        remedy = "give the play, a small part of the stroke"
-        return Backlash(table.quantity("backlash", "1", what, remedy, above=0.0, at_most=0.5))
-    if not table.has("stiction"):
-        remedy = 'remove it, or add the band as in stiction = "5 %"'
-        table.refuse(("slip_jump",), "no jump without stiction", remedy)
-        return None
-    band = table.quantity(
-        "stiction", "1", what, "give the way of a reversal until the stem moves",
-        above=0.0, at_most=0.5,
-    )  # fmt: skip
-    jump = table.quantity(
-        "slip_jump", "1", what, "give the jump of the stem, at most its stick band",
-        above=0.0, at_most=band,
-    )  # fmt: skip
-    return Stiction(band, jump)

@@ -33,7 +33,6 @@ class FlowSplitter(Element):
 
     Parameters
     ----------
-    name : str
     destinations : mapping
         Element to its fraction [1]; they sum to 1.
 

@@ -9,19 +9,12 @@ from typing import TYPE_CHECKING, ClassVar, Self
 import casadi as ca
 
 from clepsydra.base.signal import Signal
-from clepsydra.process.concentrations import (
-    GivenConcentration,
-    brought,
-    concentration_signals,
-    concentration_steps,
-    concentration_values,
-)
+from clepsydra.process.concentrations import BringsFromOutside, GivenConcentration, brought
 from clepsydra.process.declared import filled, link
-from clepsydra.process.disturbance_range import ranged
-from clepsydra.process.element import Element
 from clepsydra.process.flow import Flow
-from clepsydra.process.hybrid import Event
-from clepsydra.process.suction import BREAKS_OFF, Suction, drawing, drawn
+from clepsydra.process.hybrid import Switch
+from clepsydra.process.outside_signal import ranged
+from clepsydra.process.suction import Suction, drawing, drawn
 from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
@@ -29,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class ForcedFlow(Element):
+class ForcedFlow(BringsFromOutside):
     """A forced flow: q = d, into a tank from outside, out of a tank, or from one to another.
 
     Out of an empty tank nothing flows, see `clepsydra.process.suction`.
@@ -50,12 +43,6 @@ class ForcedFlow(Element):
         Component to its concentration, in liquid from outside.
     suction : Suction or None
         From the tank that it is drawn from; None where it comes from elsewhere.
-
-    Examples
-    --------
-    >>> rain = ForcedFlow("rain", "", "tank_1", low=0.0, high=1e-5, nominal=0.0, steps=(2e-6,))
-    >>> rain.disturbances()[0].high
-    1e-05
     """
 
     kind: ClassVar[str] = "forced flow"
@@ -88,26 +75,19 @@ class ForcedFlow(Element):
             table.refuse(("concentration",), expected, "remove it, or remove the source")
         return flow
 
-    def brings(self) -> tuple[str, ...]:
-        """Return the components with a concentration of their own."""
-        return tuple(self.given)
-
     def disturbances(self) -> tuple[Signal, ...]:
         """Return the flow, and the concentrations that vary."""
         ends = self.low, self.high, self.nominal
-        return (
-            self._signal(self.name, "m^3/s", ends, f"flow of {self.name}"),
-            *concentration_signals(self.name, self.given, self.components),
-        )
+        flow = self._signal(self.name, "m^3/s", ends, f"flow of {self.name}")
+        return (flow, *super().disturbances())
 
     def load_steps(self) -> dict[str, tuple[float, ...]]:
         """Return the sizes of its load steps by signal."""
         own = {self.name: self.steps} if self.steps else {}
-        return own | concentration_steps(self.name, self.given)
+        return own | super().load_steps()
 
-    def memories(self) -> tuple[Signal, ...]:
-        """Return whether it draws liquid, where it comes out of a tank."""
-        return (self.suction.memory(self.name),) if self.suction else ()
+    def _switches(self) -> tuple[Switch, ...]:
+        return (self.suction,) if self.suction else ()
 
     def flows(self, symbols: Symbols, received: Sequence[Flow]) -> tuple[Flow, ...]:
         """Return q = d."""
@@ -116,10 +96,6 @@ class ForcedFlow(Element):
             flow = drawn(self.name, flow, symbols)
         fluxes = None
         if not self.source:
-            carried = concentration_values(self.name, self.given, self.components, symbols)
+            carried = self.concentrations(symbols)
             fluxes = {name: flow * concentration for name, concentration in carried.items()}
         return (Flow(self.source, self.destination, ca.SX(1), ca.SX(flow), fluxes=fluxes),)
-
-    def events(self, symbols: Symbols) -> tuple[Event, ...]:
-        """Return where its tank runs empty."""
-        return self.suction.events(self.name, symbols, BREAKS_OFF) if self.suction else ()

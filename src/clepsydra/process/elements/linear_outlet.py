@@ -23,7 +23,6 @@ class LinearOutlet(Element):
 
     Parameters
     ----------
-    name : str
     source : str
         The tank that it empties.
     destination : str

@@ -31,7 +31,6 @@ class Orifice(Element):
 
     Parameters
     ----------
-    name : str
     source : str
         The tank that it empties.
     destination : str

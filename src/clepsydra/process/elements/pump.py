@@ -16,7 +16,7 @@ from clepsydra.process.actuator import ROUNDING, limited_speed
 from clepsydra.process.declared import filled, link, part
 from clepsydra.process.element import Connection, Element
 from clepsydra.process.flow import Flow
-from clepsydra.process.hybrid import Event
+from clepsydra.process.hybrid import Switch
 from clepsydra.process.level_switch import (
     STARTER_KEYS,
     TRIP_KEYS,
@@ -25,7 +25,7 @@ from clepsydra.process.level_switch import (
     read_starter,
     read_trips,
 )
-from clepsydra.process.manipulated_signal import actuator_signal
+from clepsydra.process.outside_signal import actuator_signal
 from clepsydra.process.pump_curve import PumpCurve
 from clepsydra.process.suction import Suction, drawing, drawn
 from clepsydra.program.step_law import Symbols
@@ -69,7 +69,6 @@ class Pump(Element):
         SI unit of the signal: "V", "A", "1" or "Hz".
     dead_band : float
         v₀, the signal below which nothing flows.
-    curve : PumpCurve or None
     static_head : float
         Height of the end of the pipe above the source's floor, or above a reservoir [m].
     pipe_loss : float
@@ -79,8 +78,6 @@ class Pump(Element):
     rate : float
         Largest change of the actual signal [unit/s]. Where it is limited without a lag, the lag
         is one per cent of the time that the whole range takes.
-    trips : LevelTrips or None
-    starter : LevelStarter or None
     noise : float
         Standard deviation of the flow, relative to it [1].
     suction : Suction or None
@@ -120,7 +117,6 @@ class Pump(Element):
         "dead band of",
         at_least=0.0,
         at_most="high",
-        default=0.0,
         absent=0.0,
         unless="curve",
         remedy="give the signal below which nothing flows",
@@ -154,7 +150,6 @@ class Pump(Element):
         "a time constant",
         "time constant of",
         above=0.0,
-        default=0.0,
         absent=0.0,
         remedy=_AT_ONCE,
     )
@@ -163,7 +158,6 @@ class Pump(Element):
         "a change per time",
         "largest change per time of",
         above=0.0,
-        default=math.inf,
         absent=math.inf,
         remedy=_AT_ONCE,
     )
@@ -173,7 +167,7 @@ class Pump(Element):
     starter: LevelStarter | None = part(
         lambda table, key, known: read_starter(table), STARTER_KEYS, default=None
     )
-    suction: Suction | None = drawing()
+    suction: Suction | None = drawing(_RUNS_DRY)
     noise: float = quantity(
         "1",
         "a relative standard deviation",
@@ -218,13 +212,8 @@ class Pump(Element):
             return ()
         return (self._moved(self._actual, f"actual value of {self.name}"),)
 
-    def memories(self) -> tuple[Signal, ...]:
-        """Return whether it draws liquid, has tripped, and runs by its level switch."""
-        return (
-            *((self.suction.memory(self.name),) if self.suction else ()),
-            *((self.trips.memory(self.name),) if self.trips else ()),
-            *((self.starter.memory(self.name),) if self.starter else ()),
-        )
+    def _switches(self) -> tuple[Switch, ...]:
+        return tuple(each for each in (self.suction, self.trips, self.starter) if each)
 
     def inputs(self) -> tuple[Signal, ...]:
         """Return the signal; without a nominal value it stands in the middle of its range."""
@@ -282,17 +271,6 @@ class Pump(Element):
             per_lag = symbols[f"{self.name}.rate"] / (ROUNDING * (self.high - self.low))
         missing = self._asked(symbols) - symbols[self._actual]
         return {self._actual: limited_speed(missing, per_lag, rate)}
-
-    def events(self, symbols: Symbols) -> tuple[Event, ...]:
-        """Return where its tank runs empty and where its level switches turn it off and on."""
-        events: tuple[Event, ...] = ()
-        if self.suction:
-            events += self.suction.events(self.name, symbols, _RUNS_DRY)
-        if self.trips is not None:
-            events += self.trips.events(self.name, symbols)
-        if self.starter is not None:
-            events += self.starter.events(self.name, symbols)
-        return events
 
     @property
     def per_unit(self) -> str:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import casadi as ca
@@ -16,7 +17,7 @@ from clepsydra.process.declared import filled, part
 from clepsydra.process.element import Connection, Element
 from clepsydra.process.flow import Flow
 from clepsydra.process.sensor_reading import (
-    QUANTITIES,
+    CONTENTS,
     SensorScale,
     gain_unit,
     read_band,
@@ -110,7 +111,7 @@ class Sensor(Element):
         lambda table, key, known: read_measured(table),
         {
             "tank": told.text("the tank whose content it measures"),
-            "quantity": told.choice("what of the tank it measures", QUANTITIES),
+            "quantity": told.choice("what of the tank it measures", CONTENTS),
             "component": told.text("the component whose concentration it measures"),
             "flow": told.text("the element whose flow it measures"),
         },
@@ -190,6 +191,16 @@ class Sensor(Element):
         """The signal that it measures: "tank_1.level", "tank_1.salt", "pump_1.flow"."""
         return f"{self.flow}.flow" if self.flow else f"{self.tank}.{self.measured}"
 
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """The least and the largest value of what it measures [SI]: infinite for a flow."""
+        if self.measured in _UNITS:
+            if self.vessel is None:
+                return -math.inf, math.inf
+            return 0.0, self.vessel.height if self.measured == "level" else self.vessel.capacity
+        component = next(each for each in self.components if each.name == self.measured)
+        return component.low, component.high
+
     def to_quantity(self, reading: float) -> float:
         """Return the quantity [SI] that the sensor shows as a reading [`unit`]."""
         if self.gain is None:
@@ -223,9 +234,8 @@ class Sensor(Element):
         if self.lag is None:
             return ()
         largest = max(abs(self.to_quantity(end)) for end in (self.low, self.high))
-        if self.vessel is not None and self.measured in ("level", "volume"):
-            held = self.vessel.height if self.measured == "level" else self.vessel.capacity
-            largest = max(largest, held)
+        if self.vessel is not None and self.measured in CONTENTS:
+            largest = max(largest, self.bounds[1])
         return (
             Signal(
                 self._lagged,
@@ -258,17 +268,8 @@ class Sensor(Element):
         found = []
         if self.gain is not None:
             unit = gain_unit(self.unit, self.quantity_unit)
-            words = f"signal per {self.measured} of {self.name}"
-            found.append(
-                Signal(
-                    f"{self.name}.gain",
-                    unit,
-                    self._shown_gain,
-                    0.0,
-                    initial=self.gain,
-                    description=words,
-                )
-            )
+            gain = self._parameter("gain", unit, self.gain, f"signal per {self.measured} of")
+            found.append(replace(gain, display_unit=self._shown_gain))
         if self.zero is not None:
             found.append(
                 Signal(
@@ -326,7 +327,7 @@ class Sensor(Element):
         """Return the quantity at this instant."""
         if self.measured != "volume" or self.vessel is None:
             return symbols[self.quantity]
-        sizes = {key: symbols[f"{self.tank}.{key}"] for key, *_ in self.vessel.parameters()}
+        sizes = self.vessel.sizes(self.tank, symbols)
         return self.vessel.volume(symbols[f"{self.tank}.level"], sizes)
 
     @property

@@ -15,7 +15,7 @@ from clepsydra.process.declared import part
 from clepsydra.process.element import Element
 from clepsydra.process.elements.weir import weir_flow
 from clepsydra.process.flow import Flow
-from clepsydra.process.hybrid import Event
+from clepsydra.process.hybrid import Switch
 from clepsydra.process.lid import LID_CHOICES, LID_KEY, Lid, read_lid
 from clepsydra.process.vessels.reading import VESSEL_KEYS, read_vessel, vessel_checks
 from clepsydra.process.vessels.vessel import Vessel, reciprocal
@@ -45,7 +45,6 @@ class Tank(Element):
 
     Parameters
     ----------
-    name : str
     vessel : Vessel
         Shape and height; the height is the upper end of the range of the level.
     weir : float
@@ -82,7 +81,6 @@ class Tank(Element):
         "a length",
         "length of the weir of",
         at_least=0.0,
-        default=0.0,
         absent=0.0,
         remedy="leave it out for a tank that does not spill",
     )
@@ -101,7 +99,6 @@ class Tank(Element):
         "a falling speed of the surface",
         "evaporation from",
         at_least=0.0,
-        default=0.0,
         absent=0.0,
         remedy="leave it out where nothing evaporates",
     )
@@ -111,7 +108,7 @@ class Tank(Element):
     def read(cls, name: str, table: TableReader) -> Self:
         """Make the tank from its table of a process file."""
         tank = super().read(name, table)
-        return replace(tank, lid=read_lid(table, name, tank.vessel, spills=tank.weir > 0.0))
+        return replace(tank, lid=read_lid(table, tank.vessel, spills=tank.weir > 0.0))
 
     @property
     def height(self) -> float:
@@ -165,7 +162,7 @@ class Tank(Element):
     def to_contents(self, symbols: Symbols) -> dict[str, ca.SX]:
         """Return V(h) and V C."""
         level = symbols[self.level]
-        volume = self.vessel.volume(level, self._sizes(symbols))
+        volume = self.vessel.volume(level, self.vessel.sizes(self.name, symbols))
         first = {self.level: level} if self._by_level else {self._volume: volume}
         return first | {
             self._amount(c.name): symbols[f"{self.name}.{c.name}"] * volume for c in self.components
@@ -173,7 +170,7 @@ class Tank(Element):
 
     def to_states(self, symbols: Symbols) -> dict[str, ca.SX]:
         """Return h(V), at most the top of a closed tank, and the amounts over V."""
-        sizes = self._sizes(symbols)
+        sizes = self.vessel.sizes(self.name, symbols)
         if self._by_level:
             level = symbols[self.level]
         else:
@@ -221,7 +218,7 @@ class Tank(Element):
             )
             lost.append(Flow(self.name, "", coefficient, driver, f"{self.name}.weir"))
         if self.evaporation:
-            surface = self.vessel.area(level, self._sizes(symbols))
+            surface = self.vessel.area(level, self.vessel.sizes(self.name, symbols))
             wet = ca.if_else(level > 0, surface, 0)
             nothing = {component.name: ca.SX(0) for component in self.components}
             rate = symbols[f"{self.name}.evaporation"]
@@ -237,7 +234,9 @@ class Tank(Element):
         are computed once a run, so no step divides by the cross-section.
         """
         if self._by_level:
-            factor = reciprocal(self.vessel.area(symbols[self.level], self._sizes(symbols)))
+            factor = reciprocal(
+                self.vessel.area(symbols[self.level], self.vessel.sizes(self.name, symbols))
+            )
         else:
             factor = ca.SX(1)
         balance = ca.SX(0)
@@ -256,17 +255,8 @@ class Tank(Element):
             rates[self.spilt] = symbols[f"{self.name}.weir.flow"]
         return rates
 
-    def memories(self) -> tuple[Signal, ...]:
-        """Return whether it is full, where it is closed."""
-        return (self.lid.memory(),) if self.lid else ()
-
-    def events(self, symbols: Symbols) -> tuple[Event, ...]:
-        """Return that it is full and that it takes in again, where it is closed."""
-        if self.lid is None:
-            return ()
-        return self.lid.events(
-            symbols, self.stored(symbols)["liquid"], self.vessel.full(self._sizes(symbols))
-        )
+    def _switches(self) -> tuple[Switch, ...]:
+        return (self.lid,) if self.lid else ()
 
     @property
     def may_refuse(self) -> bool:
@@ -275,15 +265,15 @@ class Tank(Element):
 
     def refuses(self, symbols: Symbols) -> ca.SX | None:
         """Return the truth that it is full, where inflow then stops."""
-        return self.lid.is_full(symbols) if self.lid and self.may_refuse else None
+        return self.lid.is_full(self.name, symbols) if self.lid and self.may_refuse else None
 
     def ended(self, symbols: Symbols) -> ca.SX | None:
         """Return the truth that it is full, where the run then ends."""
-        return self.lid.is_full(symbols) if self.lid and self.lid.ends else None
+        return self.lid.is_full(self.name, symbols) if self.lid and self.lid.ends else None
 
     def stored(self, symbols: Symbols) -> dict[str, ca.SX]:
         """Return the volume and the amounts."""
-        volume = self.vessel.volume(symbols[self.level], self._sizes(symbols))
+        volume = self.vessel.volume(symbols[self.level], self.vessel.sizes(self.name, symbols))
         return {"liquid": volume if self._by_level else symbols[self._volume]} | {
             component.name: symbols[self._amount(component.name)] for component in self.components
         }
@@ -303,6 +293,3 @@ class Tank(Element):
 
     def _amount(self, component: str) -> str:
         return f"{self.name}.{component}_amount"
-
-    def _sizes(self, symbols: Symbols) -> dict[str, ca.SX]:
-        return {key: symbols[f"{self.name}.{key}"] for key, *_ in self.vessel.parameters()}

@@ -24,7 +24,6 @@ class TransportDelay(Element):
 
     Parameters
     ----------
-    name : str
     destination : str
         The element that it runs into.
     time : float

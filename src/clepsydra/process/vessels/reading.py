@@ -41,13 +41,6 @@ def read_vessel(table: TableReader) -> Vessel:
     ------
     InputError
         The shape is unknown, a key is missing or belongs to another shape, or a size is none.
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> text = b"[tanks.a]\\nshape = 'cone'\\nheight = '60 cm'\\nrim_diameter = '40 cm'\\n"
-    >>> read_vessel(TableReader(parse(text, "plant.toml"), ("tanks", "a"), VESSEL_KEYS))
-    Cone(height=0.6, floor_diameter=0.0, rim_diameter=0.4)
     """
     names = [vessel.shape for vessel in SHAPES]
     name = table.choice("shape", names, Prism.shape)

@@ -17,24 +17,6 @@ if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
 
 
-@dataclass(frozen=True)
-class _Segment:
-    """The part between two levels of the table, measured from its narrow end.
-
-    At a distance z from there, A = area + growth · z; `upward` is 1 where the narrow end is the
-    lower one and -1 where it is the upper one. `from_level` and `from_volume` are those of the
-    lower end, at which the segment begins to hold.
-    """
-
-    from_level: float
-    from_volume: float
-    level: float
-    volume: float
-    area: float
-    growth: float
-    upward: float
-
-
 class _Rows(NamedTuple):
     """Levels [m] and areas [m²], with the names of the fields that they fill."""
 
@@ -83,7 +65,13 @@ class AreaTable(Vessel):
         object.__setattr__(self, "height", self.levels[-1])
 
     @property
-    def _segments(self) -> list[_Segment]:
+    def _segments(self) -> list[dict[str, float]]:
+        """The parts between two levels, each measured from its narrow end.
+
+        At a distance z from there, A = area + growth · z; `upward` is 1 where the narrow end is
+        the lower one and -1 where it is the upper one. `from_level` and `from_volume` are those
+        of the lower end, at which the segment begins to hold.
+        """
         segments = []
         volume = 0.0
         rows = zip(self.levels, self.areas, strict=True)
@@ -91,15 +79,15 @@ class AreaTable(Vessel):
             full = volume + 0.5 * (low_area + high_area) * (high - low)
             widens = low_area <= high_area
             segments.append(
-                _Segment(
-                    from_level=low,
-                    from_volume=volume,
-                    level=low if widens else high,
-                    volume=volume if widens else full,
-                    area=min(low_area, high_area),
-                    growth=abs(high_area - low_area) / (high - low),
-                    upward=1.0 if widens else -1.0,
-                )
+                {
+                    "from_level": low,
+                    "from_volume": volume,
+                    "level": low if widens else high,
+                    "volume": volume if widens else full,
+                    "area": min(low_area, high_area),
+                    "growth": abs(high_area - low_area) / (high - low),
+                    "upward": 1.0 if widens else -1.0,
+                }
             )
             volume = full
         return segments
@@ -107,10 +95,10 @@ class AreaTable(Vessel):
     def _chosen(self, quantity: str, value: ca.SX) -> dict[str, ca.SX]:
         """Return the numbers of the segment in which a level or volume lies."""
         first, *others = self._segments
-        chosen: dict[str, ca.SX] = dict(vars(first))
+        chosen: dict[str, ca.SX] = dict(first)
         for segment in others:
-            reached = value >= getattr(segment, quantity)
-            for name, number in vars(segment).items():
+            reached = value >= segment[quantity]
+            for name, number in segment.items():
                 chosen[name] = ca.if_else(reached, number, chosen[name])
         return chosen
 

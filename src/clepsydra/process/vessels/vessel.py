@@ -15,6 +15,7 @@ import casadi as ca
 
 from clepsydra.base.quantity import quantities
 from clepsydra.process.declared import DeclaredKeys, read_fields
+from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
@@ -113,6 +114,10 @@ class Vessel(ABC):
     def values(self) -> dict[str, ca.SX]:
         """Return the value of each parameter by key, as constants of CasADi."""
         return {parameter.key: ca.SX(parameter.value) for parameter in self.parameters()}
+
+    def sizes(self, tank: str, symbols: Symbols) -> dict[str, ca.SX]:
+        """Return the symbol of each parameter by key, where the vessel is that of a tank."""
+        return {key: symbols[f"{tank}.{key}"] for key, *_ in self.parameters()}
 
     def rim(self, values: Mapping[str, ca.SX]) -> ca.SX:
         """Return the level of the rim [m]; a shape overrides it where it follows a parameter."""

@@ -1,19 +1,95 @@
-"""A signal from outside in a process file: its range, its nominal value and its load steps."""
+"""Signals from outside in a process file: what moves an actuator, and what disturbs a plant."""
 
 from __future__ import annotations
 
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from clepsydra.base.units import convertible
 from clepsydra.process import told
 from clepsydra.process.declared import part
 
 if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
 
-
+#: SI units of signals of controllers; a percentage is a pure number, 1/min a frequency.
+_UNITS = ("V", "A", "1", "Hz")
 # A share of the range that rounding may add where steps lead to its ends.
 _ROUNDING = 1e-12
+
+
+class ManipulatedSignal(NamedTuple):
+    """Unit, range and nominal value of a signal from a controller.
+
+    Parameters
+    ----------
+    unit : str
+        "V", "A", "1" or "Hz".
+    low, high : float
+        Range [unit].
+    nominal : float or None
+        Value at the operating point [unit]; None where the process gives levels instead.
+    """
+
+    unit: str
+    low: float
+    high: float
+    nominal: float | None
+
+
+def read_manipulated_signal(table: TableReader) -> ManipulatedSignal:
+    """Read the keys "range" and "nominal" of an actuator.
+
+    Raises
+    ------
+    InputError
+        The range is none, has a unit of something else, or leaves the nominal value out.
+    """
+    unit = _unit(table)
+    low, high = table.range("range", unit, at_least=0.0)
+    nominal = None
+    if table.has("nominal"):
+        nominal = table.quantity(
+            "nominal",
+            unit,
+            "a voltage" if unit == "V" else "a signal",
+            f"choose a {'voltage' if unit == 'V' else 'value'} within the range",
+            at_least=low,
+            at_most=high,
+        )
+    return ManipulatedSignal(unit, low, high, nominal)
+
+
+def actuator_signal() -> Any:
+    """Return the field `low` of an actuator, of which `high`, `nominal` and `unit` are filled."""
+    return part(
+        lambda table, key, known: read_manipulated_signal(table),
+        {
+            "range": told.quantities("range of the signal that moves it", 2),
+            "nominal": told.quantity("its signal at the operating point"),
+        },
+        fills=True,
+        required=("range",),
+    )
+
+
+def _unit(table: TableReader) -> str:
+    """Return the SI unit of the range; volts where the range is malformed, for its message."""
+    written = table.display_units("range").get("range")
+    if written is None:
+        value = table.raw("range") if table.has("range") else None
+        numbers = isinstance(value, list) and all(isinstance(end, int | float) for end in value)
+        return "1" if numbers else "V"
+    # A revolution is 2π to some and 1 to others: only 1/min and Hz mean the same to all.
+    if "rpm" not in written and "rev" not in written:
+        for unit in _UNITS:
+            if convertible(written, unit):
+                return unit
+    raise table.wrong(
+        "range",
+        "a signal in V, mA, %, Hz, 1/min or without a unit",
+        "write the range in the unit that the controller sends",
+    )
 
 
 class DisturbanceRange(NamedTuple):
@@ -27,11 +103,6 @@ class DisturbanceRange(NamedTuple):
         Value at the operating point.
     steps : tuple of float
         Sizes of the load steps of the default scenario, each from where the one before led to.
-
-    Examples
-    --------
-    >>> DisturbanceRange(0.0, 1e-5, 0.0, (2e-6, -2e-6)).steps
-    (2e-06, -2e-06)
     """
 
     low: float
@@ -45,7 +116,6 @@ def read_disturbance_range(table: TableReader, unit: str, quantity: str) -> Dist
 
     Parameters
     ----------
-    table : TableReader
     unit : str
         SI unit.
     quantity : str
@@ -55,15 +125,6 @@ def read_disturbance_range(table: TableReader, unit: str, quantity: str) -> Dist
     ------
     InputError
         The range begins below zero, or the nominal value or a step leads out of it.
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> from clepsydra.process.table_reader import TableReader
-    >>> content = b"[flows.rain]\\nrange = ['0 l/s', '5 l/s']\\nnominal = '1 l/s'\\nstep = '2 l/s'"
-    >>> table = TableReader(parse(content, "plant.toml"), ("flows", "rain"), None)
-    >>> read_disturbance_range(table, "m^3/s", "flow")
-    DisturbanceRange(low=0.0, high=0.005, nominal=0.001, steps=(0.002,))
     """
     what = f"a {quantity}"
     low, high = table.range("range", unit, at_least=0.0)
