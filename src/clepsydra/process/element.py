@@ -119,16 +119,15 @@ class Element(ABC):
 
     def connections(self) -> tuple[Connection, ...]:
         """Return the elements that this one names; what is submerged joins two tanks."""
-        return tuple(
-            Connection(
-                (key,),
-                name,
-                "tank" if getattr(self, "submerged", False) else each.wanted,
-                each.carries_flow,
-            )
-            for key, each in declared(type(self)).items()
-            if isinstance(each, Part) and each.wanted and (name := getattr(self, key))
-        )
+        found = []
+        for key, each in declared(type(self)).items():
+            if isinstance(each, Part) and each.wanted:
+                name = getattr(self, key)
+                wanted = "tank" if getattr(self, "submerged", False) else each.wanted
+                # Without a name it is beyond the plant, where no level is.
+                if name or (wanted == "tank" and each.required):
+                    found.append(Connection((key,), name, wanted, each.carries_flow))
+        return tuple(found)
 
     def states(self) -> tuple[Signal, ...]:
         """Return the states that it brings, as an engineer speaks of them."""
