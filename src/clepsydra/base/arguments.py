@@ -11,29 +11,14 @@ from clepsydra.base.errors import InputError
 
 
 def is_finite_number(value: object) -> bool:
-    """Tell whether a value is a finite real number; text and truth values are none.
-
-    Examples
-    --------
-    >>> [is_finite_number(value) for value in (2, 0.5, "2", True, float("inf"))]
-    [True, True, False, False, False]
-    """
+    """Tell whether a value is a finite real number; text and truth values are none."""
     return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def check_choice(
     place: str, value: object, known: Sequence[str], remedy: str = "correct the name"
 ) -> None:
-    """Refuse what is none of the known names.
-
-    Raises
-    ------
-    InputError
-
-    Examples
-    --------
-    >>> check_choice("alpha_on", "virtual", ["virtual", "input"])
-    """
+    """Refuse what is none of the known names."""
     if value not in known:
         raise InputError(place, value, f"one of {', '.join(known)}", remedy)
 
@@ -47,7 +32,6 @@ def require_type(
     ----------
     value : object
         The argument.
-    wanted : type or tuple of type
     place : str
         The name of the argument.
     expected, remedy : str

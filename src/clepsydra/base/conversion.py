@@ -15,12 +15,6 @@ class Conversion:
     Parameters
     ----------
     code : {"multiply", "divide"}
-    number : float
-
-    Examples
-    --------
-    >>> Conversion("divide", 100.0)(62.0)
-    0.62
     """
 
     code: Literal["multiply", "divide"]

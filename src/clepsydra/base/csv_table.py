@@ -30,7 +30,6 @@ def csv_rows(file: Path, most_rows: int) -> list[tuple[int, list[str]]]:
 
     Parameters
     ----------
-    file : Path
     most_rows : int
         Without the head.
 
@@ -131,7 +130,6 @@ def csv_numbers(
 
     Parameters
     ----------
-    rows : list of (line, cells)
     names : list of str
         Of the columns.
     file : Path
@@ -144,12 +142,6 @@ def csv_numbers(
     InputError
         A row has not as many cells as the head, or a cell is no finite number: line and column
         are named.
-
-    Examples
-    --------
-    >>> rows = [(2, ["0", "3.5"]), (3, ["1", "4"])]
-    >>> csv_numbers(rows, ["time", "pump_1"], Path("pump.csv"), "fill the gap").tolist()
-    [[0.0, 3.5], [1.0, 4.0]]
     """
     for line, cells in rows:
         if len(cells) != len(names):
@@ -180,7 +172,6 @@ def _number(cell: str, place: str, gap: str) -> float:
 
     Parameters
     ----------
-    cell : str
     place : str
         File, line and column, for messages.
     gap : str
@@ -190,11 +181,6 @@ def _number(cell: str, place: str, gap: str) -> float:
     ------
     InputError
         The cell is empty, has a decimal comma or a unit, or is no finite number.
-
-    Examples
-    --------
-    >>> _number(" 3.50", "pump.csv, line 2, column 'pump_1'", "fill the gap")
-    3.5
     """
     parts = split_quantity(cell)
     if not cell.strip():

@@ -60,7 +60,6 @@ class UnknownName(InputError, AttributeError):
     ----------
     owner : str
         What was asked for it.
-    name : str
     known : iterable of str
         The names that there are.
 
@@ -77,13 +76,7 @@ class UnknownName(InputError, AttributeError):
 
 
 def reason_of(error: OSError | ValueError) -> str:
-    """Return why a file cannot be used, in the same words in every version of Python.
-
-    Examples
-    --------
-    >>> reason_of(ValueError("embedded null byte")), reason_of(PermissionError(13, "Denied"))
-    ('a null character in its name', 'denied')
-    """
+    """Return why a file cannot be used, in the same words in every version of Python."""
     if isinstance(error, ValueError):  # what `open` raises for it, each version in words of its own
         return "a null character in its name"
     return (error.strerror or str(error)).lower()

@@ -59,10 +59,6 @@ def whole_file(path: Path) -> Iterator[Path]:
 def require_writable(folder: Path, place: str) -> None:
     """Refuse a folder in which no file can be made, before any work is done for one.
 
-    Raises
-    ------
-    InputError
-
     Examples
     --------
     >>> require_writable(Path("/proc"), "--output")
@@ -96,10 +92,6 @@ def remove_abandoned(folder: Path | int, beginning: str = "") -> None:
     ------
     OSError
         The folder cannot be read.
-
-    Examples
-    --------
-    >>> remove_abandoned(Path())
     """
     before = time.time() - _ABANDONED
     where = folder if isinstance(folder, int) else None
@@ -119,7 +111,6 @@ def write_together(folder: Path, files: Mapping[str, bytes]) -> list[Path]:
 
     Parameters
     ----------
-    folder : Path
     files : mapping
         Name to content.
 

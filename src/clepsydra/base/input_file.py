@@ -23,7 +23,6 @@ def read_input(
 
     Parameters
     ----------
-    path : Path
     expected : str
         What it should be, for messages: "a process file".
     largest : int
@@ -74,7 +73,6 @@ def input_text(content: bytes, file: str, expected: str, longest_line: int) -> s
 
     Parameters
     ----------
-    content : bytes
     file : str
         Its name, for messages.
     expected : str

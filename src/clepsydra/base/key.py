@@ -64,10 +64,8 @@ class Key:
 
         Parameters
         ----------
-        owner : Signal or str
         default : float, optional
             In the place of the key's own [unit].
-        **roles : Signal
         """
         shown = {role: signal.shown_unit for role, signal in roles.items()}
         held = {role: signal.unit for role, signal in roles.items()}

@@ -25,13 +25,6 @@ def published_names(
         Its ``__name__``.
     file : str
         Its ``__file__``.
-
-    Examples
-    --------
-    >>> import clepsydra
-    >>> load, listing, published = published_names("clepsydra", clepsydra.__file__)
-    >>> load("Signal")("level").name, "Signal" in listing(), "Signal" in published
-    ('level', True, True)
     """
     names = declared_names(Path(file).with_suffix(".pyi").read_text(encoding="utf-8"))
 

@@ -63,13 +63,6 @@ class Quantity(Key):
             What it is where it is left out; `MISSING` where that is not said.
         words : str
             What it is, in the place of what is expected of it.
-
-        Examples
-        --------
-        >>> share = Quantity("share", low=0.0, high=1.0, expected="a share")
-        >>> told = share.schema(0.5)
-        >>> told.pop("description"), told.pop("type"), told.pop("minimum"), told.pop("maximum")
-        ('a share [1], at least 0, at most 1; 0.5 if left out', ['string', 'number'], 0.0, 1.0)
         """
         words = f"{words or self.expected} [{self.unit}]"
         bounds: dict[str, Any] = {}
@@ -92,19 +85,7 @@ class Quantity(Key):
         return told | bounds if may_be_bare else told
 
     def check(self, value: Any) -> None:
-        """Refuse what is no number [its unit] within its bounds.
-
-        Raises
-        ------
-        InputError
-
-        Examples
-        --------
-        >>> Quantity("share", low=0.0, high=1.0, expected="a share", remedy="give 1").check(2.0)
-        Traceback (most recent call last):
-            ...
-        clepsydra.base.errors.InputError: share: got 2.0, expected a share from 0 to 1; give 1.
-        """
+        """Refuse what is no number [its unit] within its bounds."""
         inside = is_finite_number(value) and self.low <= value <= self.high
         if not inside or (self.strict and value == self.low):
             above, to = ("above", ", at most") if self.strict else ("from", " to")
@@ -152,7 +133,6 @@ def quantity(
     expected, words : str
         What a file gives ("a time constant"), and what the parameter is of its owner ("time
         constant of"); a quantity without words is no parameter.
-    remedy : str
     above, at_least, at_most : float
         Bounds [unit]; the upper one may be the name of a field.
     default : float or None

@@ -15,8 +15,6 @@ def rounded(value: float, digits: int, size: float = 0.0) -> float:
 
     Parameters
     ----------
-    value : float
-    digits : int
     size : float
         Of the numbers beside it: no digit stays ten decades below theirs.
 
@@ -39,14 +37,8 @@ def rounded_matrix(matrix: np.ndarray, digits: int, sizes: np.ndarray) -> np.nda
     Parameters
     ----------
     matrix : ndarray [n, m]
-    digits : int
     sizes : ndarray [n, m]
         In what unit each number counts; next to the largest share the smallest are nothing.
-
-    Examples
-    --------
-    >>> rounded_matrix(np.array([[2.0 / 3.0, 1e-14]]), 6, np.ones((1, 2))).tolist()
-    [[0.666667, 0.0]]
     """
     shares = np.abs(matrix) / np.where(sizes > 0.0, sizes, 1.0)
     largest = float(np.max(shares, initial=0.0))

@@ -21,13 +21,7 @@ class Mark(Enum):
 
 @dataclass(frozen=True)
 class Line:
-    """One sentence or more, to be broken where the page ends.
-
-    Examples
-    --------
-    >>> Line("pump_1 stood at its limit for 12 s", Mark.WATCH).mark.value
-    '!'
-    """
+    """One sentence or more, to be broken where the page ends."""
 
     text: str
     mark: Mark = Mark.PLAIN
@@ -41,17 +35,10 @@ class Table:
     ----------
     title : str
         Without one it stands close to the lines around it.
-    head : tuple of str
-    rows : tuple of tuple of str
     names : int
         So many columns from the left hold names; the others hold values.
     kept : int
         So many columns from the left stay where the page is too narrow; 0 for all.
-
-    Examples
-    --------
-    >>> Table("Scenario", ("what", "size"), (("load inflow_1", "+2 cm³/s"),)).rows[0]
-    ('load inflow_1', '+2 cm³/s')
     """
 
     title: str
@@ -89,11 +76,6 @@ class Section:
         Of `Line`, `Table`, `Picture` and `Section`.
     folded : bool
         Whether a page shows only its title until it is asked for more.
-
-    Examples
-    --------
-    >>> Section("Quadruple tank", (Line("Use PI, SIMC."),)).parts[0].text
-    'Use PI, SIMC.'
     """
 
     title: str = ""
@@ -102,11 +84,5 @@ class Section:
 
 
 def marked(mark: Mark, texts: Iterable[str]) -> tuple[Line, ...]:
-    """Return lines with the same mark.
-
-    Examples
-    --------
-    >>> [line.text for line in marked(Mark.POINT, ["It is stable.", "It has no zeros."])]
-    ['It is stable.', 'It has no zeros.']
-    """
+    """Return lines with the same mark."""
     return tuple(Line(text, mark) for text in texts)

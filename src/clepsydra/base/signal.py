@@ -172,35 +172,17 @@ class Signal:
 
 
 def identifier(name: str) -> str:
-    """Return a path as an identifier of a programming language.
-
-    Examples
-    --------
-    >>> identifier("pump_1.mode")
-    'pump_1_mode'
-    """
+    """Return a path as an identifier of a programming language."""
     return name.replace(".", "_")
 
 
 def path(owner: Signal | str, part: str) -> str:
-    """Return the name of what belongs to something: its owner's name, a dot, its part.
-
-    Examples
-    --------
-    >>> path(Signal("pump_1", "V"), "mode")
-    'pump_1.mode'
-    """
+    """Return the name of what belongs to something: its owner's name, a dot, its part."""
     return f"{owner if isinstance(owner, str) else owner.name}.{part}"
 
 
 def effect(to: Signal | str, what: str, by: Signal | str) -> str:
-    """Return the name of a number of a matrix: what one thing does to another.
-
-    Examples
-    --------
-    >>> effect("pump_1", "feedback", "level_1")
-    'pump_1.feedback.level_1'
-    """
+    """Return the name of a number of a matrix: what one thing does to another."""
     return path(path(to, what), by if isinstance(by, str) else by.name)
 
 
@@ -216,11 +198,5 @@ def elements(name: str, count: int) -> list[str]:
 
 
 def owned(owner: Signal | str, signals: Iterable[Signal]) -> list[Signal]:
-    """Return signals as parts of their owner.
-
-    Examples
-    --------
-    >>> [signal.name for signal in owned("level_1", [Signal("gain"), Signal("bias")])]
-    ['level_1.gain', 'level_1.bias']
-    """
+    """Return signals as parts of their owner."""
     return [replace(signal, name=path(owner, signal.name)) for signal in signals]

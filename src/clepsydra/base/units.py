@@ -147,7 +147,6 @@ def with_percent_hint(remedy: str, written: object, unit: str) -> str:
 
     Parameters
     ----------
-    remedy : str
     written : object
         The number as the user wrote it.
     unit : str

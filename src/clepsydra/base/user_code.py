@@ -21,7 +21,6 @@ def run_user_code(file: Path, content: bytes, purpose: str) -> ModuleType:
 
     Parameters
     ----------
-    file : Path
     content : bytes
         Of the file.
     purpose : str
@@ -57,13 +56,7 @@ def run_user_code(file: Path, content: bytes, purpose: str) -> ModuleType:
 
 
 def line_of(error: BaseException, file: Path) -> str:
-    """Return the file and its line in which an error came about.
-
-    Examples
-    --------
-    >>> line_of(ValueError("elsewhere"), Path("law.py"))
-    'law.py'
-    """
+    """Return the file and its line in which an error came about."""
     lines = [
         frame.lineno
         for frame in traceback.extract_tb(error.__traceback__)
@@ -77,25 +70,13 @@ def line_of(error: BaseException, file: Path) -> str:
 
 
 def words_of(error: BaseException) -> str:
-    """Return the kind and the first line of an error; of a syntax error without its place.
-
-    Examples
-    --------
-    >>> words_of(KeyError("gain"))
-    "KeyError: 'gain'"
-    """
+    """Return the kind and the first line of an error; of a syntax error without its place."""
     text = error.msg or "" if isinstance(error, SyntaxError) else str(error)
     first = next(iter(text.strip().splitlines()), "")
     return shortened(f"{type(error).__name__}: {first}" if first else type(error).__name__)
 
 
 def shortened(text: str) -> str:
-    """Return a text that fits a message: printable, and not too long.
-
-    Examples
-    --------
-    >>> shortened(200 * "a") == 150 * "a" + "…"
-    True
-    """
+    """Return a text that fits a message: printable, and not too long."""
     text = text if text.isprintable() else ascii(text)
     return text[:_LONGEST] + "…" if len(text) > _LONGEST else text

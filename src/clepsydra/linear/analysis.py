@@ -42,7 +42,6 @@ class Analysis:
 
     Parameters
     ----------
-    operating_point : OperatingPoint
     model : LinearModel
         From all inputs to the controlled outputs.
     poles, zeros : ndarray, complex
@@ -67,13 +66,6 @@ class Analysis:
         where ways of different dead time lead to it.
     roots_note : str
         In which sense poles and zeros are those of a process with dead time; empty without.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank-nonminimum-phase"))
-    >>> analysis.minimum_phase, analysis.pairing
-    (False, (('level_1', 'pump_2'), ('level_2', 'pump_1')))
     """
 
     operating_point: OperatingPoint
@@ -166,7 +158,6 @@ def analyse(
 
     Parameters
     ----------
-    process : Process
     inputs, outputs, disturbances : mapping, optional
         What fixes the operating point, as in `find_equilibrium`.
 

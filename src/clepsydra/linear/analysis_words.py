@@ -26,19 +26,10 @@ def words_on_poles(model: LinearModel, poles: np.ndarray, constants: np.ndarray)
 
     Parameters
     ----------
-    model : LinearModel
     poles : ndarray [n], complex
         [rad/s]
     constants : ndarray [n]
         Time constants [s], in the order of the poles.
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> model = LinearModel(-0.02 * one, one, one[:, :0], one, 0.0 * one,
-    ...                     ("tank.level",), ("pump",), (), ("level",))
-    >>> words_on_poles(model, np.array([-0.02 + 0j]), np.array([50.0]))
-    ['The process is stable: left alone, every level settles.', 'Its time constant is 50 s.']
     """
     radius = origin_radius(model.A)
     unstable = [pole for pole in poles if pole.real > radius]
@@ -84,18 +75,8 @@ def words_on_zeros(model: LinearModel, zeros: np.ndarray, minimum_phase: bool) -
 
     Parameters
     ----------
-    model : LinearModel
     zeros : ndarray, complex
         [rad/s], rightmost first.
-    minimum_phase : bool
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> model = LinearModel(-0.02 * one, one, one[:, :0], one, 0.0 * one,
-    ...                     ("tank.level",), ("pump",), (), ("level",))
-    >>> words_on_zeros(model, np.array([]), minimum_phase=True)
-    ['There are no finite transmission zeros.']
     """
     radius = origin_radius(model.A)
     words = []
@@ -143,20 +124,10 @@ def words_on_dead_time(model: LinearModel, dead_times: np.ndarray, note: str) ->
 
     Parameters
     ----------
-    model : LinearModel
     dead_times : ndarray [q, m]
         [s]
     note : str
         In which sense there are poles and zeros.
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> model = LinearModel(-0.02 * one, one, one[:, :0], one, 0.0 * one,
-    ...                     ("tank.level",), ("pump",), (), ("level",))
-    >>> words_on_dead_time(model, np.array([[5.0]]), "")
-    ['level answers to pump after a dead time of 5 s, which limits a loop between them to a \
-bandwidth of about 0.2 rad/s.']
     """
     words = []
     for output, row in zip(model.outputs, dead_times, strict=True):
@@ -179,7 +150,6 @@ def words_on_zero_directions(model: LinearModel, zeros: Sequence[ZeroDirection])
 
     Parameters
     ----------
-    model : LinearModel
     zeros : sequence of ZeroDirection
         In the right half-plane, their directions in ranges.
 
@@ -229,17 +199,8 @@ def words_on_gain(model: LinearModel, gain: np.ndarray) -> list[str]:
 
     Parameters
     ----------
-    model : LinearModel
     gain : ndarray [q, m]
         Static gain.
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> model = LinearModel(0.0 * one, one, one[:, :0], one, 0.0 * one,
-    ...                     ("tank.level",), ("pump",), (), ("level",))
-    >>> words_on_gain(model, np.array([[np.inf]]))
-    ['level integrates pump: its static gain is infinite.']
     """
     words = []
     for output, row in zip(model.outputs, gain, strict=True):
@@ -264,19 +225,9 @@ def words_on_interaction(
 
     Parameters
     ----------
-    model : LinearModel
     relative_gain : ndarray [q, m] or None
-    pairing : sequence of (output, input)
     index : float or None
         Niederlinski index of the pairing.
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> model = LinearModel(-0.02 * one, one, one[:, :0], one, 0.0 * one,
-    ...                     ("tank.level",), ("pump",), (), ("level",))
-    >>> words_on_interaction(model, np.array([[1.0]]), [("level", "pump")], 1.0)
-    ['Pair level with pump (relative gain 1.00).']
     """
     if relative_gain is None:
         return [

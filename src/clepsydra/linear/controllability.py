@@ -44,11 +44,6 @@ class ModeMargin(NamedTuple):
         eigenvector q and t, whatever the units of the states (Perez-Arriaga, Verghese and
         Schweppe, Selective modal analysis with applications to electric power systems, IEEE
         Transactions on Power Apparatus and Systems 101(9), 1982, 3117-3125).
-
-    Examples
-    --------
-    >>> ModeMargin(-0.02 + 0j, 0.0, 0.0, "tank_3.level").state
-    'tank_3.level'
     """
 
     pole: complex
@@ -102,17 +97,6 @@ def observability_margins(model: LinearModel) -> list[ModeMargin]:
     ------
     InputError
         The model has dead time.
-
-    Examples
-    --------
-    A lower tank does not show in the level of the upper one:
-
-    >>> A, B = np.array([[-0.02, 0.0], [0.02, -0.01]]), np.array([[1.0], [0.0]])
-    >>> model = LinearModel(A, B, B[:, :0], np.array([[1.0, 0.0]]), np.zeros((1, 1)),
-    ...                     ("upper.level", "lower.level"), ("pump",), (), ("y",))
-    >>> worst = observability_margins(model)[0]
-    >>> worst.state, worst.margin
-    ('lower.level', 0.0)
     """
     return _margins(model.A.T, model.C.T, model)
 
@@ -161,14 +145,6 @@ def words_on_reach(model: LinearModel, weak: float = 0.01) -> list[str]:
     ------
     InputError
         The model has dead time.
-
-    Examples
-    --------
-    >>> A, B = np.diag([-0.02, -0.01]), np.array([[1.0], [0.0]])
-    >>> model = LinearModel(A, B, B[:, :0], np.eye(2), np.zeros((2, 1)),
-    ...                     ("tank_1.level", "tank_2.level"), ("pump",), (), ("y", "z"))
-    >>> words_on_reach(model)
-    ['No input moves the mode at -0.01 rad/s (mainly tank_2.level).']
     """
     words = []
     for margins, never, hardly in (
@@ -199,17 +175,10 @@ class Reach:
 
     Parameters
     ----------
-    controllability, observability : list of ModeMargin
     distance_to_uncontrollability, distance_to_unobservability : float or None
         [1/s], the smallest change of the matrices that cuts some mode off; None without states.
     hankel : HankelSingularValues
         [1]
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> len(cl.load("wet-well").analysis.reach.controllability)
-    3
     """
 
     controllability: list[ModeMargin]
@@ -231,16 +200,7 @@ class Reach:
 
 
 def reach_of(model: LinearModel) -> Reach | None:
-    """Return how well the modes are reached and shown; None where a signal has no range.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> one = np.eye(1)
-    >>> reach_of(LinearModel(-0.02 * one, 0.04 * one, one[:, :0], one, 0.0 * one,
-    ...                      ("tank.level",), ("pump",), (), ("level",))) is None
-    True
-    """
+    """Return how well the modes are reached and shown; None where a signal has no range."""
     shares = in_known_ranges(model)
     if shares is None:
         return None
@@ -259,16 +219,7 @@ def reach_of(model: LinearModel) -> Reach | None:
 
 
 def words_about_reach(model: LinearModel) -> list[str]:
-    """Return sentences on modes that are hardly reached or shown; none without ranges.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> one = np.eye(1)
-    >>> words_about_reach(LinearModel(-0.02 * one, 0.04 * one, one[:, :0], one, 0.0 * one,
-    ...                               ("tank.level",), ("pump",), (), ("level",)))
-    []
-    """
+    """Return sentences on modes that are hardly reached or shown; none without ranges."""
     shares = in_known_ranges(model)
     # Two modes alike, as of two equal pumps, are one sentence.
     return [] if shares is None else list(dict.fromkeys(words_on_reach(at_rest(shares))))

@@ -27,12 +27,6 @@ class Lags(NamedTuple):
     inputs : ndarray [m]
     outputs : ndarray [q]
         [s]; output i follows input j by outputs_i - inputs_j.
-
-    Examples
-    --------
-    >>> lags = Lags(np.array([0.0]), np.array([5.0]))
-    >>> lags.outputs[0] - lags.inputs[0]
-    np.float64(5.0)
     """
 
     inputs: np.ndarray
@@ -40,17 +34,7 @@ class Lags(NamedTuple):
 
 
 def delay_dependencies(model: LinearModel) -> np.ndarray:
-    """Return which delayed signal [r] holds what came out of which [r], by way of the states.
-
-    Examples
-    --------
-    >>> from clepsydra.linear.linear_model import InternalDelays
-    >>> one, none = np.eye(1), np.zeros((1, 0))
-    >>> late = InternalDelays(np.ones(1), -one, one, 0.0 * one, none, 0.0 * one, 0.0 * one)
-    >>> delay_dependencies(LinearModel(0.0 * one, one, none, one, 0.0 * one, ("tank.level",),
-    ...     ("pump",), (), ("level",), delays=late)).tolist()
-    [[True]]
-    """
+    """Return which delayed signal [r] holds what came out of which [r], by way of the states."""
     delays = model.delays
     if delays is None:
         return np.zeros((0, 0), bool)
@@ -63,13 +47,6 @@ def has_delay_in_loop(model: LinearModel) -> bool:
     """Return whether some dead time stands in a loop, so that there are infinitely many poles.
 
     Where none does, the poles are the eigenvalues of A exactly, whatever the dead times.
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> has_delay_in_loop(LinearModel(-0.02 * one, 0.04 * one, one[:, :0], one, 0.0 * one,
-    ...                               ("tank.level",), ("pump",), (), ("level",)))
-    False
     """
     depends = delay_dependencies(model)
     steps = depends
@@ -86,13 +63,6 @@ def lags_of(model: LinearModel) -> Lags | None:
     They do when all ways from an input to an output take the same dead time, and the ways of
     several inputs and outputs agree. Then zeros are those of the model without dead time, and
     gains are. An input that reaches no output, or an output that none reaches, has lag zero.
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> lags_of(LinearModel(-0.02 * one, 0.04 * one, one[:, :0], one, 0.0 * one,
-    ...                     ("tank.level",), ("pump",), (), ("level",))).outputs
-    array([0.])
     """
     m, q = len(model.inputs), len(model.outputs)
     delays = model.delays
@@ -137,13 +107,6 @@ def dead_times(model: LinearModel) -> np.ndarray:
     ndarray [q, m]
         [s]; zero where the input does not move the output, not a number where ways of different
         dead time lead to it or one stands in a loop between them.
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> dead_times(LinearModel(-0.02 * one, 0.04 * one, one[:, :0], one, 0.0 * one,
-    ...                        ("tank.level",), ("pump",), (), ("level",)))
-    array([[0.]])
     """
     found = np.zeros((len(model.outputs), len(model.inputs)))
     if model.delays is None:
@@ -271,15 +234,6 @@ def at_rest(model: LinearModel) -> LinearModel:
     ------
     numpy.linalg.LinAlgError
         Delayed signals feed each other with a gain of one, so nothing holds them at rest.
-
-    Examples
-    --------
-    >>> from clepsydra.linear.linear_model import InternalDelays
-    >>> one, none = np.eye(1), np.zeros((1, 0))
-    >>> late = InternalDelays(np.ones(1), -one, one, 0.0 * one, none, 0.0 * one, 0.0 * one)
-    >>> at_rest(LinearModel(0.0 * one, one, none, one, 0.0 * one, ("tank.level",), ("pump",), (),
-    ...                     ("level",), delays=late)).A
-    array([[-1.]])
     """
     delays = model.delays
     if delays is None:
@@ -296,14 +250,6 @@ def same_at_the_origin(model: LinearModel) -> LinearModel:
     matter even there (a tank filled now and emptied τ later by the same amount ends higher by
     τ times the flow), and a Padé approximation takes their place, whose series in s is that of
     the dead time up to s⁶.
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> tank = LinearModel(-0.02 * one, 0.04 * one, one[:, :0], one, 0.0 * one,
-    ...                    ("tank.level",), ("pump",), (), ("level",))
-    >>> same_at_the_origin(tank) is tank
-    True
     """
     if model.delays is None:
         return model
@@ -316,15 +262,7 @@ def same_at_the_origin(model: LinearModel) -> LinearModel:
 
 
 def undisturbed(model: LinearModel) -> LinearModel:
-    """Return the model without its disturbances, for what does not depend on them.
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> undisturbed(LinearModel(-one, one, one, one, 0.0 * one, ("tank.level",), ("pump",),
-    ...                         ("inflow",), ("level",))).E.shape
-    (1, 0)
-    """
+    """Return the model without its disturbances, for what does not depend on them."""
     matrix = np.delete(model.matrix, model.ports.d, axis=1)
     return model.with_matrix(matrix, model.times, disturbances=())
 

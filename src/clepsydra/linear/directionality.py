@@ -29,7 +29,6 @@ def singular_values(model: LinearModel, omegas: ArrayLike) -> np.ndarray:
 
     Parameters
     ----------
-    model : LinearModel
     omegas : array_like [l]
         [rad/s]
 
@@ -62,7 +61,6 @@ def condition_numbers(model: LinearModel, omegas: ArrayLike) -> np.ndarray:
 
     Parameters
     ----------
-    model : LinearModel
     omegas : array_like [l]
         [rad/s]
 
@@ -75,14 +73,6 @@ def condition_numbers(model: LinearModel, omegas: ArrayLike) -> np.ndarray:
     ------
     InputError
         A frequency is not finite or is a pole.
-
-    Examples
-    --------
-    >>> A, B = -np.eye(2), np.array([[3.0, 0.0], [0.0, 4.0]])
-    >>> model = LinearModel(A, B, B[:, :0], np.eye(2), np.zeros((2, 2)), ("a", "b"),
-    ...                     ("u", "v"), (), ("y", "z"))
-    >>> condition_numbers(model, 0.0).round(6)
-    array([1.333333])
     """
     sizes = singular_values(model, omegas)
     largest, smallest = sizes[:, 0], sizes[:, -1]
@@ -105,13 +95,6 @@ class Directionality:
         [1], the largest over the smallest.
     relative_gains : ndarray [l, q, m], complex
         [1]; not a number where G(jω) has not full rank.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> found = cl.load("quadruple-tank").analysis.directionality
-    >>> found.relative_gains[0, 0].real.round(1)
-    array([ 1.4, -0.4])
     """
 
     frequencies: np.ndarray
@@ -130,7 +113,6 @@ def directionality(model: LinearModel, omegas: ArrayLike) -> Directionality:
 
     Parameters
     ----------
-    model : LinearModel
     omegas : array_like [l]
         [rad/s]; none of them a pole.
 
@@ -138,13 +120,6 @@ def directionality(model: LinearModel, omegas: ArrayLike) -> Directionality:
     ------
     InputError
         A frequency is not finite or is a pole.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> model = cl.load("quadruple-tank").linear
-    >>> directionality(model, 0.01).condition_numbers.shape
-    (1,)
     """
     frequencies = np.atleast_1d(np.asarray(omegas, float))
     shares = in_known_ranges(model)

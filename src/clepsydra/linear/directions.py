@@ -26,11 +26,6 @@ class ZeroDirection(NamedTuple):
         The combination of outputs that no input moves; of length one. For a zero in the right
         half-plane it is what first goes the wrong way, and its largest entry is the output that
         suffers.
-
-    Examples
-    --------
-    >>> ZeroDirection(0.5 + 0j, np.array([1.0]), np.array([1.0])).zero
-    (0.5+0j)
     """
 
     zero: complex

@@ -26,11 +26,6 @@ class Distance(NamedTuple):
         A proven lower bound [unit of A].
     root : complex
         The mode of the nearest uncontrollable pair [unit of A].
-
-    Examples
-    --------
-    >>> Distance(0.02, 0.019, -0.1 + 0j).value
-    0.02
     """
 
     value: float

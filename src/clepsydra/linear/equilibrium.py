@@ -80,7 +80,6 @@ def find_equilibrium(
 
     Parameters
     ----------
-    process : Process
     inputs : mapping, optional
         Manipulated input to its value, SI; without `outputs`, an input that is not named keeps
         its nominal value.
@@ -182,7 +181,6 @@ def find_equilibria(
 
     Parameters
     ----------
-    process : Process
     inputs, outputs, disturbances : mapping, optional
         As in `find_equilibrium`.
 
@@ -195,12 +193,6 @@ def find_equilibria(
     ------
     NoEquilibrium, InputError
         As in `find_equilibrium`.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> len(find_equilibria(load_process("quadruple-tank")))
-    1
     """
     first = find_equilibrium(process, inputs, outputs, disturbances)
     search = EquilibriumSearch(process, read_request(process, inputs, outputs, disturbances))

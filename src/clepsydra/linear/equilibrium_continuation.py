@@ -45,15 +45,6 @@ def by_pseudo_transient(search: EquilibriumSearch, share: float | None) -> Itera
     ----------
     C. T. Kelley and D. E. Keyes, Convergence analysis of pseudo-transient continuation, SIAM
     Journal on Numerical Analysis 35(2), 1998, 508-523, doi 10.1137/S0036142996304796.
-
-    Examples
-    --------
-    >>> from clepsydra.linear.equilibrium_request import read_request
-    >>> from clepsydra.process.reader import load_process
-    >>> process = load_process("quadruple-tank")
-    >>> search = EquilibriumSearch(process, read_request(process, None, None, None))
-    >>> by_pseudo_transient(search, 0.9).solved
-    True
     """
     state, inputs = search.values(search.start(share))
     forced, n = search.request.disturbances, len(state)
@@ -101,15 +92,6 @@ def by_homotopy(search: EquilibriumSearch) -> Iterate | None:
     -------
     Iterate or None
         None where there is no equilibrium to start from, or the way ends.
-
-    Examples
-    --------
-    >>> from clepsydra.linear.equilibrium_request import read_request
-    >>> from clepsydra.process.reader import load_process
-    >>> process = load_process("quadruple-tank")
-    >>> asked = {"level_1": 6, "level_2": 6}  # [V]
-    >>> by_homotopy(EquilibriumSearch(process, read_request(process, None, asked, None))).solved
-    True
     """
     request, process = search.request, search.process
     given = replace(request, free_inputs=(), outputs=(), targets=np.zeros(0))

@@ -20,7 +20,6 @@ def reasons_outside_ranges(search: EquilibriumSearch, solved: Iterate) -> tuple[
 
     Parameters
     ----------
-    search : EquilibriumSearch
     solved : Iterate
         Where all derivatives vanish.
 
@@ -65,19 +64,8 @@ def reasons_of_harm(
 
     Parameters
     ----------
-    process : Process
     state, inputs, disturbances : ndarray
         At which the equations rest with every memory as it is at first.
-
-    Examples
-    --------
-    Of an empty basin:
-
-    >>> from clepsydra.linear.equilibrium import find_equilibrium
-    >>> from clepsydra.process.reader import load_process
-    >>> point = find_equilibrium(load_process("equalisation-tank"))
-    >>> reasons_of_harm(point.process, 0 * point.state, point.inputs, point.disturbances)
-    ('nothing would rest there, since outflow runs dry: basin holds 1 % of its capacity',)
     """
     motion, p = process.motion, process.parameter_values
     if not any(event.harm for event in motion.events):
@@ -97,24 +85,8 @@ def reasons_without_solution(search: EquilibriumSearch, stuck: Iterate) -> tuple
 
     Parameters
     ----------
-    search : EquilibriumSearch
     stuck : Iterate
         Its last one.
-
-    Examples
-    --------
-    The lower left tank with its outlet closed:
-
-    >>> from dataclasses import replace
-    >>> from clepsydra.linear.equilibrium_request import read_request
-    >>> from clepsydra.process.reader import load_process
-    >>> process = load_process("quadruple-tank")
-    >>> process = replace(process, parameters=tuple(
-    ...     replace(parameter, initial=0.0) if parameter.name == "outlet_1.area" else parameter
-    ...     for parameter in process.parameters))
-    >>> search = EquilibriumSearch(process, read_request(process, None, None, None))
-    >>> print(reasons_without_solution(search, search.run(None))[0].split("; ")[1])
-    in the long run it rises by 0.00393 m/s
     """
     if not stuck.finite:
         names = [
@@ -138,17 +110,7 @@ def reasons_without_solution(search: EquilibriumSearch, stuck: Iterate) -> tuple
 
 
 def undetermined(search: EquilibriumSearch, solved: Iterate) -> list[str]:
-    """Return the states and free inputs that may take other values in the same equilibrium.
-
-    Examples
-    --------
-    >>> from clepsydra.linear.equilibrium_request import read_request
-    >>> from clepsydra.process.reader import load_process
-    >>> process = load_process("quadruple-tank")
-    >>> search = EquilibriumSearch(process, read_request(process, None, None, None))
-    >>> undetermined(search, search.run(None))
-    []
-    """
+    """Return the states and free inputs that may take other values in the same equilibrium."""
     _, right = _null_spaces(search, solved)
     return _taking_part(search.unknown_names, right)
 
@@ -158,7 +120,6 @@ def warnings_of_sensors(process: Process, measured: np.ndarray) -> list[str]:
 
     Parameters
     ----------
-    process : Process
     measured : ndarray [q]
         What the sensors read, before any limit.
 
@@ -184,13 +145,7 @@ def _outside(signal: Signal, value: float) -> str:
 
 
 def shown(signal: Signal, value: float) -> str:
-    """Return a value with the unit that the reader sees.
-
-    Examples
-    --------
-    >>> shown(Signal("tank_1.level", "m"), 0.25)
-    '0.25 m'
-    """
+    """Return a value with the unit that the reader sees."""
     return f"{from_si(float(value), signal.unit, signal.shown_unit):.4g} {signal.shown_unit}"
 
 

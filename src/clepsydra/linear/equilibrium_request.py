@@ -29,14 +29,6 @@ class EquilibriumRequest:
         Places of the measurements whose values are asked for, as many as free inputs.
     targets : ndarray
         The asked values, in the order of `outputs`.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> asked = {"level_1": 6, "level_2": 6}  # [V]
-    >>> request = read_request(load_process("quadruple-tank"), None, asked, None)
-    >>> request.free_inputs, request.outputs, request.targets
-    ((0, 1), (0, 1), array([6., 6.]))
     """
 
     inputs: np.ndarray
@@ -56,7 +48,6 @@ def read_request(
 
     Parameters
     ----------
-    process : Process
     inputs, outputs, disturbances : mapping, optional
         As in `find_equilibrium`.
 

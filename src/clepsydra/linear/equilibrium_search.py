@@ -39,16 +39,6 @@ class Iterate:
     rounding_of : callable
         → what rounding alone may leave of each residual [n + f]: asked of what is followed, which
         few trials are.
-
-    Examples
-    --------
-    Newton's step towards the root of 2 ζ - 6, from ζ = 1:
-
-    >>> iterate = Iterate(
-    ...     np.array([1.0]), np.array([-4.0]), np.array([[2.0]]), lambda: np.array([1e-14])
-    ... )
-    >>> iterate.solved, iterate.newton_step().round(12)
-    (False, array([2.]))
     """
 
     unknowns: np.ndarray
@@ -92,16 +82,6 @@ class EquilibriumSearch:
     network of tanks takes a step or two. Below the floor the equations are continued
     in a straight line, so that an impossible request ends with ζ < 0 where a flow would have to
     be negative, and with the input that it would take. Other unknowns are span ζ.
-
-    Examples
-    --------
-    >>> from clepsydra.linear.equilibrium_request import read_request
-    >>> from clepsydra.process.reader import load_process
-    >>> process = load_process("quadruple-tank")
-    >>> search = EquilibriumSearch(process, read_request(process, None, None, None))
-    >>> state, _ = search.values(search.run(None).unknowns)
-    >>> (100 * state).round(3)  # [cm]
-    array([12.263, 12.783,  1.634,  1.409])
     """
 
     def __init__(self, process: Process, request: EquilibriumRequest) -> None:

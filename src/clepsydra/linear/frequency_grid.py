@@ -43,14 +43,6 @@ def frequency_grid(*models: LinearModel) -> np.ndarray:
     -------
     ndarray [l]
         Rising [rad/s], above zero.
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> tank = LinearModel(-0.02 * one, 0.04 * one, one[:, :0], one, 0.0 * one,
-    ...                    ("tank.level",), ("pump",), (), ("level",))
-    >>> frequency_grid(tank)[[0, -1]].round(4)
-    array([2.e-04, 2.e+00])
     """
     roots = np.concatenate([_roots(model) for model in models])
     times = [float(model.delays.times.sum()) for model in models if model.delays is not None]

@@ -38,11 +38,6 @@ class SensitivityPeak(NamedTuple):
     frequency : float
         [rad/s]; infinite where S only approaches its peak with rising frequency, not a number
         when the closed loop is unstable.
-
-    Examples
-    --------
-    >>> SensitivityPeak(peak=1.6, frequency=0.03).peak
-    1.6
     """
 
     peak: float
@@ -115,12 +110,6 @@ def frequencies_of(poles: np.ndarray) -> np.ndarray:
     -------
     ndarray [l]
         Rising [rad/s], above zero.
-
-    Examples
-    --------
-    >>> resonance = frequencies_of(np.array([-0.001 + 1.0j, -0.001 - 1.0j]))
-    >>> int(np.sum(abs(resonance - 1.0) < 0.002))
-    7
     """
     sizes = np.abs(poles)
     low, high = sizes.min() / 10.0, sizes.max() * 10.0
@@ -157,18 +146,6 @@ def highest(closed: LinearModel, grid: np.ndarray, curve: Curve) -> SensitivityP
     -------
     SensitivityPeak
         Its frequency is infinite where the curve only approaches the peak.
-
-    Examples
-    --------
-    The resonance 1/(s² + 0.2 s + 1):
-
-    >>> from clepsydra.linear.frequency_grid import frequency_grid
-    >>> A, B = np.array([[0.0, 1.0], [-1.0, -0.2]]), np.array([[0.0], [1.0]])
-    >>> model = LinearModel(A, B, B[:, :0], np.array([[1.0, 0.0]]), np.zeros((1, 1)),
-    ...                     ("a", "b"), ("u",), (), ("y",))
-    >>> peak = highest(model, frequency_grid(model), lambda values: abs(values[:, 0, 0]))
-    >>> round(peak.peak, 6), round(peak.frequency, 3)
-    (5.025189, 0.99)
     """
 
     def values_at(frequencies: np.ndarray) -> np.ndarray:
@@ -193,13 +170,6 @@ def responses_at_infinity(model: LinearModel) -> np.ndarray:
     Returns
     -------
     ndarray [k, q, m], complex
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> responses_at_infinity(LinearModel(-one, one, one[:, :0], one, 0.5 * one, ("a",), ("u",),
-    ...                                   (), ("y",))).tolist()
-    [[[(0.5+0j)]]]
     """
     delays = model.delays
     if delays is None or not (delays.from_inputs.any() and delays.to_outputs.any()):

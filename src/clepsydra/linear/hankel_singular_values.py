@@ -19,12 +19,6 @@ class StablePart(NamedTuple):
         All eigenvalues of A in the left half-plane; its states are mixed and have no names.
     others : ndarray [n - r], complex
         The poles that were split off [rad/s], integrators among them as zero.
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> StablePart(-one, one, one, np.zeros(0, complex)).A
-    array([[-1.]])
     """
 
     A: np.ndarray
@@ -114,11 +108,6 @@ def observability_gramian(A: np.ndarray, C: np.ndarray) -> np.ndarray:
     -------
     ndarray [n, n]
         Symmetric. xᵀ Q x is ∫|y|² dt from the state x without inputs.
-
-    Examples
-    --------
-    >>> observability_gramian(np.array([[-0.5]]), np.array([[2.0]]))
-    array([[4.]])
     """
     return controllability_gramian(A.T, C.T)
 
@@ -133,11 +122,6 @@ class HankelSingularValues(NamedTuple):
         model changes G(jω) by no more than twice the sum of the values after the k-th.
     split_off : ndarray [n - r], complex
         Poles of integrators and unstable modes [rad/s], for which there is no finite value.
-
-    Examples
-    --------
-    >>> HankelSingularValues(np.array([2.0, 0.1]), np.zeros(0, complex)).values[0]
-    np.float64(2.0)
     """
 
     values: np.ndarray

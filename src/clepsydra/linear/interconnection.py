@@ -52,16 +52,7 @@ def series(first: LinearModel, second: LinearModel) -> LinearModel:
 
 
 def parallel_channels(first: LinearModel, second: LinearModel) -> LinearModel:
-    """Return both models side by side: the inputs, states and outputs of one, then the other.
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> tank = LinearModel(-0.02 * one, 0.04 * one, one[:, :0], one, 0.0 * one,
-    ...                    ("tank.level",), ("pump",), (), ("level",))
-    >>> parallel_channels(tank, tank).A.diagonal()
-    array([-0.02, -0.02])
-    """
+    """Return both models side by side: the inputs, states and outputs of one, then the other."""
     one, two = first.matrix, second.matrix
     matrix = np.zeros(np.add(one.shape, two.shape))
     matrix[: len(one), : one.shape[1]], matrix[len(one) :, one.shape[1] :] = one, two
@@ -132,15 +123,7 @@ def feedback(loop: LinearModel, channels: Sequence[int] | None = None) -> Linear
 
 
 def require_square(loop: LinearModel) -> int:
-    """Return the number of channels of a loop; raise InputError where L is not square.
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> require_square(LinearModel(0.0 * one, one, one[:, :0], one, 0.0 * one,
-    ...                            ("level",), ("error",), (), ("level",)))
-    1
-    """
+    """Return the number of channels of a loop; raise InputError where L is not square."""
     if len(loop.inputs) != len(loop.outputs):
         raise InputError(
             "loop",

@@ -33,11 +33,6 @@ class InternalDynamics:
         Every mode dies away.
     words : str
         What follows, a sentence for the reader.
-
-    Examples
-    --------
-    >>> InternalDynamics(np.zeros(0), np.zeros((2, 0)), True, "There are none.").stable
-    True
     """
 
     modes: np.ndarray

@@ -15,13 +15,7 @@ from clepsydra.linear.process_equations import ProcessEquations, process_equatio
 
 
 class NotLinearisable(InputError):
-    """No state feedback makes the outputs of a process follow new inputs linearly.
-
-    Examples
-    --------
-    >>> issubclass(NotLinearisable, InputError)
-    True
-    """
+    """No state feedback makes the outputs of a process follow new inputs linearly."""
 
 
 @dataclass(frozen=True, eq=False)

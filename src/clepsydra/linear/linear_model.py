@@ -82,10 +82,6 @@ def refuse_delays(delays: InternalDelays | None, what: str) -> None:
         Of the model.
     what : str
         What was asked for, a plural: "poles".
-
-    Examples
-    --------
-    >>> refuse_delays(None, "poles")
     """
     if delays is not None:
         raise InputError(

@@ -28,15 +28,6 @@ class LocalDerivatives:
         ∂f/∂x [n, n], ∂f/∂u [n, m], ∂f/∂d [n, k], ∂f/∂p [n, l].
     measured_by_state : ndarray [q, n]
         ∂h/∂x
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> local = Derivatives(load_process("quadruple-tank")).at(
-    ...     np.full(4, 0.1), np.full(2, 3.0), np.zeros(2)
-    ... )
-    >>> local.rates_by_input.shape, local.measured
-    ((4, 2), array([5., 5., 5., 5.]))
     """
 
     rates: np.ndarray
@@ -201,17 +192,6 @@ def operating_point_of(model: LinearModel) -> OperatingPoint:
     ------
     InputError
         The model has none, as one that came from python-control; or it is no model.
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> tank = LinearModel(-0.02 * one, 0.04 * one, one[:, :0], one, 0.0 * one,
-    ...                    ("tank.level",), ("pump",), (), ("level",))
-    >>> operating_point_of(tank)
-    Traceback (most recent call last):
-        ...
-    clepsydra.base.errors.InputError: linear model, point: got None, expected a model of a process \
-at an operating point; make it by linearise(point), or give it its point by dataclasses.replace.
     """
     require_type(
         model, LinearModel, "model", "a LinearModel", "make it with linearise, or by analyse"

@@ -33,11 +33,6 @@ class Crossing(NamedTuple):
         A factor on the gain [1], a phase [rad] or a dead time [s].
     frequency : float
         [rad/s]
-
-    Examples
-    --------
-    >>> Crossing(margin=2.0, frequency=0.1).margin
-    2.0
     """
 
     margin: float
@@ -63,14 +58,6 @@ class LoopMargins:
         At each |L| = 1 the additional dead time [s] that puts L through -1.
     sensitivity, complementary : SensitivityPeak
         max|S| and max|T|.
-    disk : DiskMargin
-
-    Examples
-    --------
-    >>> peak = SensitivityPeak(1.5, 0.1)
-    >>> LoopMargins(True, (Crossing(3.0, 0.2), Crossing(0.2, 0.01)), (), (), peak, peak,
-    ...             DiskMargin(1.0, 0.1)).gain_margin_up
-    3.0
     """
 
     stable: bool

@@ -17,12 +17,6 @@ class ScaledSystem(NamedTuple):
 
     G(s) = diag(output_sizes) [C (s/rate I - A)⁻¹ B + D] diag(input_sizes), so the poles and
     zeros of the original are `rate` [rad/s] times those of this one.
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> scaled_system(-0.02 * one, one, one, 0.0 * one).rate
-    0.015625
     """
 
     A: np.ndarray
@@ -42,13 +36,6 @@ def scaled_system(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) ->
     Parameters
     ----------
     A, B, C, D : ndarray [n, n], [n, m], [q, n], [q, m]
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> scaled = scaled_system(-0.02 * one, 1e-3 * one, 50.0 * one, 0.0 * one)
-    >>> scaled.A, scaled.rate
-    (array([[-1.28]]), 0.015625)
     """
     A, B, C, D = (np.array(matrix, float) for matrix in (A, B, C, D))
     rate = float(_power_of_two(float(np.linalg.norm(A, 2)))) if A.any() else 1.0
@@ -130,11 +117,6 @@ def reachable_basis(A: np.ndarray, B: np.ndarray) -> np.ndarray:
     Returns
     -------
     ndarray [n, r]
-
-    Examples
-    --------
-    >>> reachable_basis(np.diag([-1.0, -2.0]), np.array([[0.0], [3.0]])).shape
-    (2, 1)
     """
     if not len(A):
         return np.zeros((0, 0))

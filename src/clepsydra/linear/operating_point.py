@@ -15,7 +15,6 @@ class OperatingPoint:
 
     Parameters
     ----------
-    process : Process
     state : ndarray [n]
     inputs : ndarray [m]
     disturbances : ndarray [k]

@@ -86,14 +86,6 @@ def time_constants(model: LinearModel) -> np.ndarray:
     -------
     ndarray [n]
         [s]
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> tank = LinearModel(-0.02 * one, one, one[:, :0], one, 0.0 * one,
-    ...                    ("tank.level",), ("pump",), (), ("level",))
-    >>> time_constants(tank)
-    array([50.])
     """
     rates = poles(model)
     marginal = np.abs(rates.real) <= origin_radius(model.A)

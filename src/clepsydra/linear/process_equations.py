@@ -27,16 +27,10 @@ class Constant:
 
     Parameters
     ----------
-    signal : Signal
     symbol : casadi.SX
         It stands for it in the equations.
     value : float
         At the operating point [signal unit].
-
-    Examples
-    --------
-    >>> Constant(Signal("tank.area", "m^2"), ca.SX.sym("a"), 0.0028).value
-    0.0028
     """
 
     signal: Signal
@@ -50,25 +44,16 @@ class ProcessEquations:
 
     Parameters
     ----------
-    point : OperatingPoint
     inputs : tuple of str
         Those that are moved.
     moved : casadi.SX [m]
         The symbols of these, u.
     constants : tuple of Constant
         The other inputs, disturbances and parameters.
-    outputs, states : tuple of str
     state : casadi.SX [n]
         The symbol of x.
     rates : casadi.SX [n]
         f
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> equations = process_equations(cl.load("averaging-tank").linear)
-    >>> equations.states
-    ('tank.level', 'tank.impurity')
     """
 
     point: OperatingPoint

@@ -21,7 +21,6 @@ def in_ranges(model: LinearModel, sizes: Mapping[str, float] | None = None) -> L
 
     Parameters
     ----------
-    model : LinearModel
     sizes : mapping, optional
         Signal name to size [unit of the signal], in place of its range or where it has none.
 
@@ -93,16 +92,6 @@ def in_known_ranges(model: LinearModel) -> LinearModel | None:
     Returns
     -------
     LinearModel or None
-
-    Examples
-    --------
-    A model without a process has no ranges:
-
-    >>> import numpy as np
-    >>> one = np.eye(1)
-    >>> in_known_ranges(LinearModel(-0.02 * one, 0.04 * one, one[:, :0], one, 0.0 * one,
-    ...                      ("tank.level",), ("pump",), (), ("level",))) is None
-    True
     """
     if model.point is None:
         return None

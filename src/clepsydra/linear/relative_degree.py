@@ -30,7 +30,6 @@ class VectorRelativeDegree:
 
     Parameters
     ----------
-    equations : InputAffineEquations
     degrees : tuple of int [q]
         r of each output.
     derivatives : tuple of tuple of casadi.SX
@@ -40,13 +39,6 @@ class VectorRelativeDegree:
     order : tuple of (int, int)
         Places of output and input, paired so that elimination in this order divides by no zero
         at the operating point, the largest first.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> found = relative_degree(cl.load("quadruple-tank").linear)
-    >>> found.degrees, found.at_point.round(4).tolist()  # E, [V/s per V]
-    ((1, 1), [[0.0416, 0.0], [0.0, 0.0314]])
     """
 
     equations: InputAffineEquations
@@ -139,14 +131,6 @@ def linear_relative_degrees(model: LinearModel) -> tuple[int, ...]:
     ------
     NotLinearisable
         No input moves an output, or only after more than four differentiations.
-
-    Examples
-    --------
-    >>> A, B = np.array([[0.0, 1.0], [-2.0, -3.0]]), np.array([[0.0], [1.0]])
-    >>> model = LinearModel(A, B, B[:, :0], np.array([[3.0, 0.0]]), np.zeros((1, 1)),
-    ...                     ("a", "b"), ("u",), (), ("y",))
-    >>> linear_relative_degrees(model)
-    (2,)
     """
     refuse_delays(model.delays, "a relative degree")
     found = []

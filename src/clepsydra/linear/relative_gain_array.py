@@ -184,7 +184,6 @@ def relative_gain_response(model: LinearModel, omegas: ArrayLike) -> np.ndarray:
 
     Parameters
     ----------
-    model : LinearModel
     omegas : array_like [l]
         [rad/s]
 
@@ -203,14 +202,6 @@ def relative_gain_response(model: LinearModel, omegas: ArrayLike) -> np.ndarray:
     ----------
     S. Skogestad and I. Postlethwaite, Multivariable Feedback Control, 2nd ed., 2005, chapter
     3.
-
-    Examples
-    --------
-    >>> A, B = -np.eye(2), np.array([[2.0, 1.0], [1.0, 2.0]])
-    >>> model = LinearModel(A, B, B[:, :0], np.eye(2), np.zeros((2, 2)), ("a", "b"),
-    ...                     ("u", "v"), (), ("y", "z"))
-    >>> relative_gain_response(model, 0.1)[0].real.round(6).tolist()
-    [[1.333333, -0.333333], [-0.333333, 1.333333]]
     """
     frequencies = np.atleast_1d(np.asarray(omegas, float))
     arrays = []
@@ -243,7 +234,6 @@ def niederlinski_index(
     ----------
     gain : array_like [q, m]
         G(0) [output unit / input unit].
-    pairing : sequence of (output, input)
     outputs, inputs : sequence of str
         Names of the rows and of the columns of `gain`.
 

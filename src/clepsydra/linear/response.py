@@ -14,7 +14,6 @@ def frequency_response(model: LinearModel, omegas: ArrayLike) -> np.ndarray:
 
     Parameters
     ----------
-    model : LinearModel
     omegas : array_like [l]
         Frequencies [rad/s]; one number is taken as a list of one.
 
@@ -56,7 +55,6 @@ def transfer_at(model: LinearModel, points: np.ndarray) -> np.ndarray:
 
     Parameters
     ----------
-    model : LinearModel
     points : ndarray [l]
         Values of s [rad/s].
 
@@ -113,17 +111,6 @@ def characteristic_matrices(
     ------
     ValueError
         The model has no dead time.
-
-    Examples
-    --------
-    >>> from clepsydra.linear.linear_model import InternalDelays
-    >>> one, none = np.eye(1), np.zeros((1, 0))
-    >>> late = InternalDelays(np.ones(1), -one, one, 0.0 * one, none, 0.0 * one, 0.0 * one)
-    >>> tank = LinearModel(0.0 * one, one, none, one, 0.0 * one, ("tank.level",), ("pump",), (),
-    ...                    ("level",), delays=late)
-    >>> characteristic_matrices(tank, np.array([0.0]))[0].real
-    array([[[ 0.,  1.],
-            [-1.,  1.]]])
     """
     delays = model.delays
     if delays is None:

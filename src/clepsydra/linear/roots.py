@@ -37,13 +37,6 @@ class Roots(NamedTuple):
         The rational model that has these zeros.
     note : str
         Empty without dead time.
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> roots_of(LinearModel(-0.02 * one, 0.04 * one, one[:, :0], one, 0.0 * one,
-    ...                      ("tank.level",), ("pump",), (), ("level",))).time_constants
-    array([50.])
     """
 
     poles: np.ndarray

@@ -82,15 +82,6 @@ def unstable_roots(model: LinearModel) -> int | None:
     ----------
     J. K. Hale and S. M. Verduyn Lunel, Introduction to Functional Differential Equations, 1993,
     doi 10.1007/978-1-4612-4342-7, chapter 9, for the difference equation.
-
-    Examples
-    --------
-    >>> from clepsydra.linear.linear_model import InternalDelays
-    >>> one, none = np.eye(1), np.zeros((1, 0))
-    >>> late = InternalDelays(np.ones(1), -9.0 * one, one, 0.0 * one, none, 0.0 * one, 0.0 * one)
-    >>> unstable_roots(LinearModel(0.0 * one, one, none, one, 0.0 * one,
-    ...                            ("h",), ("u",), (), ("y",), delays=late))
-    4
     """
     delays = model.delays
     if delays is None:

@@ -28,7 +28,6 @@ def step_response(model: LinearModel, times: ArrayLike) -> np.ndarray:
 
     Parameters
     ----------
-    model : LinearModel
     times : array_like [l]
         Not falling, from zero on [s]. At a jump, the value after it.
 

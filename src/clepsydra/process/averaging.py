@@ -45,12 +45,6 @@ def read_averaging(
     InputError
         A name is no controlled level or volume of a tank, or no controller moves what leaves
         the tank.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> load_process("equalisation-tank").averaging, load_process("wet-well").averaging
-    (('level',), ())
     """
     if not table.has("averaging"):
         return ()

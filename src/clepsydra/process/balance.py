@@ -17,24 +17,12 @@ DELAYED = "balance.delayed"
 
 
 def conserved(components: Iterable[Component]) -> list[tuple[str, str]]:
-    """Return what is conserved, with the unit of its amount: the liquid, then each component.
-
-    Examples
-    --------
-    >>> conserved([Component("salt", "kg/m^3", "", 0.0, 50.0)])
-    [('liquid', 'm^3'), ('salt', 'kg')]
-    """
+    """Return what is conserved, with the unit of its amount: the liquid, then each component."""
     return [("liquid", "m^3"), *((each.name, each.amount_unit) for each in components)]
 
 
 def balance_totals(of: Iterable[tuple[str, str]], *, delayed: bool) -> tuple[Signal, ...]:
-    """Return the totals of a plant, with those of its delays where it has some.
-
-    Examples
-    --------
-    >>> [total.name for total in balance_totals([("liquid", "m^3")], delayed=False)]
-    ['balance.entered.liquid', 'balance.left.liquid']
-    """
+    """Return the totals of a plant, with those of its delays where it has some."""
     every = list(of)
     totals = (ENTERED, LEFT, DELAYED) if delayed else (ENTERED, LEFT)
     return tuple(Signal(f"{total}.{name}", unit) for total in totals for name, unit in every)

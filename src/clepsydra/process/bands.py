@@ -39,12 +39,6 @@ def read_bands(
     InputError
         A level with a band does not average, the band goes beyond floor or rim, or the operating
         point lies outside of it.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> load_process("equalisation-tank").bands
-    {}
     """
     found = {}
     for sensor in elements:
@@ -95,11 +89,6 @@ def check_at_rest(process: Process, values: Mapping[str, float]) -> None:
     ----------
     values : mapping
         Measurements at the operating point, by name.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> check_at_rest(load_process("equalisation-tank"), {"level": 0.9})
     """
     for name, band in process.bands.items():
         if not band[0] <= values[name] <= band[1]:

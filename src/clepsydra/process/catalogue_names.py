@@ -19,11 +19,5 @@ def catalogue_names() -> list[str]:
 
 
 def catalogue_file(name: str) -> Traversable:
-    """Return the file of a process of the catalogue, to read or to copy.
-
-    Examples
-    --------
-    >>> catalogue_file("quadruple-tank").name
-    'quadruple-tank.toml'
-    """
+    """Return the file of a process of the catalogue, to read or to copy."""
     return resources.files("clepsydra.process.catalogue") / f"{name}.toml"

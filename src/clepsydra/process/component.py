@@ -17,11 +17,6 @@ class Component:
         The unit that the user wrote.
     low, high : float
         Range of its concentrations [unit].
-
-    Examples
-    --------
-    >>> Component("salt", "mol/m^3", "kmol/m^3", 0.0, 25e3).amount_unit
-    'mol'
     """
 
     name: str

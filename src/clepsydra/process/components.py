@@ -50,18 +50,7 @@ def read_components(document: Document, general: TableReader) -> tuple[Component
 def check_components(
     components: Sequence[Component], elements: Sequence[Element], place: Place
 ) -> None:
-    """Refuse a component that enters the plant nowhere.
-
-    Examples
-    --------
-    >>> salt = Component("salt", "kg/m^3", "", 0.0, 10.0)
-    >>> check_components([salt], [], lambda *keys: ".".join(keys))
-    Traceback (most recent call last):
-        ...
-    clepsydra.base.errors.InputError: components.salt: got 'salt', expected a component that some \
-flow or reservoir brings; add concentration = { salt = … } to a flow from outside or a \
-reservoir, or remove it.
-    """
+    """Refuse a component that enters the plant nowhere."""
     for component in components:
         if not any(component.name in element.brings() for element in elements):
             raise InputError(

@@ -42,12 +42,6 @@ class Document:
         Key path, as it stands in the file, to line number.
     origins : dict
         Path of what a variant brought to the path at which it stands in the file.
-
-    Examples
-    --------
-    >>> document = Document("plant.toml", {"name": "plant"}, {("name",): 3})
-    >>> document.place("name")
-    'plant.toml, line 3, name'
     """
 
     file: str

@@ -41,11 +41,6 @@ class Connection:
         "source" for any that it can be drawn from.
     carries_flow : bool
         Liquid runs along this connection.
-
-    Examples
-    --------
-    >>> Connection(("destination",), "tank_1", "receiver").carries_flow
-    True
     """
 
     key: tuple[str, ...]

@@ -61,12 +61,6 @@ class Flow:
         ----------
         back : bool
             What runs back to the source is held, and not what runs to the destination.
-
-        Examples
-        --------
-        >>> flow = Flow("a", "b", ca.SX(2.0), ca.SX(-1.0), reversible=True)
-        >>> [float(flow.held_back(ca.SX(1), back=back).driver) for back in (False, True)]
-        [-1.0, 0.0]
         """
         if self.reversible:
             rest = ca.fmax(self.driver, 0) if back else ca.fmin(self.driver, 0)

@@ -56,12 +56,6 @@ class Event:
         controller in whose run it happens is unsafe. Empty for what is part of normal operation.
     ends : bool
         The run ends there: from then on everything stands still, see `Element.ended`.
-
-    Examples
-    --------
-    >>> level, on = ca.SX.sym("level"), ca.SX.sym("on")
-    >>> Event("pump.stops", "pump stops", ca.if_else(on, 0.2 - level, -1), {"on": 0}).name
-    'pump.stops'
     """
 
     name: str

@@ -14,13 +14,7 @@ from clepsydra.process.element import Element
 
 @cache
 def kinds() -> tuple[type[Element], ...]:
-    """Return every kind, in the order in which a process lists its elements.
-
-    Examples
-    --------
-    >>> [kind.table for kind in kinds()][:3]
-    ['reservoirs', 'tanks', 'orifices']
-    """
+    """Return every kind, in the order in which a process lists its elements."""
     files = [f"{elements.__name__}.{each.name}" for each in pkgutil.iter_modules(elements.__path__)]
     found = [kind for file in files for kind in kinds_of(importlib.import_module(file))]
     return tuple(sorted(found, key=lambda kind: kind.place))

@@ -13,13 +13,7 @@ from clepsydra.process.hybrid import Delay
 
 
 class FlowPath(NamedTuple):
-    """Where a flow runs: the element that causes it, and its ends; empty outside the plant.
-
-    Examples
-    --------
-    >>> FlowPath("pump_1", "basin", "tank_1").source
-    'basin'
-    """
+    """Where a flow runs: the element that causes it, and its ends; empty outside the plant."""
 
     element: str
     source: str
@@ -27,14 +21,7 @@ class FlowPath(NamedTuple):
 
 
 class MotionEvent(NamedTuple):
-    """An event as a run records it, see `clepsydra.process.hybrid.Event`.
-
-    Examples
-    --------
-    >>> event = MotionEvent("pump_1.starts", "pump_1 starts: well above 1.2 m")
-    >>> event.counted, event.dated, event.harm
-    ('pump_1.starts.count', 'pump_1.starts.time', '')
-    """
+    """An event as a run records it, see `clepsydra.process.hybrid.Event`."""
 
     name: str
     words: str
@@ -88,13 +75,6 @@ class Motion:
         (c, z, m, u, d, p) → every flow [m³/s], for those who look at a motion from outside.
     flow_paths : tuple of FlowPath
         Where each of the flows runs.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> motion = load_process("quadruple-tank").motion
-    >>> motion.plain, len(motion.contents)
-    (True, 4)
     """
 
     contents: tuple[Signal, ...]

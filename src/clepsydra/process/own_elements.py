@@ -100,11 +100,6 @@ def joining_own(kinds: Sequence[type[Element]], general: TableReader) -> Iterato
         Own elements; without any, a failure is none of the user's and stays as it is.
     general : TableReader
         The whole process file.
-
-    Examples
-    --------
-    >>> with joining_own((), None):
-    ...     pass
     """
     try:
         yield

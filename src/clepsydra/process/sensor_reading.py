@@ -40,11 +40,6 @@ class SensorScale(NamedTuple):
         Signal per quantity in SI; None where it shows the quantity itself.
     zero : float or None
         The quantity that it shows as `low`; None where it shows 0 as 0.
-
-    Examples
-    --------
-    >>> SensorScale("A", 0.004, 0.02, gain=0.064, zero=0.0).gain  # [A/m]
-    0.064
     """
 
     unit: str

@@ -24,14 +24,6 @@ def read_tags(document: Document, elements: Sequence[Element]) -> dict[str, str]
     ------
     InputError
         A tag is no identifier, is a word of a language, or cannot be told from another name.
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> from clepsydra.process.elements.sensor import Sensor
-    >>> document = parse(b"[sensors.level]\\ntag = 'LIC101'", "plant.toml")
-    >>> read_tags(document, [Sensor("level", "tank", low=0.0, high=1.0)])
-    {'level': 'LIC101'}
     """
     taken = {"gravity": "the acceleration of gravity"}
     taken |= {name.lower(): element.name for element in elements for name in _names(element)}

@@ -36,13 +36,6 @@ class Entry(NamedTuple):
     start, value, end : int
         Where the entry and its value begin and where its last line ends; a heading has no value
         and begins where it ends.
-
-    Examples
-    --------
-    >>> text = "area = '28 cm^2'  # left\\n"
-    >>> (entry,) = entries(text)
-    >>> entry.path, text[entry.value:entry.end]
-    (('area',), " '28 cm^2'  # left")
     """
 
     path: Path

@@ -55,13 +55,6 @@ class Tank(Element):
         [m³/s per m² of surface]
     lid : Lid or None
         Of a closed tank; None where the level may rise above the rim.
-
-    Examples
-    --------
-    >>> from clepsydra.process.vessels.prism import Prism
-    >>> tank = Tank("tank_1", vessel=Prism(0.2, area=28e-4))
-    >>> [signal.name for signal in tank.states() + tank.parameters()]
-    ['tank_1.level', 'tank_1.area']
     """
 
     kind: ClassVar[str] = "tank"

@@ -28,11 +28,6 @@ class TransportDelay(Element):
         The element that it runs into.
     time : float
         τ [s]
-
-    Examples
-    --------
-    >>> [delay.name for delay in TransportDelay("channel", "tank_2", 60.0).delays()]
-    ['channel.delayed_flow']
     """
 
     kind: ClassVar[str] = "transport delay"

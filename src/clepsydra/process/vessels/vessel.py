@@ -42,11 +42,6 @@ class VesselParameter(NamedTuple):
         [`unit`].
     description : str
         Without the tank: "diameter at the rim".
-
-    Examples
-    --------
-    >>> VesselParameter("diameter", "m", 0.6, "diameter").value
-    0.6
     """
 
     key: str
