@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from clepsydra.linear.frequency_peak import SensitivityPeak
+from clepsydra.linear.frequency_peak import SensitivityPeak, largest_gain
 from clepsydra.linear.poles import origin_radius, rightmost_first
-from clepsydra.linear.sensitivity import largest_gain
 
 
 def closed_loop_poles(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray):

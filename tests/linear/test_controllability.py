@@ -15,6 +15,7 @@ from clepsydra.linear.controllability import (
     words_on_reach,
 )
 from clepsydra.linear.distance_to_uncontrollability import distance_to_uncontrollability
+from clepsydra.linear.frequency_peak import largest_gain
 from clepsydra.linear.hankel_singular_values import (
     controllability_gramian,
     hankel_singular_values,
@@ -22,7 +23,6 @@ from clepsydra.linear.hankel_singular_values import (
     stable_part,
 )
 from clepsydra.linear.response import evaluate_transfer
-from clepsydra.linear.sensitivity import largest_gain
 
 
 def test_gramian_is_the_integral(random_system):

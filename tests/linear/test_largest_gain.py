@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from clepsydra.linear.sensitivity import largest_gain
+from clepsydra.linear.frequency_peak import largest_gain
 
 
 def random_system(seed):

@@ -10,8 +10,8 @@ import scipy.linalg
 from scipy.optimize import minimize_scalar
 from state_space_loops import closed_loop_poles, is_stable, maximum_sensitivity
 
+from clepsydra.linear.frequency_peak import largest_gain
 from clepsydra.linear.response import evaluate_transfer
-from clepsydra.linear.sensitivity import largest_gain
 
 ONE = np.ones((1, 1))
 

@@ -35,6 +35,9 @@ from clepsydra.linear.static_gain import static_gain
 from clepsydra.linear.zeros import minimum_phase
 from clepsydra.process.process import Process
 
+_OF_MODEL = ("states", "inputs", "disturbances", "outputs", *"ABCDE")
+_OF_ROOTS = ("poles", "zeros", "minimum_phase", "time_constants")
+
 
 @dataclass(frozen=True, eq=False)
 class Analysis:
@@ -116,15 +119,8 @@ class Analysis:
             "process": process.name,
             "operating_point": self.operating_point.as_dict(),
             "residual": self.operating_point.residual,
-            "states": model.states,
-            "inputs": model.inputs,
-            "disturbances": model.disturbances,
-            "outputs": model.outputs,
-            **{name: getattr(model, name) for name in "ABCDE"},
-            "poles": self.poles,
-            "zeros": self.zeros,
-            "minimum_phase": self.minimum_phase,
-            "time_constants": self.time_constants,
+            **{name: getattr(model, name) for name in _OF_MODEL},
+            **{name: getattr(self, name) for name in _OF_ROOTS},
             "static_gain": [
                 [gain if np.isfinite(gain) else str(float(gain)) for gain in row]
                 for row in self.static_gain

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -61,7 +61,7 @@ class Suction:
     vessel: Vessel
     level: float | None = None
     unit: str = "m"
-    harm: str = BREAKS_OFF
+    harm: str = field(default=BREAKS_OFF, compare=False)
 
     @property
     def ends(self) -> float:

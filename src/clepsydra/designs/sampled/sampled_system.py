@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from clepsydra.linear.frequency_peak import largest_gain
 from clepsydra.linear.response import evaluate_transfer
-from clepsydra.linear.sensitivity import largest_gain
 
 #: An eigenvalue this near to the unit circle stands on it.
 _ROUNDING = 1e-10

@@ -31,20 +31,12 @@ class Catchment(Element):
     ----------
     name : str
         Also the name of its signal, the intensity of the rain i [m/s], a disturbance.
-    destination : str
-        The element that it runs into.
     area : float
         A [m²]
     runoff_share : float
         ψ [1], 0.9 of a roof or asphalt, 0.1 of a meadow.
     time : float
         T [s]
-    low, high : float
-        Range of i [m/s].
-    nominal : float
-        i at the operating point [m/s].
-    steps : tuple of float
-        Sizes of the load steps of the default scenario [m/s].
 
     Examples
     --------

@@ -54,24 +54,10 @@ class ControlValve(Element):
 
     Parameters
     ----------
-    name : str
-        Also the name of the manipulated variable, the opening that is asked for.
-    source : str
-        The tank or reservoir above.
-    destination : str
-        The element that the liquid falls into; the other tank if submerged.
     kv : float
         Flow through the open valve at 1 bar of water [m³/s].
-    low, high : float
-        Signals of the shut and of the open valve.
     nominal : float or None
         Signal at the operating point; None where the process gives levels instead.
-    unit : str
-        SI unit of the signal: "V", "A", "1" or "Hz".
-    rangeability : float
-        Of an equal-percentage valve [1].
-    submerged : bool
-        It joins two tanks below their surfaces.
     elevation : float
         Height of the source's floor, or of the surface of a reservoir, above the outlet, or
         above the floor of the other tank if submerged [m].
@@ -79,10 +65,6 @@ class ControlValve(Element):
         Supply pressure at the source above that at the outlet [Pa].
     line_kv : float
         Kv of pipe and fittings in series [m³/s].
-    stroke_time : float
-        From shut to open [s]; 0 for at once.
-    friction : Backlash or Stiction or None
-        Between actuator and stem.
     source_vessel : Vessel or None
         Shape of the tank above; None for a reservoir.
     suction : Suction or None

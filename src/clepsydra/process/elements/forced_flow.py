@@ -33,16 +33,6 @@ class ForcedFlow(BringsFromOutside):
         Also the name of its signal, d [m³/s], a disturbance unless the file manipulates it.
     source, destination : str
         Elements; empty for outside the plant, but not both.
-    low, high : float
-        Range [m³/s].
-    nominal : float
-        Value at the operating point [m³/s].
-    steps : tuple of float
-        Sizes of the load steps of the default scenario [m³/s].
-    given : mapping
-        Component to its concentration, in liquid from outside.
-    suction : Suction or None
-        From the tank that it is drawn from; None where it comes from elsewhere.
     """
 
     kind: ClassVar[str] = "forced flow"

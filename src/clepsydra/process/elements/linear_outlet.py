@@ -23,14 +23,8 @@ class LinearOutlet(Element):
 
     Parameters
     ----------
-    source : str
-        The tank that it empties.
-    destination : str
-        The element that the liquid falls into; the other tank if submerged.
     coefficient : float
         k [m²/s]
-    submerged : bool
-        It joins two tanks below their surfaces, and flows either way.
 
     Examples
     --------

@@ -31,21 +31,13 @@ class Orifice(Element):
 
     Parameters
     ----------
-    source : str
-        The tank that it empties.
-    destination : str
-        The element that the liquid falls into; the other tank if submerged.
     area : float
         Cross-section a [m²]; 0 if it is plugged.
     discharge : float
         Discharge coefficient c [1].
-    submerged : bool
-        It joins two tanks below their surfaces.
     elevation : float
         z [m], of a free outlet above the floor of its tank; of a submerged one the height of the
         source's floor above that of the destination, counted with the level.
-    laminar : float
-        Difference of levels below which the flow is laminar [m].
 
     Examples
     --------

@@ -53,16 +53,8 @@ class Pump(Element):
 
     Parameters
     ----------
-    name : str
-        Also the name of the manipulated variable, v.
-    source : str
-        The tank or reservoir that it draws from.
-    destination : str
-        The element that it feeds.
     gain : float or None
         k [m³/s per unit of the signal]; None with a curve.
-    low, high : float
-        Range of the signal.
     nominal : float or None
         Signal at the operating point; None where the process gives levels instead.
     unit : str
@@ -71,17 +63,9 @@ class Pump(Element):
         v₀, the signal below which nothing flows.
     static_head : float
         Height of the end of the pipe above the source's floor, or above a reservoir [m].
-    pipe_loss : float
-        Head lost in the pipe per flow squared [s²/m⁵].
-    lag : float
-        Time constant of the actual signal [s]; 0 for none.
     rate : float
         Largest change of the actual signal [unit/s]. Where it is limited without a lag, the lag
         is one per cent of the time that the whole range takes.
-    noise : float
-        Standard deviation of the flow, relative to it [1].
-    suction : Suction or None
-        From the tank that it draws from; None for a reservoir.
 
     Examples
     --------

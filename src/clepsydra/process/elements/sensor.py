@@ -63,10 +63,6 @@ class Sensor(Element):
 
     Parameters
     ----------
-    name : str
-        Also the name of the measurement, y [`unit`].
-    tank : str
-        The tank whose content it measures; empty for a flow.
     low, high : float
         Range of the measurement [`unit`], 0 % and 100 %.
     gain : float or None
@@ -78,16 +74,8 @@ class Sensor(Element):
         of q without.
     measured : str
         "level" [m], "volume" [m³], "flow" [m³/s], or the name of a component [its unit].
-    flow : str
-        The element whose flow it measures; empty for a tank.
     vessel : Vessel or None
         Shape of the tank, which a volume needs.
-    lag : float or None
-        Time constant T [s].
-    noise : float or None
-        Standard deviation of the measurement [`unit`]; None where it is not known.
-    resolution : float or None
-        Step between two measurements [`unit`].
     band : tuple of float or None
         Lowest and highest measurement [`unit`] between which loads may move an averaging level.
 
