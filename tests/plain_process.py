@@ -1,19 +1,21 @@
 """Processes by their equations, without elements, for tests."""
 
+from dataclasses import replace
 from typing import Any
 
 import casadi as ca
 
-from clepsydra.process.motion import Motion
-from clepsydra.process.process import Process
+import clepsydra as cl
 
 
-def plain_process(**given: Any) -> Process:
+def plain_process(**given: Any) -> Any:
     """Return a process that is nothing but dx/dt = f(x, u, d, p) and y = h(x, p)."""
+    process = cl.load("quadruple-tank").process  # of which all that has equations is replaced
     dynamics, none = given["dynamics"], ca.SX(0, 1)
     x, u, d, p = (ca.SX.sym(name, dynamics.numel_in(i)) for i, name in enumerate("xudp"))
     held = [x, none, none, u, d, p]
-    motion = Motion(
+    motion = replace(
+        process.motion,
         contents=given["state"],
         totals=(),
         memories=(),
@@ -32,4 +34,4 @@ def plain_process(**given: Any) -> Process:
     )
     y = ca.SX.sym("y", len(given["measurements"]))
     display = ca.Function("display", [y], [y], ["y"], ["shown"])
-    return Process(**{"display": display, "motion": motion, "noise": {}, **given})
+    return replace(process, **{"display": display, "motion": motion, "noise": {}, **given})
