@@ -25,7 +25,6 @@ def state_at_rest(
 
     Parameters
     ----------
-    law : StepLaw
     values : mapping
         Parameter name to value.
     at : mapping
@@ -38,8 +37,8 @@ def state_at_rest(
     >>> law = multiloop_pid_law(["level"], ["pump"])
     >>> values = {parameter.name: parameter.initial for parameter in law.parameters}
     >>> state_at_rest(law, values, {"level": 5.0, "pump": 3.0})
-    {'level.integral': 3.0, 'level.last_proportional_gain': 1.0, \
-'level.last_setpoint_weight': 1.0, 'pump.last_output': 3.0}
+    {'level.integral': 3.0, 'level.last_proportional_gain': 1.0, 'level.last_setpoint_weight': \
+1.0, 'pump.last_output': 3.0}
     """
     of_process = [signal for signal in law.inputs if signal.part in ("sp", "pv", "tracking")]
     given = {signal.name: signal.initial for signal in law.inputs}

@@ -54,10 +54,8 @@ class ConditionedMatrices:
     direct : ndarray [m, p]
         D
 
-    Raises
-    ------
-    InputError
-        There are no or more than 60 states, no inputs or outputs, or a shape does not fit.
+    Raises InputError: there are no or more than 60 states, no inputs or outputs, or a shape does
+    not fit.
 
     Examples
     --------
@@ -169,10 +167,7 @@ def conditioned_linear_law(
         state integral (b) and last_output of each output and memory.1, memory.2, … (z); outputs
         out and status of each output.
 
-    Raises
-    ------
-    InputError
-        The signals do not match the matrices.
+    Raises InputError: the signals do not match the matrices.
 
     References
     ----------

@@ -33,17 +33,6 @@ def control_law(
     measured, controlled, manipulated : sequence of Signal
         The process signals, for sp of each controlled one, pv and good of each measured one, mode,
         manual, tracking, out and status of each manipulated one, and time_step.
-    parameters, state : sequence of Signal
-    description : tuple of str
-
-    Examples
-    --------
-    >>> pump = Signal("pump", "V")
-    >>> law = control_law("idle", lambda sample: sample.outputs.update(
-    ...     {"pump.out": sample["pump.manual"], "pump.status": sample["time_step"]}),
-    ...     measured=[], controlled=[], manipulated=[pump], parameters=[], state=[])
-    >>> [signal.name for signal in law.inputs]
-    ['pump.mode', 'pump.manual', 'pump.tracking', 'time_step']
     """
 
     def written(symbols: Symbols) -> Equations:

@@ -22,13 +22,7 @@ from clepsydra.program.step_law import StepLaw
 
 
 def plain_name(title: str) -> str:
-    """Return the name that a title begins with.
-
-    Examples
-    --------
-    >>> plain_name("PI, SIMC, slowed 7.51 times"), plain_name("PI, SIMC")
-    ('PI, SIMC', 'PI, SIMC')
-    """
+    """Return the name that a title begins with."""
     return re.sub(r", slowed [\d.]+ times$", "", title)
 
 
@@ -48,7 +42,6 @@ class Controller:
         The kind of law: "multiloop PI".
     design : str
         How the parameters were found, in one sentence.
-    law : StepLaw
     values : dict
         Parameter name to its value, in the law's units.
     initial_state : dict
@@ -74,11 +67,8 @@ class Controller:
         How many times slower than its method asked for it is, so that its loops bear each other;
         1 where it is as the method has it.
 
-    Raises
-    ------
-    InputError
-        A parameter or initial state is missing, unknown, no finite number or outside its
-        range, or the names of the signals are not one for each signal of the law.
+    Raises InputError: A parameter or initial state is missing, unknown, no finite number or outside
+    its range, or the names of the signals are not one for each signal of the law.
 
     Examples
     --------
@@ -147,15 +137,7 @@ class Controller:
     def described(
         self, design: str, notes: Iterable[str] = (), slowed: float | None = None
     ) -> Self:
-        """Return it with how it was found, further notes, and how much it was slowed down.
-
-        Examples
-        --------
-        >>> import clepsydra as cl
-        >>> found = cl.design.simc(cl.load("three-tanks")).described("By hand.", slowed=2.0)
-        >>> found.design, found.title
-        ('By hand.', 'PI, SIMC, slowed 2 times')
-        """
+        """Return it with how it was found, further notes, and how much it was slowed down."""
         slowed = self.slowed if slowed is None else slowed
         return replace(self, design=design, notes=(*self.notes, *notes), slowed=slowed)
 

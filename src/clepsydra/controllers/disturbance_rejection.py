@@ -66,10 +66,7 @@ def disturbance_rejection_law(
         time_step [s]; parameters bandwidth ωc and observer_bandwidth ωo [1/s] and model_gain b0 of
         each measurement, low_limit and high_limit of each output; outputs out and status.
 
-    Raises
-    ------
-    InputError
-        There is no loop, or there are more signals of one kind than of the other.
+    Raises InputError: there is no loop, or there are more signals of one kind than of the other.
 
     References
     ----------

@@ -62,9 +62,6 @@ def feedback_linearisation_law(
     ----------
     linearised : VectorRelativeDegree
         Of a process at an operating point.
-    anti_windup : {"variable_structure", "clamping", "conditional_integration", \
-"back_calculation", "none"}
-    alpha_on : {"virtual", "input"}
     observer : ModelObserver, optional
         Where not every state is measured that the law needs.
 
@@ -79,23 +76,13 @@ def feedback_linearisation_law(
         and the last gains of each output, last_output of each input, and the estimates; outputs
         out and status of each input.
 
-    Raises
-    ------
-    InputError
-        A state that the law needs is neither measured nor estimated, or a name is unknown.
+    Raises InputError: A state that the law needs is neither measured nor estimated, or a name is
+    unknown.
 
     References
     ----------
     A. Isidori, Nonlinear Control Systems, 3rd ed., Springer 1995, section 5.3,
     doi 10.1007/978-1-84628-615-5.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.linear.relative_degree import relative_degree
-    >>> law = feedback_linearisation_law(relative_degree(cl.load("quadruple-tank").linear))
-    >>> [signal.name for signal in law.inputs if signal.part == "pv"]
-    ['level_1.pv', 'level_2.pv', 'level_3.pv', 'level_4.pv']
     """
     check_virtual_anti_windup(anti_windup, alpha_on)
     equations = linearised.equations

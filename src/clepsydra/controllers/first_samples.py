@@ -28,11 +28,6 @@ class FirstSamples(NamedTuple):
         With which it begins.
     notes : tuple of str
         One for each output that does not stay at rest.
-
-    Examples
-    --------
-    >>> FirstSamples({"level.integral": 3.0}, ()).notes
-    ()
     """
 
     state: dict[str, float]
@@ -56,11 +51,8 @@ def first_samples(
 
     Parameters
     ----------
-    law : StepLaw
-    values, state : mapping
     inputs : mapping
         sp, pv and tracking of the signals at the operating point, and the free inputs.
-    manipulated : sequence of Signal
     period : float
         Of the samples [s].
 

@@ -29,8 +29,6 @@ def scheduled_law(law: StepLaw, schedule: Schedule, names: Sequence[str]) -> Ste
 
     Parameters
     ----------
-    law : StepLaw
-    schedule : Schedule
     names : sequence of str
         The parameters that are scheduled.
 
@@ -40,26 +38,12 @@ def scheduled_law(law: StepLaw, schedule: Schedule, names: Sequence[str]) -> Ste
         Its other parameters, the points and filter_time [s] of the schedule, and the tables;
         its state and variable of the schedule.
 
-    Raises
-    ------
-    InputError
-        A parameter or the scheduling input is none of the law's.
+    Raises InputError: A parameter or the scheduling input is none of the law's.
 
     References
     ----------
     W. J. Rugh and J. S. Shamma, Research on gain scheduling, Automatica 36(10), 2000,
     1401-1425, doi 10.1016/S0005-1098(00)00058-3.
-
-    Examples
-    --------
-    Halfway between two points the gain is halfway, and the output the one that it was:
-
-    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-    >>> schedule = Schedule("level.pv", Signal("level", "V"), 2)
-    >>> plain = multiloop_pid_law(["level"], ["pump"])
-    >>> law = scheduled_law(plain, schedule, ["level.proportional_gain"])
-    >>> [entry.name for entry in law.state][-2:]
-    ['pump.last_output', 'schedule.variable']
     """
     known = {parameter.name: parameter for parameter in law.parameters}
     unknown = [name for name in names if name not in known]
@@ -118,8 +102,6 @@ def scheduled_lqi_law(
         The measurements show the whole state.
     controlled : sequence of str
         The measurements that have setpoints.
-    schedule : Schedule
-    anti_windup : {"back_calculation", "conditional_integration", "none"}
 
     Returns
     -------
@@ -128,22 +110,13 @@ def scheduled_lqi_law(
         tracking_time of each output; state integral and last_output of each output, variable of
         the schedule, and feedback, the gains of the last sample.
 
-    Raises
-    ------
-    InputError
-        A setpoint belongs to no measurement, or the anti-windup is unknown or clamping.
+    Raises InputError: A setpoint belongs to no measurement, or the anti-windup is unknown or
+    clamping.
 
     References
     ----------
     W. J. Rugh and J. S. Shamma, Research on gain scheduling, Automatica 36(10), 2000,
     1401-1425, doi 10.1016/S0005-1098(00)00058-3.
-
-    Examples
-    --------
-    >>> level, pump = Signal("level_1", "V"), Signal("pump_1", "V")
-    >>> law = scheduled_lqi_law([level], [pump], ["level_1"], Schedule("level_1.sp", level, 2))
-    >>> [entry.name for entry in law.state][2:]
-    ['schedule.variable', 'pump_1.feedback.level_1']
     """
     state = LinearState(measured, manipulated, controlled, None, "scheduled LQI law")
     outputs = output_parameters(state.manipulated, anti_windup)

@@ -13,22 +13,10 @@ def inner_equations(law: StepLaw, symbols: Symbols) -> Equations:
 
     Parameters
     ----------
-    law : StepLaw
     symbols : mapping
         Its state, inputs and parameters by name, among others.
 
-    Raises
-    ------
-    ClepsydraError
-        The law is Python.
-
-    Examples
-    --------
-    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-    >>> law = multiloop_pid_law(["level"], ["pump"])
-    >>> names = [s.name for s in (*law.state, *law.inputs, *law.parameters)]
-    >>> list(inner_equations(law, {name: ca.SX.sym(name) for name in names}).outputs)
-    ['pump.out', 'pump.status']
+    Raises ClepsydraError: the law is Python.
     """
     if law.equations is None:
         raise ClepsydraError(f"{law.name}: a law in Python cannot stand in another one")

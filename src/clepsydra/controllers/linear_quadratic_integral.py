@@ -55,7 +55,6 @@ def lqi_law(
         is a measurement for each state of the process.
     controlled : sequence of str
         The measurements that have setpoints.
-    anti_windup : {"back_calculation", "conditional_integration", "none"}
     observer : ObserverStructure, optional
         Without it the measurements are the state.
 
@@ -69,12 +68,9 @@ def lqi_law(
         (`observers.current_observer`); state integral and last_output of each output, estimate
         of each state; outputs out and status of each output.
 
-    Raises
-    ------
-    InputError
-        A setpoint belongs to no measurement, a signal is named twice, or the anti-windup is
-        unknown or clamping: the integral is not the whole output here, so that the limits of
-        the output are none for it.
+    Raises InputError: A setpoint belongs to no measurement, a signal is named twice, or the
+    anti-windup is unknown or clamping: the integral is not the whole output here, so that the
+    limits of the output are none for it.
 
     References
     ----------
@@ -107,25 +103,7 @@ def lqi_law_of(source: StateSource, anti_windup: AntiWindup = "back_calculation"
     As `lqi_law`, u = u° − F (x − x°) + I, with x from an extended Kalman filter, for one, whose
     parameters and state are among those of the law.
 
-    Parameters
-    ----------
-    source : StateSource
-    anti_windup : {"back_calculation", "conditional_integration", "none"}
-
-    Raises
-    ------
-    InputError
-        The anti-windup is unknown or clamping.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.controllers.observers.extended_kalman import ExtendedKalman
-    >>> from clepsydra.linear.process_equations import process_equations
-    >>> equations = process_equations(cl.load("quadruple-tank").linear)
-    >>> law = lqi_law_of(ExtendedKalman(equations, ("level_1", "level_2"), (), 1, 0))
-    >>> sum(signal.matrix == "feedback" for signal in law.parameters)
-    8
+    Raises InputError: the anti-windup is unknown or clamping.
     """
     name = "linear_quadratic_integral" if source.from_rest else "nonlinear_lqi"
     gains = [*source.feedback.signals(), *source.integral_gain.signals()]
@@ -134,13 +112,7 @@ def lqi_law_of(source: StateSource, anti_windup: AntiWindup = "back_calculation"
 
 
 def output_parameters(manipulated: Sequence[Signal], anti_windup: AntiWindup) -> list[Signal]:
-    """Return bias, limits and, for back-calculation, tracking_time of each output.
-
-    Examples
-    --------
-    >>> [each.part for each in output_parameters([Signal("pump", "V")], "none")]
-    ['bias', 'low_limit', 'high_limit']
-    """
+    """Return bias, limits and, for back-calculation, tracking_time of each output."""
     return [
         each
         for u in manipulated
@@ -169,8 +141,6 @@ def varying_lqi(
     ----------
     name : str
         An identifier.
-    source : StateSource
-    anti_windup : AntiWindup
     parameters, state : sequence of Signal
         All parameters, and what the gains keep.
     gains : callable, optional
@@ -180,35 +150,13 @@ def varying_lqi(
     words : sequence of str
         For the reader of the law.
 
-    Raises
-    ------
-    InputError
-        The anti-windup is unknown or clamping.
+    Raises InputError: the anti-windup is unknown or clamping.
 
     References
     ----------
     I. Kaminer, A. M. Pascoal, P. P. Khargonekar and E. E. Coleman, A velocity algorithm for the
     implementation of gain-scheduled controllers, Automatica 31(8), 1995, 1185-1191,
     doi 10.1016/0005-1098(95)00026-S.
-
-    Examples
-    --------
-    F went from 1 to 2 at a deviation of 3; the output is that of F = 1:
-
-    >>> source = LinearState(["level"], ["pump"], ["level"], None, "law")
-    >>> now = {"pump.feedback.level": ca.SX(2), "pump.integral_gain.level": ca.SX(1)}
-    >>> def gains(sample, reading, known):
-    ...     sample.next_state["pump.feedback.level"] = now["pump.feedback.level"]
-    ...     return now
-    >>> law = varying_lqi(
-    ...     "example", source, "none",
-    ...     [*source.parameters(), *output_parameters(source.manipulated, "none")],
-    ...     state=source.feedback.last(), gains=gains)
-    >>> given = {"level.sp": 3, "level.pv": 3, "level.good": 1, "pump.mode": 1, "time_step": 1}
-    >>> next_state, outputs, _ = law.function(
-    ...     [4, 1, 1], [given.get(signal.name, 0) for signal in law.inputs], [0, 0, -9, 9])
-    >>> float(outputs[0]), float(next_state[0])
-    (1.0, 7.0)
     """
     check_anti_windup(anti_windup)
     if anti_windup == "clamping":

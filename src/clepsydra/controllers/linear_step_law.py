@@ -22,15 +22,6 @@ class LinearStepLaw:
     x(k+1) = A x(k) + B_setpoint r(k) + B_measurement y(k),
     u(k) = C x(k) + D_setpoint r(k) + D_measurement y(k), with r, y and u in the order of the
     law's sp, pv and out.
-
-    Examples
-    --------
-    Proportional control with a gain of 2 has no state:
-
-    >>> none = np.zeros((0, 0))
-    >>> law = LinearStepLaw(none, none, none, none, 2 * np.eye(1), -2 * np.eye(1))
-    >>> float((law.D_setpoint @ [5.0] + law.D_measurement @ [4.5])[0])
-    1.0
     """
 
     A: np.ndarray
@@ -122,10 +113,7 @@ class StepLawDerivatives:
     def _with_rings(
         self, step_x: np.ndarray, step_u: np.ndarray, output_x: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the matrices with every number that a ring holds as a state.
-
-        The oldest keeps the place of the ring; the others follow at the end, youngest first.
-        """
+        """Return the matrices with every number that a ring holds as a state."""
         for place, more in self._longer.items():
             n = len(step_x)
             step_x, step_u = np.pad(step_x, (0, more)), np.pad(step_u, ((0, more), (0, 0)))

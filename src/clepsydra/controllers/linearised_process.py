@@ -34,11 +34,6 @@ class Evaluated:
         E.
     following : callable
         Takes the inputs that were applied and returns the next state of the observer.
-
-    Examples
-    --------
-    >>> Evaluated([[ca.SX(5), ca.SX(0)]], [[ca.SX(0.04)]], lambda applied: {}).through([ca.SX(2)])
-    [SX(0.08)]
     """
 
     derivatives: list[list[ca.SX]]
@@ -58,22 +53,10 @@ class LinearisedProcess:
 
     Parameters
     ----------
-    linearised : VectorRelativeDegree
     observer : ModelObserver, optional
         Where not every state is measured that the law needs.
 
-    Raises
-    ------
-    InputError
-        A state that the law needs is neither measured nor estimated.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.linear.relative_degree import relative_degree
-    >>> process = LinearisedProcess(relative_degree(cl.load("quadruple-tank").linear))
-    >>> process.measurements[2:], [each.name for each in process.parameters()][2:4]
-    (('level_3', 'level_4'), ['model.tank_1.area', 'model.tank_2.area'])
+    Raises InputError: A state that the law needs is neither measured nor estimated.
     """
 
     def __init__(

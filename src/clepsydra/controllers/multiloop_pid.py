@@ -57,10 +57,7 @@ def multiloop_pid_law(
         feedforward.OTHER.reference for each other output, and lead and lag [s] where dynamic;
         outputs out and status of each output.
 
-    Raises
-    ------
-    InputError
-        There is no loop, or there are more signals of one kind than of the other.
+    Raises InputError: there is no loop, or there are more signals of one kind than of the other.
 
     References
     ----------
@@ -120,11 +117,5 @@ def multiloop_pid_law(
 
 
 def family(form: PidForm) -> str:
-    """Return what the reader calls this kind of law.
-
-    Examples
-    --------
-    >>> family(PidForm("PID"))
-    'multiloop PID'
-    """
+    """Return what the reader calls this kind of law."""
     return f"multiloop {form.actions}"

@@ -37,14 +37,7 @@ def load_law(path: str | Path) -> StepLaw:
     for in automatic, and mode, limits, sensor faults and the status word are added
     (`OwnSignals`).
 
-    Parameters
-    ----------
-    path : str or Path
-
-    Raises
-    ------
-    InputError
-        There is no such file, it fails, or it holds no proper law.
+    Raises InputError: there is no such file, it fails, or it holds no proper law.
 
     Examples
     --------

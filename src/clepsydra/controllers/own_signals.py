@@ -70,20 +70,8 @@ class OwnSignals:
     ----------
     place : str
         File or name of the law, for messages.
-    inputs, parameters, outputs : tuple of Signal
-    state : tuple of Signal or DelayRing
 
-    Raises
-    ------
-    InputError
-        An output is not the out of something, or a name stands for two signals.
-
-    Examples
-    --------
-    >>> own = OwnSignals("my_law.py", (Signal("level.pv"),), (Signal("gain"),),
-    ...                  (Signal("pump.out"),), ())
-    >>> [signal.name for signal in own.whole["inputs"]]
-    ['level.pv', 'level.good', 'pump.mode', 'pump.manual', 'pump.tracking', 'time_step']
+    Raises InputError: an output is not the out of something, or a name stands for two signals.
     """
 
     place: str

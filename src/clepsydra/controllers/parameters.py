@@ -17,17 +17,13 @@ def check_parameters(law: StepLaw, values: Mapping[str, float], place: str) -> N
 
     Parameters
     ----------
-    law : StepLaw
     values : mapping
         Parameter name to value, in the law's units.
     place : str
         The controller's name, for the message.
 
-    Raises
-    ------
-    InputError
-        A parameter is missing, unknown, not a finite number or outside its range (an integral
-        time at or below zero, say), or a low limit is not below its high limit.
+    Raises InputError: A parameter is missing, unknown, not a finite number or outside its range (an
+    integral time at or below zero, say), or a low limit is not below its high limit.
 
     Examples
     --------
@@ -55,16 +51,7 @@ def check_parameters(law: StepLaw, values: Mapping[str, float], place: str) -> N
 
 
 def remembered_parameters(law: StepLaw, values: Mapping[str, float]) -> dict[str, float]:
-    """Return the states that remember a parameter, last_K of K, with the parameter's value.
-
-    Examples
-    --------
-    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-    >>> law = multiloop_pid_law(["level"], ["pump"])
-    >>> values = {parameter.name: parameter.initial for parameter in law.parameters}
-    >>> remembered_parameters(law, values | {"level.proportional_gain": 2.0})
-    {'level.last_proportional_gain': 2.0, 'level.last_setpoint_weight': 1.0}
-    """
+    """Return the states that remember a parameter, last_K of K, with the parameter's value."""
     return {
         state.name: float(values[parameter])
         for state in map(signal_of, law.state)
@@ -75,20 +62,7 @@ def remembered_parameters(law: StepLaw, values: Mapping[str, float]) -> dict[str
 def check_initial_state(law: StepLaw, values: Mapping[str, float], place: str) -> None:
     """Refuse an initial state that is incomplete or not finite.
 
-    Raises
-    ------
-    InputError
-        A state is missing, unknown or not a finite number.
-
-    Examples
-    --------
-    >>> from clepsydra.controllers.linear_quadratic_integral import lqi_law
-    >>> law = lqi_law(["level"], ["pump"], ["level"])
-    >>> check_initial_state(law, {"pump.integral": 3.0}, "PI")
-    Traceback (most recent call last):
-        ...
-    clepsydra.base.errors.InputError: PI: got ['pump.integral'], expected values for \
-pump.integral, pump.last_output; add pump.last_output.
+    Raises InputError: A state is missing, unknown or not a finite number.
     """
     _check_numbers(law.state, values, place)
 
@@ -113,10 +87,6 @@ def check_finite(place: str, value: float) -> None:
     Raises
     ------
     InputError
-
-    Examples
-    --------
-    >>> check_finite("PI, gain", 2.0)
     """
     if not is_finite_number(value):
         raise InputError(place, value, "a finite number", "give a finite number")

@@ -42,7 +42,6 @@ class PidForm:
     ----------
     actions : {"PI", "P", "PD", "PID"}
         Without I the integral is a bias, which only a change of mode or of gain moves.
-    algorithm : {"isa", "series", "parallel", "velocity"}
     derivative_on : {"measurement", "error"}
         What is differentiated; the error kicks at a setpoint step.
     error : {"linear", "gap", "squared"}
@@ -57,10 +56,7 @@ class PidForm:
     remote_setpoint : bool
         Whether a second setpoint may be chosen, from a host computer or another controller.
 
-    Raises
-    ------
-    InputError
-        A name is unknown, or the options contradict each other.
+    Raises InputError: A name is unknown, or the options contradict each other.
 
     References
     ----------
@@ -123,13 +119,7 @@ class PidForm:
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """The names of its parameters, which `pid_keys.PARAMETERS` declares.
-
-        Examples
-        --------
-        >>> PidForm(anti_windup="none").parameters
-        ('proportional_gain', 'integral_time', 'setpoint_weight')
-        """
+        """The names of its parameters, which `pid_keys.PARAMETERS` declares."""
         integral, derivative = ("integral_time",), ("derivative_time", "derivative_filter")
         if self.algorithm == "parallel":
             integral, derivative = ("integral_gain",), ("derivative_gain", "filter_time")
@@ -147,11 +137,6 @@ class PidForm:
         """Those whose last value counts where they change, so that nothing jumps.
 
         The velocity form has no integral that takes a change up: there it is the filter's alone.
-
-        Examples
-        --------
-        >>> PidForm("PI").remembered
-        ('proportional_gain', 'setpoint_weight')
         """
         counted: tuple[str, ...] = _DERIVATIVE
         if self.algorithm != "velocity":
@@ -160,13 +145,7 @@ class PidForm:
 
     @property
     def words(self) -> str:
-        """What the reader is told of it, in a line.
-
-        Examples
-        --------
-        >>> PidForm("PID", anti_windup="clamping").words
-        "PID control, isa form; clamping: the integral is kept within the output's limits"
-        """
+        """What the reader is told of it, in a line."""
         winds = self.has_integral and self.algorithm != "velocity"
         end = f"; {IN_WORDS[self.winding]}" if winds and self.winding != "none" else ""
         return f"{self.actions} control, {self.algorithm} form{end}"

@@ -50,10 +50,7 @@ def polynomial_law(
         increment_gain.J of each measurement, which hold for one sampling period, low_limit and
         high_limit of each output; outputs out and status of each output.
 
-    Raises
-    ------
-    InputError
-        There is no loop, or the signals or shapes are not one for each loop.
+    Raises InputError: there is no loop, or the signals or shapes are not one for each loop.
 
     References
     ----------
@@ -95,18 +92,7 @@ def one_for_each(
 ) -> list[tuple[Shape, Signal, Signal]]:
     """Return the shape of each loop with what it measures and what it moves.
 
-    Raises
-    ------
-    InputError
-        There is no loop, or the signals or shapes are not one for each loop.
-
-    Examples
-    --------
-    >>> one_for_each([], ["level"], ["pump"], "polynomial law")
-    Traceback (most recent call last):
-        ...
-    clepsydra.base.errors.InputError: polynomial law, shapes: got 0, expected 1, one for each \
-loop; give one for each.
+    Raises InputError: there is no loop, or the signals or shapes are not one for each loop.
     """
     pairs = signals.paired(measured, manipulated, place)
     if len(shapes) != len(pairs):
@@ -117,14 +103,7 @@ loop; give one for each.
 
 
 def law_of_loops(name: str, loops: Sequence[IncrementalLoop], *description: str) -> StepLaw:
-    """Write the step law of loops, each from a measurement to an output.
-
-    Examples
-    --------
-    >>> loop = IncrementalLoop(PolynomialShape(0), Signal("level"), Signal("pump"))
-    >>> [signal.name for signal in law_of_loops("loop", [loop]).inputs][:4]
-    ['level.sp', 'level.pv', 'level.good', 'pump.mode']
-    """
+    """Write the step law of loops, each from a measurement to an output."""
 
     def equations(sample: Sample) -> None:
         for loop in loops:

@@ -17,31 +17,13 @@ _FACTOR = 10.0
 
 
 def used_in(equations: ProcessEquations, expressions: Iterable[ca.SX]) -> tuple[Constant, ...]:
-    """Return the constants of a process on which expressions depend.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.linear.process_equations import process_equations
-    >>> equations = process_equations(cl.load("averaging-tank").linear)
-    >>> [each.signal.name for each in used_in(equations, [equations.reading("volume")])]
-    ['tank.area']
-    """
+    """Return the constants of a process on which expressions depend."""
     used = {symbol.name() for symbol in ca.symvar(ca.vertcat(*map(ca.vec, expressions)))}
     return tuple(each for each in equations.constants if each.symbol.name() in used)
 
 
 def models_in(equations: ProcessEquations, expressions: Iterable[ca.SX]) -> list[Signal]:
-    """Return those constants as parameters of a law (`model_parameter`).
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.linear.process_equations import process_equations
-    >>> equations = process_equations(cl.load("averaging-tank").linear)
-    >>> [each.name for each in models_in(equations, [equations.reading("volume")])]
-    ['model.tank.area']
-    """
+    """Return those constants as parameters of a law (`model_parameter`)."""
     return [model_parameter(each) for each in used_in(equations, expressions)]
 
 
@@ -56,8 +38,6 @@ def evaluated(
 
     Parameters
     ----------
-    equations : ProcessEquations
-    expressions : sequence of casadi.SX
     symbols : mapping
         The constants that they depend on, as parameters of the law (`model.*`).
     state, moved : casadi.SX [n], [m], optional
@@ -81,17 +61,7 @@ def function_in(
     expressions: Sequence[ca.SX],
     symbols: Symbols,
 ) -> tuple[ca.Function, ca.SX]:
-    """Return expressions as a function of x, u and constants, and the constants within a law.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.linear.process_equations import process_equations
-    >>> equations = process_equations(cl.load("quadruple-tank").linear)
-    >>> gain = {"model.level_1.gain": ca.SX(50.0)}
-    >>> function_in(equations, [equations.reading("level_1")], gain)[1]
-    SX(50)
-    """
+    """Return expressions as a function of x, u and constants, and the constants within a law."""
     used = used_in(equations, expressions)
     arguments = [equations.state, equations.moved, ca.vertcat(*(each.symbol for each in used))]
     given = (symbols[model_parameter(each).name] for each in used)
@@ -99,14 +69,7 @@ def function_in(
 
 
 def model_parameter(constant: Constant) -> Signal:
-    """Return the parameter of a law that stands for a constant of the process.
-
-    Examples
-    --------
-    >>> area = Constant(Signal("tank.area", "m^2"), ca.SX.sym("area"), 0.5)
-    >>> model_parameter(area).name, model_parameter(area).high
-    ('model.tank.area', 5.0)
-    """
+    """Return the parameter of a law that stands for a constant of the process."""
     signal, value = constant.signal, constant.value
     low, high = sorted((value / _FACTOR, value * _FACTOR))
     if value == 0.0:

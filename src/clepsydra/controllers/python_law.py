@@ -32,14 +32,6 @@ class PythonLaw(StepLaw):
 
     It runs in a loop, sample by sample, and has a linear model by differences. It has no program:
     it is not compiled, exported or run as a batch.
-
-    Examples
-    --------
-    >>> law = python_law("half", lambda state, inputs, parameters, time_step:
-    ...                  ({}, {"pump.out": inputs["level.pv"] / 2}),
-    ...                  inputs=[Signal("level.pv")], outputs=[Signal("pump.out")])
-    >>> isinstance(law, PythonLaw), [signal.name for signal in law.state]
-    (True, ['pump.last_output'])
     """
 
     def jacobians(
@@ -92,17 +84,14 @@ def python_law(
     ----------
     name : str
         An identifier.
-    step : callable
     inputs, outputs, parameters, state : sequence of Signal
         Inputs sp and pv of measurements, mode, manual and tracking of outputs; outputs: out of
         what each moves.
     file : Path, optional
         In which the function stands, for messages.
 
-    Raises
-    ------
-    InputError
-        The signals are wrong; and in a run where the function fails, or returns something else.
+    Raises InputError: the signals are wrong; and in a run where the function fails, or returns
+    something else.
 
     Examples
     --------

@@ -59,7 +59,6 @@ def recomputed_lqi_law(
     ----------
     source : ProcessState
         Sensors of every state, or an observer.
-    anti_windup : {"back_calculation", "conditional_integration", "none"}
     doublings : int
         Of the power series that holds the model over a sample.
     steps : int
@@ -74,26 +73,13 @@ def recomputed_lqi_law(
         tracking_time [s] of each output, and those of the observer; state integral, last_output,
         filtered, feedback and integral_gain of each output, cost, and that of the observer.
 
-    Raises
-    ------
-    InputError
-        The anti-windup is unknown or clamping.
+    Raises InputError: the anti-windup is unknown or clamping.
 
     References
     ----------
     J. R. Cloutier, State-dependent Riccati equation techniques: an overview, American Control
     Conference 1997, 932-936, doi 10.1109/ACC.1997.609663, for the equation solved along the
     way.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.controllers.observers.measured_state import MeasuredState
-    >>> from clepsydra.linear.process_equations import process_equations
-    >>> equations = process_equations(cl.load("averaging-tank").linear)
-    >>> law = recomputed_lqi_law(MeasuredState(equations))
-    >>> sum(entry.matrix == "cost" for entry in law.state)
-    10
     """
     equations = source.equations
     readings = ca.vertcat(*map(equations.reading, equations.outputs))
@@ -190,14 +176,6 @@ def _recomputed(
 
 
 def cost_names(equations: ProcessEquations) -> list[str]:
-    """Return the names of the cost to go of states and errors, on and above its diagonal.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.linear.process_equations import process_equations
-    >>> cost_names(process_equations(cl.load("averaging-tank").linear))[0]
-    'tank.level.cost.tank.level'
-    """
+    """Return the names of the cost to go of states and errors, on and above its diagonal."""
     pairs = combinations_with_replacement((*equations.states, *equations.outputs), 2)
     return [effect(x, "cost", other) for x, other in pairs]

@@ -65,10 +65,7 @@ TRACKING_TIME = Key("tracking_time", "s", _TRACKING, SHORTEST_TIME, LARGEST_PARA
 def process_signals(given: Sequence[Signal | str], place: str) -> tuple[Signal, ...]:
     """Return the process signals that a law is written for; one that has but a name is of unit 1.
 
-    Raises
-    ------
-    InputError
-        There is none, or two have one name.
+    Raises InputError: there is none, or two have one name.
 
     Examples
     --------
@@ -87,10 +84,7 @@ def paired(
 ) -> list[tuple[Signal, Signal]]:
     """Return each measured signal of a law with the one that it moves.
 
-    Raises
-    ------
-    InputError
-        There is none of them, or there are more of one kind than of the other.
+    Raises InputError: there is none of them, or there are more of one kind than of the other.
 
     Examples
     --------
@@ -169,13 +163,7 @@ def limit_parameters(signal: Signal) -> list[Signal]:
 
 
 def output_parameters(signal: Signal, anti_windup: AntiWindup) -> list[Signal]:
-    """Return low_limit and high_limit, and tracking_time for back-calculation.
-
-    Examples
-    --------
-    >>> [p.part for p in output_parameters(Signal("pump_1", "V"), "back_calculation")]
-    ['low_limit', 'high_limit', 'tracking_time']
-    """
+    """Return low_limit and high_limit, and tracking_time for back-calculation."""
     parameters = limit_parameters(signal)
     if anti_windup == "back_calculation":
         parameters.append(TRACKING_TIME.of(signal))
@@ -248,11 +236,8 @@ def gain(name: str, of: Signal | str, initial: float, description: str) -> Signa
 
     Parameters
     ----------
-    name : str
     of : Signal or str
         What has its units, see `per`; or the unit.
-    initial : float
-    description : str
 
     Examples
     --------
@@ -285,9 +270,6 @@ def number_of(
 
     Parameters
     ----------
-    matrix : str
-    to, by : Signal
-    description : str
     *times : str
         Further units in the denominator.
     digits : int

@@ -44,15 +44,7 @@ class PredictorShape:
     error_feedback : bool
         Whether the predicted error also moves the model, which an integrating model needs.
 
-    Raises
-    ------
-    InputError
-        The model has no pole, no numerator, or a negative delay.
-
-    Examples
-    --------
-    >>> PredictorShape(PolynomialShape(2), order=2, tail=2, delay=5).delay
-    5
+    Raises InputError: the model has no pole, no numerator, or a negative delay.
     """
 
     controller: PolynomialShape
@@ -104,10 +96,7 @@ def smith_predictor_law(
         a_j and model_share.J = β_j of each measurement and bias = u° of each output, with error
         feedback also error_feedback = κ and reference = y° of the measurement.
 
-    Raises
-    ------
-    InputError
-        There is no loop, or the signals or shapes are not one for each loop.
+    Raises InputError: there is no loop, or the signals or shapes are not one for each loop.
 
     References
     ----------

@@ -70,10 +70,7 @@ def start_stop_law(
         low_limit, high_limit and in_service (0 or 1); state stage.J.on, duty (the place of a pump
         in their order), rested [s] and last_output of each pump; outputs out and status of each.
 
-    Raises
-    ------
-    InputError
-        There is no pump, one is named twice, or there is not one level.
+    Raises InputError: there is no pump, one is named twice, or there is not one level.
 
     References
     ----------
@@ -134,17 +131,13 @@ def check_levels(law: StepLaw, values: Mapping[str, float], place: str) -> None:
 
     Parameters
     ----------
-    law : StepLaw
     values : mapping
         start_level and stop_level of each stage [SI].
     place : str
         For the message.
 
-    Raises
-    ------
-    InputError
-        A start level is its stop level or on its wrong side, or a stage starts before the one
-        before it.
+    Raises InputError: A start level is its stop level or on its wrong side, or a stage starts
+    before the one before it.
 
     Examples
     --------
@@ -153,8 +146,8 @@ def check_levels(law: StepLaw, values: Mapping[str, float], place: str) -> None:
     ...                    "stage.2.start_level": 0.9, "stage.2.stop_level": 0.6}, "wet well")
     Traceback (most recent call last):
         ...
-    clepsydra.base.errors.InputError: wet well, stage.2.start_level: got '90 cm', expected a level \
-beyond stage.1.start_level, 100 cm; let each stage start after the one before it.
+    clepsydra.base.errors.InputError: wet well, stage.2.start_level: got '90 cm', expected a \
+level beyond stage.1.start_level, 100 cm; let each stage start after the one before it.
     """
     shown = {
         p.name: f"{from_si(values[p.name], p.unit, p.shown_unit):.6g} {p.shown_unit}"

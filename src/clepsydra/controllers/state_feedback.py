@@ -61,10 +61,7 @@ def state_feedback_law(
         feedback.STATE, precompensator.MEASUREMENT, bias, fading_time [s], low_limit and
         high_limit of each output, and those of the observer (`observers.current_observer`).
 
-    Raises
-    ------
-    InputError
-        A setpoint belongs to no measurement, or a signal is named twice.
+    Raises InputError: A setpoint belongs to no measurement, or a signal is named twice.
 
     References
     ----------
@@ -110,13 +107,7 @@ def state_feedback_law(
 
 
 def fading_parameters(manipulated: Iterable[Signal]) -> list[Signal]:
-    """Return bias, fading_time and limits of each output.
-
-    Examples
-    --------
-    >>> [each.part for each in fading_parameters([Signal("pump")])]
-    ['bias', 'fading_time', 'low_limit', 'high_limit']
-    """
+    """Return bias, fading_time and limits of each output."""
     found = []
     for u in manipulated:
         words = f"time in which a bumpless start of {u.name} fades"
@@ -132,15 +123,8 @@ def fading_output(sample: Sample, u: Signal, reading: Reading, asked: ca.SX) -> 
 
     Parameters
     ----------
-    sample : Sample
-    u : Signal
-    reading : Reading
     asked : casadi.SX
         What the law asks for, with the bias.
-
-    Examples
-    --------
-    See `state_feedback_law`.
     """
     time_step, _ = time_step_of(sample.symbols)
     integral, time = sample.of(u, "integral", "fading_time")

@@ -16,10 +16,8 @@ from clepsydra.program.step_law import StepLaw
 class VariableStructureForm(PidForm):
     """A PID form whose anti-windup is the variable structure.
 
-    Raises
-    ------
-    InputError
-        There is no integral action that could wind up, or none is kept (velocity form).
+    Raises InputError: there is no integral action that could wind up, or none is kept (velocity
+    form).
 
     Examples
     --------
@@ -86,10 +84,8 @@ def variable_structure_pid_law(
     StepLaw
         As that of `multiloop_pid_law`, with saturation_rate [1/s] of each measurement.
 
-    Raises
-    ------
-    InputError
-        There is no loop, the signals are not one for each loop, or the form has no integral.
+    Raises InputError: there is no loop, the signals are not one for each loop, or the form has no
+    integral.
 
     References
     ----------
@@ -119,11 +115,5 @@ def variable_structure_pid_law(
 
 
 def family(form: PidForm) -> str:
-    """Return what the reader calls this kind of law.
-
-    Examples
-    --------
-    >>> family(PidForm("PID"))
-    'variable-structure PID'
-    """
+    """Return what the reader calls this kind of law."""
     return f"variable-structure {form.actions}"

@@ -51,14 +51,6 @@ def check_virtual_anti_windup(anti_windup: str, alpha_on: str) -> None:
     Raises
     ------
     InputError
-
-    Examples
-    --------
-    >>> check_virtual_anti_windup("variable_structure", "volts")
-    Traceback (most recent call last):
-        ...
-    clepsydra.base.errors.InputError: alpha_on: got 'volts', expected one of virtual, input; \
-correct the name.
     """
     check_choice("anti_windup", anti_windup, ANTI_WINDUPS)
     check_choice("alpha_on", alpha_on, get_args(AlphaOn))
@@ -85,19 +77,10 @@ class VirtualInput:
         y
     degree : int
         r; there are r − 1 damping terms.
-    anti_windup : str
     alpha_on : {"virtual", "input"}
         For variable structure.
     moved : Signal
         The input that it is paired with.
-
-    Examples
-    --------
-    >>> level, pump = Signal("level", "V"), Signal("pump", "V")
-    >>> found = VirtualInput(level, 2, "variable_structure", "virtual", pump)
-    >>> [parameter.name for parameter in found.parameters()]
-    ['level.virtual_gain', 'level.virtual_integral_gain', 'level.setpoint_weight', \
-'level.virtual_damping.1', 'level.saturation_rate']
     """
 
     measurement: Signal
@@ -161,8 +144,6 @@ class VirtualInput:
 
         Parameters
         ----------
-        sample : Sample
-        setpoint : casadi.SX
         derivatives : list of casadi.SX [r]
             y, dy/dt, …, of the degrees below r.
         standing : casadi.SX
@@ -181,7 +162,6 @@ class VirtualInput:
 
         Parameters
         ----------
-        sample : Sample
         told : mapping
             As for `next_in_force`: integral_used and proportional, the two parts of ν as asked;
             low_limit and high_limit, L + E u with its own input at the limits that make it lowest

@@ -13,29 +13,14 @@ from clepsydra.program.step_law import StepLaw
 
 
 def wired_setpoints(law: StepLaw, free: Collection[str]) -> tuple[str, ...]:
-    """Return whose setpoints a loop wires: those of a law's inputs that are not free.
-
-    Examples
-    --------
-    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-    >>> wired_setpoints(multiloop_pid_law(["level"], ["pump"]), {"level.sp": 3.0})
-    ()
-    """
+    """Return whose setpoints a loop wires: those of a law's inputs that are not free."""
     return tuple(y for y in owners(law.inputs, "sp") if path(y, "sp") not in free)
 
 
 def input_wires(
     law: StepLaw, measurements: Sequence[str], setpoints: Sequence[str], manipulated: Sequence[str]
 ) -> dict[str, str]:
-    """Return law input to the loop's signal; the time step is not wired.
-
-    Examples
-    --------
-    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-    >>> law = multiloop_pid_law(["level"], ["pump"])
-    >>> input_wires(law, ["level_1"], [], ["pump_1"])["pump.mode"]
-    'pump_1.mode'
-    """
+    """Return law input to the loop's signal; the time step is not wired."""
     wires: dict[str, str] = {}
     for owner, name in zip(owners(law.inputs, "pv"), measurements, strict=False):
         wires |= {path(owner, "pv"): name, path(owner, "good"): path(name, "sensor")}
@@ -47,14 +32,7 @@ def input_wires(
 
 
 def output_wires(law: StepLaw, manipulated: Sequence[str]) -> dict[str, str]:
-    """Return law output to the loop's signal.
-
-    Examples
-    --------
-    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-    >>> output_wires(multiloop_pid_law(["level"], ["pump"]), ["pump_1"])
-    {'pump.out': 'pump_1', 'pump.status': 'pump_1.status'}
-    """
+    """Return law output to the loop's signal."""
     wires: dict[str, str] = {}
     for owner, name in zip(owners(law.outputs, "out"), manipulated, strict=False):
         wires |= {path(owner, "out"): name, path(owner, "status"): path(name, "status")}
@@ -74,7 +52,6 @@ def check_wiring(
 
     Parameters
     ----------
-    law : StepLaw
     measurements, setpoints, manipulated : sequence of str
         Names of process signals.
     place : str
@@ -84,11 +61,8 @@ def check_wiring(
     free_outputs : collection of str
         Outputs that nothing of the process takes.
 
-    Raises
-    ------
-    InputError
-        There are more or fewer names than the law has signals, an input is moved twice, or
-        the law has a signal that nothing is wired to.
+    Raises InputError: there are more or fewer names than the law has signals, an input is moved
+    twice, or the law has a signal that nothing is wired to.
 
     Examples
     --------

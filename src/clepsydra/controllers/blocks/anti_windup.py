@@ -35,14 +35,6 @@ def check_anti_windup(anti_windup: str) -> None:
     Raises
     ------
     InputError
-
-    Examples
-    --------
-    >>> check_anti_windup("off")
-    Traceback (most recent call last):
-        ...
-    clepsydra.base.errors.InputError: anti_windup: got 'off', expected one of back_calculation, \
-conditional_integration, clamping, none; correct the name.
     """
     check_choice("anti_windup", anti_windup, get_args(AntiWindup))
 

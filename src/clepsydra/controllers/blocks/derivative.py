@@ -16,11 +16,6 @@ class FilteredDerivative(NamedTuple):
         [signal unit / s]
     filtered : casadi.SX
         [signal unit]
-
-    Examples
-    --------
-    >>> float(FilteredDerivative(ca.DM(0.5), ca.DM(3.0)).rate)
-    0.5
     """
 
     rate: ca.SX

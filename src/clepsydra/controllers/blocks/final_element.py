@@ -56,7 +56,6 @@ def final_element(
         The process input.
     asked : Asked
         In automatic.
-    rate_limited : bool
 
     Examples
     --------
@@ -81,17 +80,8 @@ def give_output(sample: Sample, moved: Signal, found: Symbols) -> None:
 
     Parameters
     ----------
-    sample : Sample
-    moved : Signal
     found : mapping
         manipulated, and the conditions; one that a block does not have does not hold.
-
-    Examples
-    --------
-    >>> sample = Sample({})
-    >>> give_output(sample, Signal("pump"), {"manipulated": ca.SX(3), "told_tracking": ca.SX(1)})
-    >>> sample.outputs["pump.out"], int(ca.evalf(sample.outputs["pump.status"]))
-    (SX(3), 2)
     """
     told = {signal.name: found.get(signal.name, ca.SX(0)) for signal in STATUS_WORD.inputs}
     word = STATUS_WORD(path(moved, "status_word"), told, {}).outputs["status"]
@@ -105,11 +95,6 @@ def output_element(rate_limited: bool = False) -> Block:
     """Return the block of one output: what is asked for in automatic, else what its mode says.
 
     It has no state: the last output is given to it, since a law reads it too.
-
-    Examples
-    --------
-    >>> output_element(True).name, [signal.name for signal in output_element().outputs][:3]
-    ('rate_limited_output', ['controls', 'follows', 'manipulated'])
     """
 
     def equations(s: Symbols) -> Equations:
@@ -135,24 +120,12 @@ def output_element(rate_limited: bool = False) -> Block:
 
 
 def output_ports(rate_limited: bool = False) -> tuple[Signal, ...]:
-    """Return what a block that ends in an output is given for it.
-
-    Examples
-    --------
-    >>> output_ports(True)[-1].name
-    'rate_limit'
-    """
+    """Return what a block that ends in an output is given for it."""
     return (*OUTPUT_PORTS, RATE_LIMIT) if rate_limited else OUTPUT_PORTS
 
 
 def output_results(rate_limited: bool = False) -> tuple[Signal, ...]:
-    """Return what a block that ends in an output gives: what stands, and what it can tell of it.
-
-    Examples
-    --------
-    >>> len(output_results(True)), len(output_results())
-    (9, 8)
-    """
+    """Return what a block that ends in an output gives: what stands, and what it can tell of it."""
     stands = Signal("manipulated", description="what stands at the actuator")
     told = (s for s in STATUS_WORD.inputs if rate_limited or s.name != "told_at_rate_limit")
     return (stands, *told)
@@ -171,17 +144,6 @@ def output_end(
     ----------
     s : mapping
         The ports of the output by name.
-    wish : Asked
-    rate_limited : bool
-
-    Examples
-    --------
-    >>> given = dict(last_output=0, mode=0, manual=7, tracking=0, low_limit=0, high_limit=5,
-    ...              time_step=1)
-    >>> s, true = {name: ca.DM(value) for name, value in given.items()}, ca.DM(1)
-    >>> applied, results, _ = output_end(s, Asked(ca.DM(12), true, true, true))
-    >>> float(applied.applied), float(applied.follows)
-    (5.0, 1.0)
     """
     last_output, low, high = s["last_output"], s["low_limit"], s["high_limit"]
     in_manual, in_automatic = s["mode"] == Mode.MANUAL, s["mode"] == Mode.AUTOMATIC

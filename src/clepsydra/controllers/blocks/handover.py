@@ -39,11 +39,6 @@ class Asked(_Handed):
         Whether it may be acted on in this sample.
     numbers, sensors : casadi.SX
         Whether all signals behind it are numbers, and their sensors sound: for the status word.
-
-    Examples
-    --------
-    >>> Asked(ca.SX(4), ca.SX(1), ca.SX(1), ca.SX(1)).ports("remote_")["remote_asked"]
-    SX(4)
     """
 
     asked: ca.SX
@@ -65,12 +60,6 @@ class Applied(_Handed):
     follows : casadi.SX
         Whether the actuator moves without it, in manual or in tracking, and it has to follow. Where
         neither holds, an unusable signal froze everything.
-
-    Examples
-    --------
-    >>> numbers = {"applied": ca.SX(4), "in_force": ca.SX(0), "follows": ca.SX(1)}
-    >>> Applied.read(numbers).applied
-    SX(4)
     """
 
     applied: ca.SX
@@ -80,13 +69,7 @@ class Applied(_Handed):
 
 @dataclass(frozen=True)
 class Limits:
-    """Between which values the next block takes what is asked.
-
-    Examples
-    --------
-    >>> float(Limits(ca.DM(0.0), ca.DM(10.0)).high)
-    10.0
-    """
+    """Between which values the next block takes what is asked."""
 
     low: ca.SX
     high: ca.SX
@@ -107,11 +90,5 @@ APPLIED = (
 
 
 def prefixed(ports: Iterable[Signal], prefix: str) -> tuple[Signal, ...]:
-    """Return ports of another block under names of their own.
-
-    Examples
-    --------
-    >>> [port.name for port in prefixed(APPLIED, "got_")]
-    ['got_applied', 'got_in_force', 'got_follows']
-    """
+    """Return ports of another block under names of their own."""
     return tuple(replace(port, name=prefix + port.name) for port in ports)

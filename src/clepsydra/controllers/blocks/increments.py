@@ -41,15 +41,7 @@ class PolynomialShape:
     increment_gains : int
         On the last increments of the output: the degree of P.
 
-    Raises
-    ------
-    InputError
-        A number is negative.
-
-    Examples
-    --------
-    >>> PolynomialShape(2)
-    PolynomialShape(measurement_gains=2, setpoint_gains=0, increment_gains=0)
+    Raises InputError: A number is negative.
     """
 
     measurement_gains: int
@@ -70,16 +62,8 @@ class IncrementalLoop:
 
     Parameters
     ----------
-    shape : PolynomialShape
-    measured, moved : Signal
     what : str
         What it acts on: the measurement, or a prediction of it.
-
-    Examples
-    --------
-    >>> loop = IncrementalLoop(PolynomialShape(1), Signal("level", "m"), Signal("pump", "V"))
-    >>> [parameter.name for parameter in loop.parameters()]
-    ['level.reference_gain', 'level.measurement_gain.1', 'pump.low_limit', 'pump.high_limit']
     """
 
     shape: PolynomialShape
@@ -145,14 +129,7 @@ class IncrementalLoop:
 
 
 def row(pattern: Signal, count: int, first: int = 1) -> list[Signal]:
-    """Return the elements of a vector, whose words tell their places and those before.
-
-    Examples
-    --------
-    >>> pattern = Signal("past", description="between {0} and {1} samples ago")
-    >>> [(signal.name, signal.description) for signal in row(pattern, 1, first=4)]
-    [('past.1', 'between 3 and 4 samples ago')]
-    """
+    """Return the elements of a vector, whose words tell their places and those before."""
     return [
         replace(pattern, name=name, description=pattern.description.format(place - 1, place))
         for place, name in enumerate(elements(pattern.name, count), start=first)
@@ -161,14 +138,7 @@ def row(pattern: Signal, count: int, first: int = 1) -> list[Signal]:
 
 @cache
 def increments(shape: PolynomialShape) -> Block:
-    """Return the block of a loop in increments.
-
-    Examples
-    --------
-    >>> block = increments(PolynomialShape(2))
-    >>> block.name, [entry.name for entry in block.state]
-    ('increments_2_0_0', ['past_value.1', 'past_value.2', 'last_output'])
-    """
+    """Return the block of a loop in increments."""
     loop = IncrementalLoop(shape, Signal("value"), Signal("output"))
     gains, memory = (
         [replace(entry, name=entry.name.removeprefix("value.")).port for entry in entries]

@@ -36,27 +36,12 @@ def next_integral(
 
     Parameters
     ----------
-    anti_windup : {"back_calculation", "conditional_integration", "clamping", \
-"variable_structure", "none"}
     s : mapping
         As for `next_in_force`.
-    applied : Applied
     known : casadi.SX
         Whether the rest was computed from valid signals.
     last_applied : casadi.SX
         What was applied in the last sample.
-
-    Examples
-    --------
-    Asked for 12 where 10 is the limit, with an error that asks for still more:
-
-    >>> given = dict(integral_used=7, proportional=5, increment=1)
-    >>> s = {name: ca.DM(value) for name, value in given.items()}
-    >>> limited, yes = Applied(ca.DM(10), ca.DM(1), ca.DM(0)), ca.DM(1)
-    >>> found, _ = next_integral("conditional_integration", s, limited, known=yes,
-    ...                          last_applied=yes)
-    >>> float(found)
-    7.0
     """
     before = s["integral_used"]
     followed = followed_integral(before, applied.applied, last_applied, s["proportional"], known)
@@ -71,13 +56,7 @@ def next_integral(
 
 
 def integral_words(anti_windup: str) -> dict[str, str]:
-    """Return what a reader is told above the steps of an integral.
-
-    Examples
-    --------
-    >>> list(integral_words("clamping"))
-    ['integral_used', 'integral_moved', 'integral_kept']
-    """
+    """Return what a reader is told above the steps of an integral."""
     return {
         "integral_used": "integral: it takes up what a change of settings would make jump",
         "integral_moved": f"anti-windup, {IN_WORDS[anti_windup]}; in manual it follows",

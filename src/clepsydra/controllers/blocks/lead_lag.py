@@ -14,11 +14,6 @@ class LeadLag(NamedTuple):
     ----------
     value, lagged : casadi.SX
         [signal unit]
-
-    Examples
-    --------
-    >>> float(LeadLag(ca.DM(2.0), ca.DM(1.0)).value)
-    2.0
     """
 
     value: ca.SX

@@ -20,7 +20,6 @@ class Matrix:
 
     Parameters
     ----------
-    name : str
     rows, columns : sequence of Signal
         What is acted on, and what acts.
     words : str
@@ -99,11 +98,5 @@ class Matrix:
 
 
 def column(s: Symbols, part: str, owners: Iterable[Signal]) -> ca.SX:
-    """Return one part of each of some signals as a vector.
-
-    Examples
-    --------
-    >>> column({"a.bias": ca.SX(3), "b.bias": ca.SX(2)}, "bias", [Signal("a"), Signal("b")])
-    SX([3, 2])
-    """
+    """Return one part of each of some signals as a vector."""
     return ca.vertcat(*(s[path(owner, part)] for owner in owners))

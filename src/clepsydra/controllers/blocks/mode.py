@@ -13,11 +13,6 @@ class Mode(IntEnum):
     MANUAL takes the manual value, AUTOMATIC the control law, TRACKING the tracking value
     (another controller or a local station has the actuator). Any other number holds the
     last output.
-
-    Examples
-    --------
-    >>> int(Mode.AUTOMATIC)
-    1
     """
 
     MANUAL = 0

@@ -50,25 +50,8 @@ def output_stage(
         The part of the output that does not come from the integral, in its unit.
     increment : casadi.SX
         What the integral gains in this sample in automatic, in the unit of the output.
-    anti_windup : AntiWindup
     taken_up : casadi.SX, optional
         What the integral takes up of a change of gains, where the signals are valid.
-
-    Examples
-    --------
-    An output that asks for 12 stands at its high limit of 10: automatic (1) + high limit (8).
-
-    >>> given = dict(integral=7, last_output=0, mode=1, manual=0, tracking=0, low_limit=0,
-    ...              high_limit=10)
-    >>> sample = Sample({f"pump.{name}": ca.DM(value) for name, value in given.items()}
-    ...                 | {"time_step": ca.DM(1)})
-    >>> output = output_stage(sample, Signal("pump"), Reading({}, {}, *[ca.DM(1)] * 3),
-    ...                       proportional=ca.DM(5), increment=ca.DM(1),
-    ...                       anti_windup="conditional_integration")
-    >>> float(output), sample.next_state["pump.integral"]
-    (10.0, DM(7))
-    >>> float(ca.evalf(sample.outputs["pump.status"]))
-    9.0
     """
     given = {"proportional": proportional, "increment": increment}
     if taken_up is not None:
@@ -94,14 +77,8 @@ def output_stage_block(anti_windup: AntiWindup, *, takes_up: bool = False) -> Bl
 
     Parameters
     ----------
-    anti_windup : AntiWindup
     takes_up : bool
         Whether it has the port taken_up.
-
-    Examples
-    --------
-    >>> [entry.name for entry in output_stage_block("none").state]
-    ['integral', 'last_output']
     """
 
     def equations(s: Symbols) -> Equations:

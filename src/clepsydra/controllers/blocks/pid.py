@@ -50,7 +50,6 @@ def pid_terms(form: PidForm, s: Symbols) -> dict[str, ca.SX]:
 
     Parameters
     ----------
-    form : PidForm
     s : mapping
         Parameters and state of the loop by name, and the time step; setpoint_used and
         measurement_used, always numbers, and signals_known, whether they may be used; switched,
@@ -62,18 +61,6 @@ def pid_terms(form: PidForm, s: Symbols) -> dict[str, ca.SX]:
         unlimited, what it asks for; and on the way there error, and proportional, increment and
         integral_used, or in the velocity form change; filtered and rate of the derivative, and
         p_part and d_part of proportional.
-
-    Examples
-    --------
-    One sample of PI control at an error of 1 with K = 2, Ti = 10 s and I = 5:
-
-    >>> given = dict(proportional_gain=2, integral_time=10, setpoint_weight=1, integral=5,
-    ...              last_proportional_gain=2, last_setpoint_weight=1, time_step=1,
-    ...              setpoint_used=1, measurement_used=0, signals_known=1, switched=0,
-    ...              last_applied=5)
-    >>> s = {name: ca.DM(value) for name, value in given.items()}
-    >>> float(pid_terms(PidForm(anti_windup="none"), s)["unlimited"])
-    7.0
     """
     error = s["setpoint_used"] - s["measurement_used"]
     written = _velocity if form.algorithm == "velocity" else _positional
@@ -87,23 +74,8 @@ def pid_state(
 
     Parameters
     ----------
-    form : PidForm
     s : mapping
         As for `pid_terms`, with the terms.
-    applied : Applied
-
-    Examples
-    --------
-    What was applied in manual is followed:
-
-    >>> given = dict(integral=5, integral_used=5, proportional=2, increment=1, last_applied=7,
-    ...              proportional_gain=2, setpoint_weight=1, last_proportional_gain=2,
-    ...              last_setpoint_weight=1, signals_known=1, time_step=1)
-    >>> s = {name: ca.DM(value) for name, value in given.items()}
-    >>> by_hand = Applied(ca.DM(9), ca.DM(0), ca.DM(1))
-    >>> state, _ = pid_state(PidForm(anti_windup="none"), s, by_hand)
-    >>> float(state["integral"])
-    7.0
     """
     known, good = s["signals_known"], is_time_step(s["time_step"])
     usable = ca.logic_and(known, good)

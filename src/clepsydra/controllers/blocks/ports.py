@@ -13,13 +13,7 @@ from clepsydra.program.block import Block
 
 
 def truth(name: str, description: str) -> Signal:
-    """Return a port that is a truth value.
-
-    Examples
-    --------
-    >>> truth("usable", "it may be acted on").kind
-    'boolean'
-    """
+    """Return a port that is a truth value."""
     return Signal(name, low=0.0, high=1.0, kind="boolean", description=description)
 
 
@@ -29,27 +23,12 @@ SP = Signal("sp", description="the setpoint that the law gets")
 
 
 def instance(name: str) -> str:
-    """Return what the block of a part of a control scheme is called: a path.
-
-    Examples
-    --------
-    >>> instance("split, valve_1")
-    'split.valve_1'
-    """
+    """Return what the block of a part of a control scheme is called: a path."""
     return re.sub(r"\W+", ".", name)
 
 
 def with_used_inputs(block: Block) -> Block:
-    """Return a block without the inputs that nothing in it reads.
-
-    Examples
-    --------
-    >>> from clepsydra.program.step_law import Equations
-    >>> same = Block("same", (Signal("x"), Signal("other")), (), (Signal("y"),),
-    ...              lambda s: Equations({}, {"y": s["x"]}))
-    >>> [signal.name for signal in with_used_inputs(same).inputs]
-    ['x']
-    """
+    """Return a block without the inputs that nothing in it reads."""
     entries = [*block.state, *block.inputs]
     symbols = {entry.name: ca.SX.sym(entry.name) for entry in entries}
     found = block.equations(symbols)
@@ -64,11 +43,5 @@ def with_used_inputs(block: Block) -> Block:
 
 
 def words_for(words: Mapping[str, str], *computed: Mapping[str, ca.SX]) -> dict[str, str]:
-    """Return those words that stand above a step of a block in one of its forms.
-
-    Examples
-    --------
-    >>> words_for({"error": "r - y", "rate": "of y"}, {"error": ca.SX(1)})
-    {'error': 'r - y'}
-    """
+    """Return those words that stand above a step of a block in one of its forms."""
     return {name: words[name] for values in computed for name in values if name in words}

@@ -90,13 +90,6 @@ class Reading:
         Whether all measurements are numbers from sound sensors.
     numbers, sensors : casadi.SX
         Whether measurements and setpoints are numbers, and whether the sensors are sound.
-
-    Examples
-    --------
-    >>> given = {"level.pv": ca.SX(3), "level.good": ca.SX(1), "level.sp": ca.SX(float("nan"))}
-    >>> found = Reading.of(Sample(given), ["level"], ["level"])
-    >>> float(ca.evalf(found.known)), float(ca.evalf(found.numbers)), found.measurements
-    (1.0, 0.0, {'level': SX(3)})
     """
 
     measurements: dict[str, ca.SX]

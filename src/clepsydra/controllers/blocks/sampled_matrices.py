@@ -23,11 +23,6 @@ class SampledExpressions(NamedTuple):
         Φ and Γ.
     cost : casadi.SX [n + m, n + m]
         W
-
-    Examples
-    --------
-    >>> SampledExpressions(ca.SX(1), ca.SX(1), ca.SX.eye(2)).cost.shape
-    (2, 2)
     """
 
     held: ca.SX
@@ -66,12 +61,10 @@ def sampled_expressions(
 
     Parameters
     ----------
-    A, B : casadi.SX [n, n], [n, m]
     weight : casadi.SX [n + m, n + m] or None
         S, symmetric; None where no cost is asked for.
     time : casadi.SX
         [s]
-    doublings : int
 
     References
     ----------
@@ -110,25 +103,13 @@ def sampled_expressions(
 
 
 def upper_triangle(matrix: ca.SX) -> list[ca.SX]:
-    """Return the entries on and above the diagonal, row by row.
-
-    Examples
-    --------
-    >>> upper_triangle(ca.SX([[1, 2], [2, 3]]))
-    [SX(1), SX(2), SX(3)]
-    """
+    """Return the entries on and above the diagonal, row by row."""
     n = matrix.shape[0]
     return [matrix[i, j] for i in range(n) for j in range(i, n)]
 
 
 def from_upper_triangle(entries: Sequence[ca.SX], size: int) -> ca.SX:
-    """Return the symmetric matrix with these entries on and above its diagonal.
-
-    Examples
-    --------
-    >>> ca.evalf(from_upper_triangle([ca.SX(1), ca.SX(2), ca.SX(3)], 2)).nonzeros()
-    [1.0, 2.0, 2.0, 3.0]
-    """
+    """Return the symmetric matrix with these entries on and above its diagonal."""
     return ca.tril2symm(ca.SX(ca.Sparsity.lower(size), ca.vertcat(*entries)))
 
 
@@ -139,14 +120,8 @@ class RiccatiStep(NamedTuple):
     ----------
     gain : casadi.SX [m, n]
         K of u = −K x.
-    cost : casadi.SX [n, n]
     definite : casadi.SX
         Whether every pivot of R + Γᵀ P Γ is above zero.
-
-    Examples
-    --------
-    >>> RiccatiStep(ca.SX(1), ca.SX(1), ca.SX(1)).gain
-    SX(1)
     """
 
     gain: ca.SX

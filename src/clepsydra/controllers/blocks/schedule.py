@@ -40,16 +40,8 @@ class Schedule:
     points : int
         2 to 15.
 
-    Raises
-    ------
-    InputError
-        The input is neither a measurement nor a setpoint, or the points are too few or too many.
-
-    Examples
-    --------
-    >>> schedule = Schedule("level_1.pv", Signal("level_1", "V"), 2)
-    >>> [parameter.name for parameter in schedule.parameters()]
-    ['schedule.point.1', 'schedule.point.2', 'schedule.filter_time']
+    Raises InputError: the input is neither a measurement nor a setpoint, or the points are too few
+    or too many.
     """
 
     variable: str
@@ -104,14 +96,7 @@ class Schedule:
         return f"the setpoint of {name}" if self._input.part == "sp" else name
 
     def tables(self, parameters: Iterable[Signal]) -> list[Signal]:
-        """Return the parameters that stand for those that are scheduled: values at the points.
-
-        Examples
-        --------
-        >>> schedule = Schedule("level_1.sp", Signal("level_1", "V"), 3)
-        >>> [each.name for each in schedule.tables([Signal("level_1.gain", "V/V")])]
-        ['level_1.gain.at.1', 'level_1.gain.at.2', 'level_1.gain.at.3']
-        """
+        """Return the parameters that stand for those that are scheduled: values at the points."""
         return [
             replace(
                 parameter,
@@ -142,14 +127,6 @@ class Schedule:
         ----------
         sample : Sample
             With the input, its sensor, variable and filter_time of the schedule, and time_step.
-
-        Examples
-        --------
-        >>> schedule = Schedule("level_1.sp", Signal("level_1", "V"), 2)
-        >>> numbers = {"level_1.sp": 8.0, "schedule.variable": 4.0, "schedule.filter_time": 3.0,
-        ...            "time_step": 1.0}
-        >>> float(schedule.followed(Sample({n: ca.DM(value) for n, value in numbers.items()})))
-        5.0
         """
         given = {"asked": sample[self.variable]}
         if sensed := self._input.part == "pv":
@@ -166,7 +143,6 @@ class Schedule:
         ----------
         sample : Sample
             With the points and the tables.
-        at : casadi.SX
         names : iterable of str
             Of the scheduled parameters.
 

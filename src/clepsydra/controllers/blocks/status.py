@@ -15,13 +15,7 @@ from clepsydra.program.step_law import Equations
 
 @dataclass(frozen=True)
 class StatusBit:
-    """One bit of the status word: its value and what it tells.
-
-    Examples
-    --------
-    >>> STATUS_BITS["at_high_limit"].value
-    8
-    """
+    """One bit of the status word: its value and what it tells."""
 
     value: int
     meaning: str
@@ -44,13 +38,7 @@ STATUS_BITS: dict[str, StatusBit] = {
 
 
 def status_port(bits: Mapping[str, StatusBit]) -> Signal:
-    """Return a status word as a signal, with its bits in words.
-
-    Examples
-    --------
-    >>> status_port({"ramps": StatusBit(4096, "a setpoint is on its way")}).description
-    'sum of 4096 ramps'
-    """
+    """Return a status word as a signal, with its bits in words."""
     shown = (f"{bit.value} {name.replace('_', ' ')}" for name, bit in bits.items())
     most = float(sum(bit.value for bit in bits.values()))
     words = f"sum of {', '.join(shown)}"
@@ -92,11 +80,5 @@ STATUS_WORD = Block(
 
 
 def read_status(word: int) -> tuple[str, ...]:
-    """Return the names of the bits that are set.
-
-    Examples
-    --------
-    >>> read_status(9)
-    ('automatic', 'at_high_limit')
-    """
+    """Return the names of the bits that are set."""
     return tuple(name for name, bit in STATUS_BITS.items() if word & bit.value)

@@ -64,13 +64,7 @@ def time_step_of(s: Symbols) -> tuple[ca.SX, ca.SX]:
 
 
 def all_of(conditions: list[ca.SX]) -> ca.SX:
-    """Return whether all of the conditions hold.
-
-    Examples
-    --------
-    >>> bool(all_of([ca.DM(1), ca.DM(1)])), bool(all_of([ca.DM(1), ca.DM(0)]))
-    (True, False)
-    """
+    """Return whether all of the conditions hold."""
     result = conditions[0]
     for condition in conditions[1:]:
         result = ca.logic_and(result, condition)
@@ -78,13 +72,7 @@ def all_of(conditions: list[ca.SX]) -> ca.SX:
 
 
 def any_of(conditions: list[ca.SX]) -> ca.SX:
-    """Return whether one of the conditions holds.
-
-    Examples
-    --------
-    >>> bool(any_of([ca.DM(0), ca.DM(1)])), bool(any_of([ca.DM(0), ca.DM(0)]))
-    (True, False)
-    """
+    """Return whether one of the conditions holds."""
     result = conditions[0]
     for condition in conditions[1:]:
         result = ca.logic_or(result, condition)

@@ -43,15 +43,10 @@ class FuzzyFile:
 
     Parameters
     ----------
-    title : str
     system : FuzzySystem
         In the units of the file, after the input gains and before the output gains.
     inputs, outputs : dict
         Linguistic variable to its table, for what it stands for in a process.
-
-    Examples
-    --------
-    See `read_fuzzy`.
     """
 
     title: str
@@ -63,18 +58,7 @@ class FuzzyFile:
 def load_fuzzy(path: str | Path) -> FuzzyFile:
     """Read a file of a fuzzy controller.
 
-    Raises
-    ------
-    InputError
-        There is no such file, or something in it is wrong, told with its line.
-
-    Examples
-    --------
-    >>> load_fuzzy("no-such-rules.toml")
-    Traceback (most recent call last):
-        ...
-    clepsydra.base.errors.InputError: no-such-rules.toml: got 'no such file', expected a fuzzy \
-file; check the path.
+    Raises InputError: there is no such file, or something in it is wrong, told with its line.
     """
     content = read_input(Path(path), "a fuzzy file", inside="the .toml file")
     return read_fuzzy(parse(content, str(path), "fuzzy"))
@@ -83,43 +67,7 @@ file; check the path.
 def read_fuzzy(document: Document) -> FuzzyFile:
     """Read a fuzzy controller from a document.
 
-    Parameters
-    ----------
-    document : Document
-
-    Raises
-    ------
-    InputError
-        Something is wrong, told with its line.
-
-    Examples
-    --------
-    >>> text = b'''
-    ... [inputs.e]
-    ... of = "level"
-    ... unit = "m"
-    ... [inputs.e.sets]
-    ... N = { left_shoulder = [-1, 1] }
-    ... P = { right_shoulder = [-1, 1] }
-    ... [outputs.u]
-    ... moves = "pump"
-    ... unit = "V"
-    ... range = [0, 10]
-    ... [outputs.u.sets]
-    ... S = { left_shoulder = [0, 10] }
-    ... L = { right_shoulder = [0, 10] }
-    ... [rules]
-    ... R1 = "if e is N then u is S"
-    ... R2 = "if e is P then u is L"
-    ... '''
-    >>> file = read_fuzzy(parse(text, "halves.toml"))
-    >>> file.system.outputs[0].high, [str(rule) for rule in file.system.rules][1]
-    (10.0, 'if e is P then u is L')
-    >>> read_fuzzy(parse(text.replace(b"u is L", b"u is XL"), "halves.toml"))
-    Traceback (most recent call last):
-        ...
-    clepsydra.base.errors.InputError: halves.toml, line 17, rules.R2: got 'XL', expected a set of \
-u (S, L); perhaps 'L' was meant.
+    Raises InputError: something is wrong, told with its line.
     """
     general = TableReader(document, (), _KEYS)
     inputs = _tables(general, "inputs", INPUT_KEYS)

@@ -47,11 +47,6 @@ class FuzzyInput:
         The error is setpoint less measurement; a rate is a filtered derivative.
     measurement : Signal
         Of the process.
-
-    Examples
-    --------
-    >>> FuzzyInput("error_rate", Signal("level", "m")).crisp("de").unit
-    'm/s'
     """
 
     quantity: Quantity

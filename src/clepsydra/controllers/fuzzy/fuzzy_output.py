@@ -58,12 +58,6 @@ class FuzzyOutput:
         The manipulated variable.
     action : {"position", "increment"}
         The centroid is where it goes, or how fast it moves.
-    rate_limited : bool
-
-    Examples
-    --------
-    >>> FuzzyOutput(Signal("pump", "V"), "increment").crisp.unit
-    'V/s'
     """
 
     moved: Signal

@@ -105,10 +105,7 @@ def _centroid(name: str, output: LinguisticVariable, points: np.ndarray) -> Bloc
 
 
 def _stretches(above: np.ndarray) -> Iterator[tuple[int, int]]:
-    """Yield first and stop of stretches in which the same sets are above zero [sets, points].
-
-    A single point goes with a neighbour that has its sets among others: they are zero there.
-    """
+    """Yield first and stop of stretches in which the same sets are above zero [sets, points]."""
     count = above.shape[1]
     changes = np.flatnonzero((above[:, 1:] != above[:, :-1]).any(axis=0)) + 1
     first = 0
@@ -156,10 +153,6 @@ def surface(system: FuzzySystem) -> ca.Function:
     Its derivatives are central differences over a hundred-thousandth of each range: where the
     inputs are zero, the sets of most controllers meet in corners, at which the derivative of the
     equations as they stand has no meaning. The slope there is the mean of those on both sides.
-
-    Parameters
-    ----------
-    system : FuzzySystem
 
     Returns
     -------
@@ -225,7 +218,6 @@ def rule_base(system: FuzzySystem, name: str) -> Block:
 
     Parameters
     ----------
-    system : FuzzySystem
     name : str
         Of the block.
 
@@ -233,16 +225,6 @@ def rule_base(system: FuzzySystem, name: str) -> Block:
     ----------
     E. H. Mamdani, Application of fuzzy algorithms for control of simple dynamic plant,
     Proceedings of the IEE 121(12), 1974, 1585-1588, doi 10.1049/piee.1974.0328.
-
-    Examples
-    --------
-    >>> from clepsydra.controllers.fuzzy.membership import left_shoulder, right_shoulder
-    >>> from clepsydra.controllers.fuzzy.rule import parse_rule
-    >>> halves = {"N": left_shoulder(-1.0, 1.0), "P": right_shoulder(-1.0, 1.0)}
-    >>> error, move = (LinguisticVariable(name, -1.0, 1.0, halves) for name in ("e", "u"))
-    >>> rules = tuple(parse_rule(s, f"if e is {s} then u is {s}") for s in halves)
-    >>> [port.name for port in rule_base(FuzzySystem((error,), (move,), rules), "halves").outputs]
-    ['u.centroid', 'u.fires']
     """
     centroids = [Signal(path(u.name, "centroid"), description="crisp") for u in system.outputs]
     fires = [truth(path(u.name, "fires"), "some rule fires for it") for u in system.outputs]

@@ -48,7 +48,6 @@ def fuzzy_law(
 
     Parameters
     ----------
-    system : FuzzySystem
     inputs : sequence of FuzzyInput
         One for each input of the system, loop by loop.
     outputs : sequence of FuzzyOutput
@@ -67,33 +66,13 @@ def fuzzy_law(
         position, low_limit, high_limit and rate_limit of each output; state filtered of a rate,
         offset of a position, and last_output; outputs out and status of each output.
 
-    Raises
-    ------
-    InputError
-        There is not one input or output for each variable, or two outputs move one signal.
+    Raises InputError: there is not one input or output for each variable, or two outputs move one
+    signal.
 
     References
     ----------
     E. H. Mamdani, Application of fuzzy algorithms for control of simple dynamic plant,
     Proceedings of the IEE 121(12), 1974, 1585-1588, doi 10.1049/piee.1974.0328.
-
-    Examples
-    --------
-    Two rules on the error of a level; in the middle both fire by a half:
-
-    >>> from clepsydra.base.signal import Signal
-    >>> from clepsydra.controllers.fuzzy.membership import left_shoulder, right_shoulder
-    >>> from clepsydra.controllers.fuzzy.rule import parse_rule
-    >>> from clepsydra.controllers.fuzzy.system import LinguisticVariable
-    >>> halves = {"N": left_shoulder(-1.0, 1.0), "P": right_shoulder(-1.0, 1.0)}
-    >>> error = LinguisticVariable("e", -1.0, 1.0, halves)
-    >>> opening = LinguisticVariable("u", 0.0, 10.0, halves | {"P": right_shoulder(0.0, 10.0)})
-    >>> rules = [parse_rule(s, f"if e is {s} then u is {s}") for s in halves]
-    >>> law = fuzzy_law(
-    ...     FuzzySystem((error,), (opening,), tuple(rules)),
-    ...     [FuzzyInput("error", Signal("level"))], [FuzzyOutput(Signal("pump"))])
-    >>> [parameter.name for parameter in law.parameters][:4]
-    ['e.gain', 'e.dead_zone', 'pump.output_gain', 'pump.fading_time']
     """
     for what, given, wanted in (
         ("inputs", inputs, system.inputs),

@@ -32,10 +32,8 @@ class Trapezoid:
     foot, top, end_of_top, end : float
         In rising order; foot and top may both be -∞, end_of_top and end both ∞.
 
-    Raises
-    ------
-    InputError
-        The places are not in order, the set has no width, or it is open where it must not be.
+    Raises InputError: the places are not in order, the set has no width, or it is open where it
+    must not be.
 
     Examples
     --------
@@ -106,10 +104,7 @@ class Gaussian:
     centre, width : float
         The width is the standard deviation.
 
-    Raises
-    ------
-    InputError
-        The width is not above zero.
+    Raises InputError: the width is not above zero.
 
     Examples
     --------

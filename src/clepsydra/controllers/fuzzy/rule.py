@@ -20,13 +20,7 @@ _FORM = "write as in if e is N and de is ZO then u is PS"
 
 @dataclass(frozen=True)
 class Is:
-    """A variable is a set: its degree of membership.
-
-    Examples
-    --------
-    >>> str(Is("e", "ZO"))
-    'e is ZO'
-    """
+    """A variable is a set: its degree of membership."""
 
     variable: str
     set: str
@@ -37,13 +31,7 @@ class Is:
 
 @dataclass(frozen=True)
 class All:
-    """All parts hold: the smallest of their degrees.
-
-    Examples
-    --------
-    >>> str(All((Is("e", "N"), Some((Is("de", "N"), Is("de", "ZO"))))))
-    'e is N and (de is N or de is ZO)'
-    """
+    """All parts hold: the smallest of their degrees."""
 
     parts: tuple[Condition, ...]
 
@@ -53,13 +41,7 @@ class All:
 
 @dataclass(frozen=True)
 class Some:
-    """Some part holds: the largest of their degrees.
-
-    Examples
-    --------
-    >>> str(Some((Is("e", "N"), Is("e", "P"))))
-    'e is N or e is P'
-    """
+    """Some part holds: the largest of their degrees."""
 
     parts: tuple[Condition, ...]
 
@@ -95,7 +77,6 @@ def firing(
 
     Parameters
     ----------
-    condition : Condition
     degrees : mapping
         (variable, set) to its degree, of any type.
     least, greatest : callable
@@ -118,8 +99,6 @@ class Rule:
 
     Parameters
     ----------
-    name : str
-    condition : Condition
     conclusions : tuple of Is
         An output and one of its sets, each output once.
 
@@ -143,15 +122,7 @@ def parse_rule(name: str, text: str) -> Rule:
 
     AND binds closer than OR; parentheses group. Keywords may be in capitals.
 
-    Parameters
-    ----------
-    name : str
-    text : str
-
-    Raises
-    ------
-    InputError
-        It is no such rule, or an output is concluded twice.
+    Raises InputError: it is no such rule, or an output is concluded twice.
 
     Examples
     --------

@@ -26,16 +26,12 @@ class LinguisticVariable:
 
     Parameters
     ----------
-    name : str
     low, high : float
         The range; an input is clipped to it, an output's centroid is taken over it.
     sets : mapping
         Name to membership function.
 
-    Raises
-    ------
-    InputError
-        The range is empty, there is no set, or a set is zero in the whole range.
+    Raises InputError: the range is empty, there is no set, or a set is zero in the whole range.
 
     Examples
     --------
@@ -92,17 +88,12 @@ class FuzzySystem:
 
     Parameters
     ----------
-    inputs, outputs : tuple of LinguisticVariable
-    rules : tuple of Rule
     points : int
         On how many points of an output's range its centroid is taken.
 
-    Raises
-    ------
-    InputError
-        A name stands twice, a rule names what there is not, the number of points is unfit, a set
-        of an output lies between its points, or there are inputs with which no rule fires for
-        some output.
+    Raises InputError: A name stands twice, a rule names what there is not, the number of points is
+    unfit, a set of an output lies between its points, or there are inputs with which no rule fires
+    for some output.
 
     Examples
     --------
@@ -114,8 +105,8 @@ class FuzzySystem:
     Traceback (most recent call last):
         ...
     clepsydra.base.errors.InputError: outputs.u: got 'no rule that fires at e = 1', expected a \
-rule that fires wherever the inputs are; add a rule or widen a set, since the output would be held \
-there.
+rule that fires wherever the inputs are; add a rule or widen a set, since the output would be \
+held there.
     """
 
     inputs: tuple[LinguisticVariable, ...]

@@ -27,46 +27,8 @@ _FADING_SAMPLES = 10.0
 class WiredFuzzy:
     """What a file of a fuzzy controller means for a process.
 
-    Parameters
-    ----------
-    file : FuzzyFile
-    process : Process
-
-    Raises
-    ------
-    InputError
-        A sensor, an input or a unit is none of the process, or a number is out of range.
-
-    Examples
-    --------
-    >>> from clepsydra.controllers.fuzzy.file import read_fuzzy
-    >>> from clepsydra.linear.equilibrium import find_equilibrium
-    >>> from clepsydra.process.document import parse
-    >>> from clepsydra.process.reader import load_process
-    >>> text = b'''
-    ... [inputs.e]
-    ... of = "level_1"
-    ... unit = "V"
-    ... gain = 0.5
-    ... [inputs.e.sets]
-    ... N = { left_shoulder = [-1, 1] }
-    ... P = { right_shoulder = [-1, 1] }
-    ... [outputs.u]
-    ... moves = "pump_1"
-    ... unit = "V"
-    ... range = [0, 10]
-    ... [outputs.u.sets]
-    ... S = { left_shoulder = [0, 10] }
-    ... L = { right_shoulder = [0, 10] }
-    ... [rules]
-    ... R1 = "if e is N then u is S"
-    ... R2 = "if e is P then u is L"
-    ... '''
-    >>> point = find_equilibrium(load_process("quadruple-tank"))
-    >>> wired = WiredFuzzy(read_fuzzy(parse(text, "halves.toml")), point.process)
-    >>> controller = wired.controller(point, "halves")
-    >>> controller.values["e.gain"], controller.measurements, controller.manipulated
-    (0.5, ('level_1',), ('pump_1',))
+    Raises InputError: A sensor, an input or a unit is none of the process, or a number is out of
+    range.
     """
 
     def __init__(self, file: FuzzyFile, process: Process) -> None:

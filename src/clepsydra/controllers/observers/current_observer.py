@@ -18,29 +18,6 @@ class CurrentObserver(Observer):
     """An observer by a linear model: h(x̂) = C x̂, and Φ x̂ + Γ u in the next sample.
 
     Φ and Γ are those of one sampling period. Everything is a deviation from the operating point.
-
-    Examples
-    --------
-    2 m were expected, 0.5 m more are measured, and half of that is believed:
-
-    >>> import casadi as ca, numpy as np
-    >>> from clepsydra.controllers.blocks.sample import Sample
-    >>> yes = np.ones((1, 1), bool)
-    >>> structure = ObserverStructure((Signal("tank.level", "m"),), yes, yes, yes, yes)
-    >>> observer = CurrentObserver(structure, [Signal("level", "V")], [Signal("pump")])
-    >>> for number in observer.parameters():
-    ...     print(number.name, number.unit)
-    tank.level.transition.tank.level m/m
-    tank.level.input_effect.pump m
-    level.observation.tank.level V/m
-    tank.level.correction.level m/V
-    >>> numbers = dict(zip([number.name for number in observer.parameters()], [0.5, 3, 1, 0.5]))
-    >>> sample = Sample({name: ca.DM(value) for name, value in
-    ...                  {**numbers, "tank.level.estimate": 2, "time_step": 1}.items()})
-    >>> found = observer.correct(sample, [ca.DM(2.5)], ca.DM(1))
-    >>> observer.predict(sample, found, [ca.DM(0.1)])
-    >>> float(found[0]), round(float(sample.next_state["tank.level.estimate"]), 6)
-    (2.25, 1.425)
     """
 
     _reads, _hears = "deviation", "move"

@@ -50,7 +50,6 @@ class ExtendedKalman(ProcessState, Observer):
 
     Parameters
     ----------
-    equations : ProcessEquations
     measurements : tuple of str [p]
         With the controlled outputs among them.
     loads : tuple of str
@@ -58,24 +57,12 @@ class ExtendedKalman(ProcessState, Observer):
     substeps, doublings : int
         Steps of the Runge-Kutta method in a sample, and doublings of the power series of Φ.
 
-    Raises
-    ------
-    InputError
-        There are too many states, or a controlled output is not among the measurements.
+    Raises InputError: there are too many states, or a controlled output is not among the
+    measurements.
 
     References
     ----------
     A. H. Jazwinski, Stochastic Processes and Filtering Theory, Academic Press 1970, chapter 8.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.linear.process_equations import process_equations
-    >>> equations = process_equations(cl.load("three-tanks").linear)
-    >>> observer = ExtendedKalman(equations, ("level_3",), (), 1, 0)
-    >>> [signal.name for signal in observer.state()][:4]
-    ['tank_1.level.estimate', 'tank_2.level.estimate', 'tank_3.level.estimate', \
-'tank_1.level.covariance.tank_1.level']
     """
 
     _kind = "kalman"

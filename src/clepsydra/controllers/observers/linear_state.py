@@ -29,17 +29,8 @@ class LinearState(StateSource):
     place : str
         Of the law, for a message.
 
-    Raises
-    ------
-    InputError
-        A setpoint belongs to no measurement, a signal is named twice, or the observer is for
-        other signals.
-
-    Examples
-    --------
-    >>> state = LinearState(["level_1", "level_2"], ["pump"], ["level_2"], None, "law")
-    >>> [signal.name for signal in (*state.controlled, *state.parameters())]
-    ['level_2', 'level_1.reference', 'level_2.reference']
+    Raises InputError: A setpoint belongs to no measurement, a signal is named twice, or the
+    observer is for other signals.
     """
 
     from_rest = True

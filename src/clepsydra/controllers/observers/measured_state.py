@@ -21,19 +21,10 @@ class ProcessState(StateSource):
 
     Parameters
     ----------
-    equations : ProcessEquations
     measurements : sequence of str
         What the law reads.
     expressions : sequence of casadi.SX
         What it computes with.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.linear.process_equations import process_equations
-    >>> source: ProcessState = MeasuredState(process_equations(cl.load("averaging-tank").linear))
-    >>> source.measurements
-    ('concentration', 'volume')
     """
 
     def __init__(
@@ -52,15 +43,7 @@ class ProcessState(StateSource):
 
 
 def sensors_of_states(equations: ProcessEquations) -> dict[str, str]:
-    """Return each state with the measurement that shows it alone and in proportion, if one does.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.linear.process_equations import process_equations
-    >>> sensors_of_states(process_equations(cl.load("averaging-tank").linear))
-    {'tank.level': 'volume', 'tank.impurity': 'concentration'}
-    """
+    """Return each state with the measurement that shows it alone and in proportion, if one does."""
     found: dict[str, str] = {}
     for name, state in equations.point.process.measured_state.items():
         if state not in equations.states:
@@ -76,19 +59,7 @@ def sensors_of_states(equations: ProcessEquations) -> dict[str, str]:
 
 
 def zeros_and_slopes(equations: ProcessEquations, sensors: Mapping[str, str]) -> list[ca.SX]:
-    """Return what each sensor of `sensors_of_states` shows at a state of zero, and its slope.
-
-    Examples
-    --------
-    A sensor of 50 V/m:
-
-    >>> import clepsydra as cl
-    >>> from clepsydra.linear.process_equations import process_equations
-    >>> equations = process_equations(cl.load("quadruple-tank").linear)
-    >>> _, slope = zeros_and_slopes(equations, {"tank_1.level": "level_1"})
-    >>> [models_in(equations, [slope])[0].initial, slope.numel()]
-    [50.0, 1]
-    """
+    """Return what each sensor of `sensors_of_states` shows at a state of zero, and its slope."""
     found, zero = [], ca.SX.zeros(len(equations.states))
     for state, sensor in sensors.items():
         reading = equations.reading(sensor)
@@ -108,7 +79,6 @@ def shown_states(
 
     Parameters
     ----------
-    equations : ProcessEquations
     sensors : mapping
         State to its sensor, as in `sensors_of_states`.
     symbols, measured : mapping
@@ -133,17 +103,7 @@ def shown_states(
 class MeasuredState(ProcessState):
     """Each state by the measurement that shows it alone and in proportion.
 
-    Raises
-    ------
-    InputError
-        A state is not measured so.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.linear.process_equations import process_equations
-    >>> MeasuredState(process_equations(cl.load("quadruple-tank").linear)).measurements
-    ('level_1', 'level_2', 'level_3', 'level_4')
+    Raises InputError: A state is not measured so.
     """
 
     def __init__(self, equations: ProcessEquations) -> None:

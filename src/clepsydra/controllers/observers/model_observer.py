@@ -27,18 +27,8 @@ class ModelObserver(Observer):
     ----------
     equations : ProcessEquations
         Of the states that are estimated.
-    measurements : tuple of str [p]
     corrected : ndarray of bool [N, p]
         Where M has numbers.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.linear.process_equations import process_equations
-    >>> equations = process_equations(cl.load("quadruple-tank").linear)
-    >>> observer = ModelObserver(equations, ("level_1", "level_2"), np.ones((4, 2), bool))
-    >>> [signal.name for signal in observer.state()][:2]
-    ['tank_1.level.estimate', 'tank_2.level.estimate']
     """
 
     def __init__(

@@ -29,18 +29,7 @@ KNOWN = truth("known", "the measurements are numbers from sound sensors")
 
 
 def parts(signals: Iterable[Signal], part: str) -> list[Signal]:
-    """Return the ports of an observer's block for some signals.
-
-    Parameters
-    ----------
-    signals : iterable of Signal
-    part : {"deviation", "move", "measured", "applied", "corrected", "surprise"}
-
-    Examples
-    --------
-    >>> parts([Signal("pump", "V")], "applied")[0].name
-    'pump.applied'
-    """
+    """Return the ports of an observer's block for some signals."""
     return [
         Signal(path(signal, part), signal.unit, description=f"{signal.name}, {_WORDS[part]}")
         for signal in signals
@@ -48,13 +37,7 @@ def parts(signals: Iterable[Signal], part: str) -> list[Signal]:
 
 
 def at_ports(ports: Iterable[Signal], values: Iterable[ca.SX]) -> dict[str, ca.SX]:
-    """Return values by the names of their ports.
-
-    Examples
-    --------
-    >>> at_ports([Signal("known")], [ca.SX(1)])
-    {'known': SX(1)}
-    """
+    """Return values by the names of their ports."""
     return {port.name: value for port, value in zip(ports, values, strict=True)}
 
 
@@ -76,12 +59,6 @@ class Observer(ABC):
     References
     ----------
     K. J. Åström and B. Wittenmark, Computer-Controlled Systems, 3rd ed., 1997, chapter 4.
-
-    Examples
-    --------
-    >>> from clepsydra.controllers.observers.current_observer import CurrentObserver
-    >>> issubclass(CurrentObserver, Observer)
-    True
     """
 
     #: How its blocks are called, and what they take of measurements and of inputs.
@@ -119,7 +96,6 @@ class Observer(ABC):
 
         Parameters
         ----------
-        sample : Sample
         measured : iterable of casadi.SX [p]
             What the measurements show; zero in the place of what is no number.
         known : casadi.SX
@@ -145,7 +121,6 @@ class Observer(ABC):
 
         Parameters
         ----------
-        sample : Sample
         estimate : sequence of casadi.SX
             x̂c
         inputs : sequence of casadi.SX [m]
@@ -173,11 +148,5 @@ class Observer(ABC):
 
 
 def surprises(known: ca.SX, shown: Iterable[ca.SX], expected: Iterable[ca.SX]) -> list[ca.SX]:
-    """Return what measurements show beyond what was expected; nothing where they are not known.
-
-    Examples
-    --------
-    >>> [float(each) for each in surprises(ca.DM(1), [ca.DM(3)], [ca.DM(2)])]
-    [1.0]
-    """
+    """Return what measurements show beyond what was expected; nothing where they are not known."""
     return [ca.if_else(known, y - h, 0) for y, h in zip(shown, expected, strict=True)]

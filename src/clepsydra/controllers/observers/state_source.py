@@ -29,14 +29,6 @@ class StateSource(ABC):
     ----------
     feedback, integral_gain : Matrix
         F and G, from the state and from the errors to the outputs.
-
-    Examples
-    --------
-    >>> from clepsydra.controllers.observers.linear_state import LinearState
-    >>> level, pump = Signal("level", "m"), Signal("pump", "V")
-    >>> source = LinearState([level], [pump], ["level"], None, "law")
-    >>> [number.unit for number in (*source.feedback.signals(), *source.integral_gain.signals())]
-    ['V/m', 'V/(m s)']
     """
 
     #: Whether what is known of the state are its deviations from the operating point.

@@ -33,17 +33,8 @@ class ObserverStructure:
     corrected : ndarray of bool [N, p]
         Where M has numbers.
 
-    Raises
-    ------
-    InputError
-        There is nothing to estimate, or more than 40 quantities, or a shape does not fit.
-
-    Examples
-    --------
-    >>> yes = np.ones((1, 1), bool)
-    >>> structure = ObserverStructure((Signal("tank.level", "m"),), yes, yes, yes, yes)
-    >>> structure.size, structure.inputs, structure.measurements
-    (1, 1, 1)
+    Raises InputError: there is nothing to estimate, or more than 40 quantities, or a shape does not
+    fit.
     """
 
     estimated: tuple[Signal, ...]

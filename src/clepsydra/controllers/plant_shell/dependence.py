@@ -20,7 +20,6 @@ def needed_by_outputs(law: StepLaw, parts: Iterable[str]) -> dict[str, tuple[str
 
     Parameters
     ----------
-    law : StepLaw
     parts : iterable of str
         "pv" and "good", say.
 

@@ -34,23 +34,11 @@ class Members:
 
     Parameters
     ----------
-    controller : Controller
-    settings : PlantShell
     sampling_period : float
         [s]
 
-    Raises
-    ------
-    InputError
-        A setting is for a signal that the controller does not have, a fail-safe value lies
-        outside the limits, or the rate of an output cannot be limited.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> members = Members(cl.design.simc(cl.load("quadruple-tank")), PlantShell(), 1.0)
-    >>> members.parameters[0].name, members.sources["level_1.range_low"]
-    ('level_1.range_low', 'range of level_1 in the process file')
+    Raises InputError: A setting is for a signal that the controller does not have, a fail-safe
+    value lies outside the limits, or the rate of an output cannot be limited.
     """
 
     def __init__(

@@ -82,12 +82,6 @@ def output_command(*, limited: bool, rate: Rate) -> Block:
     ----------
     limited : bool
         Whether the law has limits of the output.
-    rate : {"shell", "law", "none"}
-
-    Examples
-    --------
-    >>> [port.name for port in output_command(limited=True, rate="shell").outputs[-2:]]
-    ['lowest', 'highest']
     """
     name = {"shell": "", "law": "_of_own_rate", "none": "_without_rate"}[rate]
     used = Signal("rate_used", description="rate limit that the law gets; 1e9 for none")
@@ -122,13 +116,7 @@ def output_command(*, limited: bool, rate: Rate) -> Block:
 
 
 def moved_by_hand(mode: ca.SX) -> ca.SX:
-    """Return whether somebody else than the law moves the output.
-
-    Examples
-    --------
-    >>> bool(moved_by_hand(ca.DM(2)))
-    True
-    """
+    """Return whether somebody else than the law moves the output."""
     return ca.logic_or(mode == Mode.MANUAL, mode == Mode.TRACKING)
 
 

@@ -24,13 +24,7 @@ _LARGEST_WATCHDOG = 32767.0
 
 
 def count(name: str, high: float, description: str, *, low: float = 0.0) -> Signal:
-    """Return a port that is a whole number.
-
-    Examples
-    --------
-    >>> count("mode", 2.0, "0 manual, 1 automatic, 2 tracking").high
-    2.0
-    """
+    """Return a port that is a whole number."""
     return Signal(name, low=low, high=high, kind="integer", description=description)
 
 
@@ -179,7 +173,6 @@ class Scan(Sample):
     ----------
     symbols : mapping
         The shell's signals by name.
-    state : sequence of Signal or DelayRing
     initial : mapping
         State name to its initial value.
 

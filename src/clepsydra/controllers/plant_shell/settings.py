@@ -68,20 +68,7 @@ class PlantShell:
         Share of the sampling period by which a time step may differ from it before the status
         word says so [1].
 
-    Raises
-    ------
-    InputError
-        A value is no number, or outside what is possible.
-
-    Examples
-    --------
-    >>> PlantShell(sensor_delay={"level_1": 2.0}).sensor_delay["level_1"]
-    2.0
-    >>> PlantShell(setpoint_rate={"level_1": 0.0})
-    Traceback (most recent call last):
-        ...
-    clepsydra.base.errors.InputError: plant shell, setpoint_rate, level_1: got 0.0, expected a \
-number above 0 and at most 1e+09; correct it, or leave it out.
+    Raises InputError: A value is no number, or outside what is possible.
     """
 
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)

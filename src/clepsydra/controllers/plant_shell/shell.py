@@ -44,11 +44,6 @@ class ShelledController(Controller):
         The controller without the shell.
     sources : dict
         Parameter of the shell to where its number comes from.
-
-    Examples
-    --------
-    >>> ShelledController.__mro__[1].__name__
-    'Controller'
     """
 
     bare: Controller | None = None
@@ -81,10 +76,8 @@ def with_plant_shell(
 
     Parameters
     ----------
-    controller : Controller
     sampling_period : float
         That the controller was designed for [s].
-    settings : PlantShell, optional
 
     Returns
     -------
@@ -95,11 +88,8 @@ def with_plant_shell(
         the measurements; fail_safe and rate_limit [unit/s], where it can be limited, of the
         outputs; sampling_period [s], scan_tolerance and take_up_scans.
 
-    Raises
-    ------
-    InputError
-        The law is written in Python, lacks an input that the shell needs or uses a name of the
-        shell; the sampling period is no time; or a setting does not fit the controller.
+    Raises InputError: the law is written in Python, lacks an input that the shell needs or uses a
+    name of the shell; the sampling period is no time; or a setting does not fit the controller.
 
     References
     ----------

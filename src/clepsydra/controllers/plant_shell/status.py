@@ -72,11 +72,6 @@ def output_end(told: tuple[str, ...], *, rated: bool) -> Block:
         The bits that the law tells; without `OF_LIMITS` the output has limits.
     rated : bool
         Whether the shell limits its rate.
-
-    Examples
-    --------
-    >>> output_end(OF_LAW, rated=True).outputs[0].name
-    'out'
     """
     limited, slowed = "at_low_limit" not in told, "at_rate_limit" in told
     return Block(
@@ -138,11 +133,5 @@ def _ended(s: Symbols, told: tuple[str, ...], rated: bool) -> Equations:
 
 
 def read_status(word: int) -> tuple[str, ...]:
-    """Return the names of the bits that are set.
-
-    Examples
-    --------
-    >>> read_status(1041)
-    ('automatic', 'sensor_fault', 'failed_safe')
-    """
+    """Return the names of the bits that are set."""
     return tuple(name for name, bit in SHELL_STATUS_BITS.items() if word & bit.value)

@@ -41,16 +41,10 @@ class ShellScan(Scan):
 
     Parameters
     ----------
-    members : Members
-    symbols : mapping
     state : sequence of Signal or DelayRing
         Of the law, and what the shell adds.
     initial : mapping
         State name to initial value.
-
-    Examples
-    --------
-    See `with_plant_shell`.
     """
 
     def __init__(
@@ -108,11 +102,7 @@ class ShellScan(Scan):
         )
 
     def _ramped(self, signal: Signal, measurement: str | None) -> dict[str, ca.SX]:
-        """Return a setpoint as the outputs of `RAMP`.
-
-        One without a measurement counts as always in force. An end of the range that is not known
-        is no limit.
-        """
+        """Return a setpoint as the outputs of `RAMP`."""
         ends = {
             "range_low": ca.SX(max(signal.low, -LARGEST_NUMBER)),
             "range_high": ca.SX(min(signal.high, LARGEST_NUMBER)),

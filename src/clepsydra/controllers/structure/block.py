@@ -19,11 +19,6 @@ class Opened(NamedTuple):
         One for each of its ports.
     close : callable
         Takes what was applied at each port and returns what it tells back, one for each source.
-
-    Examples
-    --------
-    >>> Opened((), lambda applied: ()).close([])
-    ()
     """
 
     asked: tuple[Asked, ...]
@@ -36,12 +31,6 @@ class Block(Protocol):
     A sample runs forward from setpoints to outputs, each block asking something of the next
     one, and then backward, each telling what was applied, so that every integral knows it:
     limits, selectors and hands far behind it included.
-
-    Examples
-    --------
-    >>> from clepsydra.controllers.structure.selector_block import SelectorBlock
-    >>> SelectorBlock("lowest", ("level", "pressure"), "low").ports
-    ('lowest',)
     """
 
     @property
@@ -76,13 +65,7 @@ class Block(Protocol):
 
 
 class WithoutSignals:
-    """A block of a scheme that has no signals of its own but for those that it names.
-
-    Examples
-    --------
-    >>> WithoutSignals().state()
-    []
-    """
+    """A block of a scheme that has no signals of its own but for those that it names."""
 
     @property
     def ports(self: Block) -> tuple[str, ...]:

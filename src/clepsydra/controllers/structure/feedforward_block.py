@@ -37,12 +37,6 @@ class FeedforwardTerm:
         Whether it is a measurement; else it is another output, for decoupling.
     dynamic : bool
         Whether it has a lead and a lag; else it acts at once.
-
-    Examples
-    --------
-    >>> term = FeedforwardTerm("rain", Signal("pump", "%"), Signal("inflow", "l/s"), True, False)
-    >>> [parameter.name for parameter in term.parameters()]
-    ['rain.gain', 'rain.reference']
     """
 
     owner: str
@@ -82,21 +76,14 @@ class FeedforwardBlock(WithoutSignals):
 
     Parameters
     ----------
-    name : str
     source : str
         The loop's port.
     moved : Signal
         What the sum moves: an output, or another loop's setpoint.
-    terms : tuple of FeedforwardTerm
 
     References
     ----------
     H. L. Wade, Inverted decoupling: a neglected technique, ISA Transactions 36(1), 1997, 3-10.
-
-    Examples
-    --------
-    >>> FeedforwardBlock("sum", "level", Signal("pump", "%"), ()).sources
-    ('level',)
     """
 
     name: str

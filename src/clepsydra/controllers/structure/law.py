@@ -38,22 +38,8 @@ def structure_law(
     measured : sequence of Signal
         The measurements of the scheme.
 
-    Raises
-    ------
-    InputError
-        A source is no port, a port is taken twice or not at all, or the signals run in a
-        circle.
-
-    Examples
-    --------
-    >>> from clepsydra.controllers.pid_form import PidForm
-    >>> from clepsydra.controllers.structure.pid_block import PidBlock
-    >>> level, pump = Signal("level", "m"), Signal("pump", "V")
-    >>> loop = PidBlock("loop", "level", PidForm(), level, pump, "level.sp")
-    >>> law = structure_law("one_loop", [loop, OutputBlock(pump, "loop")],
-    ...                     setpoints={"level": level}, measured=[level])
-    >>> [signal.name for signal in law.outputs]
-    ['pump.out', 'pump.status']
+    Raises InputError: A source is no port, a port is taken twice or not at all, or the signals run
+    in a circle.
     """
     ordered = _in_order(name, blocks)
     outputs = [block.signal for block in blocks if isinstance(block, OutputBlock)]

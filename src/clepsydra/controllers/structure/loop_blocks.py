@@ -25,15 +25,7 @@ _TRUTHS = ("setpoint_is_number", "measurement_is_number", "signals_known", "setp
 
 @cache
 def loop_with_output(loop: PidLoop, rate_limited: bool = False) -> Block:
-    """Return the block of a loop that moves an output with nothing between.
-
-    Examples
-    --------
-    >>> from clepsydra.controllers.pid_form import PidForm
-    >>> block = loop_with_output(PidLoop(PidForm()))
-    >>> block.name, [entry.name for entry in block.state]
-    ('pi', ['integral', 'last_proportional_gain', 'last_setpoint_weight', 'last_output'])
-    """
+    """Return the block of a loop that moves an output with nothing between."""
 
     def equations(s: Symbols) -> Equations:
         own = {**s, "last_applied": s["last_output"]}
@@ -58,14 +50,7 @@ def loop_with_output(loop: PidLoop, rate_limited: bool = False) -> Block:
 
 @cache
 def loop_in_two_calls(loop: PidLoop) -> tuple[Block, Block]:
-    """Return the block that asks, and the one that is told; the second has the state.
-
-    Examples
-    --------
-    >>> from clepsydra.controllers.pid_form import PidForm
-    >>> [block.name for block in loop_in_two_calls(PidLoop(PidForm(), direct=False))]
-    ['pi_asks', 'pi_is_told']
-    """
+    """Return the block that asks, and the one that is told; the second has the state."""
     outer = prefixed(ASKED, "remote_") if loop.inner else ()
     last = (Signal("last_applied"),) if loop.direct else ()
     given = (*outer, *loop.ports, Signal("time_step", "s"), *last)

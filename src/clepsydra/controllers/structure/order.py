@@ -17,10 +17,8 @@ def in_order(place: str, sources: Mapping[str, Collection[str]]) -> list[str]:
     sources : mapping
         Name to those that it takes a value from.
 
-    Raises
-    ------
-    InputError
-        Some take their values from each other in a circle; the first of them ends the place.
+    Raises InputError: some take their values from each other in a circle; the first of them ends
+    the place.
 
     Examples
     --------

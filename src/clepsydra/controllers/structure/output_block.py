@@ -25,12 +25,6 @@ class OutputBlock(WithoutSignals):
         The port that moves it in automatic.
     rate_limited : bool
         Whether it has a rate_limit.
-
-    Examples
-    --------
-    >>> block = OutputBlock(Signal("pump_1", "V", low=0.0, high=10.0), "level", True)
-    >>> [signal.name for signal in block.parameters()]
-    ['pump_1.low_limit', 'pump_1.high_limit', 'pump_1.rate_limit']
     """
 
     signal: Signal

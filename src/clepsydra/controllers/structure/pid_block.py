@@ -30,7 +30,6 @@ class PidBlock(WithoutSignals):
         What other blocks call it.
     owner : str
         What its parameters and its state belong to.
-    form : PidForm
     measurement : Signal
         The process measurement.
     moved : Signal

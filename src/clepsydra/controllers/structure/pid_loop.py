@@ -38,16 +38,10 @@ class PidLoop:
 
     Parameters
     ----------
-    form : PidForm
     inner : bool
         Whether another block gives the setpoint (the outer loop of a cascade).
     direct : bool
         Whether it moves an output and nothing stands between.
-
-    Examples
-    --------
-    >>> [signal.name for signal in PidLoop(PidForm("P")).ports]
-    ['sp', 'pv', 'good', 'proportional_gain', 'setpoint_weight']
     """
 
     form: PidForm
@@ -179,7 +173,6 @@ class PidLoop:
         s : mapping
             The signals of the loop by their names in it, last_applied, the limits of what it
             moves, and what `asks` carried on.
-        applied : Applied
         """
         state, named = pid_state(self.form, s, applied)
         if not self.direct:
@@ -231,11 +224,7 @@ class PidLoop:
         return ca.if_else(applied.in_force, s["setpoint_used"], elsewhere)
 
     def _got(self, s: Symbols, applied: Applied) -> Applied:
-        """Return which setpoint it got, for the outer loop.
-
-        Where this loop cannot follow, at a limit or in another mode, that is its measurement
-        (external reset).
-        """
+        """Return which setpoint it got, for the outer loop."""
         measurement, local = s["measurement_used"], s["local_setpoint"]
         remote = ca.logic_and(s["setpoint_is_remote"], applied.in_force)
         got = ca.if_else(applied.applied == s["unlimited"], s["setpoint_used"], measurement)

@@ -29,7 +29,6 @@ class RatioBlock(WithoutSignals):
 
     Parameters
     ----------
-    name : str
     owner : str
         What its parameters belong to.
     wild : Signal
@@ -38,12 +37,6 @@ class RatioBlock(WithoutSignals):
         What follows it: an output, or another loop's setpoint.
     source : str or None
         The port of a loop that trims the ratio; without one the parameter ratio is it.
-
-    Examples
-    --------
-    >>> block = RatioBlock("ratio", "acid", Signal("feed", "l/s"), Signal("acid", "l/s"), None)
-    >>> [(p.name, p.unit) for p in block.parameters()]
-    [('acid.ratio', 'l/s/(l/s)')]
     """
 
     name: str

@@ -29,19 +29,12 @@ class SelectorBlock(WithoutSignals):
 
     Parameters
     ----------
-    name : str
     sources : tuple of str
         Ports of loops.
-    selection : {"low", "high"}
 
     References
     ----------
     F. G. Shinskey, Process Control Systems, 4th edition, McGraw-Hill 1996, chapter 6.
-
-    Examples
-    --------
-    >>> SelectorBlock("lowest", ("level", "strength"), "low").ports
-    ('lowest',)
     """
 
     name: str

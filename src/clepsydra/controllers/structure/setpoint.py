@@ -25,11 +25,6 @@ class Setpoint:
         Whether another block or the host computer gives it.
     switched : casadi.SX
         Whether the source changed since the last sample.
-
-    Examples
-    --------
-    >>> float(Setpoint(ca.DM(5.0), ca.DM(1), ca.DM(0), ca.DM(0)).value)
-    5.0
     """
 
     value: ca.SX
@@ -39,13 +34,7 @@ class Setpoint:
 
 
 def operator_setpoint(raw: ca.SX) -> Setpoint:
-    """Return the one setpoint of a simple loop.
-
-    Examples
-    --------
-    >>> float(operator_setpoint(ca.DM(5.0)).value)
-    5.0
-    """
+    """Return the one setpoint of a simple loop."""
     valid = is_number(raw)
     return Setpoint(value_or_zero(raw, valid), valid, ca.SX(0), ca.SX(0))
 
@@ -65,14 +54,6 @@ def chosen_setpoint(
         0 local, 1 remote; now and in the last sample.
     working : casadi.SX
         The setpoint of the last sample.
-
-    Examples
-    --------
-    >>> true = ca.DM(1)
-    >>> found = chosen_setpoint(ca.DM(5.0), Asked(ca.DM(6.0), true, true, true), true, ca.DM(0),
-    ...                         ca.DM(5.0))
-    >>> float(found.value), bool(found.switched)
-    (6.0, True)
     """
     is_remote = source == 1
     value = ca.if_else(is_remote, remote.asked, local)

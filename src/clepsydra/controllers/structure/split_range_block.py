@@ -64,7 +64,6 @@ class SplitRangeBlock(WithoutSignals):
 
     Parameters
     ----------
-    name : str
     source : str
         The port that gives the value, in percent.
     legs : tuple of Leg
@@ -75,13 +74,6 @@ class SplitRangeBlock(WithoutSignals):
     A. Reyes-Lúa, C. Zotică, T. Das, D. Krishnamoorthy and S. Skogestad, Changing between active
     constraint regions for optimal operation: classical advanced control versus model predictive
     control, Computer Aided Chemical Engineering, 2018, gives the use.
-
-    Examples
-    --------
-    >>> inlet = Leg("split.inlet", Signal("inlet", "%"), 0, 50, 100, 0)
-    >>> drain = Leg("split.drain", Signal("drain", "%"), 50, 100, 0, 100)
-    >>> SplitRangeBlock("split", "level", (inlet, drain)).ports
-    ('split, inlet', 'split, drain')
     """
 
     name: str
