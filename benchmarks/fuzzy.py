@@ -18,11 +18,10 @@ import numpy as np
 from benchmarks.experiments import AGREEMENT, Disagreement
 from benchmarks.measure import Spread, Way, interleave, on_one_core
 from clepsydra.base.signal import Signal, path
-from clepsydra.controllers.fuzzy.file import load_fuzzy
+from clepsydra.controllers.fuzzy.file import WiredFuzzy, load_fuzzy
 from clepsydra.controllers.fuzzy.inference import rule_base
 from clepsydra.controllers.fuzzy.rule import firing
 from clepsydra.controllers.fuzzy.system import FuzzySystem, LinguisticVariable
-from clepsydra.controllers.fuzzy.wired import WiredFuzzy
 from clepsydra.engine.kernel import Job, Kernel
 from clepsydra.papers.averaging_tank.fuzzy import RULES
 from clepsydra.process.reader import load_process

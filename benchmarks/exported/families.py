@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.fuzzy.file import load_fuzzy
-from clepsydra.controllers.fuzzy.wired import WiredFuzzy
+from clepsydra.controllers.fuzzy.file import WiredFuzzy, load_fuzzy
 from clepsydra.deploy.exportable import Exportable, exportable
 from clepsydra.linear.analysis import Analysis, analyse
 from clepsydra.loop.default_scenario import default_scenario

@@ -8,9 +8,8 @@ from refusals import refused
 
 from clepsydra import PidForm
 from clepsydra.controllers.blocks.anti_windup import conditional_integration, tracking_share
-from clepsydra.controllers.blocks.limits import limit
 from clepsydra.controllers.blocks.status import STATUS_BITS, read_status, status_word
-from clepsydra.controllers.blocks.validity import is_number, is_time_step, value_or_zero
+from clepsydra.controllers.blocks.validity import is_number, is_time_step, limit, value_or_zero
 from clepsydra.controllers.linear_quadratic_integral import lqi_law
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 

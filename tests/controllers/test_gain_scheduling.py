@@ -10,8 +10,7 @@ from scan_rig import ScannedLaw, at_rest
 import clepsydra as cl
 from clepsydra import PidForm, Signal
 from clepsydra.controllers.blocks.sample import Sample
-from clepsydra.controllers.blocks.schedule import Schedule
-from clepsydra.controllers.gain_scheduling import scheduled_law, scheduled_lqi_law
+from clepsydra.controllers.gain_scheduling import Schedule, scheduled_law, scheduled_lqi_law
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 
 LEVEL, PUMP = Signal("level", "m", low=0.0, high=10.0), Signal("pump", "%", low=0.0, high=100.0)

@@ -8,8 +8,7 @@ from refusals import refused
 
 from clepsydra import Signal
 from clepsydra.controllers.linear_quadratic_integral import lqi_law
-from clepsydra.controllers.observers.current_observer import CurrentObserver
-from clepsydra.controllers.observers.structure import ObserverStructure
+from clepsydra.controllers.observers.linear_state import CurrentObserver, ObserverStructure
 from clepsydra.controllers.state_feedback import state_feedback_law
 
 rng = np.random.default_rng(11)

@@ -1,14 +1,106 @@
-"""The state of a step law with which a loop starts at rest."""
+"""With which state a loop starts: at rest, or after its first samples at the operating point."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from clepsydra.base.signal import Signal
-from clepsydra.controllers.blocks.mode import Mode
+from clepsydra.base.signal import Signal, path
+from clepsydra.base.units import from_si
+from clepsydra.controllers.blocks.status import Mode
 from clepsydra.program.step_law import StepLaw
+
+#: A move below this share of the range is rounding.
+_STILL = 1e-6
+#: So many samples show a move that an integral begins.
+_SAMPLES = 3
+
+
+class FirstSamples(NamedTuple):
+    """How a controller begins at the operating point.
+
+    Parameters
+    ----------
+    state : dict
+        With which it begins.
+    notes : tuple of str
+        One for each output that does not stay at rest.
+    """
+
+    state: dict[str, float]
+    notes: tuple[str, ...]
+
+
+def first_samples(
+    law: StepLaw,
+    values: Mapping[str, float],
+    state: Mapping[str, float],
+    inputs: Mapping[str, float],
+    manipulated: Sequence[Signal],
+    period: float,
+) -> FirstSamples:
+    """Run a controller for a few samples at the operating point.
+
+    Where its outputs stay, it begins with the state after these samples: loops that wait before a
+    selector then ask for something else than the one that is selected, as they do ever after.
+    Where an output moves, an override is active there, or a ratio asks for another value than
+    the one at rest.
+
+    Parameters
+    ----------
+    inputs : mapping
+        sp, pv and tracking of the signals at the operating point, and the free inputs.
+    period : float
+        Of the samples [s].
+
+    Examples
+    --------
+    A setpoint that the measurement is not at: the integral moves by K e Δt/Ti a sample.
+
+    >>> from clepsydra.controllers.at_rest import state_at_rest
+    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+    >>> pump = Signal("pump_1", "V", low=0.0, high=10.0)
+    >>> law = multiloop_pid_law(["level"], [pump])
+    >>> values = {parameter.name: parameter.initial for parameter in law.parameters}
+    >>> inputs = {"level.sp": 5.0, "level.pv": 4.0, "pump_1.tracking": 3.0}
+    >>> state = state_at_rest(law, values, inputs)
+    >>> first_samples(law, values, state, inputs, [pump], 1.0).notes[0][:68]
+    'At the operating point it moves pump_1 from 3 V to 3.03333 V in 3 sa'
+    """
+    given = {signal.name: signal.initial for signal in law.inputs} | dict(inputs)
+    given |= {path(signal, "mode"): float(Mode.AUTOMATIC) for signal in manipulated}
+    given |= {"time_step": period}
+    now = np.array([state[entry.name] for entry in law.state])
+    for _ in range(_SAMPLES):
+        following, outputs, _ = law.function(
+            now,
+            [given[signal.name] for signal in law.inputs],
+            [values[parameter.name] for parameter in law.parameters],
+        )
+        now = np.array(following).ravel()
+    names = [signal.name for signal in law.outputs]
+    found = dict(zip(names, np.array(outputs).ravel(), strict=True))
+    notes = []
+    for signal in manipulated:
+        before, after = given[path(signal, "tracking")], float(found[path(signal, "out")])
+        size = signal.span if math.isfinite(signal.span) else max(abs(before), 1.0)
+        if abs(after - before) > _STILL * size:
+            first, last = (
+                f"{from_si(each, signal.unit, signal.shown_unit):.6g} {signal.shown_unit}"
+                for each in (before, after)
+            )
+            notes.append(
+                f"At the operating point it moves {signal.name} from {first} to {last} in "
+                f"{_SAMPLES} samples: the scenario does not begin at rest."
+            )
+    if notes:
+        return FirstSamples(dict(state), tuple(notes))
+    entries = [entry.name for entry in law.state]
+    return FirstSamples(dict(zip(entries, now.tolist(), strict=True)), ())
+
 
 #: So long lasts a scan that every filter comes to its end in [s].
 _FOR_EVER = 1e15

@@ -10,7 +10,7 @@ from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import final_element
-from clepsydra.controllers.blocks.handover import Asked
+from clepsydra.controllers.blocks.ports import Asked
 from clepsydra.controllers.blocks.sample import Reading, Sample
 from clepsydra.controllers.blocks.validity import all_of, is_number, time_step_of
 from clepsydra.controllers.control_law import control_law

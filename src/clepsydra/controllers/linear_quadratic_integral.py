@@ -13,9 +13,8 @@ from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import IN_WORDS, AntiWindup, check_anti_windup
 from clepsydra.controllers.blocks.output_stage import output_stage
 from clepsydra.controllers.blocks.sample import Reading, Sample
-from clepsydra.controllers.observers.linear_state import LinearState
+from clepsydra.controllers.observers.linear_state import LinearState, ObserverStructure
 from clepsydra.controllers.observers.state_source import StateSource
-from clepsydra.controllers.observers.structure import ObserverStructure
 from clepsydra.program.step_law import StepLaw, Symbols
 
 FAMILY = "LQI"

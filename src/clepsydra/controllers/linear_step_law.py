@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from clepsydra.base.signal import Signal
-from clepsydra.controllers.blocks.mode import Mode
+from clepsydra.controllers.blocks.status import Mode
 from clepsydra.controllers.blocks.validity import LARGEST_NUMBER
 from clepsydra.controllers.parameters import remembered_parameters
 from clepsydra.program.entries import is_ring

@@ -14,7 +14,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import final_element
-from clepsydra.controllers.blocks.handover import Asked
+from clepsydra.controllers.blocks.ports import Asked
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.validity import (
     all_of,
@@ -22,7 +22,7 @@ from clepsydra.controllers.blocks.validity import (
     is_time_step,
     value_or_zero,
 )
-from clepsydra.controllers.inner_law import inner_equations
+from clepsydra.controllers.control_law import inner_equations
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 

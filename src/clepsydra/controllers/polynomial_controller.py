@@ -3,15 +3,220 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import astuple, dataclass, replace
+from functools import cache
+from itertools import pairwise
 from typing import TypeVar
 
+import casadi as ca
+
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.increments import IncrementalLoop, PolynomialShape
-from clepsydra.controllers.blocks.sample import Sample
+from clepsydra.controllers.blocks.final_element import (
+    LAST_OUTPUT,
+    OUTPUT_PORTS,
+    give_output,
+    output_end,
+    output_results,
+)
+from clepsydra.controllers.blocks.ports import ASKED, Asked, truth
+from clepsydra.controllers.blocks.sample import Reading, Sample
+from clepsydra.controllers.blocks.validity import all_of, is_time_step
 from clepsydra.controllers.control_law import control_law
-from clepsydra.program.step_law import StepLaw
+from clepsydra.program.block import Block
+from clepsydra.program.entries import Entry
+from clepsydra.program.step_law import Equations, StepLaw, Symbols
+
+
+@dataclass(frozen=True)
+class PolynomialShape:
+    """How many gains one loop has.
+
+    Parameters
+    ----------
+    measurement_gains : int
+        On the last differences of the measurement: the degree of Q.
+    setpoint_gains : int
+        On those of the setpoint: the degree of R, which is zero by equation (24).
+    increment_gains : int
+        On the last increments of the output: the degree of P.
+
+    Raises InputError: A number is negative.
+    """
+
+    measurement_gains: int
+    setpoint_gains: int = 0
+    increment_gains: int = 0
+
+    def __post_init__(self) -> None:
+        for count in astuple(self):
+            if count < 0:
+                raise InputError(
+                    "polynomial controller", count, "degrees from 0 on", "correct the degree"
+                )
+
+
+@dataclass(frozen=True)
+class IncrementalLoop:
+    """One loop of a law in increments.
+
+    Parameters
+    ----------
+    what : str
+        What it acts on: the measurement, or a prediction of it.
+    """
+
+    shape: PolynomialShape
+    measured: Signal
+    moved: Signal
+    what: str = "measurement"
+
+    def gains(self) -> list[Signal]:
+        """Return the parameters that are ports of the block, as many as the degrees say."""
+        y, u, unit = self.measured, self.moved, signals.per(self.moved, self.measured)
+        shown = y.name if self.what == "measurement" else f"the {self.what} of {y.name}"
+        ago = f"between {{0}} and {{1}} samples ago, to {u.name}"
+        rows: tuple[tuple[str, Signal | str, str], ...] = (
+            ("measurement_gain", unit, f"gain on the difference of {shown} {ago}"),
+            ("setpoint_gain", unit, f"gain on the difference of the setpoint of {y.name} {ago}"),
+            ("increment_gain", "1", f"gain on the move of {u.name} {{1}} samples ago"),
+        )
+        error = f"gain on the error of {y.name} in each sample, to {u.name}"
+        found = [signals.coefficient(path(y, "reference_gain"), unit, error)]
+        for (stem, per, words), count in zip(rows, astuple(self.shape), strict=True):
+            found += row(signals.coefficient(path(y, stem), per, words), count)
+        return found
+
+    def memory(self) -> list[Signal]:
+        """Return what is remembered of measurement, setpoint and moves."""
+        y, u, ago = self.measured, self.moved, "{1} samples ago"
+        patterns = (
+            signals.like(y, path(y, "past_value"), f"{self.what} of {y.name}, {ago}"),
+            signals.like(y, path(y, "past_setpoint"), f"setpoint of {y.name}, {ago}"),
+            Signal(path(y, "past_move"), u.unit, description=f"move of {u.name}, {ago}"),
+        )
+        counted = zip(patterns, astuple(self.shape), strict=True)
+        return [each for pattern, count in counted for each in row(pattern, count)]
+
+    def parameters(self) -> list[Signal]:
+        """Return the gains and the limits."""
+        return [*self.gains(), *signals.limit_parameters(self.moved)]
+
+    def states(self) -> Sequence[Entry]:
+        """Return what is remembered of measurement, setpoint and output."""
+        return [*self.memory(), signals.last_output(self.moved)]
+
+    def step(self, sample: Sample) -> None:
+        """Write one sample."""
+        y = [self.measured.name]
+        self.act(sample, Reading.of(sample, y, y))
+
+    def act(self, sample: Sample, reading: Reading) -> None:
+        """Write what follows from what the loop acts on: one block for all loops of a shape."""
+        y, u = self.measured, self.moved
+        found = sample.call(
+            increments(self.shape),
+            path(u, "loop"),
+            y,
+            u,
+            value=reading.measurements[y.name],
+            setpoint=reading.setpoints[y.name],
+            known=reading.known,
+            numbers=reading.numbers,
+            sensors=reading.sensors,
+        )
+        give_output(sample, u, found)
+
+
+def row(pattern: Signal, count: int, first: int = 1) -> list[Signal]:
+    """Return the elements of a vector, whose words tell their places and those before."""
+    return [
+        replace(pattern, name=name, description=pattern.description.format(place - 1, place))
+        for place, name in enumerate(elements(pattern.name, count), start=first)
+    ]
+
+
+@cache
+def increments(shape: PolynomialShape) -> Block:
+    """Return the block of a loop in increments."""
+    loop = IncrementalLoop(shape, Signal("value"), Signal("output"))
+    gains, memory = (
+        [replace(entry, name=entry.name.removeprefix("value.")).port for entry in entries]
+        for entries in (loop.gains(), loop.memory())
+    )
+    return Block(
+        "_".join(map(str, ("increments", *astuple(shape)))),
+        (
+            Signal("setpoint", description="what the value shall be"),
+            Signal("value", description="the measurement, or a prediction of it"),
+            truth("known", "the value is a number from a sound sensor"),
+            *ASKED[2:],
+            *gains,
+            *OUTPUT_PORTS,
+        ),
+        (*memory, LAST_OUTPUT),
+        output_results(),
+        lambda s: _increments(s, shape),
+        ("P u' = r0 w - Q y in the differences from one sample to the next.",),
+    )
+
+
+def products(s: Symbols, weights: str, values: Sequence[ca.SX]) -> list[ca.SX]:
+    """Return each value times its weight.
+
+    Examples
+    --------
+    >>> products({"gain.1": ca.SX(2)}, "gain", [ca.SX(3)])
+    [SX(6)]
+    """
+    names = elements(weights, len(values))
+    return [s[name] * value for name, value in zip(names, values, strict=True)]
+
+
+def _increments(s: Symbols, shape: PolynomialShape) -> Equations:
+    counts = zip(("value", "setpoint", "move"), astuple(shape), strict=True)
+    past = {what: [s[name] for name in elements(f"past_{what}", n)] for what, n in counts}
+
+    def differences(what: str) -> list[ca.SX]:
+        return [new - old for new, old in pairwise([s[what], *past[what]])]
+
+    increment = s["reference_gain"] * (s["setpoint"] - s["value"])
+    for part in products(s, "measurement_gain", differences("value")):
+        increment = increment - part
+    for part in products(s, "setpoint_gain", differences("setpoint")):
+        increment = increment + part
+    for part in products(s, "increment_gain", past["move"]):
+        increment = increment - part
+    known = ca.logic_and(s["numbers"], s["known"])
+    asked = Asked(s["last_output"] + increment, known, s["numbers"], s["sensors"])
+    applied, results, named = output_end(s, asked)
+    # The sample counts where its signals were there and something was moved by them or in manual.
+    acts = ca.logic_or(applied.in_force, applied.follows)
+    counts_now = all_of([known, is_time_step(s["time_step"]), acts])
+    state = {"last_output": applied.applied}
+    for what, now, taken in (
+        ("value", s["value"], counts_now),
+        ("setpoint", s["setpoint"], counts_now),
+        ("move", applied.applied - s["last_output"], acts),
+    ):
+        state |= shifted(s, f"past_{what}", len(past[what]), now, taken)
+    return Equations(state, results, {"increment": increment, **named})
+
+
+def shifted(s: Symbols, stem: str, count: int, now: ca.SX, counts: ca.SX) -> dict[str, ca.SX]:
+    """Return a memory one sample later, or as it is where the sample does not count.
+
+    Examples
+    --------
+    >>> s = {"past.1": ca.SX(3), "past.2": ca.SX(4)}
+    >>> shifted(s, "past", 2, ca.SX(2), ca.SX(1))
+    {'past.1': SX(2), 'past.2': SX(3)}
+    """
+    past = elements(stem, count)
+    values = [now, *(s[name] for name in past)]
+    return {n: ca.if_else(counts, new, s[n]) for n, new in zip(past, values, strict=False)}
+
 
 FAMILY = "2DOF polynomial"
 Shape = TypeVar("Shape")

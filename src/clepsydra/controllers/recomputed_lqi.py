@@ -20,7 +20,7 @@ from clepsydra.controllers.blocks.sampled_matrices import (
 )
 from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step, time_step_of
 from clepsydra.controllers.linear_quadratic_integral import output_parameters, varying_lqi
-from clepsydra.controllers.observers.measured_state import ProcessState
+from clepsydra.controllers.observers.state_source import ProcessState
 from clepsydra.controllers.process_model import evaluated
 from clepsydra.linear.process_equations import NEARLY_EMPTY, ProcessEquations
 from clepsydra.program.step_law import StepLaw

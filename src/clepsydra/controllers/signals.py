@@ -10,8 +10,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.key import Key, ratio_of_units
 from clepsydra.base.signal import Signal, effect, path
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
-from clepsydra.controllers.blocks.mode import Mode
-from clepsydra.controllers.blocks.status import STATUS_BITS, status_port
+from clepsydra.controllers.blocks.status import STATUS_BITS, Mode, status_port
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.entries import signal_of
 

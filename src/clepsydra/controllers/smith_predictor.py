@@ -10,16 +10,17 @@ import casadi as ca
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.increments import (
+from clepsydra.controllers.blocks.sample import Reading, Sample
+from clepsydra.controllers.blocks.validity import is_number
+from clepsydra.controllers.polynomial_controller import (
     IncrementalLoop,
     PolynomialShape,
+    law_of_loops,
+    one_for_each,
     products,
     row,
     shifted,
 )
-from clepsydra.controllers.blocks.sample import Reading, Sample
-from clepsydra.controllers.blocks.validity import is_number
-from clepsydra.controllers.polynomial_controller import law_of_loops, one_for_each
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.entries import Entry
 from clepsydra.program.step_law import StepLaw

@@ -13,8 +13,7 @@ from clepsydra.controllers.blocks.matrix import Matrix
 from clepsydra.controllers.blocks.output_stage import output_stage
 from clepsydra.controllers.blocks.sample import Reading, Sample
 from clepsydra.controllers.blocks.validity import time_step_of
-from clepsydra.controllers.observers.linear_state import LinearState
-from clepsydra.controllers.observers.structure import ObserverStructure
+from clepsydra.controllers.observers.linear_state import LinearState, ObserverStructure
 from clepsydra.program.step_law import StepLaw
 
 FAMILY = "state feedback"

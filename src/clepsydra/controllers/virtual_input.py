@@ -11,10 +11,9 @@ from clepsydra.base.arguments import check_choice
 from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.anti_windup import AntiWindup, next_in_force
+from clepsydra.controllers.blocks.anti_windup import AntiWindup, next_in_force, winds_up
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.validity import is_number
-from clepsydra.controllers.blocks.variable_structure import winds_up
 from clepsydra.program.step_law import Symbols
 
 VirtualAntiWindup = Literal["variable_structure"] | AntiWindup

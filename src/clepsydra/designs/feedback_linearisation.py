@@ -12,9 +12,12 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import path
 from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.feedback_linearisation import FAMILY, feedback_linearisation_law
-from clepsydra.controllers.linearised_process import LinearisedProcess
-from clepsydra.controllers.observers.model_observer import ModelObserver
+from clepsydra.controllers.feedback_linearisation import (
+    FAMILY,
+    LinearisedProcess,
+    feedback_linearisation_law,
+)
+from clepsydra.controllers.observers.observer import ModelObserver
 from clepsydra.controllers.parameters import remembered_parameters
 from clepsydra.controllers.virtual_input import (
     AlphaOn,

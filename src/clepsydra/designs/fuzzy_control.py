@@ -9,8 +9,7 @@ import casadi as ca
 import numpy as np
 
 from clepsydra.base.signal import path
-from clepsydra.controllers.complexity import Complexity
-from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.controller import Complexity, Controller
 from clepsydra.controllers.fuzzy.fuzzy_input import FuzzyInput
 from clepsydra.controllers.fuzzy.fuzzy_output import FuzzyOutput
 from clepsydra.controllers.fuzzy.inference import surface

@@ -7,10 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 from clepsydra.base.signal import path
 from clepsydra.base.words import listed, time_text
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
-from clepsydra.controllers.blocks.schedule import Schedule
-from clepsydra.controllers.complexity import Complexity
-from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.gain_scheduling import FAMILY, scheduled_law, scheduled_lqi_law
+from clepsydra.controllers.controller import Complexity, Controller
+from clepsydra.controllers.gain_scheduling import FAMILY, Schedule, scheduled_law, scheduled_lqi_law
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.arguments.argument import word

@@ -14,8 +14,8 @@ import numpy as np
 from clepsydra.base.arguments import check_choice, is_finite_number
 from clepsydra.base.errors import ClepsydraError, InputError
 from clepsydra.base.signal import Signal
-from clepsydra.controllers.blocks.schedule import FEWEST_POINTS, MOST_POINTS
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.gain_scheduling import FEWEST_POINTS, MOST_POINTS
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.designed_values import kind as kind_of
 from clepsydra.designs.request import in_shown_unit

@@ -12,7 +12,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.observers.measured_state import MeasuredState, ProcessState
+from clepsydra.controllers.observers.state_source import MeasuredState, ProcessState
 from clepsydra.controllers.recomputed_lqi import FAMILY, recomputed_lqi_law
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.arguments.argument import whole_number

@@ -6,7 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from clepsydra.base.words import time_text
-from clepsydra.controllers.decoupling import Decoupling
+from clepsydra.controllers.multiloop_pid import Decoupling
 from clepsydra.designs.applicability import NotApplicable, reasons_about
 from clepsydra.designs.arguments.argument import word
 from clepsydra.designs.design import Studied, design

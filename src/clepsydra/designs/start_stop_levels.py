@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 from clepsydra.base.signal import elements, path
 from clepsydra.base.units import from_si
 from clepsydra.controllers.at_rest import state_at_rest
-from clepsydra.controllers.complexity import Complexity
-from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.controller import Complexity, Controller
 from clepsydra.controllers.start_stop_levels import FAMILY, start_stop_law
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.arguments.argument import argument

@@ -8,8 +8,7 @@ from collections.abc import Sequence
 from clepsydra.base.arguments import sequence_of
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import path
-from clepsydra.controllers.complexity import Complexity
-from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.controller import Complexity, Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.variable_structure_pid import (
     family,

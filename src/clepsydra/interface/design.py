@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from clepsydra.base.errors import UnknownName
-from clepsydra.controllers.fuzzy.file import load_fuzzy
-from clepsydra.controllers.fuzzy.wired import WiredFuzzy
+from clepsydra.controllers.fuzzy.file import WiredFuzzy, load_fuzzy
 from clepsydra.designs.arguments.argument import of_quantity
 from clepsydra.designs.design import DESIGNS, Design
 from clepsydra.designs.own_law import own_controller

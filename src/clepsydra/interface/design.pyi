@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
-from clepsydra.controllers.decoupling import Decoupling
+from clepsydra.controllers.multiloop_pid import Decoupling
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.virtual_input import AlphaOn, VirtualAntiWindup
 from clepsydra.designs.loop_shaping.precompensator import Precompensator

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from clepsydra.controllers.complexity import Complexity
+from clepsydra.controllers.controller import Complexity
 from clepsydra.studies.result import ACCEPTED, Candidate, Standing
 from clepsydra.studies.watch import watched
 

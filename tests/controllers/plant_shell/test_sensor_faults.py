@@ -7,7 +7,7 @@ from scan_rig import ScannedLaw, at_rest, designed
 from shell_rig import LEVEL, one_loop, shelled_loop
 
 from clepsydra import Signal
-from clepsydra.controllers.plant_shell.dependence import needed_by_outputs
+from clepsydra.controllers.plant_shell.members import needed_by_outputs
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.controllers.plant_shell.status import SHELL_STATUS_BITS, read_status

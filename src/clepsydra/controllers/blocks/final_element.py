@@ -8,13 +8,10 @@ import casadi as ca
 
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.handover import ASKED, Applied, Asked
-from clepsydra.controllers.blocks.limits import limit
-from clepsydra.controllers.blocks.mode import Mode
-from clepsydra.controllers.blocks.ports import truth, words_for
+from clepsydra.controllers.blocks.ports import ASKED, Applied, Asked, truth, words_for
 from clepsydra.controllers.blocks.sample import Sample
-from clepsydra.controllers.blocks.status import STATUS_WORD
-from clepsydra.controllers.blocks.validity import is_number, is_time_step
+from clepsydra.controllers.blocks.status import STATUS_WORD, Mode
+from clepsydra.controllers.blocks.validity import is_number, is_time_step, limit
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
 

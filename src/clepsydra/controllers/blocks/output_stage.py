@@ -8,7 +8,12 @@ import casadi as ca
 
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.anti_windup import AntiWindup
+from clepsydra.controllers.blocks.anti_windup import (
+    WINDING_NAMES,
+    AntiWindup,
+    integral_words,
+    next_integral,
+)
 from clepsydra.controllers.blocks.final_element import (
     LAST_OUTPUT,
     OUTPUT_PORTS,
@@ -17,9 +22,7 @@ from clepsydra.controllers.blocks.final_element import (
     output_end,
     output_results,
 )
-from clepsydra.controllers.blocks.handover import ASKED, Asked
-from clepsydra.controllers.blocks.integral import WINDING_NAMES, integral_words, next_integral
-from clepsydra.controllers.blocks.ports import words_for
+from clepsydra.controllers.blocks.ports import ASKED, Asked, words_for
 from clepsydra.controllers.blocks.sample import Reading, Sample
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols

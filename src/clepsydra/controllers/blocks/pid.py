@@ -6,10 +6,14 @@ from collections.abc import Callable
 
 import casadi as ca
 
-from clepsydra.controllers.blocks.derivative import FilteredDerivative, filtered_derivative
-from clepsydra.controllers.blocks.error_shape import gap_error, squared_error
-from clepsydra.controllers.blocks.handover import Applied
-from clepsydra.controllers.blocks.integral import next_integral
+from clepsydra.controllers.blocks.anti_windup import next_integral
+from clepsydra.controllers.blocks.filters import (
+    FilteredDerivative,
+    filtered_derivative,
+    gap_error,
+    squared_error,
+)
+from clepsydra.controllers.blocks.ports import Applied
 from clepsydra.controllers.blocks.validity import (
     any_of,
     is_number,

@@ -1,9 +1,10 @@
-"""The status word of an output: one bit a condition."""
+"""Who moves an output, and its status word: one bit a condition."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import IntEnum
 
 import casadi as ca
 
@@ -11,6 +12,19 @@ from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.ports import truth
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations
+
+
+class Mode(IntEnum):
+    """Who moves an output.
+
+    MANUAL takes the manual value, AUTOMATIC the control law, TRACKING the tracking value
+    (another controller or a local station has the actuator). Any other number holds the
+    last output.
+    """
+
+    MANUAL = 0
+    AUTOMATIC = 1
+    TRACKING = 2
 
 
 @dataclass(frozen=True)

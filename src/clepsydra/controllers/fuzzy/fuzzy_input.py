@@ -11,8 +11,7 @@ import casadi as ca
 from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.derivative import filtered_derivative
-from clepsydra.controllers.blocks.error_shape import gap_error
+from clepsydra.controllers.blocks.filters import filtered_derivative, gap_error
 from clepsydra.controllers.blocks.ports import GOOD, PV, SP, truth, words_for
 from clepsydra.controllers.blocks.validity import all_of, is_number, time_step_of, value_or_zero
 from clepsydra.program.block import Block

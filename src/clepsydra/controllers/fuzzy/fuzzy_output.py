@@ -9,7 +9,7 @@ from typing import Literal
 from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.anti_windup import tracking_share
+from clepsydra.controllers.blocks.anti_windup import next_integral, tracking_share
 from clepsydra.controllers.blocks.final_element import (
     LAST_OUTPUT,
     OUTPUT_WORDS,
@@ -17,9 +17,7 @@ from clepsydra.controllers.blocks.final_element import (
     output_ports,
     output_results,
 )
-from clepsydra.controllers.blocks.handover import Asked
-from clepsydra.controllers.blocks.integral import next_integral
-from clepsydra.controllers.blocks.ports import truth, words_for
+from clepsydra.controllers.blocks.ports import Asked, truth, words_for
 from clepsydra.controllers.blocks.validity import all_of, time_step_of
 from clepsydra.controllers.fuzzy.inference import CRISP
 from clepsydra.program.block import Block

@@ -13,8 +13,8 @@ import casadi as ca
 import numpy as np
 
 from clepsydra.base.signal import Signal, path
-from clepsydra.controllers.blocks.limits import limit
 from clepsydra.controllers.blocks.ports import truth, words_for
+from clepsydra.controllers.blocks.validity import limit
 from clepsydra.controllers.fuzzy.rule import firing
 from clepsydra.controllers.fuzzy.system import FuzzySystem, LinguisticVariable
 from clepsydra.program.block import Block

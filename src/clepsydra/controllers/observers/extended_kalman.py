@@ -18,8 +18,8 @@ from clepsydra.controllers.blocks.sampled_matrices import (
     upper_triangle,
 )
 from clepsydra.controllers.blocks.validity import all_of, is_number, time_step_of
-from clepsydra.controllers.observers.measured_state import ProcessState
 from clepsydra.controllers.observers.observer import ESTIMATE, Observer, Values
+from clepsydra.controllers.observers.state_source import ProcessState
 from clepsydra.controllers.process_model import evaluated, function_in, models_in
 from clepsydra.engine.runge_kutta import runge_kutta
 from clepsydra.linear.process_equations import NEARLY_EMPTY, ProcessEquations

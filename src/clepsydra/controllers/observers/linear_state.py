@@ -3,16 +3,132 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import casadi as ca
+import numpy as np
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
+from clepsydra.controllers.blocks.matrix import Matrix
 from clepsydra.controllers.blocks.sample import Reading, Sample
-from clepsydra.controllers.observers.current_observer import CurrentObserver
+from clepsydra.controllers.observers.observer import Observer, Values, surprises
 from clepsydra.controllers.observers.state_source import StateSource
-from clepsydra.controllers.observers.structure import ObserverStructure
+from clepsydra.program.step_law import Symbols
+
+#: More quantities than this make a law that nobody can read or check on a plant.
+MOST_ESTIMATES = 40
+
+
+@dataclass(frozen=True, eq=False)
+class ObserverStructure:
+    """What an observer estimates, and where its matrices may differ from zero.
+
+    A number of a matrix that is always zero is no parameter of the law: eight tanks in series
+    have 8 × 8 numbers in Φ, of which half are zero.
+
+    Parameters
+    ----------
+    estimated : tuple of Signal [N]
+        The quantities, with their units; first the states of the process.
+    transition : ndarray of bool [N, N]
+        Where Φ has numbers.
+    moved : ndarray of bool [N, m]
+        Where Γ has numbers.
+    shown : ndarray of bool [p, N]
+        Where C has numbers.
+    corrected : ndarray of bool [N, p]
+        Where M has numbers.
+
+    Raises InputError: there is nothing to estimate, or more than 40 quantities, or a shape does not
+    fit.
+    """
+
+    estimated: tuple[Signal, ...]
+    transition: np.ndarray
+    moved: np.ndarray
+    shown: np.ndarray
+    corrected: np.ndarray
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.size <= MOST_ESTIMATES:
+            raise InputError(
+                "observer, estimated",
+                self.size,
+                f"1 to {MOST_ESTIMATES} quantities",
+                "estimate fewer states, or sample more slowly where dead time needs many",
+            )
+        N, m, p = self.size, self.inputs, self.measurements
+        shapes = {"transition": (N, N), "moved": (N, m), "shown": (p, N), "corrected": (N, p)}
+        for name, shape in shapes.items():
+            if (found := np.shape(getattr(self, name))) != shape:
+                raise InputError(
+                    f"observer, {name}", found, f"a matrix of {shape}",
+                    "give one row and one column for each quantity",
+                )  # fmt: skip
+
+    @property
+    def size(self) -> int:
+        """How many quantities are estimated."""
+        return len(self.estimated)
+
+    @property
+    def inputs(self) -> int:
+        """How many manipulated variables the observer hears of."""
+        return int(np.shape(self.moved)[1])
+
+    @property
+    def measurements(self) -> int:
+        """How many measurements correct it."""
+        return int(np.shape(self.shown)[0])
+
+
+_ESTIMATE = Key("estimate", "{x}", "expected deviation of {x} from the operating point")
+
+
+class CurrentObserver(Observer):
+    """An observer by a linear model: h(x̂) = C x̂, and Φ x̂ + Γ u in the next sample.
+
+    Φ and Γ are those of one sampling period. Everything is a deviation from the operating point.
+    """
+
+    _reads, _hears = "deviation", "move"
+
+    def __init__(
+        self, structure: ObserverStructure, measured: Sequence[Signal], moved: Sequence[Signal]
+    ) -> None:
+        self.estimated, x, y, u = structure.estimated, structure.estimated, measured, moved
+        self.matrices = [
+            Matrix(name, to, by, f"what {{by}} {when} does to {{to}}", used=used, digits=9)
+            for name, to, by, when, used in (
+                ("transition", x, x, "a sample before", structure.transition),
+                ("input_effect", x, u, "held for a sample", structure.moved),
+                ("observation", y, x, "at once", structure.shown),
+                ("correction", x, y, "not as estimated", structure.corrected),
+            )
+        ]
+        super().__init__(x, y, u, self.parameters())
+
+    def parameters(self) -> list[Signal]:
+        """Return the numbers of transition, input_effect, observation and correction."""
+        return [number for matrix in self.matrices for number in matrix.signals()]
+
+    def state(self) -> list[Signal]:
+        """Return estimates, the deviations from the operating point expected next."""
+        return [_ESTIMATE.of(x, x=x) for x in self.estimated]
+
+    def _corrected(self, s: Symbols, before: Values, shown: Values) -> tuple[Values, Values]:
+        *_, observation, correction = self.matrices
+        surprise = surprises(s["known"], shown, observation.times(s, before))
+        added = correction.times(s, surprise)
+        return [x + more for x, more in zip(before, added, strict=True)], surprise
+
+    def _following(self, s: Symbols, estimate: Values, inputs: Values) -> Values:
+        transition, input_effect, *_ = self.matrices
+        pairs = zip(transition.times(s, estimate), input_effect.times(s, inputs), strict=True)
+        return [own + moved for own, moved in pairs]
 
 
 class LinearState(StateSource):

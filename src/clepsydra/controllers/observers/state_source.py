@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import casadi as ca
 
+from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.matrix import Matrix
 from clepsydra.controllers.blocks.sample import Reading, Sample
 from clepsydra.controllers.control_law import control_law
-from clepsydra.program.step_law import StepLaw
+from clepsydra.controllers.process_model import evaluated, models_in
+from clepsydra.linear.process_equations import ProcessEquations
+from clepsydra.program.step_law import StepLaw, Symbols
 
 
 class StateSource(ABC):
@@ -107,3 +110,113 @@ class StateSource(ABC):
             ],
             description=description,
         )
+
+
+class ProcessState(StateSource):
+    """The state x of the `ProcessEquations`.
+
+    Parameters
+    ----------
+    measurements : sequence of str
+        What the law reads.
+    expressions : sequence of casadi.SX
+        What it computes with.
+    """
+
+    def __init__(
+        self, equations: ProcessEquations, measurements: Sequence[str], expressions: Sequence[ca.SX]
+    ) -> None:
+        self.equations, self.measurements = equations, tuple(measurements)
+        self.expressions = expressions
+        of = measurements, equations.outputs, equations.inputs, equations.states
+        signal = equations.point.process.signal
+        super().__init__(*([signal(name) for name in names] for names in of))
+
+    def parameters(self, expressions: Sequence[ca.SX] = ()) -> list[Signal]:
+        """Return model.* of what it and some expressions depend on, and reference of each state."""
+        references = [signals.at_rest(x, "reference") for x in self.fed_back]
+        return [*models_in(self.equations, [*self.expressions, *expressions]), *references]
+
+
+def sensors_of_states(equations: ProcessEquations) -> dict[str, str]:
+    """Return each state with the measurement that shows it alone and in proportion, if one does."""
+    found: dict[str, str] = {}
+    for name, state in equations.point.process.measured_state.items():
+        if state not in equations.states:
+            continue
+        slope = ca.jacobian(equations.reading(name), equations.state)
+        others = set(slope.sparsity().get_col()) - {equations.states.index(state)}
+        if others or ca.depends_on(slope, equations.state):
+            continue
+        # Where two sensors show a state, the one that is controlled is meant.
+        if state not in found or name in equations.outputs:
+            found[state] = name
+    return found
+
+
+def zeros_and_slopes(equations: ProcessEquations, sensors: Mapping[str, str]) -> list[ca.SX]:
+    """Return what each sensor of `sensors_of_states` shows at a state of zero, and its slope."""
+    found, zero = [], ca.SX.zeros(len(equations.states))
+    for state, sensor in sensors.items():
+        reading = equations.reading(sensor)
+        place = equations.states.index(state)
+        found.append(ca.substitute(reading, equations.state, zero))
+        found.append(ca.jacobian(reading, equations.state[place]))
+    return found
+
+
+def shown_states(
+    equations: ProcessEquations,
+    sensors: Mapping[str, str],
+    symbols: Symbols,
+    measured: Mapping[str, ca.SX],
+) -> list[ca.SX]:
+    """Return the states that sensors show.
+
+    Parameters
+    ----------
+    sensors : mapping
+        State to its sensor, as in `sensors_of_states`.
+    symbols, measured : mapping
+        model.* of the sensors, and what they show.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> from clepsydra.linear.process_equations import process_equations
+    >>> equations = process_equations(cl.load("quadruple-tank").linear)
+    >>> gain = {"model.level_1.gain": ca.SX(50.0)}
+    >>> shown_states(equations, {"tank_1.level": "level_1"}, gain, {"level_1": ca.SX(5.0)})
+    [SX(0.1)]
+    """
+    at = evaluated(equations, zeros_and_slopes(equations, sensors), symbols)
+    return [
+        (measured[sensor] - zero) / ca.if_else(slope == 0, 1, slope)
+        for sensor, zero, slope in zip(sensors.values(), at[::2], at[1::2], strict=True)
+    ]
+
+
+class MeasuredState(ProcessState):
+    """Each state by the measurement that shows it alone and in proportion.
+
+    Raises InputError: A state is not measured so.
+    """
+
+    def __init__(self, equations: ProcessEquations) -> None:
+        found = sensors_of_states(equations)
+        if missing := [name for name in equations.states if name not in found]:
+            raise InputError(
+                "state",
+                ", ".join(missing),
+                "a measurement that shows the state alone and in proportion",
+                "add a sensor, or an observer",
+            )
+        self._sensors = {name: found[name] for name in equations.states}
+        # The controlled outputs come first, then what shows the other states.
+        measurements = dict.fromkeys((*equations.outputs, *self._sensors.values()))
+        super().__init__(equations, [*measurements], zeros_and_slopes(equations, self._sensors))
+
+    def known(self, sample: Sample, reading: Reading) -> list[ca.SX]:
+        """Return what the sensors show."""
+        shown = reading.measurements
+        return shown_states(self.equations, self._sensors, sample.symbols, shown)

@@ -10,10 +10,9 @@ import casadi as ca
 from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.limits import limit
-from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.controllers.blocks.ports import truth, words_for
-from clepsydra.controllers.blocks.validity import is_number
+from clepsydra.controllers.blocks.status import Mode
+from clepsydra.controllers.blocks.validity import is_number, limit
 from clepsydra.controllers.plant_shell.scan import ACKNOWLEDGED, ELAPSED, WARM, count
 from clepsydra.controllers.signals import LARGEST_PARAMETER
 from clepsydra.program.block import Block

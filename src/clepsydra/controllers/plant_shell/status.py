@@ -8,9 +8,14 @@ from functools import cache
 import casadi as ca
 
 from clepsydra.base.signal import Signal, path
-from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.controllers.blocks.ports import truth
-from clepsydra.controllers.blocks.status import STATUS_BITS, StatusBit, status_port, status_word
+from clepsydra.controllers.blocks.status import (
+    STATUS_BITS,
+    Mode,
+    StatusBit,
+    status_port,
+    status_word,
+)
 from clepsydra.controllers.blocks.validity import is_number
 from clepsydra.controllers.plant_shell.output_command import (
     LIMITS,

@@ -14,8 +14,7 @@ from clepsydra.controllers.blocks.validity import LARGEST_NUMBER, all_of, any_of
 from clepsydra.controllers.plant_shell.members import Members
 from clepsydra.controllers.plant_shell.output_command import Rate, output_command
 from clepsydra.controllers.plant_shell.scan import Scan
-from clepsydra.controllers.plant_shell.setpoint_ramp import RAMP
-from clepsydra.controllers.plant_shell.signal_check import signal_check
+from clepsydra.controllers.plant_shell.signal_check import RAMP, signal_check
 from clepsydra.controllers.plant_shell.status import OF_LAW, OF_LIMITS, output_end
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.program.block import Block

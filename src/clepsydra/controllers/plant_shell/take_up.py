@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from clepsydra.base.signal import Signal, path
-from clepsydra.controllers.blocks.mode import Mode
+from clepsydra.controllers.blocks.status import Mode
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.signals import owners
 from clepsydra.controllers.wiring import wired_setpoints

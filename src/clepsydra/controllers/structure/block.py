@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
 
 from clepsydra.base.signal import Signal
-from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
+from clepsydra.controllers.blocks.ports import Applied, Asked, Limits
 from clepsydra.controllers.blocks.sample import Sample
 
 

@@ -10,9 +10,8 @@ import casadi as ca
 
 from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal, path
-from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
-from clepsydra.controllers.blocks.lead_lag import lead_lag
-from clepsydra.controllers.blocks.ports import instance, truth
+from clepsydra.controllers.blocks.filters import lead_lag
+from clepsydra.controllers.blocks.ports import Applied, Asked, Limits, instance, truth
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.validity import is_number, time_step_of, value_or_zero
 from clepsydra.controllers.signals import LARGEST_PARAMETER, signed

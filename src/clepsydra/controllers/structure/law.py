@@ -2,19 +2,64 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
+from clepsydra.controllers.blocks.ports import Applied, Asked, Limits
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.structure.block import Block, Opened
-from clepsydra.controllers.structure.order import in_order
 from clepsydra.controllers.structure.output_block import OutputBlock
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.controllers.structure.selector_block import SelectorBlock
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
+
+
+def in_order(place: str, sources: Mapping[str, Collection[str]]) -> list[str]:
+    """Return names so that each stands after all that it takes a value from.
+
+    Parameters
+    ----------
+    place : str
+        For the message.
+    sources : mapping
+        Name to those that it takes a value from.
+
+    Raises InputError: some take their values from each other in a circle; the first of them ends
+    the place.
+
+    Examples
+    --------
+    >>> in_order("scheme", {"pump": ["level"], "level": []})
+    ['level', 'pump']
+    """
+    ordered: list[str] = []
+    while len(ordered) < len(sources):
+        waiting = [name for name in sources if name not in ordered]
+        ready = [name for name in waiting if set(sources[name]) <= set(ordered)]
+        if not ready:
+            circle = _circle(waiting, sources)
+            raise InputError(
+                f"{place}, {circle[0]}",
+                " → ".join([*circle, circle[0]]),
+                "a way from setpoints to manipulated variables without a circle",
+                "let one of them move something else, or take its value from elsewhere",
+            )
+        ordered += ready
+    return ordered
+
+
+def _circle(waiting: list[str], sources: Mapping[str, Collection[str]]) -> list[str]:
+    """Return names of which each gives its value to the next, and the last to the first."""
+    passed = [waiting[0]]
+    while True:
+        source = next(name for name in sources[passed[-1]] if name in waiting)
+        if source in passed:
+            circle = passed[passed.index(source) :][::-1]
+            first = circle.index(min(circle, key=waiting.index))
+            return circle[first:] + circle[:first]
+        passed.append(source)
 
 
 def structure_law(

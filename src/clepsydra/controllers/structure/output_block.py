@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import final_element
-from clepsydra.controllers.blocks.handover import Asked, Limits
+from clepsydra.controllers.blocks.ports import Asked, Limits
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.structure.block import Opened, WithoutSignals
 

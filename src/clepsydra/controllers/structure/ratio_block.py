@@ -10,8 +10,16 @@ from functools import cache
 import casadi as ca
 
 from clepsydra.base.signal import Signal, path
-from clepsydra.controllers.blocks.handover import APPLIED, ASKED, Applied, Asked, Limits, prefixed
-from clepsydra.controllers.blocks.ports import instance, truth
+from clepsydra.controllers.blocks.ports import (
+    APPLIED,
+    ASKED,
+    Applied,
+    Asked,
+    Limits,
+    instance,
+    prefixed,
+    truth,
+)
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.validity import is_number, value_or_zero
 from clepsydra.controllers.signals import signed

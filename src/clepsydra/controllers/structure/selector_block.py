@@ -9,8 +9,7 @@ from typing import Literal
 
 import casadi as ca
 
-from clepsydra.controllers.blocks.handover import ASKED, Applied, Asked, Limits, prefixed
-from clepsydra.controllers.blocks.ports import instance
+from clepsydra.controllers.blocks.ports import ASKED, Applied, Asked, Limits, instance, prefixed
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.structure.block import Opened, WithoutSignals
 from clepsydra.program.block import Block

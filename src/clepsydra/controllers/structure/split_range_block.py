@@ -10,10 +10,9 @@ import casadi as ca
 
 from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal, path
-from clepsydra.controllers.blocks.handover import APPLIED, Applied, Asked, Limits
-from clepsydra.controllers.blocks.limits import limit
-from clepsydra.controllers.blocks.ports import instance, truth
+from clepsydra.controllers.blocks.ports import APPLIED, Applied, Asked, Limits, instance, truth
 from clepsydra.controllers.blocks.sample import Sample
+from clepsydra.controllers.blocks.validity import limit
 from clepsydra.controllers.signals import signed
 from clepsydra.controllers.structure.block import Opened, WithoutSignals
 from clepsydra.program.block import Block

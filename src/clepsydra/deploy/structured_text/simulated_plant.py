@@ -9,7 +9,7 @@ from clepsydra.base.conversion import conversion
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, identifier
 from clepsydra.base.units import convertible, from_si
-from clepsydra.controllers.blocks.mode import Mode
+from clepsydra.controllers.blocks.status import Mode
 from clepsydra.controllers.plant_shell.edge import at_port
 from clepsydra.deploy.printing.declarations import Variable, declared
 from clepsydra.deploy.printing.expressions import Expression, constant, variable

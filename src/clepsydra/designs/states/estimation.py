@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from clepsydra.base.signal import Signal, path
-from clepsydra.controllers.observers.structure import ObserverStructure
+from clepsydra.controllers.observers.linear_state import ObserverStructure
 from clepsydra.designs.states.observed_process import ObservedProcess
 from clepsydra.linear.linearise import operating_point_of
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
-from clepsydra.controllers.observers.structure import MOST_ESTIMATES
+from clepsydra.controllers.observers.linear_state import MOST_ESTIMATES
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.sampled.sampled_process import sampled_process, sampled_states
 from clepsydra.designs.sampled.sampling_period import check_sampling_period

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.observers.extended_kalman import ExtendedKalman
-from clepsydra.controllers.observers.measured_state import ProcessState
+from clepsydra.controllers.observers.state_source import ProcessState
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.at_operating_point import controller_at, numbers_at
 from clepsydra.designs.designed_values import rounded_symmetric

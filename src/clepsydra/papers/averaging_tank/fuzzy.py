@@ -11,8 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from clepsydra.controllers.fuzzy.file import FuzzyFile, read_fuzzy
-from clepsydra.controllers.fuzzy.wired import WiredFuzzy
+from clepsydra.controllers.fuzzy.file import FuzzyFile, WiredFuzzy, read_fuzzy
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise, operating_point_of

@@ -11,10 +11,9 @@ import numpy as np
 from clepsydra.base.signal import path
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
-from clepsydra.controllers.blocks.schedule import Schedule
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.gain_scheduling import scheduled_law, scheduled_lqi_law
-from clepsydra.controllers.observers.measured_state import MeasuredState
+from clepsydra.controllers.gain_scheduling import Schedule, scheduled_law, scheduled_lqi_law
+from clepsydra.controllers.observers.state_source import MeasuredState
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.designs.recomputed_lqi import recomputed_lqi_controller
 from clepsydra.designs.states.bryson_rule import bryson_weights

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.fuzzy.file import FuzzyFile, load_fuzzy
-from clepsydra.controllers.fuzzy.wired import WiredFuzzy
+from clepsydra.controllers.fuzzy.file import FuzzyFile, WiredFuzzy, load_fuzzy
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.process.errors_at import errors_at

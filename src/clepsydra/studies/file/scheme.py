@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from clepsydra.base.signal import path
-from clepsydra.controllers.at_rest import state_at_rest
-from clepsydra.controllers.complexity import Complexity
-from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.first_samples import first_samples
+from clepsydra.controllers.at_rest import first_samples, state_at_rest
+from clepsydra.controllers.controller import Complexity, Controller
 from clepsydra.controllers.parameters import check_parameters
 from clepsydra.controllers.structure.output_block import OutputBlock
 from clepsydra.controllers.structure.pid_block import PidBlock

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from clepsydra.base.signal import Signal, path
 from clepsydra.base.suggestion import suggestion
-from clepsydra.controllers.structure.order import in_order
+from clepsydra.controllers.structure.law import in_order
 from clepsydra.process.errors_at import errors_at
 from clepsydra.process.joined_unit import unit_of_gain
 from clepsydra.process.known_names import known_name

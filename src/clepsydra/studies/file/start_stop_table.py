@@ -9,8 +9,7 @@ from typing import Any
 from clepsydra.base.quantity import quantity
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.at_rest import state_at_rest
-from clepsydra.controllers.complexity import Complexity
-from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.controller import Complexity, Controller
 from clepsydra.controllers.parameters import check_parameters
 from clepsydra.controllers.signals import owners
 from clepsydra.controllers.start_stop_levels import FAMILY, check_levels, start_stop_law

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from clepsydra.controllers.blocks.mode import Mode
+from clepsydra.controllers.blocks.status import Mode
 from clepsydra.controllers.controller import Controller
 from clepsydra.loop.loop import Loop
 from clepsydra.program.delay_ring import DelayRing

@@ -6,7 +6,7 @@ import numpy as np
 
 from clepsydra.base.signal import Signal, path
 from clepsydra.base.words import time_text
-from clepsydra.controllers.blocks.mode import Mode
+from clepsydra.controllers.blocks.status import Mode
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.signals import owners
 from clepsydra.controllers.structure.pid_block import PidBlock
