@@ -28,9 +28,8 @@ from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.process.reader import load_process
-from clepsydra.studies.tuning.goal import Goal
 from clepsydra.studies.tuning.law_space import LawSpace
-from clepsydra.studies.tuning.objective import Objective
+from clepsydra.studies.tuning.objective import Goal, Objective
 from clepsydra.studies.tuning.parameters import TunedParameter
 from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.tuning.tune import GENERATIONS, Search, tune

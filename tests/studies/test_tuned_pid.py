@@ -11,9 +11,8 @@ from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.studies.trial import scores_of
-from clepsydra.studies.tuning.goal import Goal
 from clepsydra.studies.tuning.law_space import LawSpace
-from clepsydra.studies.tuning.objective import Limits, minimax
+from clepsydra.studies.tuning.objective import Goal, Limits, minimax
 from clepsydra.studies.tuning.parameters import gains_and_times
 from clepsydra.studies.tuning.tune import tune
 

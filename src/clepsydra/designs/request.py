@@ -35,13 +35,13 @@ def positive_number(place: str, value: float, expected: str, remedy: str) -> flo
     return float(value)
 
 
-def in_shown_unit(signal: Signal, value: float) -> str:
-    """Return a value [signal unit] with three digits in the unit that the reader sees.
+def in_shown_unit(signal: Signal, value: float, digits: int = 3) -> str:
+    """Return a value [signal unit] in the unit that the reader sees.
 
     Examples
     --------
     >>> in_shown_unit(Signal("level", "A", display_unit="mA"), 0.0016)
     '1.6 mA'
     """
-    shown = from_si(value, signal.unit, signal.shown_unit)
-    return f"{shown:.3g} {signal.shown_unit}" if signal.shown_unit != "1" else f"{shown:.3g}"
+    shown = f"{from_si(value, signal.unit, signal.shown_unit):.{digits}g}"
+    return shown if signal.shown_unit == "1" else f"{shown} {signal.shown_unit}"

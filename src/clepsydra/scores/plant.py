@@ -82,7 +82,6 @@ def plant_trajectories(
 
     Parameters
     ----------
-    process : Process
     time : ndarray [n]
         Start of each sample [s].
     values : mapping

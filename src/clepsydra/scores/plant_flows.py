@@ -20,7 +20,6 @@ def plant_flows(
 
     Parameters
     ----------
-    process : Process
     time : ndarray [samples]
         [s]
     values : mapping
@@ -77,7 +76,6 @@ def forced_flows(
 
     Parameters
     ----------
-    process : Process
     time : ndarray [samples]
     values : mapping
         As in `plant_flows`.

@@ -178,11 +178,6 @@ class Fold(Enum):
         starts = np.union1d([0], np.flatnonzero(sample.begins))
         return float(np.sum(np.abs(np.add.reduceat(values, starts))))
 
-    def together(self, one: np.ndarray, other: np.ndarray) -> np.ndarray:
-        """Return the score of two runs from that of each."""
-        extreme = {Fold.LARGEST: np.maximum, Fold.SMALLEST: np.minimum}
-        return np.asarray(extreme.get(self, np.add)(one, other))
-
 
 def where(condition: Expression, value: Expression, other: Expression) -> Expression:
     """Return a value where a condition holds, and the other elsewhere."""

@@ -64,20 +64,17 @@ class Score:
         As in the head of a table.
     description : str
         One sentence, with the definition.
-    of : Of
     powers : tuple of int
         Of the signal's unit and of seconds, of which its unit is made.
     unit : str
         Its unit where it is another: that of the value as it stands.
     phrase : str
         What a sentence calls it, where that is not the title.
-    smaller_is_better : bool
     wants : {"", "setpoint", "load", "own step", "head"}
         Without what there is no such score: a kind of segment, a step of the signal's own setpoint
         that the controller follows, or a head of the pump that is known.
     integrand : callable, optional
         Sample to the value that is folded, or to several where `finish` makes one of their folds.
-    fold : Fold
     finish : callable, optional
         Folds to the score, which is left out where that is not a number.
     over : callable, optional

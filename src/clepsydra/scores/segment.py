@@ -14,7 +14,6 @@ class Segment:
 
     Parameters
     ----------
-    kind : {"setpoint", "load", "noise"}
     signal : str
         The controlled measurement or the disturbance that is stepped; empty for noise.
     start, stop : float

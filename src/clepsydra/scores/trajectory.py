@@ -120,7 +120,6 @@ def first_crossing(elapsed: FloatArray, signal: FloatArray, threshold: float) ->
     elapsed : ndarray [n]
         [s]
     signal : ndarray [n]
-    threshold : float
 
     Returns
     -------

@@ -168,7 +168,6 @@ def verdict(process: Process, ranking: Sequence[Candidate], accept: float = ACCE
 
     Parameters
     ----------
-    process : Process
     ranking : sequence of Candidate
         Best first.
     accept : float

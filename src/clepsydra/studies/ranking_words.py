@@ -38,7 +38,6 @@ def reason(candidate: Candidate, rival: Candidate | None, *, ahead: bool, tied: 
 
     Parameters
     ----------
-    candidate : Candidate
     rival : Candidate or None
         The one before it; of the first the one after it.
     ahead : bool

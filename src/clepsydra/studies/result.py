@@ -39,8 +39,6 @@ class TriedController:
 
     Parameters
     ----------
-    controller : Controller
-    run : Run
     scores : dict
         Score name to value; a score per signal has the key "name[signal]".
     maximum_sensitivity : float
@@ -77,7 +75,6 @@ class Candidate(TriedController):
 
     Parameters
     ----------
-    standing : Standing
     mean_error : float
         What decides among controllers of one standing: the mean of `criteria`.
     rank : int
@@ -119,12 +116,8 @@ class StudyResult:
 
     Parameters
     ----------
-    process : Process
-    analysis : Analysis
-    scenario : Scenario
     ranking : tuple of Candidate
         Best first.
-    not_applicable : tuple of (name, reason)
     verdict : str
         The answer in one sentence: which controller, how good, how sure, what to watch.
     warnings : tuple of str

@@ -66,7 +66,6 @@ def single_precision_warnings(candidate: Candidate, model: LinearModel) -> tuple
 
     Parameters
     ----------
-    candidate : Candidate
     model : LinearModel
         Of its process at the point where its run starts.
 

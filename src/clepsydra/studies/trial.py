@@ -39,11 +39,8 @@ def trial_of(
 
     Parameters
     ----------
-    controller : Controller
-    analysis : Analysis
     model : LinearModel
         Of the same operating point, with all measurements.
-    scenario : Scenario
     tuning : TuningResult, optional
         How the controller was tuned.
 

@@ -16,9 +16,8 @@ from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
 from clepsydra.studies.levels_used import levels_used
 from clepsydra.studies.ranking import QUIET, Trial, of_averaging
-from clepsydra.studies.tuning.goal import Goal
 from clepsydra.studies.tuning.law_space import LawSpace
-from clepsydra.studies.tuning.objective import Limits, Objective, minimax, weighted_sum
+from clepsydra.studies.tuning.objective import Goal, Limits, Objective, minimax, weighted_sum
 from clepsydra.studies.tuning.parameters import gains_and_times
 from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.tuning.tune import Search, tune
@@ -38,7 +37,6 @@ class UsualTuning:
 
     Parameters
     ----------
-    process : Process
     trials : sequence of Trial
         Those of the study, among which it finds its start.
 

@@ -6,37 +6,28 @@ import pytest
 import clepsydra as cl
 from clepsydra import InputError, NotApplicable
 from clepsydra.loop.default_scenario import default_scenario
-from clepsydra.studies.tuning.design_space import DesignSpace
-from clepsydra.studies.tuning.goal import Goal
 from clepsydra.studies.tuning.law_space import LawSpace
-from clepsydra.studies.tuning.lqi_weights import LqiWeights
-from clepsydra.studies.tuning.objective import minimax
+from clepsydra.studies.tuning.objective import Goal, minimax
 from clepsydra.studies.tuning.parameters import TunedParameter
-from clepsydra.studies.tuning.search_space import NumberWords
+from clepsydra.studies.tuning.search_space import SearchSpace
 from clepsydra.studies.tuning.tune import Search, tune
-from clepsydra.studies.tuning.weighted_designs import lqi_by_bryson
+from clepsydra.studies.tuning.weight_space import lqi_by_bryson, weight_space
 
 LOWEST = 0.7
 
 
-class Squared:
+class Squared(SearchSpace):
     """A loop gain that is the start's times the square of a number, refused below 0.7."""
 
-    def __init__(self, gain: float) -> None:
-        self._gain = gain
-        self.numbers = {"root": 1.0}
+    @property
+    def numbers(self):
+        return {"root": 1.0}
 
-    def values(self, numbers):
+    def law_values(self, numbers):
         if numbers["root"] < LOWEST:
             raise NotApplicable("by hand", "too small")
-        return {"level.proportional_gain": self._gain * numbers["root"] ** 2}
-
-    @property
-    def words(self):
-        return NumberWords()
-
-    def notes(self, parameters, tuned):
-        return ()
+        gain = self.controller.values["level.proportional_gain"]
+        return {"level.proportional_gain": gain * numbers["root"] ** 2}
 
 
 @pytest.fixture(scope="module")
@@ -45,9 +36,8 @@ def setting():
     return cl.design.simc(basin), basin.linear, default_scenario(basin.linear)
 
 
-def space_of(start) -> DesignSpace:
-    design = Squared(start.values["level.proportional_gain"])
-    return DesignSpace(start, (TunedParameter("root", 0.1, 3.0),), design)
+def space_of(start) -> SearchSpace:
+    return Squared(start, (TunedParameter("root", 0.1, 3.0),))
 
 
 @pytest.mark.thorough
@@ -80,20 +70,19 @@ def test_the_same_gain_is_found_by_way_of_a_number_and_by_itself(setting):
 
 def test_the_numbers_of_the_space_are_checked(setting):
     start, _, _ = setting
-    design = Squared(1.0)
-    for parameter, said in (
-        (TunedParameter("rot", 0.1, 3.0), "perhaps 'root'"),
-        (TunedParameter("root", 2.0, 3.0), "a start within its bounds 2 to 3"),
+    for parameters, said in (
+        ([TunedParameter("root", 0.1, 3.0)] * 2, "each name once"),
+        ([TunedParameter("root", 2.0, 3.0)], "a start within its bounds 2 to 3"),
     ):
         with pytest.raises(InputError, match=said):
-            DesignSpace(start, (parameter,), design)
+            Squared(start, parameters)
 
 
 def test_gains_of_weights_change_smoothly_by_the_steps_that_a_search_takes():
-    design = LqiWeights(lqi_by_bryson(cl.load("three-tanks").linear))
+    design = weight_space(lqi_by_bryson(cl.load("three-tanks").linear))
     weight = design.numbers["inputs.feed"]
     gains = [
-        design.values({**design.numbers, "inputs.feed": weight * (1.0 + 1e-6 * i)})
+        design.law_values({**design.numbers, "inputs.feed": weight * (1.0 + 1e-6 * i)})
         for i in range(3)
     ]
     for name in ("feed.feedback.level_1", "feed.feedback.level_3", "feed.integral_gain.level_3"):

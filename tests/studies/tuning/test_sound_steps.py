@@ -39,12 +39,12 @@ def test_the_steps_of_a_tuning_are_halved_until_the_start_is_sound(plant, monkey
     controller, model = cl.design.simc(plant), plant.linear
     loop, plan = Loop(controller, model), scenario(plant)
     assert loop.substeps == 1
-    found = BatchEvaluation(controller, model, [plan], [SCORE]).run({})
+    found = BatchEvaluation(controller, model, plan, [SCORE]).run({})
     assert found.status.tolist() == [0]
     coarse, fine = (loop.run(plan, substeps=n).true_measurement("level_1") for n in (1, 64))
     assert np.max(np.abs(coarse - fine)) > 0.01 * np.ptp(fine)
     monkeypatch.setattr(step_size, "_REACH", 0.05)
-    truth = BatchEvaluation(controller, model, [plan], [SCORE]).run({}).scores[SCORE]
+    truth = BatchEvaluation(controller, model, plan, [SCORE]).run({}).scores[SCORE]
     assert found.scores[SCORE] == pytest.approx(truth, rel=1e-3)
 
 
@@ -52,6 +52,6 @@ def test_a_start_that_no_step_suits_is_refused(plant, monkeypatch):
     monkeypatch.setattr(batches, "LARGEST_REFINEMENT", 1)
     controller, model = cl.design.simc(plant), plant.linear
     with pytest.raises(InputError) as caught:
-        BatchEvaluation(controller, model, [scenario(plant)], [SCORE])
+        BatchEvaluation(controller, model, scenario(plant), [SCORE])
     assert caught.value.place == f"tuning, {controller.name}, integration"
     assert "1 steps in a sampling period" in str(caught.value.value)

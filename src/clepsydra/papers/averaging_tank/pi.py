@@ -40,9 +40,8 @@ from clepsydra.papers.averaging_tank.symbols import VARIANTS, Variant, constant_
 from clepsydra.papers.averaging_tank.trends import trend_figure
 from clepsydra.papers.document import Found
 from clepsydra.papers.row import Rows, joined
-from clepsydra.studies.tuning.goal import Goal
 from clepsydra.studies.tuning.law_space import LawSpace
-from clepsydra.studies.tuning.objective import Objective
+from clepsydra.studies.tuning.objective import Goal, Objective
 from clepsydra.studies.tuning.parameters import TunedParameter
 from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.tuning.tune import Search, tune

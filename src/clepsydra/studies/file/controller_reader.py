@@ -27,11 +27,9 @@ from clepsydra.studies.file.regulator_table import RegulatorTable
 from clepsydra.studies.file.request import ControllerRequest, Maker
 from clepsydra.studies.file.scheme import Scheme
 from clepsydra.studies.file.start_stop_table import StartStopTable
-from clepsydra.studies.file.tuning_reader import Tuning, read_tuning
-from clepsydra.studies.file.tuning_request import TuningRequest, WeightedStart
+from clepsydra.studies.file.tuning_reader import Tuning, WeightedStart, read_tuning
 from clepsydra.studies.file.written import Written
-from clepsydra.studies.tuning.lqi_weights import WeightedDesign
-from clepsydra.studies.tuning.weighted_designs import WEIGHTED_DESIGNS
+from clepsydra.studies.tuning.weight_space import WEIGHTED_DESIGNS, WeightedDesign
 
 _LONGEST_NAME = 60
 _WAYS = 'write design = "simc", or a loop as in [controllers.NAME.loops.NAME]'
@@ -46,7 +44,6 @@ def read_controllers(
     ----------
     general : TableReader
         The whole study file.
-    process : Process
     folder : Path
         Where the study file is.
 
@@ -117,7 +114,7 @@ def _controller(rows: TableReader, name: str, process: Process, folder: Path) ->
     return ControllerRequest(name, _checked(make, tune), tune, rows.place(name))
 
 
-def _designed(rows: TableReader, name: str, process: Process) -> tuple[Maker, TuningRequest | None]:
+def _designed(rows: TableReader, name: str, process: Process) -> tuple[Maker, Tuning | None]:
     """Return what makes a controller by a design with the arguments of a table."""
     table = rows.table(name, "a table", _WAYS)
     known = table.text("design", "the name of a design", 'write as in design = "simc"')
@@ -161,12 +158,12 @@ def _tuning(
     table: TableReader,
     process: Process,
     weighted: WeightedStart | None = None,
-) -> TuningRequest | None:
+) -> Tuning | None:
     rows = read_fields(_Tuned, table)["tune"]
     return None if rows is None else read_tuning(rows, process, weighted)
 
 
-def _checked(make: Maker, tune: TuningRequest | None) -> Maker:
+def _checked(make: Maker, tune: Tuning | None) -> Maker:
     """Return what makes a controller and sees whether it can be tuned as asked."""
     if tune is None:
         return make

@@ -19,8 +19,6 @@ def read_arguments(table: TableReader, design: Design, process: Process) -> dict
     ----------
     table : TableReader
         Its keys have been checked against `Design.file_keys`.
-    design : Design
-    process : Process
 
     Returns
     -------

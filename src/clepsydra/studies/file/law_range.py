@@ -15,7 +15,6 @@ def check_law_range(table: TableReader, key: str, parameter: Signal, value: floa
     ----------
     table : TableReader
         With a quantity at `key`.
-    key : str
     parameter : Signal
         Of the law.
     value : float

@@ -52,7 +52,6 @@ def new_study(process: Process, named: str, template: str) -> str:
 
     Parameters
     ----------
-    process : Process
     named : str
         What the file calls the process.
     template : str

@@ -123,7 +123,6 @@ class PidTable:
 
     Parameters
     ----------
-    table : TableReader
     block : PidBlock
         It says which parameters there are.
 

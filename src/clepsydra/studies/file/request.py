@@ -62,10 +62,8 @@ class StudyRequest:
         Of the file; None where there is none.
     title : str
         One line for the reader.
-    process : Process
     analysis : Analysis
         Of the process at its operating point, where the scenario begins.
-    scenario : Scenario
     controllers : tuple of ControllerRequest
         In the order of the file; empty where it names none and every design that applies is
         wanted.

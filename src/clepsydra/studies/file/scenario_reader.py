@@ -63,7 +63,6 @@ class ScenarioTable:
 
     Parameters
     ----------
-    samples : int
     quiet : int or None
         The sample from which on there is noise and nothing else; None without such a time.
     steps : list of Step

@@ -45,7 +45,6 @@ class Part:
     ----------
     table : TableReader
         Where it was written.
-    name : str
     moves : tuple of (TableReader, str)
         What it moves, and the table in which that was written as `output`; a split range moves
         several.

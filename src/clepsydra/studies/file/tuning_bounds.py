@@ -10,7 +10,6 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import path
 from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.controller import Controller
-from clepsydra.process.errors_at import errors_at
 from clepsydra.process.table_reader import TableReader
 from clepsydra.studies.file.law_parameters import (
     GAINS,
@@ -20,8 +19,8 @@ from clepsydra.studies.file.law_parameters import (
     parameter_of,
 )
 from clepsydra.studies.file.law_range import check_law_range, in_written_unit
-from clepsydra.studies.tuning.lqi_weights import KINDS
 from clepsydra.studies.tuning.parameters import ROUNDING, TunedParameter, around
+from clepsydra.studies.tuning.weight_space import KINDS
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,13 +35,6 @@ class Bound:
         A parameter of the law, a key of a loop, or what a weight is of.
     owner : str
         What it belongs to, if that is written before it: a loop; of a weight its kind, "inputs".
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> text = b'level.gain = ["0.1 %/%", "10 %/%"]'
-    >>> Bound(TableReader(parse(text, "study.toml"), ("level",), None), "gain", "level").name
-    'level.gain'
     """
 
     table: TableReader
@@ -53,11 +45,6 @@ class Bound:
     def name(self) -> str:
         """What is bounded, with its owner."""
         return path(self.owner, self.key) if self.owner else self.key
-
-    @property
-    def place(self) -> str:
-        """Where it stands."""
-        return self.table.place(self.key)
 
     @property
     def ends(self) -> tuple[TableReader, TableReader]:
@@ -85,18 +72,7 @@ class Bound:
 
 
 def of_weights(bounds: Sequence[Bound]) -> bool:
-    """Return whether bounds are those of weights, and not of parameters of the law.
-
-    Raises
-    ------
-    InputError
-        Some are, and others are not.
-
-    Examples
-    --------
-    >>> of_weights([])
-    False
-    """
+    """Return whether bounds are those of weights, and not of parameters of the law; not mixed."""
     weighed = [bound for bound in bounds if bound.owner in KINDS]
     others = [bound for bound in bounds if bound.owner not in KINDS]
     if weighed and others:
@@ -111,13 +87,7 @@ def of_weights(bounds: Sequence[Bound]) -> bool:
 
 
 def tuned_weight(bound: Bound, known: Mapping[str, float]) -> TunedParameter:
-    """Return a weight between its bounds, one of those that are not zero.
-
-    Raises
-    ------
-    InputError
-        The weight is unknown or zero, or its bounds are no two numbers in order.
-    """
+    """Return a weight between its bounds, one of those that are not zero."""
     key, name = bound.key, bound.name
     if name not in known:
         raise bound.table.refused(
@@ -127,23 +97,15 @@ def tuned_weight(bound: Bound, known: Mapping[str, float]) -> TunedParameter:
             suggestion(name, known, "choose one of them"),
         )
     remedy = "give two numbers, as in [1e-3, 1e3]"
-    low, high = bound.read(lambda end: end.quantity(key, "1", "a weight", remedy, above=0.0))
-    with errors_at(bound.table, {name: bound.place}):
-        return TunedParameter(name, low, high)
+    ends = bound.read(lambda end: end.quantity(key, "1", "a weight", remedy, above=0.0))
+    return TunedParameter(name, *ends)
 
 
 def tuned_parameter(
     bound: Bound, controller: Controller, parameters: LawParameters
 ) -> TunedParameter:
-    """Return a parameter of a controller's law between its bounds, in the law's unit.
-
-    Raises
-    ------
-    InputError
-        The parameter is unknown, its bounds are no two quantities in order or beyond what the law
-        takes, or the controller starts outside of them.
-    """
-    key, name = bound.key, law_name(bound, parameters)
+    """Return a parameter of a controller's law between its bounds, in the law's unit."""
+    key, name = bound.key, _law_name(bound, parameters)
 
     def read(end: TableReader) -> float:
         value = parameters.read(end, key, name, "a bound", "give both with their units")
@@ -162,21 +124,14 @@ def tuned_parameter(
     if unsigned and start < 0.0:
         low, high = -high, -low
     _check_start(bound, ends, abs(start) if unsigned else start)
-    with errors_at(bound.table, {name: bound.place}):
-        if start == 0.0 or low * high <= 0.0:
-            return TunedParameter(name, low, high, logarithmic=False)
-        # What follows the parameter, a tracking time the integral time, still does.
-        return replace(around(controller, [name])[0], low=low, high=high)
+    if start == 0.0 or low * high <= 0.0:
+        return TunedParameter(name, low, high, logarithmic=False)
+    # What follows the parameter, a tracking time the integral time, still does.
+    return replace(around(controller, [name])[0], low=low, high=high)
 
 
-def law_name(bound: Bound, parameters: LawParameters) -> str:
-    """Return the parameter of the law that a bound is for.
-
-    Raises
-    ------
-    InputError
-        There is none.
-    """
+def _law_name(bound: Bound, parameters: LawParameters) -> str:
+    """Return the parameter of the law that a bound is for."""
     loop = parameters.loops.get(bound.owner)
     name = bound.name if loop is None else parameter_of(loop, bound.key)
     if name in parameters.known:

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, replace
 
 from clepsydra.base.quantity import quantity
 from clepsydra.base.signal import path
 from clepsydra.base.suggestion import suggestion
+from clepsydra.controllers.controller import Controller
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.loop.scenario import Scenario
 from clepsydra.process import told
 from clepsydra.process.declared import part, read_fields
 from clepsydra.process.errors_at import errors_at
@@ -18,11 +22,18 @@ from clepsydra.process.signal_values import read_value
 from clepsydra.process.table_reader import TableReader
 from clepsydra.scores.score import SCORES
 from clepsydra.scores.score_key import ScoreKey, score_key
-from clepsydra.studies.file.tuning_bounds import Bound
-from clepsydra.studies.file.tuning_request import TuningRequest, WeightedStart
-from clepsydra.studies.tuning.lqi_weights import KINDS
-from clepsydra.studies.tuning.objective import Limits, Objective, judged
+from clepsydra.studies.file.law_parameters import law_parameters
+from clepsydra.studies.file.tuning_bounds import Bound, of_weights, tuned_parameter, tuned_weight
+from clepsydra.studies.tuning.law_space import LawSpace
+from clepsydra.studies.tuning.objective import Goal, Limits, Objective, judged
+from clepsydra.studies.tuning.parameters import TunedParameter, gains_and_times
+from clepsydra.studies.tuning.result import TuningResult
+from clepsydra.studies.tuning.search_space import SearchSpace
+from clepsydra.studies.tuning.tune import Search, tune
+from clepsydra.studies.tuning.weight_space import KINDS, WeightedDesign, usual_wear, weight_space
 
+#: Takes the controller that was designed, and the model with all measurements.
+WeightedStart = Callable[[Controller, LinearModel], WeightedDesign]
 METHODS = ("minimax", "weighted")
 _WEIGHT_REMEDY = (
     'write as in inputs.pump = [1e-3, 1e3] or states."tank.level" = [1e-3, 1e3], in quotes where '
@@ -37,14 +48,19 @@ class Tuning:
 
     Parameters
     ----------
-    objective : Objective
+    weighted : callable or None
+        What makes the start of a design by weights, which are tuned unless `bounds` name
+        parameters of the law.
     bounds : tuple of Bound or None
+        None where gains and integral times are tuned within a factor of ten, or weights.
     total_variation : dict
         Manipulated variable to its limit [its unit].
     maximum_sensitivity, overshoot : float
         Limits [1]
     """
 
+    table: TableReader
+    weighted: WeightedStart | None
     objective: Objective = part(
         lambda table, key, known: _objective(table, known["process"]),
         {
@@ -92,26 +108,63 @@ class Tuning:
         remedy='write as in "10 %" of the step',
     )
 
+    def space(self, controller: Controller, model: LinearModel) -> SearchSpace:
+        """Return what may become of a controller, before anything is simulated.
+
+        Raises
+        ------
+        InputError
+            A parameter is unknown, its bounds are the wrong way round or beyond what the law
+            takes, or the controller starts outside of them.
+        NotApplicable
+            Nothing is named, and the law has no gain and no integral time.
+        """
+        if self._start is not None:
+            weights = weight_space(self._start(controller, model))
+            if self.bounds is None:
+                return weights
+            parameters = [tuned_weight(bound, weights.numbers) for bound in self.bounds]
+            with self._errors_of(parameters):
+                return replace(weights, parameters=parameters)
+        if self.bounds is None:
+            return LawSpace(controller, gains_and_times(controller))
+        law = law_parameters(controller.law)
+        parameters = [tuned_parameter(bound, controller, law) for bound in self.bounds]
+        with self._errors_of(parameters):
+            return LawSpace(controller, parameters)
+
+    def run(
+        self, controller: Controller, model: LinearModel, scenario: Scenario, search: Search
+    ) -> TuningResult:
+        """Tune a controller as asked; raises as `clepsydra.studies.tuning.tune.tune`."""
+        space, wear = self.space(controller, model), self.total_variation
+        if self._start is not None and not self.table.has("total_variation"):
+            wear = usual_wear(controller, model, scenario)
+        limits = Limits(self.maximum_sensitivity, 100.0 * self.overshoot, wear)
+        with errors_at(self.table):
+            return tune(space, Goal(model, scenario, self.objective, limits), search)
+
+    @property
+    def _start(self) -> WeightedStart | None:
+        """What makes the start of the weights that are tuned; None where none are."""
+        named = self.bounds is None or of_weights(self.bounds)
+        return self.weighted if self.weighted is not None and named else None
+
+    def _errors_of(self, parameters: list[TunedParameter]) -> AbstractContextManager[None]:
+        """Tell what is wrong with a parameter where its bounds stand."""
+        named = zip(parameters, self.bounds or (), strict=True)
+        return errors_at(self.table, {p.name: bound.table.place(bound.key) for p, bound in named})
+
 
 def read_tuning(
-    table: TableReader,
-    process: Process,
-    weighted: WeightedStart | None = None,
-) -> TuningRequest:
-    """Read what a controller is to be tuned for.
+    table: TableReader, process: Process, weighted: WeightedStart | None = None
+) -> Tuning:
+    """Read what a controller is to be tuned for, from a table with the keys of `Tuning`.
 
     Without an objective it is the largest IAE of the controlled measurements, each relative to
     the start. Without parameters the gains and integral times of all loops are tuned, each within
     a factor of ten; of a design by weights the weights, within a factor of a thousand. Without a
     limit max|S| is kept at 2.
-
-    Parameters
-    ----------
-    table : TableReader
-        With the keys of `Tuning`.
-    process : Process
-    weighted : callable, optional
-        What makes the start of a design by weights.
 
     Raises
     ------
@@ -123,17 +176,12 @@ def read_tuning(
     --------
     >>> from clepsydra.process.document import parse
     >>> from clepsydra.process.reader import load_process
-    >>> text = b'''objective = "iae"
-    ... maximum_sensitivity = 1.7'''
-    >>> table = TableReader(parse(text, "study.toml"), (), None)
-    >>> found = read_tuning(table, load_process("quadruple-tank"))
-    >>> found.objective.words
+    >>> table = TableReader(parse(b'maximum_sensitivity = 1.7', "study.toml"), (), None)
+    >>> read_tuning(table, load_process("quadruple-tank")).objective.words
     'the larger of IAE of level_1 and IAE of level_2, each relative to the start'
     """
     with errors_at(table):
-        read = Tuning(**read_fields(Tuning, table, process=process))
-        limits = Limits(read.maximum_sensitivity, 100.0 * read.overshoot, read.total_variation)
-    return TuningRequest(table, read.objective, limits, read.bounds, weighted)
+        return Tuning(table, weighted, **read_fields(Tuning, table, process=process))
 
 
 def _objective(table: TableReader, process: Process) -> Objective:
@@ -155,6 +203,8 @@ def _objective(table: TableReader, process: Process) -> Objective:
         raise table.wrong("objective", "a score, or several", _NAMES)
     weighted = "weighted" if isinstance(written, dict) else "minimax"
     method = table.choice("method", METHODS, weighted)
+    if not weights:
+        raise table.refused("objective", "none", "a score", 'name one: "iae[level_1]"')
     return Objective("minimax" if method == "minimax" else "weighted", weights)
 
 

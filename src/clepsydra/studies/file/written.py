@@ -28,7 +28,6 @@ class Written(ABC):
         Of the controller.
     name : str
         Of the controller.
-    process : Process
 
     Raises
     ------

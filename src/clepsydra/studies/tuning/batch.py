@@ -16,29 +16,15 @@ from clepsydra.loop.closed_loop import closed_loop, controller_name
 from clepsydra.loop.lane_status import STEP_BOUND, LaneStatus, lane_status
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.refinement import LARGEST_REFINEMENT
-from clepsydra.loop.running_scores import RunningScores, running_scores
+from clepsydra.loop.running_scores import RunningScores
 from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.step_size import MOST_SUBSTEPS
 from clepsydra.program.program import Program
-from clepsydra.scores.score_key import score_key
 from clepsydra.studies.tuning.resting_states import resting_states
 
 
 class BatchScores(NamedTuple):
-    """What became of each candidate.
-
-    Parameters
-    ----------
-    scores : dict
-        "score[signal]" to its values [candidates].
-    status : ndarray [candidates]
-        What happened in any scenario, see `clepsydra.loop.lane_status.LaneStatus`.
-
-    Examples
-    --------
-    >>> BatchScores({"iae[level_1]": np.array([3.0])}, np.array([0])).scores["iae[level_1]"][0]
-    np.float64(3.0)
-    """
+    """The scores by "score[signal]", and what happened, a `LaneStatus`, of each candidate."""
 
     scores: dict[str, np.ndarray]
     status: np.ndarray
@@ -47,24 +33,19 @@ class BatchScores(NamedTuple):
 class BatchEvaluation:
     """One compiled kernel that runs a controller's law with many values of its parameters.
 
-    The candidates are its lanes; each scenario is one pass over them, so that what the
-    candidates share is read once. No trajectory is stored.
+    The candidates are its lanes, so that what they share is read once. No trajectory is stored.
 
     Parameters
     ----------
-    controller : Controller
     model : LinearModel
-        Of the process at the operating point where the scenarios begin.
-    scenarios : sequence of Scenario
+        Of the process at the operating point where the scenario begins.
     names : sequence of str
-        Running scores, see `clepsydra.loop.running_scores.RunningScores`. Over several
-        scenarios overshoot, outflow change and the highest level are the largest, the lowest
-        level the smallest; all others add up.
+        Running scores, see `clepsydra.loop.running_scores.RunningScores`.
 
     Raises
     ------
     InputError
-        There is no scenario, one is of another process, or a score is unknown.
+        The scenario is of another process, or a score is unknown.
 
     Examples
     --------
@@ -76,39 +57,27 @@ class BatchEvaluation:
     >>> at_rest = np.array([[plant.point.as_dict()[y] for y in controller.setpoints]])
     >>> setpoints = np.repeat(at_rest, 200, axis=0) + [0.1, 0.0]
     >>> step = Scenario(1.0, setpoints, np.zeros((200, 2)), np.zeros((200, 4)), (), 1)
-    >>> batch = BatchEvaluation(controller, plant.linear, [step], ["iae[level_1]"])
+    >>> batch = BatchEvaluation(controller, plant.linear, step, ["iae[level_1]"])
     >>> gains = {"level_1.proportional_gain": np.array([3.0, 6.0])}
     >>> batch.run(gains).scores["iae[level_1]"].round(2)
     array([0.74, 0.39])
     """
 
     def __init__(
-        self,
-        controller: Controller,
-        model: LinearModel,
-        scenarios: Sequence[Scenario],
-        names: Sequence[str],
+        self, controller: Controller, model: LinearModel, scenario: Scenario, names: Sequence[str]
     ) -> None:
-        if not scenarios:
-            raise InputError("tuning, scenarios", "none", "at least one", "make one")
         self.loop = Loop(controller, model)
         self._scores = RunningScores(self.loop.process, tuple(names))
-        self._samples = [scenario.samples for scenario in scenarios]
-        given = []
-        for scenario in scenarios:
-            self.loop.check(scenario)
-            given.append(self.loop.inputs_of(scenario) | self._scores.inputs_of(scenario))
+        self._samples = scenario.samples
+        self.loop.check(scenario)
+        given = self.loop.inputs_of(scenario) | self._scores.inputs_of(scenario)
         # What never moves is folded into the program: no noise, no load, no step.
-        at_rest = self.loop.at_rest()
-        constant = {name: value for name, value in at_rest.items() if name not in given[0]}
-        for name in at_rest.keys() & given[0].keys():
-            first = float(given[0][name][0])
-            if all(np.all(inputs[name] == first) for inputs in given):
-                constant[name] = first
-        self._inputs = [
-            {name: value for name, value in inputs.items() if name not in constant}
-            for inputs in given
-        ]
+        constant = {
+            name: float(given[name][0]) if name in given else value
+            for name, value in self.loop.at_rest().items()
+            if name not in given or np.all(given[name] == given[name][0])
+        }
+        self._inputs = {name: value for name, value in given.items() if name not in constant}
         self._compile(constant)
 
     def _compile(self, constant: Mapping[str, float]) -> None:
@@ -145,35 +114,19 @@ class BatchEvaluation:
 
         Parameters
         ----------
-        values : mapping
-            Parameter of the law to its value for each candidate [candidates]; the others keep
-            the controller's.
+        values : dict
+            Parameters of the law to their values [candidates]; the others are the controller's.
+            Its initial state follows them where the law rests elsewhere with them.
         """
         resting = resting_states(self.loop, values)
-        parameters: dict[str, ArrayLike] = {
-            **self.loop.law_parameters(),
-            **{controller_name(name): value for name, value in values.items()},
-        }
-        state: dict[str, ArrayLike] = {
-            **self.loop.initial_state(),
-            **{controller_name(name): value for name, value in resting.items()},
-        }
-        found: dict[str, np.ndarray] = {}
-        status: np.ndarray | None = None
-        for samples, inputs in zip(self._samples, self._inputs, strict=True):
-            result = self._kernel.run(
-                samples,
-                inputs=inputs,
-                parameters=parameters,
-                state=state,
-            )
-            happened = lane_status(result, self.loop.process)
-            status = happened if status is None else status | happened
-            for name, score in self._scores.read(result).items():
-                found[name] = _together(name, found[name], score) if name in found else score
-        assert status is not None
-        return BatchScores(found, status)
+        result = self._kernel.run(
+            self._samples,
+            inputs=self._inputs,
+            parameters=self.loop.law_parameters() | _of_controller(values),
+            state=self.loop.initial_state() | _of_controller(resting),
+        )
+        return BatchScores(self._scores.read(result), lane_status(result, self.loop.process))
 
 
-def _together(name: str, one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    return running_scores()[score_key(name).score].fold.together(one, other)
+def _of_controller(values: Mapping[str, ArrayLike]) -> dict[str, ArrayLike]:
+    return {controller_name(name): value for name, value in values.items()}

@@ -24,10 +24,8 @@ def search_globally(problem: TuningProblem, *, generations: int, seed: int) -> N
 
     Parameters
     ----------
-    problem : TuningProblem
     generations : int
         At most so many; fewer if the population comes together.
-    seed : int
 
     References
     ----------

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clepsydra.base.errors import InputError
 from clepsydra.studies.tuning.objective import ON_LIMIT
 from clepsydra.studies.tuning.problem import TuningProblem
 from clepsydra.studies.tuning.refinement import refine
@@ -28,12 +27,6 @@ class ParetoFront:
         Falling.
     values : dict
         Tuned number to its values [points], a parameter of the law in the law's unit.
-
-    Examples
-    --------
-    >>> front = ParetoFront(np.array([1.4, 2.0]), np.array([0.9, 0.6]), {})
-    >>> bool(np.all(np.diff(front.objective) < 0))
-    True
     """
 
     sensitivity: np.ndarray
@@ -44,23 +37,8 @@ class ParetoFront:
 def pareto_front(problem: TuningProblem, bounds: Sequence[float]) -> ParetoFront:
     """Return the front of everything that was evaluated, refined at some bounds of max|S|.
 
-    Parameters
-    ----------
-    problem : TuningProblem
-        After its search.
-    bounds : sequence of float
-        At each the objective is minimised once more, from the best candidate below it.
-
-    Raises
-    ------
-    InputError
-        A bound is not above 1.
+    At each the objective is minimised once more, from the best candidate below it.
     """
-    for bound in bounds:
-        if not bound > 1.0:
-            raise InputError(
-                "tuning, front", bound, "bounds of max|S| above 1", "1.4 to 2 is customary"
-            )
     for bound in sorted(bounds):
         points, _, sensitivity = _not_beaten(problem)
         if len(points):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from typing import NamedTuple
 
 import numpy as np
@@ -14,16 +14,13 @@ from numpy.typing import ArrayLike
 
 from clepsydra.base.errors import InputError
 from clepsydra.designs.sampled.sampled_loop import SampledLoops
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.lane_status import LaneStatus
 from clepsydra.loop.running_scores import running_scores
-from clepsydra.loop.scenario import Scenario
 from clepsydra.scores.score_key import score_key
 from clepsydra.studies.tuning.batch import BatchEvaluation
-from clepsydra.studies.tuning.goal import Goal
 from clepsydra.studies.tuning.memory import Memory
-from clepsydra.studies.tuning.objective import ON_LIMIT
+from clepsydra.studies.tuning.objective import ON_LIMIT, Goal
 from clepsydra.studies.tuning.search_space import SearchSpace
 
 
@@ -38,12 +35,6 @@ class Evaluation(NamedTuple):
         What the objective is the largest or the sum of.
     margins : ndarray [n, limits]
         Room to each limit but that of max|S|, as a share of it; negative where it is passed.
-
-    Examples
-    --------
-    >>> one = np.ones((2, 1))
-    >>> Evaluation(np.array([1.0, 1.0]), one, np.array([[0.1], [-0.2]])).violation.tolist()
-    [0.0, 0.2]
     """
 
     objective: np.ndarray
@@ -63,16 +54,10 @@ class Judgement(NamedTuple):
     ----------
     scores : dict
         "score[signal]" to value.
-    objective : float
     margins : ndarray [limits]
         As in `Evaluation`.
     sensitivity : float
         max|S| of all loops together; infinite if unstable.
-
-    Examples
-    --------
-    >>> Judgement({"iae[level]": 3.2}, 0.8, np.array([0.1]), 1.6).objective
-    0.8
     """
 
     scores: dict[str, float]
@@ -81,20 +66,8 @@ class Judgement(NamedTuple):
     sensitivity: float
 
 
-@dataclass(frozen=True)
-class BestSoFar:
-    """The best candidate that keeps every limit.
-
-    Parameters
-    ----------
-    point : ndarray [p]
-    objective, sensitivity : float
-
-    Examples
-    --------
-    >>> BestSoFar(np.array([0.5]), 1.0, 1.6).sensitivity
-    1.6
-    """
+class BestSoFar(NamedTuple):
+    """The best candidate that keeps every limit, at a point [p]."""
 
     point: np.ndarray
     objective: float
@@ -113,15 +86,10 @@ class TuningProblem:
 
     def __init__(self, space: SearchSpace, goal: Goal) -> None:
         self.space, self.objective, self.limits = space, goal.objective, goal.limits
-        limits, model, scenarios = goal.limits, goal.model, goal.scenarios
+        limits, model, segments = goal.limits, goal.model, goal.scenario.segments
         self.limited: dict[str, float] = {}
         if np.isfinite(limits.overshoot):
-            stepped = {
-                part.signal
-                for scenario in scenarios
-                for part in scenario.segments
-                if part.kind == "setpoint"
-            }
+            stepped = {part.signal for part in segments if part.kind == "setpoint"}
             if not stepped:
                 raise InputError(
                     "tuning, limits, overshoot", limits.overshoot,
@@ -131,14 +99,14 @@ class TuningProblem:
         self.limited |= {f"total_variation[{u}]": v for u, v in limits.total_variation.items()}
         for name, (low, high) in limits.levels.items():
             self.limited |= {f"lowest[{name}]": low, f"highest[{name}]": high}
-        if all("load" in {part.kind for part in scenario.segments} for scenario in scenarios):
+        if any(part.kind == "load" for part in segments):
             for name, (low, high) in operating_point_of(model).process.bands.items():
                 self.limited |= {f"lowest_under_load[{name}]": low}
                 self.limited |= {f"highest_under_load[{name}]": high}
         self.names = tuple(dict.fromkeys([*goal.objective.names, *self.limited]))
-        self.batch = BatchEvaluation(space.controller, model, scenarios, self.names)
+        self.batch = BatchEvaluation(space.controller, model, goal.scenario, self.names)
         self._loops = SampledLoops(space.controller, model)
-        self.memory = Memory(len(space.start), len(self.names) + 1, self._digest(model, scenarios))
+        self.memory = Memory(len(space.start), len(self.names) + 1, self._digest(goal))
         self.best: BestSoFar | None = None
         self.history: list[tuple[int, float]] = []
         self.on_progress: Callable[[], None] = lambda: None
@@ -190,7 +158,6 @@ class TuningProblem:
 
         Parameters
         ----------
-        points : ndarray [n, p]
         proper : int, optional
             How many, from the first, are candidates in their own right; the others are
             probes for a derivative. All if omitted.
@@ -266,9 +233,9 @@ class TuningProblem:
                 self.history.append((self.evaluations, value))
                 return
 
-    def _digest(self, model: LinearModel, scenarios: Sequence[Scenario]) -> str:
+    def _digest(self, goal: Goal) -> str:
         """Return what tells this problem from any other."""
-        controller = self.space.controller
+        controller, scenario, point = self.space.controller, goal.scenario, goal.model.point
         said = {
             "program": repr(self.batch.program),
             "values": controller.values,
@@ -277,15 +244,12 @@ class TuningProblem:
             "numbers": dict(self.space.numbers),
             "objective": asdict(self.objective),
             "limits": asdict(self.limits),
-            "segments": [[asdict(part) for part in scenario.segments] for scenario in scenarios],
+            "segments": [[asdict(part) for part in scenario.segments]],
         }
         digest = hashlib.sha256(json.dumps(said, sort_keys=True).encode())
-        point = model.point
         state = [] if point is None else [point.state, point.inputs, point.disturbances]
-        arrays = [model.A, model.B, model.C, *state]
-        for scenario in scenarios:
-            arrays += [scenario.setpoints, scenario.disturbances, scenario.noise]
-        for array in arrays:
+        model, moves = goal.model, (scenario.setpoints, scenario.disturbances, scenario.noise)
+        for array in (model.A, model.B, model.C, *state, *moves):
             digest.update(np.ascontiguousarray(array, dtype=float).tobytes())
         return digest.hexdigest()
 

@@ -42,7 +42,6 @@ def refine(problem: TuningProblem, point: np.ndarray, sensitivity_limit: float) 
 
     Parameters
     ----------
-    problem : TuningProblem
     point : ndarray [p]
     sensitivity_limit : float
         Largest max|S|, which may differ from that of the problem; infinite for none.

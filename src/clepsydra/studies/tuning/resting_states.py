@@ -30,7 +30,6 @@ def resting_states(loop: Loop, values: Mapping[str, np.ndarray]) -> dict[str, np
 
     Parameters
     ----------
-    loop : Loop
     values : mapping
         Parameter of the law to its value for each candidate [candidates]; the others keep the
         controller's.

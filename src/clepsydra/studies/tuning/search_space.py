@@ -4,37 +4,14 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from clepsydra.base.arguments import require_type, sequence_of
 from clepsydra.base.errors import InputError
-from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.controller import Controller
+from clepsydra.designs.applicability import NotApplicable
 from clepsydra.studies.tuning.parameters import ROUNDING, TunedParameter
-
-
-class NumberWords:
-    """Tuned numbers as a reader knows them: by their own names and as plain numbers.
-
-    Examples
-    --------
-    >>> NumberWords().value("inputs.pump_1", 0.123456)
-    '0.1235'
-    """
-
-    def name(self, parameter: str) -> str:
-        """Return what the reader calls a number."""
-        return parameter
-
-    def value(self, parameter: str, value: float) -> str:
-        """Return a value of it with its unit."""
-        return f"{value:.4g}"
-
-    def turns(self, parameter: str, value: float) -> bool:
-        """Return whether `value` leaves a negative sign out, and larger is smaller."""
-        return False
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,33 +19,23 @@ class SearchSpace(ABC):
     """The unit cube of some tuned numbers, and the parameters of a step law at its points.
 
     The numbers are parameters of the law themselves (`law_space.LawSpace`), or numbers that a
-    design makes them from (`design_space.DesignSpace`).
-
-    Parameters
-    ----------
-    controller : Controller
-        Where the search starts.
-    parameters : sequence of TunedParameter
+    design makes them from (`weight_space.WeightSpace`); the others stay as they are.
 
     Raises
     ------
     InputError
-        There is no parameter, one is unknown or named twice, or the start lies outside of its
-        bounds.
+        A number is tuned twice, or the start lies outside of its bounds.
     """
 
     controller: Controller
     parameters: Sequence[TunedParameter]
+    _made: dict[bytes, dict[str, float]] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
-        require_type(
-            self.controller, Controller, "controller", "a Controller", "design one, or make one"
-        )
-        sequence_of(
-            self.parameters, TunedParameter, "tuning, parameters", "a list of TunedParameter",
-            "make them, as by around(controller, [names])",
-        )  # fmt: skip
-        self._check_names()
+        names = [name for each in self.parameters for name in (each.name, *each.followers)]
+        for name in names:
+            if names.count(name) > 1:
+                raise InputError("tuning, parameters", name, "each name once", "drop one")
         for parameter in self.parameters:
             start = self.numbers[parameter.name]
             if not -ROUNDING <= parameter.share(start) <= 1.0 + ROUNDING:
@@ -84,16 +51,26 @@ class SearchSpace(ABC):
         """All numbers that can be tuned, at the start, by name."""
 
     @abstractmethod
-    def values_at(self, points: np.ndarray) -> dict[str, np.ndarray]:
-        """Return the law's parameters that change by name [n], at points [n, p].
+    def law_values(self, numbers: Mapping[str, float]) -> dict[str, float]:
+        """Return the law's parameters that these numbers make, not rounded.
 
-        They are not rounded. Not a number where there is no controller.
+        Raises
+        ------
+        NotApplicable
+            They make none.
         """
 
-    @property
-    def words(self) -> NumberWords:
-        """The tuned numbers in words."""
-        return NumberWords()
+    def name_of(self, number: str) -> str:
+        """Return what the reader calls a number."""
+        return number
+
+    def shown(self, number: str, value: float) -> str:
+        """Return a value of a number with its unit."""
+        return f"{value:.4g}"
+
+    def turns(self, number: str, value: float) -> bool:
+        """Return whether `shown` leaves a negative sign out, and larger is smaller."""
+        return False
 
     def notes(self, tuned: Mapping[str, float]) -> Sequence[str]:
         """Return what is to be known of the numbers that were found."""
@@ -118,23 +95,27 @@ class SearchSpace(ABC):
             for name in (parameter.name, *parameter.followers)
         }
 
+    def values_at(self, points: np.ndarray) -> dict[str, np.ndarray]:
+        """Return the law's parameters that change by name [n], at points [n, p].
+
+        Not a number where there is no controller.
+        """
+        made = [self._values(point) for point in np.atleast_2d(points)]
+        names = self._values(self.start)
+        return {name: np.array([values.get(name, np.nan) for values in made]) for name in names}
+
     def controller_values(self, point: np.ndarray) -> dict[str, float]:
         """Return all parameter values of the law at one point [p]."""
         changed = {name: float(value[0]) for name, value in self.values_at(point).items()}
         return {**self.controller.values, **changed}
 
-    def _check_names(self) -> None:
-        known, place = self.numbers, "tuning, parameters"
-        if not self.parameters:
-            raise InputError(place, "none", "at least one", "name what to tune")
-        named: set[str] = set()
-        for parameter in self.parameters:
-            for name in (parameter.name, *parameter.followers):
-                if name not in known:
-                    raise InputError(
-                        place, name, f"one of {', '.join(known)}",
-                        suggestion(name, known, "choose one of them"),
-                    )  # fmt: skip
-                if name in named:
-                    raise InputError(place, name, "each name once", "drop one")
-                named.add(name)
+    def _values(self, point: np.ndarray) -> dict[str, float]:
+        """Return what the numbers at a point make; nothing where they make no law."""
+        key = point.tobytes()
+        if key not in self._made:
+            tuned = {name: float(value[0]) for name, value in self.numbers_at(point).items()}
+            try:
+                self._made[key] = self.law_values({**self.numbers, **tuned})
+            except NotApplicable:
+                self._made[key] = {}
+        return self._made[key]

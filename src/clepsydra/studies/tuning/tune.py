@@ -9,17 +9,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from clepsydra.base.arguments import is_finite_number, require_type
+from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.studies.tuning.global_search import search_globally
-from clepsydra.studies.tuning.goal import Goal
-from clepsydra.studies.tuning.outcome import outcome, why_none
+from clepsydra.studies.tuning.objective import Goal
 from clepsydra.studies.tuning.parameters import METHOD
 from clepsydra.studies.tuning.pareto import pareto_front
 from clepsydra.studies.tuning.problem import TuningProblem
 from clepsydra.studies.tuning.refinement import refine
-from clepsydra.studies.tuning.result import TuningResult
+from clepsydra.studies.tuning.result import TuningResult, outcome, why_none
 from clepsydra.studies.tuning.search_space import SearchSpace
 
 #: Generations of the global search, if nothing else is asked for.
@@ -41,11 +40,6 @@ class Progress(NamedTuple):
         Different candidates so far.
     objective : float
         The best so far that keeps all limits; infinite while there is none.
-
-    Examples
-    --------
-    >>> Progress("global search", 64, 0.8).evaluations
-    64
     """
 
     stage: str
@@ -64,7 +58,7 @@ class Search:
     seed : int
         Of the global search: the same seed gives the same result.
     front : sequence of float
-        Bounds of max|S| at which the Pareto front is refined.
+        Bounds of max|S|, above 1, at which the Pareto front is refined.
     progress : callable, optional
         Takes a `Progress` after each batch.
     state_file : str or Path, optional
@@ -75,15 +69,7 @@ class Search:
     Raises
     ------
     InputError
-        One of them cannot be used.
-
-    Examples
-    --------
-    >>> Search(generations=-1)
-    Traceback (most recent call last):
-        ...
-    clepsydra.base.errors.InputError: tuning, generations: got -1, expected a whole number from 0; \
-choose another.
+        The seed or the state file cannot be used.
     """
 
     generations: int = GENERATIONS
@@ -93,21 +79,9 @@ choose another.
     state_file: str | Path | None = None
 
     def __post_init__(self) -> None:
-        for name in ("generations", "seed"):
-            value = getattr(self, name)
-            whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
-            if not whole or value < 0:
-                raise InputError(
-                    f"tuning, {name}", value, "a whole number from 0", "choose another"
-                )
-        front = self.front
-        listed = isinstance(front, (list, tuple, np.ndarray)) and all(map(is_finite_number, front))
-        if not listed:
-            number = is_finite_number(front) or isinstance(front, str)
-            raise InputError(
-                "tuning, front", front if number else "no list of numbers",
-                "a list of bounds of max|S|", "write as in [1.4, 1.7, 2.0]",
-            )  # fmt: skip
+        whole = isinstance(self.seed, (int, np.integer)) and not isinstance(self.seed, bool)
+        if not whole or self.seed < 0:
+            raise InputError("tuning, seed", self.seed, "a whole number from 0", "choose another")
         require_type(
             self.state_file, (Path, str, type(None)), "tuning, state_file",
             "the path of a file, or None", "give it as Path or text",
@@ -125,8 +99,6 @@ def tune(space: SearchSpace, goal: Goal, search: Search | None = None) -> Tuning
     ----------
     space : SearchSpace
         Where to look, and how a controller follows.
-    goal : Goal
-    search : Search, optional
 
     Raises
     ------

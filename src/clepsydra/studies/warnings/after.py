@@ -52,7 +52,6 @@ def warnings_after(run: Run, scores: Mapping[str, float]) -> tuple[str, ...]:
 
     Parameters
     ----------
-    run : Run
     scores : mapping
         Score to value, "settling_time[level_1]".
     """

@@ -84,7 +84,6 @@ def bandwidth_in(response: LoopResponse, direction: np.ndarray) -> float | None:
 
     Parameters
     ----------
-    response : LoopResponse
     direction : ndarray [q], complex
         Of length one, in shares of the ranges.
 
@@ -130,7 +129,6 @@ def bandwidth_warnings(
     ----------
     model : LinearModel
         From the manipulated variables of the controller to its controlled measurements.
-    response : LoopResponse
     zeros : list of ZeroDirection
         Of `blocking_zeros(model)`.
 

@@ -48,7 +48,6 @@ def warnings_before(
         Of the process.
     model : LinearModel
         Of the same operating point, with all measurements that the controller reads.
-    controller : Controller
     scenario : Scenario
         That begins at the operating point.
     response : LoopResponse, optional
@@ -101,7 +100,6 @@ def caveats_before(
         Of the operating point where the scenario begins.
     controller : Controller
         Which levels have setpoints, and what is moved.
-    scenario : Scenario
 
     Examples
     --------

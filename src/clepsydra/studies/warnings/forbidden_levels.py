@@ -39,9 +39,6 @@ def level_words(
 
     Parameters
     ----------
-    controller : Controller
-    point : OperatingPoint
-    scenario : Scenario
     rests : list of Rest
         Of `resting_after`.
     """

@@ -104,7 +104,6 @@ def loop_response(controller: Controller, model: LinearModel) -> LoopResponse:
 
     Parameters
     ----------
-    controller : Controller
     model : LinearModel
         Of a process at an operating point, with the measurements that the controller reads.
 

@@ -47,10 +47,8 @@ def resting_after(controller: Controller, model: LinearModel, scenario: Scenario
 
     Parameters
     ----------
-    controller : Controller
     model : LinearModel
         Of a process at the operating point where the scenario begins.
-    scenario : Scenario
 
     Returns
     -------

@@ -32,8 +32,6 @@ def resting_saturation_words(
 
     Parameters
     ----------
-    controller : Controller
-    point : OperatingPoint
     rests : list of Rest
         Of `resting_after`.
     """

@@ -47,10 +47,8 @@ def stability_warnings(
 
     Parameters
     ----------
-    controller : Controller
     model : LinearModel
         With the measurements of the controller.
-    response : LoopResponse
     blocking_zeros : list of complex
         Of the process in the right half-plane [rad/s].
 

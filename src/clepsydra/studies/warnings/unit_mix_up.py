@@ -62,7 +62,6 @@ def unit_warnings(controller: Controller, model: LinearModel, response: LoopResp
         Looked at where its law is one of multiloop P, PI, PD or PID control.
     model : LinearModel
         With the measurements of the controller.
-    response : LoopResponse
     """
     if not controller.family.startswith("multiloop"):
         return []

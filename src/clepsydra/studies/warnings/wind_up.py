@@ -40,7 +40,6 @@ def winds_up(controller: Controller, process: Process) -> tuple[str, ...]:
     ----------
     controller : Controller
         A law with a delay ring is not looked at.
-    process : Process
 
     Returns
     -------
@@ -78,11 +77,8 @@ def wind_up_warnings(
 
     Parameters
     ----------
-    controller : Controller
-    point : OperatingPoint
     response : LoopResponse or None
         Where it is None, the first part is left out.
-    scenario : Scenario
 
     References
     ----------
