@@ -46,6 +46,17 @@ class CompiledC(compiled_c.CompiledC):
         strict = replace(compiler.find_compiler("tests"), flags=tuple(STRICT))
         super().__init__(program, folder, precision, strict)
 
+    def __call__(self, inputs: dict[str, float]) -> list[float]:
+        """Run one scan and return the outputs in order."""
+        columns = {name: np.array([value]) for name, value in inputs.items()}
+        (row,) = self.run(columns or {"nothing": np.zeros(1)})
+        return row[: len(self.program.outputs)].tolist()
+
+    def state(self) -> list[float]:
+        """Return the state in order; of a delay ring the value that the next scan reads."""
+        memory = np.frombuffer(bytes(self.memory), dtype=np.dtype(type(self.memory)))
+        return [float(column[0]) for column in self._states(memory, follow=True)]
+
 
 class InterpretedText(interpreted_text.InterpretedText):
     """The Structured Text of a program, where the grammar is installed."""

@@ -20,7 +20,7 @@ from clepsydra.deploy.fmi.controller import controller_model
 from clepsydra.deploy.fmi.write import write_fmu
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.proof.engine_run import engine_run
-from clepsydra.deploy.proof.imported_fmu import ImportedFmu
+from clepsydra.deploy.proof.imported_fmu import run_fmu
 from clepsydra.program.block import Block
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.reader import program_of, structured_program_of
@@ -116,8 +116,7 @@ def test_an_fmu_computes_the_bits_of_the_kernel(version, tmp_path):
     path = tmp_path / "filters.fmu"
     model = controller_model(structured, Origin("filters", "a process", "", 1.0))
     write_fmu(path, model, find_compiler("tests"), version=version)
-    with ImportedFmu(structured, path, tmp_path / "unpacked", 1.0) as fmu:
-        found = fmu.run(scans())
+    _, found = run_fmu(structured, path, tmp_path / "unpacked", 1.0, scans())
     np.testing.assert_array_equal(found, engine_run(flat, scans()))
 
 

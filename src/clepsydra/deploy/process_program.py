@@ -9,7 +9,7 @@ from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.motion_block import MotionBlock, motion_at_rest
 from clepsydra.loop.process_period import process_period
-from clepsydra.loop.step_size import check_substeps, substeps_for
+from clepsydra.loop.step_size import substeps_for
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.entries import Entry
@@ -41,11 +41,6 @@ def process_program(point: OperatingPoint, substeps: int | None = None) -> Progr
     Program
         Named after the process and its variant; each state is named "held." and what it holds.
 
-    Raises
-    ------
-    InputError
-        The number of steps is none, or no delay of the process fits it.
-
     Examples
     --------
     >>> from clepsydra.linear.equilibrium import find_equilibrium
@@ -56,7 +51,6 @@ def process_program(point: OperatingPoint, substeps: int | None = None) -> Progr
     """
     process = point.process
     substeps = substeps_for(linearise(point)) if substeps is None else substeps
-    check_substeps(substeps, process)
     motion = MotionBlock(process.motion, process.sampling_period, substeps)
     moving = process_period(process, motion, (), shown="end")
     at = point.as_dict()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from clepsydra.controllers import controller as inner
 from clepsydra.deploy.proof import proof as inner_proof
-from clepsydra.deploy.proof.of_study import controller_item, process_item_of
+from clepsydra.deploy.proof.item import controller_item, process_item_of
 from clepsydra.deploy.proof.proof import ProofProgress, prove
 from clepsydra.deploy.proof.run import proved_targets as proved_targets
 from clepsydra.deploy.proof.scans import FEWEST

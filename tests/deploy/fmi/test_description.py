@@ -16,8 +16,8 @@ from clepsydra import Signal
 from clepsydra.base.units import from_si, to_si
 from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.fmi.controller import controller_model
-from clepsydra.deploy.fmi.dependencies import output_dependencies
-from clepsydra.deploy.fmi.unit_definitions import unit_definitions
+from clepsydra.deploy.fmi.description import dimension
+from clepsydra.deploy.fmi.model import output_dependencies
 from clepsydra.deploy.fmi.write import write_fmu
 from clepsydra.program.operation import Operation
 from clepsydra.program.program import Block, Program
@@ -119,18 +119,18 @@ def test_dimensions_in_base_units():
         "V", "m^3/(s V)", "1", "1/s", "mol/m^3", "A/m", "s^2/m^5", "kg/m^3", "%", "m^0.5",
         "own_unit",
     ]  # fmt: skip
-    found = {unit.name: unit for unit in unit_definitions([Signal("x", unit) for unit in units])}
-    assert found["V"].exponents == {"kg": 1, "m": 2, "s": -3, "A": -1}
-    assert found["m^3/(s V)"].exponents == {"kg": -1, "m": 1, "s": 2, "A": 1}
-    assert found["1"].exponents == {}
-    assert found["1/s"].exponents == {"s": -1}
-    assert found["mol/m^3"].exponents == {"m": -3, "mol": 1}
-    assert found["A/m"].exponents == {"m": -1, "A": 1}
-    assert found["s^2/m^5"].exponents == {"m": -5, "s": 2}
-    assert found["kg/m^3"].exponents == {"kg": 1, "m": -3}
-    assert (found["%"].exponents, found["%"].factor) == ({}, pytest.approx(0.01))
-    assert found["m^0.5"].exponents is None
-    assert found["own_unit"].exponents is None
+    found = {unit: dimension(unit)[0] for unit in units}
+    assert found["V"] == {"kg": 1, "m": 2, "s": -3, "A": -1}
+    assert found["m^3/(s V)"] == {"kg": -1, "m": 1, "s": 2, "A": 1}
+    assert found["1"] == {}
+    assert found["1/s"] == {"s": -1}
+    assert found["mol/m^3"] == {"m": -3, "mol": 1}
+    assert found["A/m"] == {"m": -1, "A": 1}
+    assert found["s^2/m^5"] == {"m": -5, "s": 2}
+    assert found["kg/m^3"] == {"kg": 1, "m": -3}
+    assert dimension("%") == ({}, pytest.approx(0.01))
+    assert found["m^0.5"] is None
+    assert found["own_unit"] is None
 
 
 def test_outputs_of_co_simulation_hold_and_so_depend_on_nothing_between_steps(described):

@@ -18,9 +18,8 @@ from refusals import refused
 
 from clepsydra import InputError
 from clepsydra.deploy.compiler import CompilationError, find_compiler
-from clepsydra.deploy.fmi.binary import platform_folder
 from clepsydra.deploy.fmi.controller import controller_model
-from clepsydra.deploy.fmi.write import write_fmu
+from clepsydra.deploy.fmi.write import platform_folder, write_fmu
 
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 

@@ -8,7 +8,7 @@ from functools import lru_cache
 from clepsydra import PidForm, program_of
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.deploy.proof import proof
-from clepsydra.deploy.proof.item import ProofItem
+from clepsydra.deploy.proof.item import ProofItem, controller_item
 from clepsydra.deploy.proof.run import runs_of
 from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES
 from clepsydra.program.defaults import with_defaults
@@ -27,6 +27,13 @@ def level_control() -> Program:
 
 def item(program: Program | None = None) -> ProofItem:
     return ProofItem("level control", 1.0, program or level_control())
+
+
+def items_of(study, settings=None) -> list[ProofItem]:
+    """The controllers of a study in the order of its ranking."""
+    point = study.analysis.operating_point
+    controllers = [candidate.controller for candidate in study.ranking]
+    return [controller_item(each, point, study.scenario, settings) for each in controllers]
 
 
 #: The slowest targets to build.

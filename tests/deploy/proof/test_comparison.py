@@ -9,8 +9,8 @@ from spoilt_programs import level_control
 
 from clepsydra import Signal
 from clepsydra.deploy.proof.comparison import Difference, compare, double_bound, is_exact
+from clepsydra.deploy.proof.comparison import verdict as verdict_of
 from clepsydra.deploy.proof.coverage import coverage
-from clepsydra.deploy.proof.run import verdict as verdict_of
 from clepsydra.program.operation import Operation
 from clepsydra.program.program import Block, Program
 
@@ -31,7 +31,7 @@ def test_the_largest_difference_is_a_share_of_the_range():
     found[1, 0] += 0.02  # 0.005 of 4
     found[2, 2] += 2.0  # 0.01 of the largest magnitude, 200
     difference = compare(SIGNALS, expected, found)
-    assert difference == Difference(pytest.approx(0.01), "integral", 2, 2, 0, -1)
+    assert difference == Difference(pytest.approx(0.01), "integral", 2, 2, 0)
 
 
 def test_decisions_are_counted_apart_from_differences():
@@ -39,7 +39,7 @@ def test_decisions_are_counted_apart_from_differences():
     found = expected.copy()
     found[1:, 1] = 5
     difference = compare(SIGNALS, expected, found)
-    assert (difference.largest, difference.decisions, difference.first_decision) == (0.0, 2, 1)
+    assert (difference.largest, difference.decisions) == (0.0, 2)
 
 
 @pytest.mark.parametrize(
@@ -75,7 +75,7 @@ def test_the_bound_is_zero_where_every_operation_is_exact():
     assert not is_exact(library) and double_bound(library) == 1e-12
 
 
-EQUAL = Difference(0.0, "", -1, 0, 0, -1)
+EQUAL = Difference(0.0, "", -1, 0, 0)
 
 
 @pytest.mark.parametrize(

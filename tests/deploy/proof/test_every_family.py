@@ -8,14 +8,13 @@ from pathlib import Path
 
 import pytest
 from plants import plant
-from spoilt_programs import FMUS, quickly
+from spoilt_programs import FMUS, items_of, quickly
 from tools import need_compiler, need_grammar, need_importer
 
 import clepsydra as cl
 from clepsydra.controllers.controller import Controller
 from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.proof.item import ProofItem
-from clepsydra.deploy.proof.of_study import proof_items
 from clepsydra.deploy.proof.proof import Proof, prove
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
@@ -263,7 +262,7 @@ def test_what_is_written_out_in_a_study(name, tmp_path, monkeypatch):
 @pytest.mark.thorough
 def test_a_law_in_python_is_refused_with_its_reason(tmp_path):
     path = written("own", tmp_path, PYTHON_LAW)
-    items = [item for item in proof_items(cl.study(path)) if item.kind == "controller"]
+    items = items_of(cl.study(path))
     (row,) = prove(items).rows
     assert row.verdict == "refused" and row.target == "every target"
     assert "a law in Python" in row.reason and "write it as expressions" in row.reason

@@ -113,12 +113,12 @@ def test_a_number_that_is_one_unit_larger_fails_the_proof(monkeypatch):
 
 @pytest.mark.thorough
 def test_a_mistake_of_the_fmu_fails_the_proof(monkeypatch):
-    from clepsydra.deploy.fmi import sources
+    from clepsydra.deploy.fmi import write
 
-    print_c = sources.print_c
+    print_c = write.print_c
     place = places(level_control(), "add")[-1]
     monkeypatch.setattr(
-        sources, "print_c", lambda program, **more: print_c(spoilt(program, place, dropped), **more)
+        write, "print_c", lambda program, **more: print_c(spoilt(program, place, dropped), **more)
     )
     proof = quick_proof(monkeypatch)
     assert [row.target for row in proof.failures] == ["FMU 3.0", "FMU 2.0"]

@@ -7,8 +7,8 @@ import pytest
 from rich.console import Console
 
 import clepsydra as cl
+from clepsydra.deploy.proof.answer import findings
 from clepsydra.deploy.proof.coverage import Coverage
-from clepsydra.deploy.proof.finding import findings
 from clepsydra.deploy.proof.row import ProofRow
 
 LONG = "PI, Ziegler-Nichols, slowed 7.51 times"

@@ -19,7 +19,7 @@ from spoilt_programs import (
 from tools import need_compiler, need_grammar, need_importer
 
 from clepsydra.deploy.exportable import exportable
-from clepsydra.deploy.fmi import sources
+from clepsydra.deploy.fmi import write
 from clepsydra.deploy.proof import compiled_c, interpreted_text, job
 from clepsydra.deploy.proof.item import ProofItem
 from clepsydra.deploy.proof.proof import prove
@@ -73,7 +73,7 @@ def broken(printer):
             OF_TEXTS | SINGLE_TEXT,
             OF_TEXTS | SINGLE_TEXT,
         ),
-        (sources, "print_c", NO_FMUS, OF_FMUS, OF_FMUS),
+        (write, "print_c", NO_FMUS, OF_FMUS, OF_FMUS),
     ],
     ids=["C", "Structured Text", "FMU"],
 )

@@ -5,7 +5,7 @@ import json
 import pytest
 from deployed import files_of
 from refusals import refused
-from spoilt_programs import FMUS, quickly
+from spoilt_programs import FMUS, items_of, quickly
 from tools import need_compiler, need_grammar, need_importer
 
 import clepsydra as cl
@@ -15,7 +15,6 @@ from clepsydra.deploy.compiler import find_compiler
 from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.proof.job import Job
-from clepsydra.deploy.proof.of_study import proof_items
 from clepsydra.deploy.proof.run import runs_of
 
 SETTINGS = PlantShell(
@@ -38,7 +37,7 @@ def test_the_files_of_an_export_are_those_that_are_proved(settings, study, tmp_p
     need_importer()
     chosen = next(c.controller for c in study.ranking if c.controller.name == "PI, SIMC")
     ready = exportable(chosen, study.analysis.operating_point, settings)
-    item = next(item for item in proof_items(study, settings) if item.name == "PI, SIMC")
+    item = next(item for item in items_of(study, settings) if item.name == "PI, SIMC")
     assert digest(item.program) == digest(ready.program)
     compiler = find_compiler("tests")
     job = Job(item, 100, 1, tmp_path, compiler)
@@ -59,7 +58,7 @@ def test_the_files_of_an_export_are_those_that_are_proved(settings, study, tmp_p
 
 def test_another_setting_is_another_program(study):
     digests = {
-        digest(proof_items(study, settings)[0].program)
+        digest(items_of(study, settings)[0].program)
         for settings in (None, SETTINGS, PlantShell(fail_safe={"pump_1": 2.0}))
     }
     assert len(digests) == 3
@@ -68,7 +67,7 @@ def test_another_setting_is_another_program(study):
 def test_a_setting_that_does_not_fit_is_said_of_the_controller(study):
     """The command refuses it as the export does; a proof of several names the controllers."""
     outside = PlantShell(fail_safe={"pump_1": 99.0})
-    item = proof_items(study, outside)[0]
+    item = items_of(study, outside)[0]
     assert item.program is None and "fail_safe" in item.refusal
     chosen = study.ranking[0].controller
     with refused(place="fail_safe"):

@@ -5,7 +5,7 @@ import os
 import pytest
 
 from clepsydra import InputError
-from clepsydra.deploy.proof.memory import read_memory
+from clepsydra.deploy.proof.row import read_memory
 
 
 def refused(path):

@@ -9,8 +9,7 @@ import pytest
 from tools import need_grammar
 
 from clepsydra.deploy.proof.text.interpreter import function_block
-from clepsydra.deploy.proof.text.operations import quotient, square_root
-from clepsydra.deploy.proof.text.single_precision import rounding
+from clepsydra.deploy.proof.text.operations import quotient, rounding, square_root
 
 OPERATIONS = {
     "+": (operator.add, np.add),

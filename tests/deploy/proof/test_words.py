@@ -10,7 +10,7 @@ from tools import need_compiler, need_grammar, need_importer
 from clepsydra import Signal
 from clepsydra.deploy.proof.coverage import Coverage
 from clepsydra.deploy.proof.proof import Proof
-from clepsydra.deploy.proof.row import ProofRow
+from clepsydra.deploy.proof.row import ProofRow, row_of
 from clepsydra.deploy.proof.words import notes, result_sentence
 from clepsydra.program.operation import Operation
 from clepsydra.program.program import Block, Program
@@ -76,6 +76,6 @@ def test_what_is_infinite_in_single_precision_only_fails_the_proof(monkeypatch):
     said = [note for note in notes(proof) if "C in single precision" in note]
     assert len(said) == 1 and "are infinite or not a number, and finite in what" in said[0]
     assert "of y" not in said[0] and "the worst is y in scan" in said[0]
-    assert ProofRow.from_dict(failed.as_dict()) == failed
+    assert row_of(failed.as_dict()) == failed
     small = dataclasses.replace(square, inputs=(Signal("u", low=0.0, high=1e15),))
     assert quick_proof(monkeypatch, small, without=FMUS).rows[-1].verdict == "reported"

@@ -6,28 +6,13 @@ from dataclasses import replace
 
 from clepsydra.base.errors import InputError
 from clepsydra.deploy.c99.structures import state_names
-from clepsydra.deploy.fmi.dependencies import output_dependencies
-from clepsydra.deploy.fmi.model import FmuModel, FmuVariable, variables_of
+from clepsydra.deploy.fmi.model import FmuModel, FmuVariable, output_dependencies, variables_of
+from clepsydra.deploy.fmi.model_header import call_step
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.program.entries import is_ring, signal_of
 from clepsydra.program.inlined import inlined
 from clepsydra.program.owned_state import state_paths, with_owned_state
 from clepsydra.program.program import Program
-
-_FUNCTIONS = """\
-/* The outputs that a scan with the present inputs would give; the state stays. */
-static void model_show(model_memory *memory)
-{{
-  {name}_state state = memory->state;
-  {name}_step(&memory->parameters, &state, &memory->inputs, &memory->outputs);
-}}
-
-/* One scan. */
-static void model_advance(model_memory *memory)
-{{
-  {name}_step(&memory->parameters, &memory->state, &memory->inputs, &memory->outputs);
-}}
-"""
 
 
 def controller_model(program: Program, origin: Origin) -> FmuModel:
@@ -81,6 +66,8 @@ def controller_model(program: Program, origin: Origin) -> FmuModel:
         tuple(named.get(name, name) for name in names if name not in rings)
         for names in output_dependencies(inlined(program))
     ]
+    words = "The outputs that a scan with the present inputs would give; the state stays."
+    show = call_step("model_show", words, program, keeps_state=True)
     return FmuModel(
         programs=(program,),
         variables=(
@@ -89,7 +76,7 @@ def controller_model(program: Program, origin: Origin) -> FmuModel:
             *states,
             *variables_of(program.outputs, "outputs", "output", "discrete", depends_on),
         ),
-        functions=_FUNCTIONS.format(name=program.name),
+        functions="\n".join([show, call_step("model_advance", "One scan.", program)]),
         step=period,
         scans=True,
         title=f"{origin.subject} for {origin.process}",

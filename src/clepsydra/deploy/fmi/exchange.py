@@ -8,10 +8,9 @@ import casadi as ca
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.fmi.dependencies import output_dependencies
-from clepsydra.deploy.fmi.model import FmuModel, FmuVariable, variables_of
-from clepsydra.deploy.fmi.process_names import held_signals, shown_contents
-from clepsydra.deploy.fmi.side_program import call_beside
+from clepsydra.deploy.fmi.model import FmuModel, FmuVariable, output_dependencies, variables_of
+from clepsydra.deploy.fmi.model_header import call_beside, call_step
+from clepsydra.deploy.fmi.process import held_signals, shown_contents
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.motion_block import motion_at_rest
@@ -19,14 +18,6 @@ from clepsydra.process.process import Process
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.program import Block, Program
 from clepsydra.program.reader import inline
-
-_SHOW = """\
-/* Derivatives, event indicators and outputs of the present states and inputs. */
-static void model_show(model_memory *memory)
-{{
-  {name}_step(&memory->parameters, &memory->state, &memory->inputs, &memory->outputs);
-}}
-"""
 
 
 def exchange_model(point: OperatingPoint, origin: Origin) -> FmuModel:
@@ -94,17 +85,15 @@ def exchange_model(point: OperatingPoint, origin: Origin) -> FmuModel:
         *indicators,
         *results[size + events :],
     ]
-    functions, beside = [_SHOW.format(name=motion.name)], []
-    if events:
-        beside.append(equations.switch())
-        functions.append(
-            call_beside("model_switch", "What the events that happen set.", beside[-1], members)
-        )
-    if equations.followed:
-        beside.append(equations.update())
-        functions.append(
-            call_beside("model_update", "What a step leaves behind.", beside[-1], members)
-        )
+    words = "Derivatives, event indicators and outputs of the present states and inputs."
+    functions, beside = [call_step("model_show", words, motion)], []
+    for needed, make, function, comment in (
+        (events, equations.switch, "model_switch", "What the events that happen set."),
+        (equations.followed, equations.update, "model_update", "What a step leaves behind."),
+    ):
+        if needed:
+            beside.append(make())
+            functions.append(call_beside(function, comment, beside[-1], members))
     return FmuModel(
         programs=(motion, *beside),
         variables=tuple(variables),
@@ -142,6 +131,8 @@ class _Equations:
             *(replace(s, initial=at[s.name]) for s in (*process.inputs, *process.disturbances)),
         )
         self._size = len(self._inputs) + len(process.parameters)
+        rates = process.motion.rates
+        self._symbols = [ca.SX.sym(name, rates.numel_in(k)) for k, name in enumerate("czmudp")]
 
     def motion(self) -> Program:
         """Derivatives of the contents, guards of the events, other states, measurements."""
@@ -171,27 +162,19 @@ class _Equations:
     @property
     def followed(self) -> list[int]:
         """The places of those memories that may be others at the end of a step."""
-        symbols = [
-            ca.SX.sym(name, size) for name, size in zip("czmudp", self._sizes(), strict=True)
-        ]
-        following = ca.densify(self._process.motion.updates(*symbols))
-        held = symbols[2]
+        following = ca.densify(self._process.motion.updates(*self._symbols))
+        held = self._symbols[2]
         return [k for k in range(self.memories) if not ca.is_equal(following[k], held[k], 1)]
 
     def switch(self) -> Program:
         """The memories after the events whose guards are zero or positive."""
-        motion = self._process.motion
-        held = [ca.SX.sym(name, size) for name, size in zip("czmudp", self._sizes(), strict=True)]
+        motion, held = self._process.motion, self._symbols
         after = motion.resets(motion.guards(*held) >= 0, *held)
         return self._of_memories("switch", ca.Function("switch", held, [ca.densify(after)]))
 
     def update(self) -> Program:
         """The memories at the end of an integration step."""
         return self._of_memories("update", self._process.motion.updates)
-
-    def _sizes(self) -> list[int]:
-        rates = self._process.motion.rates
-        return [rates.numel_in(index) for index in range(rates.n_in())]
 
     def _of_memories(self, kind: str, function: ca.Function) -> Program:
         builder = BlockBuilder(self._size)

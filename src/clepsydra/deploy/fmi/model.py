@@ -15,7 +15,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.printing.origin import Origin
-from clepsydra.program.program import Program
+from clepsydra.program.program import Block, Program, read_by, written_by
 
 Causality = Literal["input", "parameter", "output", "local"]
 Variability = Literal["continuous", "discrete", "tunable"]
@@ -44,12 +44,6 @@ class FmuVariable:
         Of what nobody sets: the variables that it is computed from at the start.
     derivative_of : str
         Of a derivative: the continuous state.
-
-    Examples
-    --------
-    >>> level = Signal("level_1", "V", low=0.0, high=10.0)
-    >>> FmuVariable(level, "inputs.level_1", "input", "discrete").settable
-    True
     """
 
     signal: Signal
@@ -116,10 +110,6 @@ class FmuModel:
     ------
     InputError
         Two variables have one name, or a name is none of the structured naming convention.
-
-    Examples
-    --------
-    See `controller_model` and `process_model`.
     """
 
     programs: tuple[Program, ...]
@@ -136,18 +126,17 @@ class FmuModel:
         # The independent variable of the standard has a name too.
         names = ["time", *(variable.name for variable in self.variables)]
         for name in names:
+            expected = ""
             if not _STRUCTURED.fullmatch(name):
-                raise InputError(
-                    f"program {self.name}, {name}", name,
+                expected = (
                     "a name that an FMU can have: letters from A to Z, digits and underscores, a "
-                    "letter first, and dots between words",
-                    "rename the input, output, parameter or state",
-                )  # fmt: skip
-            if names.count(name) > 1:
-                raise InputError(
-                    f"program {self.name}, {name}", name, "a name of its own in the FMU",
-                    "rename the input, output, parameter or state",
-                )  # fmt: skip
+                    "letter first, and dots between words"
+                )
+            elif names.count(name) > 1:
+                expected = "a name of its own in the FMU"
+            if expected:
+                remedy = "rename the input, output, parameter or state"
+                raise InputError(f"program {self.name}, {name}", name, expected, remedy)
 
     @property
     def name(self) -> str:
@@ -218,14 +207,7 @@ def variables_of(
     variability: Variability,
     depends_on: Sequence[tuple[str, ...]] | None = None,
 ) -> list[FmuVariable]:
-    """Return the variables of a group; what is no real number is discrete unless it is tuned.
-
-    Examples
-    --------
-    >>> mode = Signal("pump.mode", kind="integer")
-    >>> variables_of([mode], "inputs", "input", "continuous")[0].member
-    'inputs.pump_mode'
-    """
+    """Return the variables of a group; what is no real number is discrete unless it is tuned."""
     return [
         FmuVariable(
             signal,
@@ -236,3 +218,21 @@ def variables_of(
         )
         for place, signal in enumerate(signals)
     ]
+
+
+def output_dependencies(program: Program) -> list[tuple[str, ...]]:
+    """Return for each output the states, inputs and parameters that it is computed from.
+
+    What a loop or a conditional carries is taken to depend on everything that it reads.
+    """
+    names = [s.name for s in (*program.state, *program.inputs, *program.parameters)]
+    found = _arguments_of_results(program.block)[len(program.state) :]
+    return [tuple(names[value] for value in sorted(each)) for each in found]
+
+
+def _arguments_of_results(block: Block) -> list[frozenset[int]]:
+    known = {value: frozenset((value,)) for value in range(block.arguments)}
+    for statement in block.statements:
+        depends = frozenset().union(*(known[value] for value in read_by(statement)))
+        known |= dict.fromkeys(written_by(statement), depends)
+    return [known[value] for value in block.results]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.fmi.model import FmuModel, FmuVariable
 from clepsydra.deploy.printing.decimal_text import decimal
+from clepsydra.program.program import Program
 
 _ROLES = {
     "input": "ROLE_INPUT", "parameter": "ROLE_PARAMETER", "local": "ROLE_START",
@@ -17,12 +18,7 @@ _KINDS = {"real": "KIND_REAL", "integer": "KIND_INTEGER", "boolean": "KIND_BOOLE
 
 
 def model_header(model: FmuModel, version: str) -> str:
-    """Return the text of model.h.
-
-    Examples
-    --------
-    See `clepsydra.deploy.fmi.sources.source_files`.
-    """
+    """Return the text of model.h."""
     name = model.name
     lines = [
         f"/* {name}: its memory, its variables by value reference, and how it starts and moves. */",
@@ -128,3 +124,42 @@ def _literal(signal: Signal) -> str:
     if math.isnan(value):
         return "NAN"
     return decimal(value) if math.isfinite(value) else f"{'-' if value < 0 else ''}HUGE_VAL"
+
+
+def call_step(function: str, comment: str, program: Program, *, keeps_state: bool = False) -> str:
+    """Return a C function that runs the step of the model, on a copy of its state if that stays."""
+    name, state = program.name, "&memory->state"
+    lines = [f"/* {comment} */", f"static void {function}(model_memory *memory)", "{"]
+    if keeps_state:
+        lines.append(f"  {name}_state state = memory->state;")
+        state = "&state"
+    call = f"  {name}_step(&memory->parameters, {state}, &memory->inputs, &memory->outputs);"
+    return "\n".join([*lines, call, "}", ""])
+
+
+def call_beside(function: str, comment: str, program: Program, members: Mapping[str, str]) -> str:
+    """Return a C function that runs a program without state on members of the memory.
+
+    Parameters
+    ----------
+    function : str
+        Name of the function.
+    comment : str
+        What it does.
+    program : Program
+    members : mapping
+        Name of an input, parameter or output to the member that it is, "inputs.pump_1".
+
+    """
+    name = program.name
+    lines = [f"/* {comment} */", f"static void {function}(model_memory *memory)", "{"]
+    lines += [f"  {name}_{part} {part};" for part in ("parameters", "inputs", "state", "outputs")]
+    lines += [f"  {name}_default_parameters(&parameters);", f"  {name}_initialise(&state);"]
+    for part, signals in (("parameters", program.parameters), ("inputs", program.inputs)):
+        for signal in signals:
+            member = f"{part}.{signal.identifier}"
+            lines.append(f"  {member} = memory->{members[signal.name]};")
+    lines.append(f"  {name}_step(&parameters, &state, &inputs, &outputs);")
+    for signal in program.outputs:
+        lines.append(f"  memory->{members[signal.name]} = outputs.{signal.identifier};")
+    return "\n".join([*lines, "}", ""])

@@ -20,12 +20,7 @@ _GROUPS = (
 
 
 def documentation_page(model: FmuModel) -> str:
-    """Return documentation/index.html: what it is, how it steps, and every variable.
-
-    Examples
-    --------
-    See `clepsydra.deploy.fmi.write`.
-    """
+    """Return documentation/index.html: what it is, how it steps, and every variable."""
     parts = [
         "<!DOCTYPE html>",
         '<html lang="en"><head><meta charset="utf-8">',

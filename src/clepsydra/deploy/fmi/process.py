@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
-from clepsydra.deploy.fmi.dependencies import output_dependencies
-from clepsydra.deploy.fmi.model import FmuModel, FmuVariable, variables_of
-from clepsydra.deploy.fmi.process_names import held_signals, shown_contents
-from clepsydra.deploy.fmi.side_program import call_beside
+import casadi as ca
+
+from clepsydra.base.signal import Signal
+from clepsydra.deploy.fmi.model import FmuModel, FmuVariable, output_dependencies, variables_of
+from clepsydra.deploy.fmi.model_header import call_beside, call_step
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.process_program import HELD, process_program
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.loop.step_size import check_substeps
 from clepsydra.process.process import Process
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.entries import is_ring, signal_of
 from clepsydra.program.program import Program
 from clepsydra.program.reader import inline
-
-_ADVANCE = """\
-/* One integration step. */
-static void model_advance(model_memory *memory)
-{{
-  {name}_step(&memory->parameters, &memory->state, &memory->inputs, &memory->outputs);
-}}
-"""
 
 
 def process_model(point: OperatingPoint, substeps: int, origin: Origin) -> FmuModel:
@@ -41,11 +34,6 @@ def process_model(point: OperatingPoint, substeps: int, origin: Origin) -> FmuMo
         Integration steps in a sampling period.
     origin : Origin
 
-    Raises
-    ------
-    InputError
-        The number of steps is none, or no delay of the process fits it.
-
     Examples
     --------
     >>> from clepsydra.linear.equilibrium import find_equilibrium
@@ -56,7 +44,6 @@ def process_model(point: OperatingPoint, substeps: int, origin: Origin) -> FmuMo
     (0.5, ['tank_4.level', 'level_1'])
     """
     process = point.process
-    check_substeps(substeps, process)
     step = process.sampling_period / substeps
     program = process_program(
         replace(point, process=replace(process, sampling_period=step)), substeps=1
@@ -66,10 +53,11 @@ def process_model(point: OperatingPoint, substeps: int, origin: Origin) -> FmuMo
     members |= {s.name: f"state.{s.identifier}" for s in map(signal_of, program.state)}
     members |= {s.name: f"outputs.{s.identifier}" for s in program.outputs}
     show = call_beside("model_show", "The outputs of the present state.", reading, members)
+    advance = call_step("model_advance", "One integration step.", program)
     return FmuModel(
         programs=(program, reading),
         variables=tuple(_variables(process, program, reading)),
-        functions="\n".join([show, _ADVANCE.format(name=program.name)]),
+        functions="\n".join([show, advance]),
         step=step,
         scans=False,
         title=process.title,
@@ -123,3 +111,47 @@ def _reading(process: Process, program: Program) -> Program:
         (*process.state, *process.measurements),
         builder.finish([*states, *measured]),
     )
+
+
+def shown_contents(process: Process) -> frozenset[str]:
+    """Return the names of those contents that are states as they are, such as levels.
+
+    A concentration is no content: the amount is, and the state is computed from it.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> sorted(shown_contents(load_process("averaging-tank")))
+    ['tank.level']
+    """
+    motion = process.motion
+    contents = ca.SX.sym("c", len(motion.contents))
+    states = motion.to_state(contents, ca.SX.sym("p", len(process.parameters)))
+    places = {signal.name: place for place, signal in enumerate(motion.contents)}
+    return frozenset(
+        signal.name
+        for number, signal in enumerate(process.state)
+        if signal.name in places and ca.is_equal(states[number], contents[places[signal.name]])
+    )
+
+
+def held_signals(process: Process, signals: Sequence[Signal]) -> list[Signal]:
+    """Return the signals of what a process holds, under names that nothing else has.
+
+    Each keeps its name; where another variable has it, "held." stands before it.
+
+    Parameters
+    ----------
+    process : Process
+    signals : sequence of Signal
+        Contents, memories and whatever else lives from step to step.
+    """
+    shown = shown_contents(process)
+    others = (process.parameters, process.inputs, process.disturbances, process.measurements)
+    taken = {signal.name for group in others for signal in group}
+    taken |= {signal.name for signal in process.state} - shown
+    # Counts of events grow without bound, so they are numbers and no integers of the target.
+    return [
+        replace(s, name=f"{HELD}.{s.name}" if s.name in taken else s.name, kind="real")
+        for s in signals
+    ]

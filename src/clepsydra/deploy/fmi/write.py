@@ -2,24 +2,39 @@
 
 from __future__ import annotations
 
+import platform
+import sys
+import tempfile
 import zipfile
+from dataclasses import replace
+from importlib import resources
 from pathlib import Path
 from typing import Literal, get_args
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.files import whole_file
-from clepsydra.deploy.compiler import Compiler
-from clepsydra.deploy.fmi.binary import build_binary, platform_folder
-from clepsydra.deploy.fmi.description_2 import model_description_2
-from clepsydra.deploy.fmi.description_3 import build_description_3, model_description_3
+from clepsydra.deploy.c99.printer import print_c
+from clepsydra.deploy.compiler import Compiler, library_name
+from clepsydra.deploy.fmi.description import build_description, model_description
 from clepsydra.deploy.fmi.model import FmuModel
+from clepsydra.deploy.fmi.model_header import model_header
 from clepsydra.deploy.fmi.page import documentation_page
-from clepsydra.deploy.fmi.sources import compiled_files, source_files
 
 #: Versions of the Functional Mock-up Interface.
 FmiVersion = Literal["3.0", "2.0"]
 #: The earliest date that an archive can hold, so that the same model gives the same file.
 _DATE = (1980, 1, 1, 0, 0, 0)
+#: Where the sources lie in the archive.
+_SOURCES = "sources/"
+#: Files of `wrapper/`, in every FMU and in that of a version.
+_SHARED = ("instance.h", "phases.h", "records.h", "exchange.h", "stepping.h")
+_OF_VERSION = {
+    "2.0": ("fmi2.c", "fmi2_types.h"),
+    "3.0": ("fmi3.c", "fmi3_types.h", "fmi3_absent.h"),
+}
+_SYSTEMS = {"linux": "linux", "darwin": "darwin", "win32": "windows"}
+_MACHINES = {"x86_64": "x86_64", "amd64": "x86_64", "aarch64": "aarch64", "arm64": "aarch64"}
+_VERSION_2 = {"linux": "linux", "darwin": "darwin", "windows": "win"}
 
 
 def write_fmu(
@@ -50,21 +65,6 @@ def write_fmu(
     InputError
         There is no compiler though a binary is wanted, this version of the standard has no name
         for this kind of machine, the version is unknown, or the file cannot be written.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from clepsydra.base.signal import Signal
-    >>> from clepsydra.deploy.fmi.controller import controller_model
-    >>> from clepsydra.deploy.printing.origin import Origin
-    >>> from clepsydra.program.program import Block, Operation, Program
-    >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
-    >>> program = Program("double_it", (), (Signal("x"),), (), (Signal("y"),), double)
-    >>> model = controller_model(program, Origin("doubler", "a test", "", 1.0))
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_fmu(Path(folder, "double_it.fmu"), model, None, sources_only=True)
-    ...     zipfile.ZipFile(Path(folder, "double_it.fmu")).namelist()[:2]
-    ['modelDescription.xml', 'documentation/index.html']
     """
     if version not in get_args(FmiVersion):
         raise InputError("FMU, version", version, "3.0 or 2.0", "choose one of them")
@@ -76,7 +76,7 @@ def write_fmu(
     contents = fmu_contents(model, version)
     if compiler is not None and not sources_only:
         folder = f"binaries/{platform_folder(version)}"
-        name, library = build_binary(model.name, source_files(model, version), compiler)
+        name, library = _built(model.name, contents, compiler)
         contents[f"{folder}/{name}"] = library
     with whole_file(path) as part, zipfile.ZipFile(part, "w") as archive:
         for name, content in contents.items():
@@ -89,22 +89,74 @@ def write_fmu(
 
 
 def fmu_contents(model: FmuModel, version: FmiVersion) -> dict[str, bytes]:
-    """Return what an FMU holds apart from its binary, by path in the archive.
+    """Return what an FMU holds apart from its binary, by path in the archive."""
+    files = _source_files(model, version)
+    compiled = [name for name in files if name.endswith(".c")]
+    texts = {
+        "modelDescription.xml": model_description(model, version, compiled),
+        "documentation/index.html": documentation_page(model),
+        **{f"{_SOURCES}{name}": text for name, text in files.items()},
+    }
+    if version == "3.0":
+        texts[f"{_SOURCES}buildDescription.xml"] = build_description(model, compiled)
+    return {name: text.encode() for name, text in texts.items()}
+
+
+def _source_files(model: FmuModel, version: FmiVersion) -> dict[str, str]:
+    """Return the sources by file name: the printed programs, model.h, and the interface."""
+    files = {}
+    for program in model.programs:
+        printed = print_c(program, origin=model.origin)
+        files[printed.header_name] = printed.header
+        files[printed.source_name] = printed.source
+    files["model.h"] = model_header(model, version)
+    wrapper = resources.files("clepsydra.deploy.fmi") / "wrapper"
+    for name in (*_SHARED, *_OF_VERSION[version]):
+        files[name] = (wrapper / name).read_text(encoding="utf-8")
+    return files
+
+
+def platform_folder(version: str) -> str:
+    """Return the name that the standard gives to this kind of machine.
+
+    Raises
+    ------
+    InputError
+        This version of the standard has no name for it.
 
     Examples
     --------
-    See `write_fmu`.
+    >>> platform_folder("3.0").count("-")
+    1
     """
-    files = source_files(model, version)
-    compiled = compiled_files(files)
-    described = (
-        model_description_3(model) if version == "3.0" else model_description_2(model, compiled)
-    )
-    texts = {
-        "modelDescription.xml": described,
-        "documentation/index.html": documentation_page(model),
-        **{f"sources/{name}": text for name, text in files.items()},
-    }
-    if version == "3.0":
-        texts["sources/buildDescription.xml"] = build_description_3(model, compiled)
-    return {name: text.encode() for name, text in texts.items()}
+    system = _SYSTEMS.get(sys.platform)
+    machine = _MACHINES.get(platform.machine().lower())
+    here = f"{platform.machine()} {sys.platform}"
+    if system is None or machine is None:
+        raise InputError(
+            "FMU, platform", here, "x86_64 or aarch64 under Linux, macOS or Windows",
+            "write it on such a machine, or in Python by write_fmu(..., sources_only=True)",
+        )  # fmt: skip
+    if version == "2.0" and machine != "x86_64":
+        raise InputError(
+            "FMU, platform", here, "x86_64: FMI 2.0 has a name for no other machine of 64 bits",
+            "write it as FMI 3.0",
+        )  # fmt: skip
+    return f"{machine}-{system}" if version == "3.0" else f"{_VERSION_2[system]}64"
+
+
+def _built(name: str, contents: dict[str, bytes], compiler: Compiler) -> tuple[str, bytes]:
+    """Compile the sources of an FMU; return file name and content of the library."""
+    # The printed functions stay inside: two FMUs in one importer may have the same.
+    hiding = () if sys.platform == "win32" else ("-fvisibility=hidden",)
+    hidden = replace(compiler, flags=(*compiler.flags, *hiding))
+    with tempfile.TemporaryDirectory(prefix="clepsydra-fmu-") as folder:
+        sources = []
+        for file, content in contents.items():
+            if file.startswith(_SOURCES):
+                path = Path(folder, file.removeprefix(_SOURCES))
+                path.write_bytes(content)
+                sources += [path] if path.suffix == ".c" else []
+        target = Path(folder, library_name(name))
+        hidden.build(sources, target)
+        return target.name, target.read_bytes()

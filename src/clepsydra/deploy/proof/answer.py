@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from decimal import ROUND_CEILING, Context, Decimal
 from typing import TYPE_CHECKING
 
 from clepsydra.base.section import Line, Mark, Section, Table, marked
-from clepsydra.deploy.proof.finding import findings, rounded_up
-from clepsydra.deploy.proof.row import ProofRow
+from clepsydra.deploy.proof.limits import LIMITS
+from clepsydra.deploy.proof.row import ProofRow, Verdict
 from clepsydra.deploy.proof.words import HEADS, cells, next_step, notes, result_sentence
+from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES
 
 if TYPE_CHECKING:
     from clepsydra.deploy.proof.proof import Proof
@@ -17,6 +21,13 @@ if TYPE_CHECKING:
 #: Controllers and processes that are listed, and findings that are told, each in two lines.
 _LISTED, _TOLD = 16, 4
 _EMPTY = Line("")
+#: The worst first.
+_ORDER: tuple[Verdict, ...] = (
+    "fails", "differs", "refused", "diverges", "equal", "within the bound", "reported",
+)  # fmt: skip
+_REASONS = {limit.name: limit.reason for limit in LIMITS}
+#: "Structured Text, scl", "FMU 3.0", "FMU 3.0 exchange".
+_TARGET = re.compile(r"(Structured Text|FMU)[, ]+(\S+)(?: (exchange))?")
 
 
 def proof_answer(proof: Proof, *, every: bool = False) -> Section:
@@ -27,12 +38,6 @@ def proof_answer(proof: Proof, *, every: bool = False) -> Section:
     proof : Proof
     every : bool
         Whether with every target, the notes and the versions.
-
-    Examples
-    --------
-    >>> from clepsydra.deploy.proof.proof import Proof
-    >>> proof_answer(Proof(())).parts[0].text
-    'Nothing was compared.'
     """
     rows = _by_subject(proof.rows)
     subjects = list(rows)
@@ -108,3 +113,104 @@ def _single(rows: Sequence[ProofRow]) -> str:
             changes = ", which changes the ranking" if row.scores.get("is_change") else ""
             return f"{rounded_up(row.largest)} of range{changes}"
     return next((row.verdict for row in rows if row.verdict != "equal"), "")
+
+
+def findings(rows: Iterable[ProofRow]) -> list[tuple[ProofRow, str]]:
+    """Return what the rows of one controller or process show, the worst first.
+
+    Rows of which the same is to be said come together, as the first of them and the words.
+
+    Examples
+    --------
+    >>> rows = [ProofRow("PI", name, "double", "engine", "0f", 10_000, 1)
+    ...         for name in ("C", "FMU 3.0", "FMU 2.0")]
+    >>> findings(rows)[0][1]
+    'equal in every bit: C, FMU 2.0 and 3.0'
+    """
+    together: dict[tuple[str, str], list[ProofRow]] = {}
+    rows = sorted(rows, key=lambda row: (row.holds, _ORDER.index(row.verdict)))
+    single = any(row.verdict == "reported" for row in rows)
+    for row in rows:
+        if not (single and row.against == "C in single" and row.verdict == "equal"):
+            together.setdefault(_said(row), []).append(row)
+    return [
+        (same[0], f"{what}{_targets(same)}{f' ({more})' if more else ''}")
+        for (what, more), same in together.items()
+    ]
+
+
+def _said(row: ProofRow) -> tuple[str, str]:
+    """Return what is said of a row, and how much or why."""
+    if row.verdict == "fails":
+        return "does not run", _begun(row.reason)
+    if row.verdict == "refused":
+        if row.limit:
+            return "not run", _REASONS[row.limit]
+        return "refused without need", _begun(row.reason)
+    if row.verdict == "differs":
+        return "differs", _how_much(row)
+    if row.verdict == "diverges":
+        return "does not follow the simulation", (
+            f"{row.signal} is {row.largest:.2g} times its range off in scan {row.scan}; export "
+            "it in double precision"
+        )
+    of_c = " to C" if row.against == "C in single" else ""
+    if row.verdict == "equal":
+        return f"equal{of_c} in every bit", ""
+    if row.verdict == "within the bound":
+        return f"equal{of_c} within {rounded_up(row.bound or 0.0)} of the range", ""
+    changes = row.scores.get("is_change", False)
+    return (
+        f"single precision within {rounded_up(row.largest)} of the range",
+        "which changes the ranking" if changes else "",
+    )
+
+
+def _begun(reason: str) -> str:
+    """Return the two lines of a reason that say it; a compiler writes many below."""
+    return " ".join(reason.split("\n")[:2])
+
+
+def _how_much(row: ProofRow) -> str:
+    if math.isinf(row.largest):
+        return f"{row.signal or 'a decision'} is infinite or not a number in scan {row.scan}"
+    if row.largest == 0.0:
+        return f"{row.differing:,} of the numbers compared, {row.decisions:,} of them decisions"
+    return f"by up to {rounded_up(row.largest)} of the range of {row.signal}, in scan {row.scan}"
+
+
+def rounded_up(share: float) -> str:
+    """Return a share with two digits, rounded up.
+
+    Examples
+    --------
+    >>> rounded_up(1.01e-5)
+    '1.1e-5'
+    """
+    rounded = Context(prec=2, rounding=ROUND_CEILING).create_decimal(Decimal(repr(share)))
+    return f"{float(rounded):g}".replace("e-0", "e-")
+
+
+def _targets(rows: Iterable[ProofRow]) -> str:
+    """Return the names of targets, dialects and versions of one kind together."""
+    kinds: dict[tuple[str, str], list[str]] = {}
+    for row in rows:
+        if row.verdict == "reported":  # of C in single precision alone, as the words say
+            return ""
+        found = _TARGET.fullmatch(row.target)
+        ending = " in single precision" if row.precision == "single" else ""
+        if found is None:
+            kinds[row.target, ending] = []
+        else:
+            ending += " for model exchange" if found[3] else ""
+            kinds.setdefault((found[1], ending), []).append(found[2])
+    names = (f"{name}{_each(name, each)}{end}" for (name, end), each in kinds.items())
+    return f": {', '.join(names)}"
+
+
+def _each(name: str, each: list[str]) -> str:
+    if name == "FMU":
+        return f" {' and '.join(sorted(each))}"
+    if len(each) == len(DIALECT_NAMES):
+        return f" ({len(each)} dialects)"
+    return f" ({', '.join(each)})" if each else ""

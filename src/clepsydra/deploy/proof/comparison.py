@@ -10,6 +10,7 @@ import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.proof.instance import Array
+from clepsydra.deploy.proof.row import Verdict
 from clepsydra.program.entries import signal_of
 from clepsydra.program.operation import EXACT
 from clepsydra.program.program import Program
@@ -17,6 +18,8 @@ from clepsydra.program.program import Program
 #: Largest difference of a law with exp, pow and other functions of a library, in double
 #: precision, as a share of a signal's range.
 LIBRARY_BOUND = 1e-12
+#: Two runs that lie further apart than the range of a signal, as a share of it, have diverged.
+DIVERGED = 1.0
 
 
 @dataclass(frozen=True)
@@ -37,15 +40,8 @@ class Difference:
         Numbers that differ in a bit; a not-a-number is equal to every other one.
     decisions : int
         Integer and boolean outputs and states that differ.
-    first_decision : int
-        The scan in which the first of them differs; -1 where none does.
     overflows : int
         Numbers that are infinite or not a number in the second run and finite in the first.
-
-    Examples
-    --------
-    >>> Difference(0.0, "", -1, 0, 0, -1).largest
-    0.0
     """
 
     largest: float
@@ -53,20 +49,11 @@ class Difference:
     scan: int
     differing: int
     decisions: int
-    first_decision: int
     overflows: int = 0
 
 
 def shown_signals(program: Program) -> tuple[Signal, ...]:
-    """Return the signals of a table of outputs and states.
-
-    Examples
-    --------
-    >>> from clepsydra.program.program import Block
-    >>> program = Program("law", (Signal("x"),), (), (), (Signal("y"),), Block(1, (), (0, 0)))
-    >>> [signal.name for signal in shown_signals(program)]
-    ['y', 'x']
-    """
+    """Return the signals of a table of outputs and states."""
     return (*program.outputs, *(signal_of(entry) for entry in program.state))
 
 
@@ -77,8 +64,7 @@ def compare(signals: Sequence[Signal], expected: Array, found: Array) -> Differe
     --------
     >>> y = Signal("y", low=0.0, high=10.0)
     >>> compare([y], np.array([[1.0], [np.nan]]), np.array([[1.5], [np.nan]]))
-    Difference(largest=0.05, signal='y', scan=0, differing=1, decisions=0, first_decision=-1, \
-overflows=0)
+    Difference(largest=0.05, signal='y', scan=0, differing=1, decisions=0, overflows=0)
     """
     if expected.shape != found.shape or expected.shape[1] != len(signals):
         raise ValueError(f"tables of {expected.shape} and {found.shape} for {len(signals)} signals")
@@ -86,42 +72,46 @@ overflows=0)
     # A zero that is an integer has no sign.
     expected, found = (np.where(decided, table + 0.0, table) for table in (expected, found))
     differs = _bits(expected) != _bits(found)
-    wrong = np.flatnonzero(differs[:, decided].any(axis=1))
     largest, signal, scan = 0.0, "", -1
     for column in np.flatnonzero(~decided & differs.any(axis=0)).tolist():
         shares = _shares(signals[column], expected[:, column], found[:, column])
         place = int(np.argmax(shares))
         if scan < 0 or shares[place] > largest:
             largest, signal, scan = float(shares[place]), signals[column].name, place
-    return Difference(
-        largest, signal, scan, int(differs.sum()), int(differs[:, decided].sum()),
-        int(wrong[0]) if len(wrong) else -1,
-        int((np.isfinite(expected) & ~np.isfinite(found)).sum()),
-    )  # fmt: skip
+    overflows = np.isfinite(expected) & ~np.isfinite(found)
+    decisions = differs[:, decided]
+    counts = (int(each.sum()) for each in (differs, decisions, overflows))
+    return Difference(largest, signal, scan, *counts)
 
 
-def is_exact(program: Program) -> bool:
-    """Whether a program has only operations that every target computes to the last bit.
+def verdict(difference: Difference, bound: float | None) -> Verdict:
+    """Return the verdict of a difference; without a bound it is only reported.
 
     Examples
     --------
-    >>> from clepsydra.program.program import Block, Operation
-    >>> power = Block(1, (Operation(1, "exp", (0,)),), (1,))
-    >>> is_exact(Program("law", (), (Signal("u"),), (), (Signal("y"),), power))
-    False
+    >>> verdict(Difference(1e-3, "y", 0, 1, 0), None)
+    'reported'
     """
+    if difference.differing == 0:
+        return "equal"
+    if bound is None:
+        # Rounding may move a number, and turn none into what is infinite or not a number.
+        if difference.overflows:
+            return "differs"
+        return "diverges" if difference.largest > DIVERGED else "reported"
+    # Where nothing but exact operations are, the sign of a zero counts too; and a decision that
+    # differs is no matter of a bound.
+    within = bound > 0.0 and difference.largest <= bound and difference.decisions == 0
+    return "within the bound" if within else "differs"
+
+
+def is_exact(program: Program) -> bool:
+    """Whether a program has only operations that every target computes to the last bit."""
     return all(operation.code in EXACT for operation in program.block.operations())
 
 
 def double_bound(program: Program) -> float:
-    """Return the bound in double precision: 0, or that of functions of a library.
-
-    Examples
-    --------
-    >>> from clepsydra.program.program import Block
-    >>> double_bound(Program("nothing", (), (), (), (), Block(0, (), ())))
-    0.0
-    """
+    """Return the bound in double precision: 0, or that of functions of a library."""
     return 0.0 if is_exact(program) else LIBRARY_BOUND
 
 

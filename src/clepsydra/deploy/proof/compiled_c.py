@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-import functools
 import hashlib
-from collections.abc import Mapping, Sequence
-from operator import attrgetter
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,13 +20,7 @@ from clepsydra.deploy.compiler import (
     library_name,
 )
 from clepsydra.deploy.printing.origin import Origin
-from clepsydra.deploy.proof.instance import (
-    Array,
-    Instance,
-    Scans,
-    given_parameters,
-    scan_count,
-)
+from clepsydra.deploy.proof.instance import Array, Scans, given_parameters, scan_count
 from clepsydra.program.entries import Entry, is_ring, signal_of
 from clepsydra.program.owned_state import own_state, state_paths, with_owned_state
 from clepsydra.program.precision import Precision
@@ -43,12 +35,11 @@ const uint64_t {name}_sizes[4] = {{
   sizeof({name}_parameters), sizeof({name}_state), sizeof({name}_inputs), sizeof({name}_outputs)
 }};
 """
-_KINDS = {"real": float, "integer": int, "boolean": bool}
 #: So many scans are run before their outputs and states are read.
 _CHUNK = 1000
 
 
-class CompiledC(Instance):
+class CompiledC:
     """The C of a program as a shared library, one instance of its state.
 
     Parameters
@@ -60,25 +51,23 @@ class CompiledC(Instance):
     compiler : Compiler, optional
         That of this machine if omitted.
     printed : CSource, optional
-        What was printed of the program in this precision; it is printed if omitted.
+        What is compiled; printed if omitted.
 
     Raises
     ------
     InputError
-        The program cannot be printed, or there is no compiler.
+        There is no compiler, or the program is not printable.
     CompilationError
-        The compiler does not accept what was printed, or its structures are others.
+        The compiler refuses the source, or its structures have other members than the program.
 
     Examples
     --------
     >>> import tempfile
-    >>> from clepsydra.base.signal import Signal
     >>> from clepsydra.program.program import Block, Operation
     >>> total = Block(2, (Operation(2, "add", (0, 1)),), (2, 2))
     >>> program = Program("add_up", (Signal("x"),), (Signal("u"),), (), (Signal("y"),), total)
-    >>> with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-    ...     adding = CompiledC(program, Path(folder))
-    ...     adding.run({"u": np.array([0.5, 0.25])}).tolist()
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     CompiledC(program, Path(folder)).run({"u": np.array([0.5, 0.25])}).tolist()
     [[0.5, 0.5], [0.75, 0.75]]
     """
 
@@ -90,7 +79,7 @@ class CompiledC(Instance):
         compiler: Compiler | None = None,
         printed: CSource | None = None,
     ) -> None:
-        super().__init__(program)
+        self.program = program
         compiler = compiler or find_compiler("proof of C")
         printed = printed or printed_c(program, precision)
         folder.mkdir(parents=True, exist_ok=True)
@@ -107,24 +96,21 @@ class CompiledC(Instance):
         self._step.restype, self._step.argtypes = None, [ctypes.c_void_p] * 4
         real, form = _REALS[precision], with_owned_state(program)
         self._paths = state_paths(form)
-        self._structures = [
-            _structure(_fields(program.parameters, real))(),
-            _structure(_state_fields(form, real))(),
-            _structure(_fields(program.inputs, real))(),
-            _structure(_fields(program.outputs, real))(),
+        structures = [
+            _structure(_fields(program.parameters, real)),
+            _structure(_state_fields(form, real)),
+            _structure(_fields(program.inputs, real)),
+            _structure(_fields(program.outputs, real)),
         ]
         sizes = list((ctypes.c_uint64 * 4).in_dll(library, f"{program.name}_sizes"))
-        if sizes != [ctypes.sizeof(structure) for structure in self._structures]:
+        if sizes != [ctypes.sizeof(structure) for structure in structures]:
             raise CompilationError(f"{printed.header_name}: its structures have other members")
-        self.parameters, self.memory, self._inputs, self._outputs = self._structures
+        #: As they are printed, and what lives from scan to scan.
+        self._parameters, self.memory = structures[0](), structures[1]()
+        self._inputs, self._outputs = structures[2](), structures[3]
         defaults = library[f"{program.name}_default_parameters"]
         defaults.restype = None
-        defaults(ctypes.byref(self.parameters))
-        #: The structure that holds a state, and the name of the member.
-        self.members: list[tuple[ctypes.Structure, str]] = [
-            (functools.reduce(getattr, above, self.memory), name) for *above, name in self._paths
-        ]
-        self._printed = type(self.parameters).from_buffer_copy(self.parameters)
+        defaults(ctypes.byref(self._parameters))
         self._start = library[f"{program.name}_initialise"]
         self._start.restype = None
         self.initialise()
@@ -133,30 +119,11 @@ class CompiledC(Instance):
         """Go back to the initial state."""
         self._start(ctypes.byref(self.memory))
 
-    def __call__(self, inputs: Mapping[str, float]) -> list[float]:
-        """Run one scan and return the outputs in order."""
-        for signal in self.program.inputs:
-            setattr(self._inputs, signal.identifier, _KINDS[signal.kind](inputs[signal.name]))
-        for signal in given_parameters(self.program, inputs):
-            value, name = inputs[signal.name], signal.identifier
-            own = getattr(self._printed, name) if value != value else _KINDS[signal.kind](value)
-            setattr(self.parameters, name, own)
-        self._step(*map(ctypes.addressof, self._structures))
-        outputs = self._outputs
-        return [float(attrgetter(s.identifier)(outputs)) for s in self.program.outputs]
-
-    def state(self) -> list[float]:
-        """Return the state in order; of a delay ring the value that the next scan reads."""
-        found = []
-        for entry, (holder, name) in zip(self.program.state, self.members, strict=True):
-            value = getattr(holder, name)
-            if is_ring(entry):
-                value = value[getattr(holder, f"{name}_position")]
-            found.append(float(value))
-        return found
-
     def run(self, inputs: Scans) -> Array:
-        """Run all scans; returns outputs and then states [scans, q + n]."""
+        """Run all scans; returns outputs and then states [scans, q + n].
+
+        Of a delay ring the state is the value that the next scan reads.
+        """
         scans = scan_count(inputs)
         parts = [
             self._chunk({name: column[start : start + _CHUNK] for name, column in inputs.items()})
@@ -169,10 +136,14 @@ class CompiledC(Instance):
 
         Parameters
         ----------
-        before : ndarray [scans, n]
-            The state that each scan starts from; of a delay ring its oldest value.
+        before : array
+            State before each scan [scans, n]; of a delay ring what the scan reads.
         inputs : mapping
-            As for `run`. Of a ring the value is returned that a scan writes.
+
+        Returns
+        -------
+        array
+            Of a delay ring what the scan wrote into it.
         """
         memories = self._rows(self.memory, (), inputs)
         with np.errstate(all="ignore"):
@@ -188,11 +159,11 @@ class CompiledC(Instance):
 
     def _chunk(self, inputs: Scans, before: np.ndarray | None = None) -> Array:
         scans, program = scan_count(inputs), self.program
-        found = np.zeros(scans, dtype=np.dtype(type(self._outputs)))
+        found = np.zeros(scans, dtype=np.dtype(self._outputs))
         memories = np.zeros(scans, np.dtype(type(self.memory))) if before is None else before
         given = self._rows(self._inputs, program.inputs, inputs)
         tuned = given_parameters(program, inputs)
-        parameters = self._rows(self._printed if tuned else self.parameters, tuned, inputs)
+        parameters = self._rows(self._parameters, tuned, inputs)
         memory = ctypes.addressof(self.memory)
         size = ctypes.sizeof(self.memory)
         for k in range(scans):
@@ -206,14 +177,20 @@ class CompiledC(Instance):
             )
             ctypes.memmove(memories.ctypes.data + k * size, memory, size)
         columns = [_inside(found, signal.identifier.split(".")) for signal in program.outputs]
-        for entry, (*above, name) in zip(program.state, self._paths, strict=True):
+        columns += self._states(memories, follow=before is None)
+        return np.column_stack(columns).astype(float) if columns else np.zeros((scans, 0))
+
+    def _states(self, memories: np.ndarray, *, follow: bool) -> list[np.ndarray]:
+        """Return the states in memories; of a ring what is read next, or what lies at its start."""
+        columns = []
+        for entry, (*above, name) in zip(self.program.state, self._paths, strict=True):
             held = _inside(memories, above)
             column = held[name]
             if is_ring(entry):
-                place = held[f"{name}_position"] if before is None else 0
-                column = column[np.arange(scans), place]
+                place = held[f"{name}_position"] if follow else 0
+                column = column[np.arange(len(memories)), place]
             columns.append(column)
-        return np.column_stack(columns).astype(float) if columns else np.zeros((scans, 0))
+        return columns
 
     def _rows(
         self, structure: ctypes.Structure, signals: Sequence[Signal], inputs: Scans
@@ -223,7 +200,7 @@ class CompiledC(Instance):
         table = np.repeat(row, scan_count(inputs))
         for signal in signals:
             column = inputs[signal.name]
-            kept = np.isnan(column) & (structure is self._printed)
+            kept = np.isnan(column) & (structure is self._parameters)
             with np.errstate(all="ignore"):
                 table[signal.identifier][~kept] = column[~kept]
         return table

@@ -65,17 +65,7 @@ class Coverage:
 
 
 def coverage(program: Program, table: Array) -> Coverage:
-    """Return what outputs and states [scans, q + n] show of a program.
-
-    Examples
-    --------
-    >>> from clepsydra.base.signal import Signal
-    >>> from clepsydra.program.program import Block
-    >>> word = Signal("pump.status", low=0.0, high=3.0, kind="integer")
-    >>> program = Program("law", (), (), (), (word,), Block(1, (), (0,)))
-    >>> coverage(program, np.array([[0.0], [1.0]])).unseen
-    ('pump.status bit 1',)
-    """
+    """Return what outputs and states [scans, q + n] show of a program."""
     seen: list[str] = []
     unseen: list[str] = []
     still: list[str] = []

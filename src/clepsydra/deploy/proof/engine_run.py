@@ -20,14 +20,6 @@ def engine_run(program: Program, inputs: Scans) -> Array:
 
     A state is that after the scan; of a delay ring it is the value that the next scan reads, as
     in `clepsydra.deploy.proof.instance.Instance`.
-
-    Examples
-    --------
-    >>> from clepsydra.program.program import Block, Operation
-    >>> total = Block(2, (Operation(2, "add", (0, 1)),), (2, 2))
-    >>> program = Program("add_up", (Signal("x"),), (Signal("u"),), (), (Signal("y"),), total)
-    >>> engine_run(program, {"u": np.array([0.5, 0.25])}).tolist()
-    [[0.5, 0.5], [0.75, 0.75]]
     """
     from clepsydra.engine.kernel import Kernel
 

@@ -1,19 +1,22 @@
-"""An FMU imported by FMPy: one communication step a scan."""
+"""FMUs imported by FMPy: one communication step a scan, or derivatives at many states."""
 
 from __future__ import annotations
 
 import ctypes
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
-from types import TracebackType
 from typing import Any
+
+import numpy as np
 
 from clepsydra.base.errors import ClepsydraError, InputError
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.c99.structures import state_names
 from clepsydra.deploy.process_program import HELD
-from clepsydra.deploy.proof.instance import Instance, given_parameters
+from clepsydra.deploy.proof.instance import Array, Scans, given_parameters
 from clepsydra.program.entries import is_ring, signal_of
 from clepsydra.program.program import Program
 
@@ -34,223 +37,196 @@ _CONVERSIONS = {"real": float, "integer": int, "boolean": bool}
 
 
 class FmuError(ClepsydraError):
-    """An FMU cannot be imported or does not run.
-
-    Examples
-    --------
-    >>> raise FmuError("law.fmu: fmi3DoStep ended with status 3")
-    Traceback (most recent call last):
-        ...
-    clepsydra.deploy.proof.imported_fmu.FmuError: law.fmu: fmi3DoStep ended with status 3
-    """
+    """An FMU cannot be imported or does not run."""
 
 
-def importer() -> Any:
-    """Return the package FMPy.
+@contextmanager
+def _imported(path: Path, folder: Path) -> Iterator[tuple[Any, Any, bool]]:
+    """Give description and instance of an FMU, initialised, and whether it is of version 3.0.
 
-    Raises
-    ------
-    InputError
-        It is not installed.
-
-    Examples
-    --------
-    >>> importer().__name__
-    'fmpy'
+    It is unpacked into a folder that is taken away again.
     """
     try:
         import fmpy
+        from fmpy.fmi2 import FMU2Model, FMU2Slave
+        from fmpy.fmi3 import FMU3Model, FMU3Slave
     except ImportError as error:
         raise InputError(
             "proof of FMUs", f"no package {error.name}", "the importer FMPy",
             "pip install 'clepsydra[verify]'",
         ) from None  # fmt: skip
-    return fmpy
+    try:
+        description = fmpy.read_model_description(str(path))
+        fmpy.extract(str(path), str(folder))
+        third, exchange = description.fmiVersion == "3.0", description.modelExchange
+        if third:
+            kind = FMU3Model if exchange else FMU3Slave
+        else:
+            kind = FMU2Model if exchange else FMU2Slave
+        fmu = kind(
+            guid=description.guid,
+            unzipDirectory=str(folder),
+            modelIdentifier=(exchange or description.coSimulation).modelIdentifier,
+            instanceName=description.modelName,
+        )
+        if third:
+            fmu.instantiate(logMessage=_silent)
+        else:
+            fmu.instantiate()
+            fmu.setupExperiment(startTime=0.0)
+        fmu.enterInitializationMode()
+        fmu.exitInitializationMode()
+        yield description, fmu, third
+        fmu.terminate()
+        fmu.freeInstance()
+    except FmuError:
+        raise
+    except Exception as error:
+        raise FmuError(f"{path.name}: {error}") from None
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
-class ImportedFmu(Instance):
-    """An FMU for co-simulation, one communication step of a sampling period a scan.
+def _silent(environment: Any, status: Any, category: Any, message: Any) -> None:
+    """Keep what an FMU says of a call away from the terminal; its status is an error already."""
+
+
+def run_fmu(
+    program: Program, path: Path, folder: Path, sampling_period: float, inputs: Scans
+) -> tuple[tuple[Signal, ...], Array]:
+    """Run an FMU for co-simulation, a communication step of a sampling period a scan.
 
     Parameters
     ----------
     program : Program
         What it was written from.
-    path : Path
-        Of the FMU.
-    folder : Path
-        Where it is unpacked; taken away when the instance is closed.
+    path, folder : Path
+        Of the FMU, and where it is unpacked.
     sampling_period : float
         [s]
+    inputs : mapping
+
+    Returns
+    -------
+    tuple
+        The outputs and states of the program that it shows, all but delay rings, and their values
+        [scans, shown].
 
     Raises
     ------
-    InputError
-        FMPy is not installed.
     FmuError
-        The FMU cannot be imported.
-
-    Examples
-    --------
-    See `clepsydra.deploy.proof.fmu_runs`.
+        The FMU cannot be imported, or refuses a step.
     """
-
-    def __init__(self, program: Program, path: Path, folder: Path, sampling_period: float) -> None:
-        super().__init__(program)
-        self._name, self._folder, self._period = path.name, folder, sampling_period
-        self._scan = 0
-        fmpy = importer()
-        try:
-            self.description = fmpy.read_model_description(str(path))
-            fmpy.extract(str(path), str(folder))
-            self._fmu = self._started(fmpy)
-        except Exception as error:
-            raise FmuError(f"{path.name}: {error}") from None
-        version = _FUNCTIONS[self.description.fmiVersion]
-        self._is_third = self.description.fmiVersion == "3.0"
-        # The place of an element, in brackets there, is a word of a path.
-        references = {
-            v.name.replace("[", ".").replace("]", ""): v.valueReference
-            for v in self.description.modelVariables
-        }
-        # What a process holds has the name of the process in an FMU, where nothing else has it.
-        references = {f"{HELD}.{name}": number for name, number in references.items()} | references
-        # A state in an instance of a block has the name of that instance before its own.
-        references |= {
-            name: references[shown]
-            for name, shown in state_names(program).items()
-            if shown in references
-        }
-        states = [signal_of(e) for e in program.state if not is_ring(e)]
-        # A ring is no variable of the model description.
-        self.shown = (*program.outputs, *states)
-        needed = (*program.inputs, *program.parameters, *self.shown)
+    # A ring is no variable of the model description.
+    states = [signal_of(entry) for entry in program.state if not is_ring(entry)]
+    shown = (*program.outputs, *states)
+    tuned = given_parameters(program, inputs)
+    given, rows = (*program.inputs, *tuned), []
+    with _imported(path, folder) as (description, fmu, third):
+        references = _references(program, description)
+        needed = (*program.inputs, *program.parameters, *shown)
         missing = [signal.name for signal in needed if signal.name not in references]
         if missing:
             raise FmuError(f"{path.name}: it has no variable {', '.join(missing)}")
-        self._setters: list[_Access] | None = None
-        self._printed: dict[str, float] = {}
-        self._references, self._version = references, version
-        self._getters = _accesses(self.shown, references, version)
-        read = [name for access in self._getters for name in access.names]
-        self._places = [read.index(signal.name) for signal in self.shown]
-
-    def _started(self, fmpy: Any) -> Any:
-        from fmpy.fmi2 import FMU2Slave
-        from fmpy.fmi3 import FMU3Slave
-
-        description = self.description
-        given = {
-            "guid": description.guid,
-            "unzipDirectory": str(self._folder),
-            "modelIdentifier": description.coSimulation.modelIdentifier,
-            "instanceName": self.program.name,
-        }
-        if description.fmiVersion == "3.0":
-            fmu = FMU3Slave(**given)
-            fmu.instantiate(logMessage=_silent)
-            fmu.enterInitializationMode(startTime=0.0)
-        else:
-            fmu = FMU2Slave(**given)
-            fmu.instantiate()
-            fmu.setupExperiment(startTime=0.0)
-            fmu.enterInitializationMode()
-        fmu.exitInitializationMode()
-        return fmu
-
-    def __call__(self, inputs: Mapping[str, float]) -> list[float]:
-        """Run one scan and return the outputs in order."""
-        fmu = self._fmu
-        if self._setters is None:
-            tuned = given_parameters(self.program, inputs)
-            self._setters = _accesses(
-                (*self.program.inputs, *tuned), self._references, self._version
-            )
-            printed = _accesses(tuned, self._references, self._version)
-            for access in printed:
-                self._call("Get", access)
-                self._printed |= access.read()
-        try:
-            for access in self._setters:
-                access.fill(inputs, self._printed)
-                self._call("Set", access)
-            fmu.doStep(self._scan * self._period, self._period)
-            for access in self._getters:
-                self._call("Get", access)
-        except Exception as error:
-            raise FmuError(f"{self._name}, scan {self._scan}: {error}") from None
-        self._scan += 1
-        found: list[float] = []
-        for access in self._getters:
-            found += access.values[:]
-        outputs = len(self.program.outputs)
-        self._state = [float(found[place]) for place in self._places[outputs:]]
-        return [float(found[place]) for place in self._places[:outputs]]
-
-    def _call(self, verb: str, access: _Access) -> None:
-        fmu, count = self._fmu, len(access.names)
-        if self._is_third:
-            function = getattr(fmu, f"fmi3{verb}{access.suffix}")
-            function(fmu.component, access.references, count, access.values, count)
-        else:
-            function = getattr(fmu, f"fmi2{verb}{access.suffix}")
-            function(fmu.component, access.references, count, access.values)
-
-    def state(self) -> list[float]:
-        """Return the state in order, without delay rings, which the FMU does not show."""
-        return self._state
-
-    def __enter__(self) -> ImportedFmu:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._fmu.terminate()
-        self._fmu.freeInstance()
-        shutil.rmtree(self._folder, ignore_errors=True)
+        setting, parameters, showing = (
+            _Access(fmu, "3.0" if third else "2.0", signals, references)
+            for signals in (given, tuned, shown)
+        )
+        printed = dict(zip((signal.name for signal in tuned), parameters.read(), strict=True))
+        columns = [_filled(inputs[signal.name], printed.get(signal.name)) for signal in given]
+        for scan, row in enumerate(np.column_stack(columns).tolist() if columns else ()):
+            try:
+                setting.write(row)
+                fmu.doStep(scan * sampling_period, sampling_period)
+                rows.append(showing.read())
+            except Exception as error:
+                raise FmuError(f"{path.name}, scan {scan}: {error}") from None
+    return shown, np.array(rows, dtype=float)
 
 
-class _Access:
-    """Variables of one type that are read or set together."""
+def rates_of_fmu(
+    path: Path, folder: Path, contents: Array, outside: Array, names: Sequence[str]
+) -> Array:
+    """Return the derivatives that an FMU for model exchange gives [count, states].
 
-    def __init__(
-        self, kind: str, signals: Sequence[Signal], references: Mapping[str, int],
-        version: Mapping[str, tuple[str, Any]],
-    ) -> None:  # fmt: skip
-        self.suffix, type_ = version[kind]
-        self.names = [signal.name for signal in signals]
-        self._conversion = _CONVERSIONS[kind]
-        count = len(signals)
-        self.references = (ctypes.c_uint * count)(*(references[name] for name in self.names))
-        self.values = (type_ * count)()
-
-    def fill(self, inputs: Mapping[str, float], printed: Mapping[str, float]) -> None:
-        given = [inputs[name] for name in self.names]
-        if printed:
-            given = [
-                printed.get(name, value) if value != value else value
-                for name, value in zip(self.names, given, strict=True)
-            ]
-        self.values[:] = list(map(self._conversion, given))
-
-    def read(self) -> dict[str, float]:
-        return dict(zip(self.names, map(float, self.values), strict=True))
-
-
-def _accesses(
-    signals: Sequence[Signal], references: Mapping[str, int],
-    version: Mapping[str, tuple[str, Any]],
-) -> list[_Access]:  # fmt: skip
-    found = []
-    for kind in _CONVERSIONS:
-        chosen = [signal for signal in signals if signal.kind == kind]
-        if chosen:
-            found.append(_Access(kind, chosen, references, version))
+    Parameters
+    ----------
+    path, folder : Path
+        Of the FMU, and where it is unpacked.
+    contents, outside : array
+        Continuous states, and inputs and disturbances [count, signals].
+    names : sequence of str
+        Of inputs and disturbances.
+    """
+    found = np.zeros_like(contents)
+    size = contents.shape[1]
+    states, rates = (ctypes.c_double * size)(), (ctypes.c_double * size)()
+    with _imported(path, folder) as (description, fmu, third):
+        # The memories stay as they start: only what is asked for in event mode would change them.
+        fmu.enterContinuousTimeMode()
+        references = {v.name: v.valueReference for v in description.modelVariables}
+        known = [references[name] for name in names]
+        set_inputs = fmu.setFloat64 if third else fmu.setReal
+        derivatives = fmu.getContinuousStateDerivatives if third else fmu.getDerivatives
+        for k, (row, held) in enumerate(zip(contents.tolist(), outside.tolist(), strict=True)):
+            states[:] = row
+            set_inputs(known, held)
+            fmu.setContinuousStates(states, size)
+            derivatives(rates, size)
+            found[k] = rates
     return found
 
 
-def _silent(environment: Any, status: Any, category: Any, message: Any) -> None:
-    """Keep what an FMU says of a call away from the terminal; its status is an error already."""
+def _references(program: Program, description: Any) -> dict[str, int]:
+    """Return the value reference of each variable by the names of the program."""
+    # The place of an element, in brackets there, is a word of a path.
+    found = {
+        variable.name.replace("[", ".").replace("]", ""): variable.valueReference
+        for variable in description.modelVariables
+    }
+    # What a process holds has the name of the process in an FMU, where nothing else has it.
+    found = {f"{HELD}.{name}": number for name, number in found.items()} | found
+    # A state in an instance of a block has the name of that instance before its own.
+    shown = state_names(program).items()
+    return found | {name: found[inside] for name, inside in shown if inside in found}
+
+
+def _filled(column: Array, printed: float | None) -> Array:
+    """Return an input, or a parameter with the printed value where it is not a number."""
+    return column if printed is None else np.where(np.isnan(column), printed, column)
+
+
+class _Access:
+    """Variables that are read or set together, by one call for all of a type."""
+
+    def __init__(
+        self, fmu: Any, version: str, signals: Sequence[Signal], references: Mapping[str, int]
+    ) -> None:
+        self._size = len(signals)
+        self._groups = []
+        for kind, (suffix, type_) in _FUNCTIONS[version].items():
+            places = [place for place, signal in enumerate(signals) if signal.kind == kind]
+            if places:
+                count = len(places)
+                numbers = [references[signals[place].name] for place in places]
+                values = (type_ * count)()
+                given = [fmu.component, (ctypes.c_uint * count)(*numbers), count, values]
+                given += [count] if version == "3.0" else []
+                getting, setting = (
+                    partial(getattr(fmu, f"fmi{version[0]}{verb}{suffix}"), *given)
+                    for verb in ("Get", "Set")
+                )
+                self._groups.append((places, values, _CONVERSIONS[kind], getting, setting))
+
+    def write(self, row: Sequence[float]) -> None:
+        for places, values, conversion, _, setting in self._groups:
+            values[:] = [conversion(row[place]) for place in places]
+            setting()
+
+    def read(self) -> list[float]:
+        row = [0.0] * self._size
+        for places, values, _, getting, _ in self._groups:
+            getting()
+            for place, value in zip(places, values, strict=True):
+                row[place] = float(value)
+        return row

@@ -25,20 +25,6 @@ class Instance(ABC):
     ----------
     program : Program
         What it was printed from.
-
-    Examples
-    --------
-    >>> from clepsydra.base.signal import Signal
-    >>> from clepsydra.program.program import Block, Operation
-    >>> class Doubler(Instance):
-    ...     def __call__(self, inputs):
-    ...         return [2 * inputs["u"]]
-    ...     def state(self):
-    ...         return []
-    >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
-    >>> program = Program("double_it", (), (Signal("u"),), (), (Signal("y"),), double)
-    >>> Doubler(program).run({"u": np.array([1.5, 2.0])}).tolist()
-    [[3.0], [4.0]]
     """
 
     def __init__(self, program: Program) -> None:
@@ -67,26 +53,12 @@ class Instance(ABC):
 
 
 def given_parameters(program: Program, inputs: Mapping[str, Any]) -> tuple[Signal, ...]:
-    """Return those parameters of a program that are given.
-
-    Examples
-    --------
-    >>> from clepsydra.program.program import Block
-    >>> program = Program("law", (), (Signal("u"),), (Signal("gain"),), (), Block(2, (), ()))
-    >>> [signal.name for signal in given_parameters(program, {"u": 1.0, "gain": 2.0})]
-    ['gain']
-    """
+    """Return those parameters of a program that are given."""
     return tuple(parameter for parameter in program.parameters if parameter.name in inputs)
 
 
 def scan_count(inputs: Scans) -> int:
-    """Return the number of scans of some inputs.
-
-    Examples
-    --------
-    >>> scan_count({"u": np.zeros(3)})
-    3
-    """
+    """Return the number of scans of some inputs."""
     return len(next(iter(inputs.values())))
 
 

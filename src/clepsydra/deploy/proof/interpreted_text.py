@@ -1,21 +1,33 @@
-"""Printed Structured Text, interpreted: one instance of its function block."""
+"""Structured Text in a proof: interpreted, in every dialect and in single precision."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
-from clepsydra.deploy.printing.origin import Origin
+from clepsydra.deploy.proof.c_runs import printed_single_c
+from clepsydra.deploy.proof.comparison import compare, double_bound, is_exact, shown_signals
 from clepsydra.deploy.proof.instance import Instance
+from clepsydra.deploy.proof.job import Contents, Job
+from clepsydra.deploy.proof.limits import MATIEC_NUMBERS, OF_SINGLE, OF_TEXT, PYTHON_LAW
+from clepsydra.deploy.proof.run import Measured, Run, version_of
 from clepsydra.deploy.proof.text.interpreter import function_block
 from clepsydra.deploy.proof.text.scl import standard_text
-from clepsydra.deploy.structured_text.dialect import dialect_of
+from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES, dialect_of
 from clepsydra.deploy.structured_text.instances import with_block_names
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.program.entries import is_ring
 from clepsydra.program.owned_state import state_paths, with_owned_state
 from clepsydra.program.precision import Precision
 from clepsydra.program.program import Program
+
+#: Largest difference of C in floats and Structured Text in REALs where the law uses functions of
+#: a library, as a share of a signal's range: some thousand roundings.
+SINGLE_LIBRARY_BOUND = 1e-4
+_SINGLE_DIALECT = "codesys"
+#: What a printed text is called among the files.
+_TEXT = "text"
 
 
 class InterpretedText(Instance):
@@ -57,7 +69,7 @@ class InterpretedText(Instance):
         text: str | None = None,
     ) -> None:
         super().__init__(program)
-        text = text or printed_text(program, precision, dialect)
+        text = text or print_structured_text(program, precision=precision, dialect=dialect)
         self.block = function_block(standard_text(text) if dialect == "scl" else text)
         # By the keys of the block's memory, which are asked for in every scan.
         self._inputs = [(s.name, s.identifier.lower()) for s in program.inputs]
@@ -101,13 +113,51 @@ def _member(memory: Mapping[str, Any], name: str, *inside: str) -> Any:
     return _member(memory[name].state, *inside) if inside else memory[name]
 
 
-def printed_text(
-    program: Program, precision: Precision, dialect: str, origin: Origin | None = None
-) -> str:
-    """Return the Structured Text of a program, as `clepsydra export` writes it.
+def text_runs(kind: str) -> list[Run]:
+    """Return what is run of Structured Text; of a process in double precision only.
 
-    Examples
-    --------
-    See `InterpretedText`.
+    Raises
+    ------
+    InputError
+        Its grammar is missing.
     """
-    return print_structured_text(program, origin=origin, precision=precision, dialect=dialect)
+    grammar, limits = version_of("tree-sitter-iec61131-3-st"), (PYTHON_LAW, *OF_TEXT)
+    found = [
+        Run(
+            f"Structured Text, {dialect}",
+            "double",
+            "engine",
+            grammar,
+            partial(_text, precision="double", dialect=dialect),
+            partial(_measured, dialect=dialect),
+            (*limits, MATIEC_NUMBERS) if dialect == "matiec" else limits,
+        )
+        for dialect in DIALECT_NAMES
+    ]
+    if kind == "controller":
+        single = _printed_single, _measured_single, (*limits, *OF_SINGLE)
+        found.append(Run("Structured Text", "single", "C in single", grammar, *single))
+    return found
+
+
+def _text(job: Job, precision: Precision, dialect: str) -> Contents:
+    origin = job.item.origin
+    text = print_structured_text(job.program, origin=origin, precision=precision, dialect=dialect)
+    return {_TEXT: text.encode()}
+
+
+def _measured(job: Job, files: Contents, dialect: str) -> Measured:
+    instance = InterpretedText(job.program, dialect=dialect, text=files[_TEXT].decode())
+    found = compare(shown_signals(job.program), job.engine, instance.run(job.inputs))
+    return found, double_bound(job.program), {}
+
+
+def _printed_single(job: Job) -> Contents:
+    return {**printed_single_c(job), **_text(job, "single", _SINGLE_DIALECT)}
+
+
+def _measured_single(job: Job, files: Contents) -> Measured:
+    instance = InterpretedText(job.program, "single", _SINGLE_DIALECT, files[_TEXT].decode())
+    signals = shown_signals(job.program)
+    found = compare(signals, job.run_of_single_c, instance.run(job.single_inputs))
+    return found, 0.0 if is_exact(job.program) else SINGLE_LIBRARY_BOUND, {}

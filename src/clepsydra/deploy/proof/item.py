@@ -7,8 +7,11 @@ from typing import Literal
 
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.plant_shell.settings import PlantShell
+from clepsydra.deploy.exportable import exportable, process_origin
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.process_program import process_program
+from clepsydra.deploy.tagged import tagged_point
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.scenario import Scenario
 from clepsydra.program.program import Program
@@ -42,11 +45,6 @@ class ProofItem:
         What the loop goes through; the default scenario of the process if omitted.
     program_in_si : Program or None
         What an FMU holds, whose importer converts units by himself; the program if omitted.
-
-    Examples
-    --------
-    >>> ProofItem("own law", 1.0, refusal="it is a Python function").program is None
-    True
     """
 
     name: str
@@ -61,22 +59,29 @@ class ProofItem:
     program_in_si: Program | None = None
 
 
+def controller_item(
+    controller: Controller, point: OperatingPoint, scenario: Scenario, settings: PlantShell | None
+) -> ProofItem:
+    """Return the item of a controller; without a program, and why, if it cannot be exported."""
+    period = point.process.sampling_period
+    try:
+        ready = exportable(controller, point, settings)
+    except InputError as refusal:
+        return ProofItem(controller.name, period, refusal=str(refusal), controller=controller)
+    return ProofItem(
+        controller.name,
+        period,
+        ready.program,
+        origin=ready.origin,
+        controller=ready.controller,
+        point=point,
+        scenario=scenario,
+        program_in_si=ready.program_in_si,
+    )
+
+
 def process_item(point: OperatingPoint, origin: Origin | None = None) -> ProofItem:
-    """Return the item of a process that starts at rest.
-
-    Parameters
-    ----------
-    point : OperatingPoint
-    origin : Origin, optional
-
-    Examples
-    --------
-    >>> from clepsydra.linear.equilibrium import find_equilibrium
-    >>> from clepsydra.process.reader import load_process
-    >>> item = process_item(find_equilibrium(load_process("quadruple-tank")))
-    >>> item.name, item.kind, item.refusal
-    ('Quadruple tank, minimum phase', 'process', '')
-    """
+    """Return the item of a process that starts at rest."""
     process = point.process
     blank = ProofItem(
         process.title, process.sampling_period, kind="process", origin=origin, point=point
@@ -85,3 +90,8 @@ def process_item(point: OperatingPoint, origin: Origin | None = None) -> ProofIt
         return replace(blank, program=process_program(point))
     except InputError as refusal:
         return replace(blank, refusal=str(refusal))
+
+
+def process_item_of(point: OperatingPoint) -> ProofItem:
+    """Return the item of a process with its tags, and with where its numbers come from."""
+    return process_item(tagged_point(point), process_origin(point))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -11,8 +13,8 @@ import numpy as np
 from clepsydra.deploy.c99.printer import CSource
 from clepsydra.deploy.compiler import Compiler
 from clepsydra.deploy.printing.heading import digest
+from clepsydra.deploy.process_program import process_program
 from clepsydra.deploy.proof.compiled_c import CompiledC, printed_c
-from clepsydra.deploy.proof.contents import loop_digest, tables_digest
 from clepsydra.deploy.proof.coverage import Coverage, coverage
 from clepsydra.deploy.proof.engine_run import engine_run
 from clepsydra.deploy.proof.instance import Array
@@ -20,6 +22,10 @@ from clepsydra.deploy.proof.item import ProofItem
 from clepsydra.deploy.proof.scans import random_scans
 from clepsydra.program.precision import in_single_arithmetic
 from clepsydra.program.program import Program
+
+#: Name of a printed file to what is in it.
+Contents = Mapping[str, bytes]
+_LENGTH = 16
 
 
 class Job:
@@ -33,16 +39,6 @@ class Job:
     folder : Path
         For what is built.
     compiler : Compiler
-
-    Examples
-    --------
-    >>> from clepsydra.base.signal import Signal
-    >>> from clepsydra.program.program import Block, Operation
-    >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
-    >>> program = Program("double_it", (), (Signal("u"),), (), (Signal("y"),), double)
-    >>> job = Job(ProofItem("doubled", 1.0, program), 100, 1, Path(), Compiler(("gcc",), ""))
-    >>> job.engine.shape, job.coverage.still
-    ((100, 1), ())
     """
 
     def __init__(
@@ -122,14 +118,59 @@ class Job:
     def setting(self) -> str:
         """Digest of the scans, of the engine's run over them, and of the time between them."""
         period = np.array([self.item.sampling_period])
-        return tables_digest({**self.inputs, " engine": self.engine, " period": period})
+        tables = {**self.inputs, " engine": self.engine, " period": period}
+        return _digest(
+            part
+            for name in sorted(tables)
+            for part in (name.encode(), repr(tables[name].shape).encode(), _bytes(tables[name]))
+        )
 
     @cached_property
     def loop(self) -> str:
-        """Digest of the loop that the scores are of."""
-        return loop_digest(self.item)
+        """Digest of the loop that the scores are of; empty where there is none.
+
+        Of the controller its wires and where it starts, of the process its program and where it
+        rests, and the scenario; the controller's own program has a digest of its own.
+        """
+        item = self.item
+        controller, point, scenario = item.controller, item.point, item.scenario
+        if controller is None or point is None:
+            return ""
+        said = [
+            controller.input_wires, controller.output_wires, controller.initial_state,
+            controller.values, controller.free_inputs, point.as_dict(),
+            digest(process_program(point)),
+        ]  # fmt: skip
+        parts = [repr(each).encode() for each in said]
+        if scenario is not None:
+            parts.append(
+                repr((scenario.sampling_period, scenario.segments, scenario.seed)).encode()
+            )
+            parts += [
+                part
+                for table in (scenario.setpoints, scenario.disturbances, scenario.noise)
+                for part in (repr(np.shape(table)).encode(), _bytes(table))
+            ]
+        return _digest(parts)
 
     @cached_property
     def coverage(self) -> Coverage:
         """What the scans exercise in the engine."""
         return coverage(self.program, self.engine)
+
+
+def contents_digest(contents: Contents) -> str:
+    """Return a digest of files, names included."""
+    return _digest(part for name in sorted(contents) for part in (name.encode(), contents[name]))
+
+
+def _bytes(table: np.ndarray) -> bytes:
+    return np.ascontiguousarray(table, dtype=float).tobytes()
+
+
+def _digest(parts: Iterable[bytes]) -> str:
+    whole = hashlib.sha256()
+    for part in parts:
+        whole.update(len(part).to_bytes(8, "little"))
+        whole.update(part)
+    return whole.hexdigest()[:_LENGTH]

@@ -95,7 +95,7 @@ def _delays(item: ProofItem) -> bool:
     return item.point is not None and bool(item.point.process.motion.delays)
 
 
-PYTHON_LAW = Limit(
+PYTHON_LAW: Limit = Limit(
     "law in Python",
     "a law that is a Python function has no program that could be printed",
     _is_python,

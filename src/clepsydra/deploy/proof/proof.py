@@ -16,13 +16,12 @@ from clepsydra.base.files import whole_file
 from clepsydra.base.markdown import markdown
 from clepsydra.deploy.compiler import find_compiler
 from clepsydra.deploy.printing.heading import digest
-from clepsydra.deploy.proof.contents import contents_digest
+from clepsydra.deploy.proof.answer import proof_answer
 from clepsydra.deploy.proof.coverage import Coverage
 from clepsydra.deploy.proof.item import ProofItem
-from clepsydra.deploy.proof.job import Job
+from clepsydra.deploy.proof.job import Job, contents_digest
 from clepsydra.deploy.proof.limits import PYTHON_LAW, Limit
-from clepsydra.deploy.proof.memory import read_memory
-from clepsydra.deploy.proof.row import ProofRow
+from clepsydra.deploy.proof.row import ProofRow, read_memory
 from clepsydra.deploy.proof.run import Run, proved_targets, runs_of
 from clepsydra.deploy.proof.scans import FEWEST
 
@@ -38,11 +37,6 @@ class ProofProgress(NamedTuple):
         The one in work.
     rows : tuple of ProofRow
         Those that are done.
-
-    Examples
-    --------
-    >>> ProofProgress(3, 15, "PI, SIMC: C").name
-    'PI, SIMC: C'
     """
 
     done: int
@@ -66,11 +60,6 @@ class Proof:
     seconds : float
     interrupted : bool
         Whether it was ended before all rows were done.
-
-    Examples
-    --------
-    >>> Proof((), {}, (), 10_000, 1, 0.0).holds
-    False
     """
 
     rows: tuple[ProofRow, ...]
@@ -189,106 +178,68 @@ def prove(
     for what, value, least in (("scans", scans, FEWEST), ("seed", seed, 0)):
         if value < least:
             raise InputError(f"proof, {what}", value, f"at least {least:,}", "choose more")
-    chosen = proved_targets(to)
-    compiler = find_compiler("proof")
+    begun, tell = time.monotonic(), progress or (lambda _: None)
+    compiler, chosen = find_compiler("proof"), proved_targets(to)
     jobs = {kind: runs_of(kind, compiler, chosen) for kind in ("controller", "process")}
-    versions = sorted({run.version for run in (*jobs["controller"], *jobs["process"])})
-    work = _Work(items, scans, seed, progress, folder, stem)
-    work.versions = (f"clepsydra {__version__}", *versions)
+    versions = sorted({run.version for runs in jobs.values() for run in runs})
+    memory = read_memory(folder / f"{stem}.json") if folder else {}
+    rows, coverage = list[ProofRow](), dict[str, Coverage]()
+
+    def so_far(*, interrupted: bool = False) -> Proof:
+        """Return the proof so far, and write it where it is to be written."""
+        told, seconds = (f"clepsydra {__version__}", *versions), time.monotonic() - begun
+        proof = Proof(tuple(rows), dict(coverage), told, scans, seed, seconds, interrupted)
+        if folder is not None:
+            _write(proof, folder, stem)
+        return proof
+
     with tempfile.TemporaryDirectory(prefix="clepsydra-", ignore_cleanup_errors=True) as place:
         try:
             for number, item in enumerate(items):
                 if item.program is None:
-                    work.refuse(item)
+                    blank = ProofRow(item.name, "every target", "double", "engine", "", 0, seed)
+                    rows.append(_refused(blank, item, (PYTHON_LAW,), item.refusal))
                     continue
-                job = Job(item, scans, seed, Path(place) / str(number), compiler)
-                work.do(job, jobs[item.kind])
+                job, runs = (
+                    Job(item, scans, seed, Path(place, str(number)), compiler),
+                    jobs[item.kind],
+                )
+                for run in runs:
+                    name = f"{item.name}: {run.name}, {run.precision}"
+                    tell(ProofProgress(len(rows), len(items) * len(runs), name, tuple(rows)))
+                    row = _done(run, job, memory)
+                    coverage[item.name] = job.coverage
+                    rows.append(row)
+                    if folder and row.key not in memory:
+                        so_far()
         except KeyboardInterrupt:
-            work.interrupted = True
-    return work.write()
+            return so_far(interrupted=True)
+    return so_far()
 
 
-class _Work:
-    def __init__(
-        self,
-        items: Sequence[ProofItem],
-        scans: int,
-        seed: int,
-        progress: Callable[[ProofProgress], None] | None,
-        folder: Path | None,
-        stem: str,
-    ) -> None:
-        self._begun = time.monotonic()
-        self._items, self._scans, self._seed = items, scans, seed
-        self._tell = progress or (lambda _: None)
-        self._folder, self._stem = folder, stem
-        self._memory = read_memory(folder / f"{stem}.json") if folder else {}
-        self._rows: list[ProofRow] = []
-        self._coverage: dict[str, Coverage] = {}
-        self.versions: tuple[str, ...] = ()
-        self.interrupted = False
-
-    def refuse(self, item: ProofItem) -> None:
-        """Take up an item that has no program."""
-        blank = ProofRow(item.name, "every target", "double", "engine", "", 0, self._seed)
-        self._rows.append(_refused(blank, item, (PYTHON_LAW,), item.refusal))
-
-    def do(self, job: Job, runs: Sequence[Run]) -> None:
-        """Do every row of an item, or remember it."""
-        name = job.item.name
-        for run in runs:
-            own = job.in_si if run.in_si else job
-            self._say(f"{name}: {run.name}, {run.precision}", len(runs))
-            blank = ProofRow(
-                name, run.name, run.precision, run.against, digest(own.program),
-                self._scans, self._seed, version=f"clepsydra {__version__}, {run.version}",
-            )  # fmt: skip
-            row = _done(run, own, blank, self._memory)
-            self._coverage[name] = job.coverage
-            self._rows.append(row)
-            if self._folder and row.key not in self._memory:
-                self.write()
-
-    def _say(self, name: str, targets: int) -> None:
-        self._tell(
-            ProofProgress(len(self._rows), len(self._items) * targets, name, tuple(self._rows))
-        )
-
-    def write(self) -> Proof:
-        """Return the proof so far, and write it where it is to be written."""
-        proof = Proof(
-            tuple(self._rows),
-            dict(self._coverage),
-            self.versions,
-            self._scans,
-            self._seed,
-            time.monotonic() - self._begun,
-            self.interrupted,
-        )
-        if self._folder is not None:
-            from clepsydra.deploy.proof.answer import proof_answer
-
-            page = markdown(replace(proof_answer(proof, every=True), title="Proof"), 1) + "\n"
-            said = json.dumps(proof.as_dict(), indent=2, allow_nan=False) + "\n"
-            for ending, text in (("json", said), ("md", page)):
-                with whole_file(self._folder / f"{self._stem}.{ending}") as part:
-                    part.write_text(text, encoding="utf-8")
-        return proof
+def _write(proof: Proof, folder: Path, stem: str) -> None:
+    page = markdown(replace(proof_answer(proof, every=True), title="Proof"), 1) + "\n"
+    said = json.dumps(proof.as_dict(), indent=2, allow_nan=False) + "\n"
+    for ending, text in (("json", said), ("md", page)):
+        with whole_file(folder / f"{stem}.{ending}") as part:
+            part.write_text(text, encoding="utf-8")
 
 
-def _done(
-    run: Run, job: Job, blank: ProofRow, memory: Mapping[tuple[object, ...], ProofRow]
-) -> ProofRow:
+def _done(run: Run, job: Job, memory: Mapping[tuple[object, ...], ProofRow]) -> ProofRow:
     """Print what a target runs, and run it where no earlier row knows how that comes out."""
-    begun = time.monotonic()
+    begun, own = time.monotonic(), job.in_si if run.in_si else job
+    blank = ProofRow(
+        job.item.name, run.name, run.precision, run.against, digest(own.program), job.scans,
+        job.seed, version=f"clepsydra {__version__}, {run.version}",
+    )  # fmt: skip
     try:
-        printed = run.printed(job)
-        blank = replace(blank, text=contents_digest(printed), setting=run.setting(job))
+        printed = run.printed(own)
+        blank = replace(blank, text=contents_digest(printed), setting=run.setting(own))
         if blank.key in memory:
             return replace(memory[blank.key], subject=blank.subject)
-        row = run.row(job, blank, printed)
+        row = run.row(own, blank, printed)
     except InputError as refusal:
-        row = _refused(blank, job.item, run.limits, str(refusal))
+        row = _refused(blank, own.item, run.limits, str(refusal))
     except ClepsydraError as failure:
         row = replace(blank, verdict="fails", reason=str(failure))
     return replace(row, seconds=round(time.monotonic() - begun, 3))

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import json
+import math
 from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
 from typing import Any, Literal
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.input_file import read_input
 
 Verdict = Literal[
     "equal", "within the bound", "differs", "reported", "diverges", "refused", "fails"
 ]
 #: Verdicts with which a proof holds.
 HOLDING: tuple[Verdict, ...] = ("equal", "within the bound", "reported", "diverges")
+#: A row takes a kilobyte, and no study has a hundred thousand.
+_LARGEST = 100_000_000
 
 
 @dataclass(frozen=True)
@@ -71,7 +79,7 @@ class ProofRow:
     Examples
     --------
     >>> row = ProofRow("PI", "C", "double", "engine", "", 0, 1, verdict="refused", reason="?")
-    >>> row.holds, ProofRow.from_dict(row.as_dict()) == row
+    >>> row.holds, row_of(row.as_dict()) == row
     (False, True)
     """
 
@@ -115,20 +123,40 @@ class ProofRow:
     def as_dict(self) -> dict[str, Any]:
         """Return all of it for JSON; an infinite difference is the text "infinite"."""
         said = asdict(self)
-        if self.largest == float("inf"):
+        if self.largest == math.inf:
             said["largest"] = "infinite"
         return said
 
-    @classmethod
-    def from_dict(cls, said: dict[str, Any]) -> ProofRow:
-        """Return the row that `as_dict` described.
 
-        Raises
-        ------
-        KeyError, TypeError
-            It is no such description.
-        """
-        if set(said) != {entry.name for entry in fields(cls)}:
-            raise KeyError("no row of a proof")
-        largest = said["largest"]
-        return cls(**{**said, "largest": float("inf") if largest == "infinite" else float(largest)})
+def row_of(said: dict[str, Any]) -> ProofRow:
+    """Return the row that `ProofRow.as_dict` described; a TypeError or KeyError if it did not."""
+    if set(said) != {entry.name for entry in fields(ProofRow)}:
+        raise KeyError("no row of a proof")
+    largest = said["largest"]
+    return ProofRow(**{**said, "largest": math.inf if largest == "infinite" else float(largest)})
+
+
+def read_memory(path: Path) -> dict[tuple[object, ...], ProofRow]:
+    """Return the rows of an earlier proof that compared something and hold, by their keys.
+
+    A key holds digests of all that makes a row: of the program, of the printed text that ran, of
+    the scans and of what the simulation made of them. So a row is taken for true only where it
+    would come out the same. A file that is not there holds nothing; rows that differ or are
+    refused are computed anew.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or is something else than a proof.
+    """
+    if not path.exists():
+        return {}
+    content = read_input(path, "what an earlier proof wrote", _LARGEST)
+    try:
+        said = json.loads(content)
+        rows = [row_of(entry) for entry in said["rows"]]
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        raise InputError(
+            f"proof, {path}", "something else", "what an earlier proof wrote", "move that file away"
+        ) from None
+    return {row.key: row for row in rows if row.holds and row.verdict != "refused" and row.text}

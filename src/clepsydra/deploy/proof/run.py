@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import importlib.metadata
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from clepsydra.base.arguments import sequence_of
 from clepsydra.base.errors import InputError
 from clepsydra.deploy.compiler import Compiler
-from clepsydra.deploy.proof.comparison import Difference, is_exact
-from clepsydra.deploy.proof.contents import Contents
-from clepsydra.deploy.proof.job import Job
+from clepsydra.deploy.proof.comparison import Difference, is_exact, verdict
+from clepsydra.deploy.proof.job import Contents, Job
 from clepsydra.deploy.proof.limits import PYTHON_LAW, Limit
-from clepsydra.deploy.proof.row import ProofRow, Verdict
-from clepsydra.deploy.proof.single_scans import DIVERGED
+from clepsydra.deploy.proof.row import ProofRow
 from clepsydra.deploy.target import TARGETS
 from clepsydra.program.precision import Precision
 
@@ -72,14 +70,9 @@ class Run:
         return replace(
             blank,
             exact=is_exact(job.program),
-            largest=difference.largest,
-            signal=difference.signal,
-            scan=difference.scan,
-            differing=difference.differing,
-            decisions=difference.decisions,
-            overflows=difference.overflows,
             bound=bound,
             verdict=verdict(difference, bound),
+            **asdict(difference),
             **more,
         )
 
@@ -128,11 +121,6 @@ def version_of(package: str) -> str:
     ------
     InputError
         It is missing.
-
-    Examples
-    --------
-    >>> version_of("numpy").startswith("numpy ")
-    True
     """
     try:
         return f"{package} {importlib.metadata.version(package)}"
@@ -141,24 +129,3 @@ def version_of(package: str) -> str:
             "proof", f"no package {package}", "all packages of the proof",
             "pip install 'clepsydra[verify]'",
         ) from None  # fmt: skip
-
-
-def verdict(difference: Difference, bound: float | None) -> Verdict:
-    """Return the verdict of a difference; without a bound it is only reported.
-
-    Examples
-    --------
-    >>> verdict(Difference(1e-3, "y", 0, 1, 0, -1), None)
-    'reported'
-    """
-    if difference.differing == 0:
-        return "equal"
-    if bound is None:
-        # Rounding may move a number, and turn none into what is infinite or not a number.
-        if difference.overflows:
-            return "differs"
-        return "diverges" if difference.largest > DIVERGED else "reported"
-    # Where nothing but exact operations are, the sign of a zero counts too; and a decision that
-    # differs is no matter of a bound.
-    within = bound > 0.0 and difference.largest <= bound and difference.decisions == 0
-    return "within the bound" if within else "differs"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import Any
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.linear_model import LinearModel
@@ -31,63 +31,33 @@ _SIZES = {
 }
 
 
-@dataclass(frozen=True)
-class ScoreChange:
-    """What becomes of the scores of a loop in single precision.
-
-    Parameters
-    ----------
-    ranking : float
-        The number by which a study ranks controllers (`clepsydra.studies.ranking.RULE`), as a
-        multiple of that of the controller in double precision.
-    score : str
-        The score that changes most, "iae[level_1]"; empty where none changes.
-    change : float
-        By which share of itself, or of a thousandth of its natural size where it is nearly zero:
-        of range and duration for an integral of the error, of the range for an offset. Infinite
-        where it is finite in one precision only.
-
-    Examples
-    --------
-    >>> ScoreChange(1.0004, "travel[pump_1]", 0.01).is_change
-    False
-    """
-
-    ranking: float
-    score: str
-    change: float
-
-    @property
-    def is_change(self) -> bool:
-        """Whether the number that ranks changes in its third digit: by half a percent or more."""
-        return not abs(self.ranking - 1.0) < _THIRD_DIGIT
-
-
 def score_change(
     controller: Controller, model: LinearModel, scenario: Scenario | None = None
-) -> ScoreChange:
+) -> dict[str, Any]:
     """Run a loop with the controller in double and in single precision, and compare the scores.
 
     Parameters
     ----------
     controller : Controller
     model : LinearModel
-        Of its process at the point where the loop starts.
+        Of the process, at the operating point where the loop starts.
     scenario : Scenario, optional
-        The default scenario of the process if omitted.
+        The default scenario if omitted.
+
+    Returns
+    -------
+    dict
+        "ranking": the number by which a study ranks controllers (`clepsydra.studies.ranking.RULE`),
+        as a multiple of that of the controller in double precision. "score": the score that changes
+        most, "iae[level_1]"; empty where none changes. "change": by which share of itself, or of a
+        thousandth of its natural size where it is nearly zero: of range and duration for an
+        integral of the error, of the range for an offset. "is_change": whether the ranking changes.
+        A number that is finite in one precision only is None.
 
     Raises
     ------
     InputError
-        There is no scenario for the process, or a number of the law is outside single precision.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> plant = cl.load("three-tanks")
-    >>> found = score_change(cl.design.simc(plant), plant.linear)
-    >>> found.is_change, 0.0 < abs(found.ranking - 1.0) < 1e-4
-    (False, True)
+        The loop cannot be run or scored.
     """
     scenario = default_scenario(model) if scenario is None else scenario
     loop = Loop(controller, model)
@@ -99,7 +69,18 @@ def score_change(
         change = _relative(scores[0][key], scores[1].get(key, math.nan), least)
         if change > largest:
             largest, name = change, key
-    return ScoreChange(error_ratio(runs, scores), name, largest)
+    ranking = error_ratio(runs, scores)
+    return {
+        "ranking": ranking if math.isfinite(ranking) else None,
+        "score": name,
+        "change": largest if math.isfinite(largest) else None,
+        "is_change": is_change(ranking),
+    }
+
+
+def is_change(ranking: float) -> bool:
+    """Whether the number that ranks changes in its third digit: by half a percent or more."""
+    return not abs(ranking - 1.0) < _THIRD_DIGIT
 
 
 def _natural_size(key: str, run: Run) -> float:

@@ -22,14 +22,7 @@ HEADS = ("target", "precision", "verdict", "largest difference", "compared with"
 
 
 def result_sentence(proof: Proof) -> str:
-    """Return how a proof came out.
-
-    Examples
-    --------
-    >>> from clepsydra.deploy.proof.proof import Proof
-    >>> result_sentence(Proof(()))
-    'Nothing was compared.'
-    """
+    """Return how a proof came out."""
     compared = [row for row in proof.rows if row.verdict != "refused"]
     subjects = len({row.subject for row in compared})
     if proof.interrupted:
@@ -62,13 +55,7 @@ def result_sentence(proof: Proof) -> str:
 
 
 def cells(row: ProofRow) -> tuple[str, ...]:
-    """Return the cells of a row, as `HEADS` names them.
-
-    Examples
-    --------
-    >>> cells(ProofRow("PI", "C", "double", "engine", "", 10_000, 1, seconds=0.52))
-    ('C', 'double', 'equal', '0', 'engine', '0', '0.5')
-    """
+    """Return the cells of a row, as `HEADS` names them."""
     largest, decisions = "–", "–"
     if row.verdict not in ("refused", "fails"):
         largest = "0" if row.largest == 0.0 else f"{row.largest:.2g} of {row.signal}"
@@ -80,15 +67,7 @@ def cells(row: ProofRow) -> tuple[str, ...]:
 
 
 def notes(proof: Proof) -> list[str]:
-    """Return what is to be said of rows and subjects, a sentence or two each.
-
-    Examples
-    --------
-    >>> from clepsydra.deploy.proof.proof import Proof
-    >>> notes(Proof((ProofRow("own law", "every target", "double", "engine", "", 0, 1,
-    ...                       verdict="refused", reason="it is a Python function"),)))
-    ['own law, every target: refused without need; it is a Python function']
-    """
+    """Return what is to be said of rows and subjects, a sentence or two each."""
     said = []
     reasons: dict[tuple[str, str, str], list[str]] = {}
     for row in proof.rows:
@@ -170,14 +149,7 @@ def _percent(share: float) -> str:
 
 
 def next_step(proof: Proof) -> str:
-    """Return what to do next.
-
-    Examples
-    --------
-    >>> from clepsydra.deploy.proof.proof import Proof
-    >>> next_step(Proof((), interrupted=True))
-    'run the same command again: it goes on from here.'
-    """
+    """Return what to do next."""
     if proof.interrupted:
         return "run the same command again: it goes on from here."
     if any(row.verdict == "refused" for row in proof.failures):

@@ -68,10 +68,9 @@ def _fmu(model: FmuModel, options: Options) -> bytes:
 
 
 def _runs(kind: str, compiler: Compiler) -> list[Run]:
-    from clepsydra.deploy.proof.exchange_runs import exchange_runs
     from clepsydra.deploy.proof.fmu_runs import fmu_runs
 
-    return [*fmu_runs(), *(exchange_runs() if kind == "process" else [])]
+    return fmu_runs(kind)
 
 
 TARGETS.add(

@@ -86,7 +86,7 @@ def _test_projects(delivery: Delivery, tank: Program, options: Options) -> dict[
 
 
 def _runs(kind: str, compiler: Compiler) -> list[Run]:
-    from clepsydra.deploy.proof.text_runs import text_runs
+    from clepsydra.deploy.proof.interpreted_text import text_runs
 
     return text_runs(kind)
 

@@ -35,20 +35,6 @@ class Check:
     model : LinearModel
         Of the process at the operating point where the controller rests.
     scenario : Scenario
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.deploy.vendor_tuning.filtered_forms import FilteredPid
-    >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> plant = cl.load("quadruple-tank")
-    >>> controller = cl.design.simc(plant)
-    >>> check = Check(controller, plant.linear, default_scenario(plant.linear))
-    >>> own = FilteredPid(*(controller.values[f"level_1.{name}"]
-    ...                     for name in ("proportional_gain", "integral_time")))
-    >>> same = Applied("parallel", own, "measurement")
-    >>> check.differences({"level_1": same})["pump_1"] < 1e-12
-    True
     """
 
     def __init__(self, controller: Controller, model: LinearModel, scenario: Scenario) -> None:

@@ -34,13 +34,6 @@ class StandardTuning:
         In ISA form.
     direct : bool
         Whether nothing stands between it and an output.
-
-    Examples
-    --------
-    >>> level, pump = Signal("level", "m", low=0.0, high=5.0), Signal("pump", "V", low=0, high=10)
-    >>> tuning = StandardTuning("k", level, pump, PidForm(), FilteredPid(-4.0, 120.0), True)
-    >>> tuning.title, tuning.action
-    ('level by pump', 'direct')
     """
 
     loop: str

@@ -35,11 +35,6 @@ class Declared:
         Its initial value, a list of an array; None of an instance.
     length : int
         Of an array, else 0.
-
-    Examples
-    --------
-    >>> Declared("VAR", "DINT", 3).length
-    0
     """
 
     section: str
@@ -66,13 +61,6 @@ class Unit:
         Name in lower case to what was declared; of a function also what it returns.
     body : tuple of Node
         Its statements.
-
-    Examples
-    --------
-    >>> from clepsydra.deploy.proof.text.tree import parse
-    >>> unit = units_of(parse("PROGRAM p VAR Level : LREAL := 0.5; END_VAR END_PROGRAM"))["p"]
-    >>> unit.declared
-    {'level': Declared(section='VAR', type='LREAL', initial=0.5, length=0)}
     """
 
     kind: str

@@ -17,9 +17,9 @@ from clepsydra.deploy.proof.text.operations import (
     PARAMETERS,
     quotient,
     remainder,
+    rounding,
     whole_quotient,
 )
-from clepsydra.deploy.proof.text.single_precision import rounding
 from clepsydra.deploy.proof.text.tree import StructuredTextError, content, part, wrong
 from clepsydra.deploy.proof.text.values import LITERALS, REALS, in_range, literal
 
@@ -30,26 +30,12 @@ _LOAD, _STORE = ast.Load(), ast.Store()
 
 
 def entry(values: list[Any], place: int) -> Any:
-    """Return an entry of an array; an index outside of it is an error.
-
-    Examples
-    --------
-    >>> entry([1.0, 2.0], 2)
-    Traceback (most recent call last):
-        ...
-    clepsydra.deploy.proof.text.tree.StructuredTextError: index 2 outside 0..1
-    """
+    """Return an entry of an array; an index outside of it is an error."""
     return values[checked(values, place)]
 
 
 def checked(values: list[Any], place: int) -> int:
-    """Return an index that lies inside an array.
-
-    Examples
-    --------
-    >>> checked([1.0, 2.0], 1)
-    1
-    """
+    """Return an index that lies inside an array."""
     if not 0 <= place < len(values):
         raise StructuredTextError(f"index {place} outside 0..{len(values) - 1}")
     return place
@@ -57,13 +43,7 @@ def checked(values: list[Any], place: int) -> int:
 
 @dataclass(frozen=True)
 class Typed:
-    """An expression and its type.
-
-    Examples
-    --------
-    >>> Typed("BOOL", ast.Constant(True)).type
-    'BOOL'
-    """
+    """An expression and its type."""
 
     type: str
     code: ast.expr
@@ -144,23 +124,24 @@ class Expressions:
 
     def expression(self, node: Node, wanted: str = "LREAL") -> Typed:
         """Translate an expression; an untyped real literal becomes what is wanted."""
-        kinds = {
-            "identifier": self._variable,
-            "index_expression": self._entry,
-            "member_access_expression": self._member,
-        }
         if node.type == "parenthesized_expression":
             return self.expression(node.named_children[0], wanted)
         if node.type in LITERALS or node.type == "typed_literal":
             return self._literal(node, wanted)
-        if node.type in kinds:
-            return kinds[node.type](node)
-        if node.type == "unary_expression":
-            return self._unary(node, wanted)
-        if node.type == "binary_expression":
-            return self._binary(node, wanted)
-        if node.type == "call_expression":
-            return self._call(node, wanted)
+        of_memory = {
+            "identifier": self._variable,
+            "index_expression": self._entry,
+            "member_access_expression": self._member,
+        }
+        if node.type in of_memory:
+            return of_memory[node.type](node)
+        computed = {
+            "unary_expression": self._unary,
+            "binary_expression": self._binary,
+            "call_expression": self._call,
+        }
+        if node.type in computed:
+            return computed[node.type](node, wanted)
         raise wrong(node, f"no meaning for {node.type}")
 
     def variable(self, name: str) -> ast.expr:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from clepsydra.deploy.proof.text.configuration import Task, tasks_of
 from clepsydra.deploy.proof.text.declarations import Declared, Unit, units_of
 from clepsydra.deploy.proof.text.statements import compiled
 from clepsydra.deploy.proof.text.tree import StructuredTextError, parse
@@ -15,7 +14,7 @@ _Run = Callable[..., Any]
 
 
 class StructuredText:
-    """A text of function blocks, programs and a configuration, ready to run.
+    """A text of function blocks and programs, ready to run; a configuration is passed over.
 
     The text is parsed by the public grammar tree-sitter-iec61131-3-st; an error anywhere in the
     tree is refused. Types are as strict as the standard's: no implicit conversion, DINT in 32
@@ -57,9 +56,7 @@ class StructuredText:
     """
 
     def __init__(self, text: str) -> None:
-        root = parse(text)
-        self.units: dict[str, Unit] = units_of(root)
-        self.tasks: tuple[Task, ...] = tasks_of(root)
+        self.units: dict[str, Unit] = units_of(parse(text))
         self._runs: dict[str, _Run] = {}
         for name, unit in self.units.items():
             self._runs[name] = compiled(unit, self.units, self._runs)
@@ -79,12 +76,7 @@ class StructuredText:
 
 
 class FunctionBlock:
-    """One instance of a function block or program: `state` holds all that lives between calls.
-
-    Examples
-    --------
-    See `StructuredText`.
-    """
+    """One instance of a function block or program: `state` holds all that lives between calls."""
 
     def __init__(self, unit: Unit, run: _Run, text: StructuredText) -> None:
         self.name, self.declared, self._run = unit.name, unit.declared, run
@@ -150,7 +142,7 @@ def function_block(text: str) -> FunctionBlock:
     ({'n': 1}, {'n': 2})
     """
     whole = StructuredText(text)
-    *_, name = whole.units or ("",)
-    if not name or whole.units[name].kind != "FUNCTION_BLOCK" or whole.tasks:
+    kinds = [unit.kind for unit in whole.units.values()]
+    if kinds[-1:] != ["FUNCTION_BLOCK"] or "PROGRAM" in kinds:
         raise StructuredTextError("expected function blocks and nothing else")
-    return whole.instance(name)
+    return whole.instance(next(reversed(whole.units)))

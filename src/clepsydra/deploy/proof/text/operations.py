@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import ctypes
 import math
+from array import array
 from collections.abc import Callable
 from typing import Any
 
@@ -30,61 +31,31 @@ def quotient(a: float, b: float) -> float:
 
 
 def square_root(a: float) -> float:
-    """Return the square root as IEEE 754 does, not a number below zero.
-
-    Examples
-    --------
-    >>> square_root(2.25), square_root(-1.0), square_root(-0.0)
-    (1.5, nan, -0.0)
-    """
+    """Return the square root as IEEE 754 does, not a number below zero."""
     return math.sqrt(a) if a >= 0.0 else math.nan
 
 
 def whole_quotient(a: int, b: int) -> int:
-    """Divide integers and cut off towards zero.
-
-    Examples
-    --------
-    >>> whole_quotient(-7, 3)
-    -2
-    """
+    """Divide integers and cut off towards zero."""
     if b == 0:
         raise StructuredTextError("a DINT divided by 0")
     return in_range(abs(a) // abs(b) * (1 if (a < 0) == (b < 0) else -1))
 
 
 def remainder(a: int, b: int) -> int:
-    """Return the rest of a division that is cut off towards zero.
-
-    Examples
-    --------
-    >>> remainder(-7, 3)
-    -1
-    """
+    """Return the rest of a division that is cut off towards zero."""
     if b == 0:
         raise StructuredTextError("MOD 0")
     return int(math.fmod(a, b))
 
 
 def truncated(value: Any) -> int:
-    """Return a number cut off to a DINT.
-
-    Examples
-    --------
-    >>> truncated(-2.7)
-    -2
-    """
+    """Return a number cut off to a DINT."""
     return in_range(math.trunc(_finite(value)))
 
 
 def rounded(value: Any) -> int:
-    """Return a number rounded to a DINT, halves to the even one.
-
-    Examples
-    --------
-    >>> rounded(2.5), rounded(-3.7)
-    (2, -4)
-    """
+    """Return a number rounded to a DINT, halves to the even one."""
     return in_range(round(_finite(value)))
 
 
@@ -92,6 +63,38 @@ def _finite(value: Any) -> float:
     if not math.isfinite(value):
         raise StructuredTextError(f"{value} to DINT")
     return float(value)
+
+
+def rounding() -> Callable[[float], float]:
+    """Return a function that rounds a double to the nearest single-precision number.
+
+    A number of single precision is kept as the double that has its value. Sum, difference,
+    product, quotient and square root are computed in double and rounded once more, which is the
+    number that one rounding of the exact result gives, since 53 binary digits are at least twice
+    24 and two more (S. A. Figueroa, ACM SIGNUM Newsletter 30(3), 1995,
+    doi 10.1145/221332.221334). That holds below the smallest normal number too, 2^-126, where
+    fewer than 24 digits remain: a sum there is a multiple of 2^-149 and exact, a product of two
+    singles has 48 digits and is exact in double anywhere, and no root gets there. A quotient A/B
+    of whole numbers below 2^24, in units of some power of two, differs from a middle M of two
+    neighbours, whole and below 2^25, by a share of |A - M B| / (M B) of it, at least 2^-49 where
+    it is not M itself, which a rounding of 2^-53 does not bridge. Exponents of singles stay far
+    inside those of double, so that nothing is lost or infinite before the second rounding.
+
+    Every function has a place of its own to round in: two texts can run at the same time.
+
+    Examples
+    --------
+    >>> single = rounding()
+    >>> single(0.1), single(1e39), single(1e-46)
+    (0.10000000149011612, inf, 0.0)
+    """
+    place = array("f", [0.0])
+
+    def single(value: float) -> float:
+        place[0] = value
+        return place[0]
+
+    return single
 
 
 def _single(value: float) -> float:

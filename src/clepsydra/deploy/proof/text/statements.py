@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from clepsydra.deploy.proof.text.declarations import Declared, Unit
@@ -11,8 +11,6 @@ from clepsydra.deploy.proof.text.expressions import Expressions
 from clepsydra.deploy.proof.text.tree import content, part, wrong
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from tree_sitter import Node
 
 _LOAD, _STORE = ast.Load(), ast.Store()
@@ -49,37 +47,27 @@ def compiled(
     return _Body(unit, units, functions).function()
 
 
-class _Body:
+class _Body(Expressions):
     def __init__(
-        self,
-        unit: Unit,
-        units: Mapping[str, Unit],
-        functions: Mapping[str, Callable[..., Any]],
+        self, unit: Unit, units: Mapping[str, Unit], functions: Mapping[str, Callable[..., Any]]
     ) -> None:
-        self._unit = unit
-        self._expressions = Expressions(unit, units, functions)
+        super().__init__(unit, units, functions)
         self._written: set[str] = set()
         self._controls: list[str] = []
 
     def function(self) -> Callable[..., Any]:
         body = self._sequence(self._unit.body)
         kept = [n for n, d in self._unit.declared.items() if d.section != "VAR_TEMP"]
-        used = self._expressions.read | self._written
         memory = ast.Name("memory", _LOAD)
-
-        def member(name: str, context: ast.expr_context) -> ast.expr:
-            return ast.Subscript(memory, ast.Constant(name), context)
-
-        loads: list[ast.stmt] = [
-            ast.Assign([ast.Name(f"v_{name}", _STORE)], member(name, _LOAD))
-            for name in kept
-            if name in used
-        ]
-        stores: list[ast.stmt] = [
-            ast.Assign([member(name, _STORE)], ast.Name(f"v_{name}", _LOAD))
-            for name in kept
-            if name in self._written
-        ]
+        loads, stores = list[ast.stmt](), list[ast.stmt]()
+        for name in kept:
+            local, member = f"v_{name}", ast.Constant(name)
+            if name in self.read | self._written:
+                value = ast.Subscript(memory, member, _LOAD)
+                loads.append(ast.Assign([ast.Name(local, _STORE)], value))
+            if name in self._written:
+                place = ast.Subscript(memory, member, _STORE)
+                stores.append(ast.Assign([place], ast.Name(local, _LOAD)))
         given = ["memory"]
         whole = [*loads, *body, *stores] or [ast.Pass()]
         if self._unit.kind == "FUNCTION":
@@ -88,7 +76,7 @@ class _Body:
         arguments = ast.arguments([], [ast.arg(name) for name in given], None, [], [], None, [])
         module = ast.parse("")
         module.body = [ast.FunctionDef("run", arguments, whole, [])]
-        namespace = self._expressions.namespace
+        namespace = self.namespace
         exec(compile(ast.fix_missing_locations(module), f"<{self._unit.name}>", "exec"), namespace)
         run: Callable[..., Any] = namespace["run"]
         return run
@@ -118,20 +106,20 @@ class _Body:
             raise wrong(node, f"no meaning for a value of {content(left)}")
         name = content(left if single else part(left, "object")).lower()
         declared = self._writable(node, name)
-        value = self._expressions.of_type(right, declared.type, name)
+        value = self.of_type(right, declared.type, name)
         if single:
             return self._to_variable(node, name, declared, value)
-        _, index = self._expressions.index(left, name)
-        array = self._expressions.variable(name)
-        place = self._expressions.called("checked", array, index)
+        _, index = self.index(left, name)
+        array = self.variable(name)
+        place = self.called("checked", array, index)
         return [ast.Assign([ast.Subscript(array, place, _STORE)], value)]
 
     def _to_variable(
         self, node: Node, name: str, declared: Declared, value: ast.expr
     ) -> list[ast.stmt]:
         """Translate what assigns a whole variable of this unit."""
-        if self._expressions.is_record(declared):
-            return [_copied(self._expressions.variable(name), value)]
+        if self.is_record(declared):
+            return [_copied(self.variable(name), value)]
         if declared.length or declared.is_instance:
             raise wrong(node, f"{name} is no single value")
         self._written.add(name)
@@ -140,15 +128,15 @@ class _Body:
     def _to_member(self, node: Node, left: Node, right: Node) -> list[ast.stmt]:
         """Translate what assigns a member of a structure of this unit."""
         name = content(part(left, "object")).lower()
-        if not self._expressions.is_record(self._writable(node, name)):
+        if not self.is_record(self._writable(node, name)):
             raise wrong(node, f"no meaning for a value of {content(left)}")
-        member = self._expressions.expression(left)
-        value = self._expressions.of_type(right, member.type, content(left))
+        member = self.expression(left)
+        value = self.of_type(right, member.type, content(left))
         assert isinstance(member.code, ast.Subscript)
         return [ast.Assign([ast.Subscript(member.code.value, member.code.slice, _STORE)], value)]
 
     def _writable(self, node: Node, name: str) -> Declared:
-        declared = self._expressions.known(node, name)
+        declared = self.known(node, name)
         if declared.section in ("VAR_INPUT", "VAR CONSTANT") or name in self._controls:
             raise wrong(node, f"{name} may not be written")
         return declared
@@ -162,7 +150,7 @@ class _Body:
             elif child.type == "else_clause":
                 otherwise = self._sequence(child.children_by_field_name("body"))
         for clause, nodes in reversed(branches):
-            condition = self._expressions.condition(part(clause, "condition"))
+            condition = self.condition(part(clause, "condition"))
             body = self._sequence(nodes) or [ast.Pass()]
             otherwise = [ast.If(condition, body, otherwise)]
         return otherwise
@@ -175,8 +163,7 @@ class _Body:
         if node.child_by_field_name("step") is not None:
             raise wrong(node, "no BY expected")
         start, end = (
-            self._expressions.of_type(part(node, end), "DINT", f"the {end} of a FOR")
-            for end in ("start", "end")
+            self.of_type(part(node, end), "DINT", f"the {end} of a FOR") for end in ("start", "end")
         )
         self._written.add(name)
         self._controls.append(name)
@@ -189,8 +176,8 @@ class _Body:
     def _invocation(self, node: Node) -> list[ast.stmt]:
         call = node.named_children[0]
         name = content(part(call, "function")).lower()
-        unit = self._expressions.unit_of(node, name)
-        instance = self._expressions.variable(name)
+        unit = self.unit_of(node, name)
+        instance = self.variable(name)
         memory = ast.Attribute(instance, "state", _LOAD)
         before, after = list[ast.stmt](), list[ast.stmt]()
         for argument in part(call, "arguments").named_children:
@@ -211,7 +198,7 @@ class _Body:
                     raise wrong(argument, f"{content(value)} takes no {declared.type}")
                 after += self._to_variable(argument, target, taken, place)
             else:
-                code = self._expressions.of_type(value, declared.type, given)
+                code = self.of_type(value, declared.type, given)
                 before.append(ast.Assign([place], code))
         run = ast.Call(ast.Attribute(instance, "run", _LOAD), [], [])
         return [*before, ast.Expr(run), *after]

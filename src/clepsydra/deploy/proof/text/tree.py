@@ -12,15 +12,7 @@ if TYPE_CHECKING:
 
 
 class StructuredTextError(ClepsydraError):
-    """The text is wrong, or does something that the standard leaves undefined.
-
-    Examples
-    --------
-    >>> raise StructuredTextError("line 7: level is not declared")
-    Traceback (most recent call last):
-        ...
-    clepsydra.deploy.proof.text.tree.StructuredTextError: line 7: level is not declared
-    """
+    """The text is wrong, or does something that the standard leaves undefined."""
 
 
 def parse(text: str) -> Node:
@@ -64,26 +56,14 @@ def parse(text: str) -> Node:
 
 
 def walk(node: Node) -> Iterator[Node]:
-    """Yield a node and all below it.
-
-    Examples
-    --------
-    >>> [node.type for node in walk(parse("PROGRAM p\\nEND_PROGRAM"))][-2:]
-    ['identifier', 'END_PROGRAM']
-    """
+    """Yield a node and all below it."""
     yield node
     for child in node.children:
         yield from walk(child)
 
 
 def content(node: Node) -> str:
-    """Return the text of a node.
-
-    Examples
-    --------
-    >>> content(parse("PROGRAM p\\nEND_PROGRAM").children[0].children[1])
-    'p'
-    """
+    """Return the text of a node."""
     assert node.text is not None
     return node.text.decode()
 
@@ -95,11 +75,6 @@ def part(node: Node, field: str) -> Node:
     ------
     StructuredTextError
         There is none.
-
-    Examples
-    --------
-    >>> content(part(parse("PROGRAM p\\nEND_PROGRAM").children[0], "name"))
-    'p'
     """
     found = node.child_by_field_name(field)
     if found is None:
@@ -108,11 +83,5 @@ def part(node: Node, field: str) -> Node:
 
 
 def wrong(node: Node, message: str) -> StructuredTextError:
-    """Return an error that names the line of a node.
-
-    Examples
-    --------
-    >>> str(wrong(parse("PROGRAM p\\nEND_PROGRAM"), "no body"))
-    'line 1: no body'
-    """
+    """Return an error that names the line of a node."""
     return StructuredTextError(f"line {node.start_point[0] + 1}: {message}")

@@ -32,14 +32,6 @@ def literal(node: Node, type_name: str) -> Any:
     ------
     StructuredTextError
         It is no literal of the type.
-
-    Examples
-    --------
-    >>> from clepsydra.deploy.proof.text.tree import parse, walk
-    >>> root = parse("PROGRAM p VAR x : REAL := 0.1; END_VAR END_PROGRAM")
-    >>> tenth = next(node for node in walk(root) if node.type == "real_literal")
-    >>> literal(tenth, "LREAL"), literal(tenth, "REAL")
-    (0.1, 0.10000000149011612)
     """
     if node.type == "typed_literal":
         if content(part(node, "type")).upper() != type_name:
@@ -89,11 +81,6 @@ def admitted(type_name: str, value: Any) -> Any:
     ------
     StructuredTextError
         It is none of the type.
-
-    Examples
-    --------
-    >>> admitted("BOOL", 1.0), admitted("DINT", 2.0)
-    (True, 2)
     """
     if type_name == "LREAL":
         return float(value)
@@ -113,13 +100,6 @@ def in_range(value: int) -> int:
     ------
     StructuredTextError
         It does not fit.
-
-    Examples
-    --------
-    >>> in_range(2**31)
-    Traceback (most recent call last):
-        ...
-    clepsydra.deploy.proof.text.tree.StructuredTextError: 2147483648 leaves DINT
     """
     if not -(2**31) <= value < 2**31:
         raise StructuredTextError(f"{value} leaves DINT")
