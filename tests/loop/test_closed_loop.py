@@ -190,34 +190,12 @@ def test_a_scenario_of_another_process_is_refused():
     ("options", "message"),
     [
         ({"solver": "radau"}, "solver: got 'radau', expected one of kernel, reference"),
-        ({"substeps": 0}, "substeps: got 0, expected a whole number from 1 to 10000"),
-        ({"substeps": -3}, "substeps: got -3"),
-        ({"substeps": 2.0}, "substeps: got 2.0"),
-        ({"substeps": True}, "substeps: got True"),
-        ({"substeps": 10_001}, "substeps: got 10001"),
-        ({"substeps": 0, "solver": "reference"}, "substeps: got 0"),
     ],
 )
 def test_a_run_that_cannot_be_made_is_refused(options, message):
     loop = make_loop(NAMES[0])
     with pytest.raises(InputError, match=message):
         loop.run(step_scenario(loop, 5), **options)
-
-
-@pytest.mark.parametrize(
-    ("constant", "message"),
-    [
-        ({"typo": 1.0}, "closed loop, constant: got 'typo', expected one of level_1.setpoint"),
-        ({"pump_1.mode": "automatic"}, "constant, pump_1.mode: got 'automatic'"),
-        ({"inflow_1": np.nan}, "constant, inflow_1: got nan"),
-    ],
-)
-def test_a_constant_that_is_no_input_or_no_number_is_refused(constant, message):
-    loop = make_loop(NAMES[0])
-    with pytest.raises(InputError, match=message):
-        closed_loop(loop.process, loop.controller, substeps=1, constant=constant)
-    with refused(place="substeps", value=0):
-        closed_loop(loop.process, loop.controller, substeps=0)
 
 
 @pytest.mark.parametrize("what", ["measurements", "setpoints", "manipulated"])
@@ -229,7 +207,7 @@ def test_a_controller_of_another_process_is_refused(what):
     # A level that is measured but not controlled has no setpoint.
     other = replace(loop.controller, setpoints=("level_1", "level_3"))
     with refused(place="PI, SIMC, setpoints", value="level_3"):
-        closed_loop(loop.process, other, substeps=1)
+        Loop(other, loop.model)
 
 
 def test_arguments_of_another_type_are_refused():
@@ -237,7 +215,6 @@ def test_arguments_of_another_type_are_refused():
     for use, message in (
         (lambda: linearise(loop.process), "point: got 'a Process', expected an OperatingPoint"),
         (lambda: default_scenario(loop.point), "model: got 'an OperatingPoint'"),
-        (lambda: Loop(loop.process, loop.model), "controller: got 'a Process'"),
         (lambda: loop.run(100), "scenario: got 100, expected a Scenario"),
     ):
         with pytest.raises(InputError, match=message):

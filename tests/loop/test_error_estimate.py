@@ -11,9 +11,7 @@ from random_plants import random_plant
 import clepsydra as cl
 from clepsydra.loop.open_loop import Simulation, simulate, simulations
 from clepsydra.loop.profile import Change
-from clepsydra.loop.refinement import refined
-from clepsydra.loop.solver import Solver
-from clepsydra.loop.step_size import MOST_SUBSTEPS
+from clepsydra.loop.step_size import MOST_SUBSTEPS, Solver, refined
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 

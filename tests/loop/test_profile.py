@@ -7,8 +7,13 @@ import pytest
 from refusals import refused
 
 from clepsydra import InputError
-from clepsydra.loop.duration import pretty_duration, samples_before
-from clepsydra.loop.profile import Change, profiles_of, read_assignment
+from clepsydra.loop.profile import (
+    Change,
+    pretty_duration,
+    profiles_of,
+    read_assignment,
+    samples_before,
+)
 from clepsydra.loop.profile_csv import read_profile_csv
 from clepsydra.process.reader import load_process
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from refusals import refused
 
 import clepsydra as cl
 from clepsydra import Kernel
@@ -53,11 +52,3 @@ def test_the_law_alone_is_computed_in_single_precision(plant):
     assert not np.array_equal(levels, levels.astype(np.float32))
     outputs = single["pump_1"]
     assert np.array_equal(outputs, outputs.astype(np.float32))
-
-
-def test_what_has_no_run_in_single_precision_is_refused(plant):
-    loop, scenario = Loop(cl.design.simc(plant), plant.linear), default_scenario(plant.linear)
-    with refused(place="run, solver", value="reference", remedy="precision"):
-        loop.run(scenario, precision="single", solver="reference")
-    with refused(place="precision", value="half"):
-        loop.run(scenario, precision="half")

@@ -10,8 +10,7 @@ from clepsydra.interface.events import changes_of
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity, read_time
 from clepsydra.loop.default_scenario import MOST_SAMPLES, default_scenario, segment_samples
-from clepsydra.loop.duration import samples_before
-from clepsydra.loop.profile import Change
+from clepsydra.loop.profile import Change, samples_before
 from clepsydra.loop.scenario import Scenario, Segment, scenario_of_changes
 
 

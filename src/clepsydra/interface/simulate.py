@@ -15,7 +15,7 @@ from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.shown import lifted
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.open_loop_plan import Start, plan_simulation, read_state
-from clepsydra.loop.solver import Solver
+from clepsydra.loop.step_size import Solver
 
 
 @overload

@@ -6,15 +6,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from clepsydra.base.arguments import check_choice, is_finite_number
 from clepsydra.base.conversion import Conversion, conversion
-from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.wiring import check_signals
 from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.motion_block import MotionBlock
-from clepsydra.loop.step_size import check_substeps
 from clepsydra.process.process import Process
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.delay_ring import DelayRing
@@ -110,12 +106,6 @@ def closed_loop(
         the measurements, the manipulated variables, "u.status", and of a cascade
         "m.inner_setpoint", the setpoint of the inner loop of measurement m in this sample.
 
-    Raises
-    ------
-    InputError
-        The controller names signals that the process lacks, the number of steps is not from 1
-        to 10,000, or a constant is no input or no number.
-
     Examples
     --------
     >>> from clepsydra.designs.simc import design_simc
@@ -128,13 +118,6 @@ def closed_loop(
     >>> len(program.inputs), [signal.name for signal in program.inputs][:2]
     (17, ['level_1.setpoint', 'level_2.setpoint'])
     """
-    check_signals(
-        controller.measurements, controller.setpoints, controller.manipulated, controller.name,
-        process,
-    )  # fmt: skip
-    check_substeps(substeps, process)
-    given = dict(constant or {})
-    _check_constant(given, process, controller)
     motion = MotionBlock(
         process.motion,
         process.sampling_period,
@@ -143,31 +126,11 @@ def closed_loop(
         process if statuses else None,
         adjustable,
     )
-    return _Join(process, controller, given, motion, scores, law).program()
-
-
-def _check_constant(
-    constant: Mapping[str, float], process: Process, controller: Controller
-) -> None:
-    known = [signal.name for signal in (*loop_inputs(process), *free_inputs(controller))]
-    for name, value in constant.items():
-        check_choice("closed loop, constant", name, known)
-        if not is_finite_number(value):
-            raise InputError(
-                f"closed loop, constant, {name}", value, "a finite number", "give it in SI"
-            )
+    return _Join(process, controller, dict(constant or {}), motion, scores, law).program()
 
 
 def loop_inputs(process: Process) -> tuple[Signal, ...]:
-    """Return the inputs of a closed loop, at rest in automatic with sound sensors.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> inputs = {signal.name: signal for signal in loop_inputs(load_process("quadruple-tank"))}
-    >>> inputs["level_1.sensor"].initial, inputs["pump_1.manual"].unit
-    (1.0, 'V')
-    """
+    """Return the inputs of a closed loop, at rest in automatic with sound sensors."""
     controlled = [process.signal(name) for name in process.controlled]
     return (
         *(Signal(f"{y.name}.setpoint", y.unit, y.display_unit, y.low, y.high) for y in controlled),
@@ -190,14 +153,7 @@ def loop_inputs(process: Process) -> tuple[Signal, ...]:
 
 
 def free_inputs(controller: Controller) -> tuple[Signal, ...]:
-    """Return the inputs of a law that nothing of the process drives, named as in the loop.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> free_inputs(cl.design.simc(cl.load("quadruple-tank")))
-    ()
-    """
+    """Return the inputs of a law that nothing of the process drives, named as in the loop."""
     return tuple(
         replace(
             signal,
@@ -210,13 +166,7 @@ def free_inputs(controller: Controller) -> tuple[Signal, ...]:
 
 
 def controller_name(signal: str) -> str:
-    """Return the name that a state or parameter of a step law has in the closed loop.
-
-    Examples
-    --------
-    >>> controller_name("level.integral_time")
-    'controller.level.integral_time'
-    """
+    """Return the name that a state or parameter of a step law has in the closed loop."""
     return f"controller.{signal}"
 
 

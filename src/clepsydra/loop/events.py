@@ -22,11 +22,6 @@ class Occurrence:
     words : str
     times : int
         How often within the sampling period.
-
-    Examples
-    --------
-    >>> Occurrence(12.25, "pump_1.runs_dry", "pump_1 runs dry", 1).time
-    12.25
     """
 
     time: float

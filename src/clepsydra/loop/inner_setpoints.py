@@ -26,12 +26,6 @@ class InnerSetpoint:
         The state of the step law that holds it after a sample.
     low, high : float
         Between which the loop takes it [measurement unit].
-
-    Examples
-    --------
-    >>> InnerSetpoint(Signal("flow.inner_setpoint", "m^3/s"), "flow", "inner.working_setpoint",
-    ...               0.0, 0.1).high
-    0.1
     """
 
     signal: Signal
@@ -47,16 +41,7 @@ class InnerSetpoint:
 
 
 def inner_loops(controller: Controller) -> list[tuple[PidBlock, str]]:
-    """Return the loops whose setpoint another block gives, each with what it measures.
-
-    Examples
-    --------
-    A single loop is none:
-
-    >>> import clepsydra as cl
-    >>> inner_loops(cl.design.simc(cl.load("quadruple-tank")))
-    []
-    """
+    """Return the loops whose setpoint another block gives, each with what it measures."""
     return [
         (block, block.measurement.name)
         for block in controller.law.blocks

@@ -23,13 +23,7 @@ _LARGEST_NUMBER = 1e300
 
 
 class LaneStatus(IntFlag):
-    """What happened at any time in a scenario; 0 where all went well.
-
-    Examples
-    --------
-    >>> LaneStatus(3) == LaneStatus.EMPTIED | LaneStatus.SPILLING
-    True
-    """
+    """What happened at any time in a scenario; 0 where all went well."""
 
     EMPTIED = 1
     SPILLING = 2
@@ -69,17 +63,6 @@ def step_check(process: Process, step: MotionStep) -> ca.Function:
     casadi.Function
         (h, s₀, s₁, integral at s₀, integral at s₁, ring, m, u, d, p) → a truth; h [s] is the
         whole step, the part is from its fraction s₀ to s₁.
-
-    Examples
-    --------
-    A tank of which a step of one minute leaves nothing:
-
-    >>> from clepsydra.process.reader import load_process
-    >>> process = load_process("quadruple-tank")
-    >>> check = step_check(process, MotionStep(process.motion))
-    >>> held = [[], [], [3.0, 3.0], [0.0, 0.0], process.parameter_values]
-    >>> [int(check(h, 0, 1, [0.1] * 4, [0.1] * 4, *held)) for h in (1.0, 60.0)]
-    [0, 1]
     """
     h, first, last = ca.SX.sym("h"), ca.SX.sym("first"), ca.SX.sym("last")
     after = ca.SX.sym("after", step.size)
@@ -104,13 +87,6 @@ def status_checks(process: Process, step: MotionStep) -> ca.Function:
     -------
     casadi.Function
         (integral at its end, p) → three truths: emptied, spilling, not a number.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> process = load_process("quadruple-tank")
-    >>> status_checks(process, MotionStep(process.motion)).size_out(0)
-    (3, 1)
     """
     after = ca.SX.sym("after", step.size)
     parameters = step.held[-1]
@@ -165,22 +141,6 @@ def lane_status(result: Trajectories, process: Process) -> np.ndarray:
     result : Trajectories
     process : Process
         The one that was simulated.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.loop.loop import Loop
-    >>> from clepsydra.engine.kernel import Kernel
-    >>> from clepsydra.loop.closed_loop import closed_loop
-    >>> plant = cl.load("quadruple-tank")
-    >>> controller = cl.design.simc(plant)
-    >>> loop = Loop(controller, plant.linear)
-    >>> program = closed_loop(loop.process, controller, substeps=1, statuses=True)
-    >>> start = loop.initial_state() | {"tank_1.level": np.array([0.12, 0.25])}
-    >>> inputs = loop.at_rest()
-    >>> [LaneStatus(int(s)).name for s in lane_status(Kernel(program).run(5, inputs=inputs,
-    ...     state=start, parameters=loop.law_parameters()), loop.process)]
-    [None, 'SPILLING']
     """
     columns: list[tuple[LaneStatus, np.ndarray]] = [
         (flag, result.state(signal.name))

@@ -28,15 +28,20 @@ from clepsydra.loop.closed_loop import (
 )
 from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.motion_block import motion_at_rest, recorded_signals, step_told
-from clepsydra.loop.refinement import LARGEST_REFINEMENT, TOLERANCE, refined
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
-from clepsydra.loop.solver import Solver, check_solver
-from clepsydra.loop.step_size import check_substeps, substeps_for
+from clepsydra.loop.step_size import (
+    LARGEST_REFINEMENT,
+    TOLERANCE,
+    Solver,
+    check_solver,
+    refined,
+    substeps_for,
+)
 from clepsydra.loop.stepped_loop import stepped_loop
 from clepsydra.process.process import Process
 from clepsydra.program.entries import signal_of
-from clepsydra.program.precision import Precision, check_precision, in_single_arithmetic
+from clepsydra.program.precision import Precision, in_single_arithmetic
 from clepsydra.program.program import Program
 from clepsydra.scores.plant_flows import forced_flows
 
@@ -73,9 +78,6 @@ class Loop:
     model: LinearModel
 
     def __post_init__(self) -> None:
-        require_type(
-            self.controller, Controller, "controller", "a Controller", "design one, or make one"
-        )
         given = self.controller
         check_signals(
             given.measurements, given.setpoints, given.manipulated, given.name, self.process
@@ -117,24 +119,21 @@ class Loop:
         substeps : int, optional
             RK4 steps in a sampling period; chosen from the fastest eigenvalue if omitted.
         precision : {"double", "single"}
-            Of the controller alone, in the kernel: "single" is a PLC that computes in REAL, with
-            the bits of the C that is exported in single precision (see
-            `clepsydra.program.precision.in_single_arithmetic`).
+            Of the controller alone: "single" is a PLC that computes in REAL, with the bits of the C
+            that is exported in single precision (see
+            `clepsydra.program.precision.in_single_arithmetic`), and always runs in the kernel.
 
         Raises
         ------
         InputError
             The scenario has another sampling period, or signals that the process lacks; the
-            solver or precision is unknown, or the number of steps is not from 1 to 10,000; in
-            single precision, the solver is not the kernel, or a number of the law is outside it.
+            solver is unknown; or a number of the law is outside single precision.
         """
         self.check(scenario)
         check_solver(solver)
         count = self.substeps if substeps is None else substeps
-        check_substeps(count, self.process)
-        check_precision(precision)
         if precision == "single":
-            return self._in_single(scenario, solver, count)
+            return self._in_single(scenario, count)
         if solver == "reference":
             found = stepped_loop(self, scenario, count, solver)
             return self._collect(scenario, found, substeps=0)
@@ -142,12 +141,7 @@ class Loop:
             return self._collect(scenario, stepped_loop(self, scenario, count), substeps=count)
         return self._by_kernel(scenario, self._kernel(scenario, count), count, {})
 
-    def _in_single(self, scenario: Scenario, solver: Solver, substeps: int) -> Run:
-        if solver != "kernel":
-            raise InputError(
-                "run, solver", solver, "kernel, for a controller in single precision",
-                "leave the solver or the precision out",
-            )  # fmt: skip
+    def _in_single(self, scenario: Scenario, substeps: int) -> Run:
         law = in_single_arithmetic(self.controller.program())
         told, begun = (
             {controller_name(signal.name): signal.initial for signal in signals}
@@ -159,7 +153,7 @@ class Loop:
     def run_checked(self, scenario: Scenario, largest: int = LARGEST_REFINEMENT) -> Run:
         """Simulate, estimate the error by halving the step, and refine until it is small.
 
-        The estimate is on the safe side, see `clepsydra.loop.refinement.refined`, and a fraction
+        The estimate is on the safe side, see `clepsydra.loop.step_size.refined`, and a fraction
         of each state's range; the steps are halved until it is below 1e-6, `largest` times as
         many have been tried, or a sampling period would hold more than 10,000. The run with the
         smallest step is returned.

@@ -1,24 +1,24 @@
-"""The motion of a process over one sampling period, as statements of a program."""
+"""The motion of a process over one sampling period, as statements and as a program."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
+from typing import Literal
 
 import casadi as ca
 import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.loop.event_location import located_step
 from clepsydra.loop.lane_status import STATUS_SIGNALS, append_status, step_check
-from clepsydra.loop.motion_step import MotionStep
+from clepsydra.loop.motion_step import MotionStep, located_step
 from clepsydra.process.motion import Motion
 from clepsydra.process.process import Process
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import Block
+from clepsydra.program.program import Block, Program
 from clepsydra.program.reader import inline
 
 #: Number of integration steps since the start of a run, which dates the events.
@@ -217,16 +217,7 @@ def step_told(period: float, substeps: int) -> dict[str, float]:
 
 
 def motion_at_rest(point: OperatingPoint) -> dict[str, float]:
-    """Return what lives from sample to sample by name, at rest; nothing has happened yet.
-
-    Examples
-    --------
-    >>> from clepsydra.linear.equilibrium import find_equilibrium
-    >>> from clepsydra.process.reader import load_process
-    >>> rest = motion_at_rest(find_equilibrium(load_process("quadruple-tank")))
-    >>> round(rest["tank_1.level"], 6)
-    0.12263
-    """
+    """Return what lives from sample to sample by name, at rest; nothing has happened yet."""
     process, motion = point.process, point.process.motion
     p = process.parameter_values
     c = np.array(motion.to_contents(point.state, p)).ravel()
@@ -244,14 +235,7 @@ def motion_at_rest(point: OperatingPoint) -> dict[str, float]:
 
 
 def recorded_signals(process: Process) -> tuple[Signal, ...]:
-    """Return what a run records beside the states: volumes spilt, memories, counts and times.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> recorded_signals(load_process("quadruple-tank"))
-    ()
-    """
+    """Return what a run records beside the states: volumes spilt, memories, counts and times."""
     motion = process.motion
     block = MotionBlock(motion, 1.0, 1, tuple(process.spilt.values()))
     return block.state[len(motion.contents) :]
@@ -264,3 +248,59 @@ def ring_name(delay: str, part: str) -> str:
     'channel.delayed_flow.mean'
     """
     return f"{delay}.{part}"
+
+
+def process_period(
+    process: Process,
+    motion: MotionBlock,
+    recorded: tuple[Signal, ...],
+    *,
+    shown: Literal["start", "end"],
+    reading: ca.Function | None = None,
+) -> Program:
+    """Return the program that carries a process over one sampling period.
+
+    Parameters
+    ----------
+    process : Process
+    motion : MotionBlock
+        Its motion, with period, integration steps and totals.
+    recorded : tuple of Signal
+        What else of `motion.state` is an output.
+    shown : {"start", "end"}
+        The end of the period at which the outputs are taken.
+    reading : casadi.Function, optional
+        (x, p) → measurements, `Process.show` where left out.
+
+    Returns
+    -------
+    Program
+        State: that of the motion. Inputs: inputs and disturbances, held over the period.
+        Outputs: states of the process, what the sensors show without noise, what is recorded.
+    """
+    state, outside = motion.state, (*process.inputs, *process.disturbances)
+    told = (*process.parameters, *motion.parameters)
+    names = [s.name for s in (*state, *outside, *told)]
+    builder = BlockBuilder(len(names))
+    value = {name: index for index, name in enumerate(names)}
+    parameters = [value[p.name] for p in process.parameters]
+    before = [value[s.name] for s in state]
+
+    def outputs(moment: tuple[int, ...] | list[int]) -> list[int]:
+        by_name = dict(zip((s.name for s in state), moment, strict=True))
+        contents = [by_name[s.name] for s in process.motion.contents]
+        states = inline(builder, process.motion.to_state, [*contents, *parameters], fused=True)
+        measured = inline(builder, reading or process.show, [*states, *parameters], fused=True)
+        return [*states, *measured, *(by_name[s.name] for s in recorded)]
+
+    results = outputs(before) if shown == "start" else []
+    after = motion.move(builder, before, [value[s.name] for s in (*outside, *told)])
+    block = builder.finish([*after, *(results or outputs(after))])
+    return Program(
+        f"{process.name}, open loop",
+        state,
+        outside,
+        told,
+        (*process.state, *process.measurements, *recorded),
+        block,
+    )

@@ -8,28 +8,53 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clepsydra.base.arguments import check_choice
-from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.loop.balance import Balance, balances
 from clepsydra.loop.events import Occurrence, events_of
 from clepsydra.loop.motion_block import (
     MotionBlock,
     motion_at_rest,
+    process_period,
     recorded_signals,
     step_told,
 )
-from clepsydra.loop.process_period import process_period
 from clepsydra.loop.reference_motion import ReferenceMotion
-from clepsydra.loop.solver import Solver, check_solver
-from clepsydra.loop.step_size import check_substeps
+from clepsydra.loop.step_size import Solver
+from clepsydra.process.balance import DELAYED, ENTERED, LEFT
 from clepsydra.process.process import Process
 from clepsydra.scores.plant_flows import forced_flows
 
 if TYPE_CHECKING:
     import pandas
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Conservation of the liquid or of a component over a run.
+
+    Parameters
+    ----------
+    name : str
+        "liquid" or a component.
+    unit : str
+        SI unit of the amounts.
+    entered, left, gained : float
+        Through the boundary of the plant, and more in its tanks and delays than at first.
+    """
+
+    name: str
+    unit: str
+    entered: float
+    left: float
+    gained: float
+
+    @property
+    def error(self) -> float:
+        """What does not close, relative to the throughput [1]."""
+        missing = self.entered - self.left - self.gained
+        throughput = max(abs(self.entered), abs(self.left), abs(self.gained))
+        return abs(missing) / throughput if throughput else 0.0
 
 
 @dataclass(frozen=True)
@@ -116,15 +141,7 @@ def simulate(
     state : mapping, optional
         States that do not start at the point, "tank_1.level" to its value.
     solver : {"kernel", "reference"}
-
-    Raises
-    ------
-    InputError
-        A profile or a state is of no such signal, or their lengths differ; the solver is
-        unknown.
     """
-    check_solver(solver)
-    check_substeps(substeps, point.process)
     run = _OpenLoop(point, profiles, state or {})
     return run.by_reference(substeps) if solver == "reference" else run.by_kernel(substeps)
 
@@ -166,7 +183,6 @@ class _OpenLoop:
         self.point, self.process = point, point.process
         process = self.process
         self.outside = (*process.inputs, *process.disturbances)
-        self._check(profiles, state)
         self.samples = len(next(iter(profiles.values())))
         at = point.as_dict()
         self.profiles = {
@@ -228,20 +244,6 @@ class _OpenLoop:
         values = {name: np.array([row[name] for row in rows]) for name in rows[0]}
         return self._collect(values, 0)
 
-    def _check(self, profiles: Mapping[str, np.ndarray], state: Mapping[str, float]) -> None:
-        for what, names, known in (
-            ("profiles", profiles, [s.name for s in self.outside]),
-            ("state", state, [s.name for s in self.process.state]),
-        ):
-            for name in names:
-                check_choice(f"simulation of {self.process.name}, {what}", name, known)
-        lengths = {len(values) for values in profiles.values()}
-        if len(lengths) != 1 or 0 in lengths:
-            raise InputError(
-                f"simulation of {self.process.name}, profiles", sorted(lengths),
-                "profiles of one length, at least one sample", "give one value a sample",
-            )  # fmt: skip
-
     def _collect(self, values: dict[str, np.ndarray], substeps: int) -> Simulation:
         process, motion = self.process, self.process.motion
         for name, profile in self.profiles.items():
@@ -263,7 +265,7 @@ class _OpenLoop:
             signals=signals,
             values={s.name: values[s.name] for s in signals},
             events=events_of(process, values),
-            balances=balances(
+            balances=_balances(
                 process,
                 self.contents,
                 last,
@@ -271,3 +273,22 @@ class _OpenLoop:
             ),
             substeps=substeps,
         )
+
+
+def _balances(
+    process: Process, first: np.ndarray, last: np.ndarray, totals: Mapping[str, float]
+) -> tuple[Balance, ...]:
+    """Return the balances of a run from its first and last contents and its totals from 0."""
+    motion, parameters = process.motion, process.parameter_values
+    units = {signal.name: signal.unit for signal in motion.totals}
+    before, after = (np.array(motion.stored(c, parameters)).ravel() for c in (first, last))
+    return tuple(
+        Balance(
+            name,
+            units[f"{ENTERED}.{name}"],
+            float(totals[f"{ENTERED}.{name}"]),
+            float(totals[f"{LEFT}.{name}"]),
+            float(after[place] - before[place]) + totals.get(f"{DELAYED}.{name}", 0.0),
+        )
+        for place, name in enumerate(motion.stored_names)
+    )

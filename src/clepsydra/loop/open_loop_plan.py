@@ -19,14 +19,18 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise, operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.linear.poles import time_constants
-from clepsydra.loop.duration import pretty_duration, read_duration, samples_before
 from clepsydra.loop.open_loop import Simulation, simulate, simulations, state_from
-from clepsydra.loop.profile import Change, check_range, profiles_of
-from clepsydra.loop.refinement import TOLERANCE as TOLERANCE
-from clepsydra.loop.refinement import refined
+from clepsydra.loop.profile import (
+    Change,
+    check_range,
+    pretty_duration,
+    profiles_of,
+    read_duration,
+    samples_before,
+)
 from clepsydra.loop.residence_times import residence_times
-from clepsydra.loop.solver import Solver, check_solver
-from clepsydra.loop.step_size import substeps_for
+from clepsydra.loop.step_size import TOLERANCE as TOLERANCE
+from clepsydra.loop.step_size import Solver, check_solver, refined, substeps_for
 from clepsydra.process.process import Process
 
 Start = Literal["rest", "empty"]

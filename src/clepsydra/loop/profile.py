@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
@@ -11,11 +12,13 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import from_si, to_si, with_percent_hint
-from clepsydra.base.words import time_text
-from clepsydra.loop.duration import samples_before
+from clepsydra.base.words import TIME_UNITS, time_text
 from clepsydra.process.process import Process
 
 _EXAMPLE = "write as in pump_1=3.2V, pump_1=3.5V@60s or pump_1=4V@60s..120s"
+_PRETTY = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
+#: Shares of a sampling period by which a time may miss a sample and still count as on it.
+_ON_SAMPLE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -31,11 +34,6 @@ class Change:
         [s]; equal for a step.
     place : str
         Where it was written, for messages.
-
-    Examples
-    --------
-    >>> Change("pump_1", 3.5, 60.0, 60.0).is_ramp
-    False
     """
 
     signal: str
@@ -103,12 +101,6 @@ def outside_signal(name: str, process: Process, place: str) -> Signal:
     ------
     InputError
         There is none.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> outside_signal("pump_1", load_process("quadruple-tank"), "--input").unit
-    'V'
     """
     known = {signal.name: signal for signal in (*process.inputs, *process.disturbances)}
     if name not in known:
@@ -122,16 +114,7 @@ def outside_signal(name: str, process: Process, place: str) -> Signal:
 
 
 def check_range(signal: Signal, value: float, place: str, written: object = None) -> None:
-    """Refuse a value [SI] outside a signal's range, which was written like that.
-
-    Examples
-    --------
-    >>> check_range(Signal("pump_1", "V", low=0.0, high=10.0), 11.0, "--input")
-    Traceback (most recent call last):
-        ...
-    clepsydra.base.errors.InputError: --input: got '11 V', expected a value from 0 to 10 V, \
-the range of pump_1; stay inside the range.
-    """
+    """Refuse a value [SI] outside a signal's range, which was written like that."""
     if signal.low <= value <= signal.high:
         return
     shown, low, high = (
@@ -228,3 +211,48 @@ def _check_follows(previous: Change, change: Change, period: float) -> None:
             f"at most one value of {change.signal} in a sampling period of {time_text(period, 4)}",
             "leave one of the two out or shorten the sampling period",
         )
+
+
+def pretty_duration(least: float) -> float:
+    """Return a length of time [s], not below `least` [s], that is a pretty number in its unit.
+
+    Examples
+    --------
+    >>> pretty_duration(544.0)  # ten minutes
+    600.0
+    """
+    length, most = next((length, most) for _, length, most in TIME_UNITS if least <= most)
+    count = least / length
+    power = 10.0 ** math.floor(math.log10(count))
+    pretty = next(p * power for p in _PRETTY if p * power >= count * (1.0 - _ON_SAMPLE))
+    return min(length * pretty, most)  # three minutes, hours or days are pretty as well
+
+
+def read_duration(text: object, place: str) -> float:
+    """Read a length of time such as "20 min" [s].
+
+    Raises
+    ------
+    InputError
+        It is none, or not above zero.
+
+    Examples
+    --------
+    >>> read_duration("20 min", "--duration")
+    1200.0
+    """
+    duration = to_si(text, "s", place)
+    if duration <= 0.0:
+        raise InputError(place, text, "a time above 0 s", "write it as in '20 min'")
+    return duration
+
+
+def samples_before(time: float, period: float) -> int:
+    """Return how many samples begin before a time [s]: the place of the first one at it or later.
+
+    Examples
+    --------
+    >>> samples_before(0.3, 0.1), samples_before(0.31, 0.1)
+    (3, 4)
+    """
+    return math.ceil(time / period - _ON_SAMPLE * max(1.0, time / period))

@@ -38,16 +38,6 @@ class ReferenceMotion:
         Those totals that are integrated.
     contents : ndarray [n], optional
         What it starts with where that is not at rest.
-
-    Examples
-    --------
-    >>> from clepsydra.linear.equilibrium import find_equilibrium
-    >>> from clepsydra.process.reader import load_process
-    >>> point = find_equilibrium(load_process("quadruple-tank"))
-    >>> reference = ReferenceMotion(point, 1, ())
-    >>> reference.advance(point.inputs, point.disturbances)
-    >>> bool(abs(reference.state() - point.state).max() < 1e-12)
-    True
     """
 
     def __init__(

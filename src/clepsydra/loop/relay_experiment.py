@@ -43,11 +43,6 @@ class RelayRecord:
         In the units of the signals.
     amplitude, hysteresis, bias : float
         Of the relay: d and the bias [input unit], ε [output unit].
-
-    Examples
-    --------
-    >>> RelayRecord(np.zeros(1), np.zeros(1), np.zeros(1), 1.0, 0.0, 3.0).bias
-    3.0
     """
 
     time: np.ndarray
@@ -69,13 +64,6 @@ def relay_law(measured: Signal, manipulated: Signal) -> StepLaw:
     ----------
     measured, manipulated : Signal
         They lend their units and ranges.
-
-    Examples
-    --------
-    >>> law = relay_law(Signal("level", "m"), Signal("pump", "V"))
-    >>> after, output, _ = law.function([0], [5.0, 4.0], [3.0, 0.5, 0.1])
-    >>> float(after), float(output[0])
-    (1.0, 3.5)
     """
 
     def equations(symbols: Symbols) -> Equations:

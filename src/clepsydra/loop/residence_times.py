@@ -24,16 +24,6 @@ def residence_times(model: LinearModel) -> np.ndarray:
     -------
     ndarray [q]
         [s]; 0 where no input moves the output.
-
-    Examples
-    --------
-    The level of the last of eight equal tanks comes after eight times their time constant:
-
-    >>> import clepsydra as cl
-    >>> model = cl.load("eight-tanks").linear
-    >>> one = abs(model.A[0, 0]) ** -1
-    >>> round(float(residence_times(model).max() / one), 6)
-    8.0
     """
     process = operating_point_of(model).process
     widths = [width_of_range(process.signal(name)) for name in model.inputs]
@@ -46,12 +36,6 @@ def residence_times(model: LinearModel) -> np.ndarray:
 
 
 def width_of_range(signal: Signal) -> float:
-    """Return the width of a signal's range, or 1 where it has none.
-
-    Examples
-    --------
-    >>> width_of_range(Signal("pump", "V", low=2.0, high=10.0)), width_of_range(Signal("flow"))
-    (8.0, 1.0)
-    """
+    """Return the width of a signal's range, or 1 where it has none."""
     span = signal.span
     return span if np.isfinite(span) and span > 0.0 else 1.0

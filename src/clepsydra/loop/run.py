@@ -41,7 +41,7 @@ class Run:
         "inflow_1"; of a cascade the setpoint of an inner loop, "flow_1.inner_setpoint".
     error_estimate : float or None
         Of the error of the integration, as a fraction of the state's range, see
-        `clepsydra.loop.refinement`; None where it was not asked for.
+        `clepsydra.loop.step_size`; None where it was not asked for.
     substeps : int
         RK4 steps in one sample; 0 for the reference solver.
 
@@ -110,14 +110,7 @@ def dataset(
     time: np.ndarray,
     about: Mapping[str, str],
 ) -> xarray.Dataset:
-    """Return trajectories over time [s] with their units and descriptions.
-
-    Examples
-    --------
-    >>> level = Signal("level", "m")
-    >>> dataset([level], {"level": np.zeros(2)}, np.arange(2.0), {})["level"].attrs["units"]
-    'm'
-    """
+    """Return trajectories over time [s] with their units and descriptions."""
     import xarray
 
     variables = {

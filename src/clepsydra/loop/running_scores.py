@@ -41,16 +41,6 @@ def buffer_flows(process: Process, name: str, value: Mapping[str, ca.SX]) -> tup
     ------
     InputError
         One of these flows comes out of a delay.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> process = load_process("equalisation-tank")
-    >>> outside = (*process.inputs, *process.disturbances, *process.parameters)
-    >>> signals = (*process.state, *process.motion.memories, *outside)
-    >>> at_first = {signal.name: ca.SX(signal.initial) for signal in signals}
-    >>> buffer_flows(process, "level", at_first | {"inflow": ca.SX(0.3)})[0]
-    SX(0.3)
     """
     motion = process.motion
     tank = next(e.tank for e in process.elements if isinstance(e, Sensor) and e.name == name)
@@ -76,13 +66,7 @@ def buffer_flows(process: Process, name: str, value: Mapping[str, ca.SX]) -> tup
 
 
 def running_scores() -> dict[str, Score]:
-    """Return the scores that can be added up while a loop runs.
-
-    Examples
-    --------
-    >>> "iae" in running_scores(), "rise_time" in running_scores()
-    (True, False)
-    """
+    """Return the scores that can be added up while a loop runs."""
     return {key: score for key, score in SCORES.items() if score.is_running} | EXTREME_LEVELS
 
 

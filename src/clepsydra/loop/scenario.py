@@ -28,16 +28,6 @@ class Scenario:
         In order of time; they do not overlap.
     seed : int
         Of the noise.
-
-    Examples
-    --------
-    Two setpoints for a minute, the first of which steps after 10 s:
-
-    >>> setpoints = np.array([[6.0, 5.0]] * 10 + [[6.5, 5.0]] * 50)
-    >>> scenario = Scenario(1.0, setpoints, np.zeros((60, 2)), np.zeros((60, 4)),
-    ...                     (Segment("setpoint", "level_1", 10.0, 60.0, 0.5),), seed=1)
-    >>> scenario.samples, float(scenario.time[-1])
-    (60, 59.0)
     """
 
     sampling_period: float

@@ -18,7 +18,7 @@ from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.motion_block import motion_at_rest
 from clepsydra.loop.reference_motion import ReferenceMotion
 from clepsydra.loop.scenario import Scenario
-from clepsydra.loop.solver import Solver
+from clepsydra.loop.step_size import Solver
 from clepsydra.program.step_law import Equations, step_law
 
 if TYPE_CHECKING:
@@ -34,15 +34,6 @@ def naming_sample(sample: int, period: float) -> Iterator[None]:
     sample : int
     period : float
         Between samples [s].
-
-    Examples
-    --------
-    >>> with naming_sample(30, 2.0):
-    ...     raise InputError("law.py, line 7, step", "KeyError: 'gain'", "a number", "correct it")
-    Traceback (most recent call last):
-        ...
-    clepsydra.base.errors.InputError: law.py, line 7, step, sample 30 at 60 s: got \
-"KeyError: 'gain'", expected a number; correct it.
     """
     try:
         yield
@@ -76,20 +67,6 @@ def stepped_loop(
     ------
     InputError
         The law fails; the message names the sample and its time.
-
-    Examples
-    --------
-    A compiled law on the slow path:
-
-    >>> import clepsydra as cl
-    >>> from clepsydra.loop.loop import Loop
-    >>> plant = cl.load("quadruple-tank")
-    >>> loop = Loop(cl.design.simc(plant), plant.linear)
-    >>> setpoints = np.repeat([plant.point.measurements[:2] + [1.0, 0.0]], 50, axis=0)
-    >>> scenario = Scenario(1.0, setpoints, np.zeros((50, 2)), np.zeros((50, 4)), (), 1)
-    >>> slow = stepped_loop(loop, scenario, loop.substeps)["level_1"]
-    >>> bool((slow == loop.run(scenario).values["level_1"]).all())
-    True
     """
     controller, law = loop.controller, loop.controller.law
     given, at_rest = loop.inputs_of(scenario), loop.at_rest()

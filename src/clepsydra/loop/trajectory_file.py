@@ -34,20 +34,6 @@ def write_parquet(runs: Sequence[Run], path: Path) -> None:
     ------
     InputError
         There is no run, or the file cannot be written.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from tempfile import TemporaryDirectory
-    >>> import pandas
-    >>> plant = cl.load("quadruple-tank")
-    >>> controller = cl.design.simc(plant)
-    >>> run = cl.simulate(plant, controller, duration="1 min")
-    >>> with TemporaryDirectory() as folder:
-    ...     write_parquet([run], Path(folder) / "runs.parquet")
-    ...     table = pandas.read_parquet(Path(folder) / "runs.parquet")
-    >>> table["controller"][0], bool(table["pump_1"][0] == 3.0), len(table) == run.time.size
-    ('PI, SIMC', True, True)
     """
     if not runs:
         raise InputError("trajectories", [], "at least one run", "run a loop first")
@@ -108,16 +94,6 @@ def write_columns(
     path : Path
     labels : mapping, optional
         Columns of text that stand first.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> import pandas
-    >>> columns = {"time": np.arange(2.0), "pump_1": np.array([3.0, 3.5])}
-    >>> with TemporaryDirectory() as folder:
-    ...     write_columns(columns, [Signal("pump_1", "V")], "plant", Path(folder) / "a.parquet")
-    ...     list(pandas.read_parquet(Path(folder) / "a.parquet"))
-    ['time', 'pump_1']
     """
     import pyarrow
     import pyarrow.parquet

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from clepsydra.base.signal import Signal
 from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.deploy.proof.item import ProofItem
-from clepsydra.program.entries import Entry, signal_of
+from clepsydra.program.entries import signal_of
 from clepsydra.program.operation import Operation
-from clepsydra.program.program import Block, Call, ForLoop
+from clepsydra.program.program import Block, Call, ForLoop, Program
 
 _SINGLE = np.finfo(np.float32)
 #: Magnitudes that stand for no limit and for no divisor, which single precision replaces.
@@ -62,31 +63,29 @@ def _is_python(item: ProofItem) -> bool:
 
 
 def _lacks_function(item: ProofItem) -> bool:
-    codes = {operation.code for operation in _operations(item)}
-    return bool(codes & _NO_FUNCTIONS)
+    return any(operation.code in _NO_FUNCTIONS for operation in _program(item).block.operations())
 
 
 def _is_infinite(item: ProofItem) -> bool:
-    return not all(map(math.isfinite, _numbers(item)))
+    return not all(map(math.isfinite, _numbers(_program(item))))
 
 
 def _unread_by_matiec(item: ProofItem) -> bool:
-    low, high = float(_SINGLE.tiny), float(_SINGLE.max)
-    declared = [signal_of(entry).initial for entry in _declared(item)]
-    return any(v and not low <= abs(v) <= high for v in declared)
+    return any(map(_outside_single, (signal.initial for signal in _declared(_program(item)))))
 
 
 def _outside_real(item: ProofItem) -> bool:
-    low, high = float(_SINGLE.tiny), float(_SINGLE.max)
-    sizes = {abs(v) for v in _numbers(item) if v and math.isfinite(v)} - set(_REPLACED)
-    return any(not low <= size <= high for size in sizes)
+    numbers = {abs(v) for v in _numbers(_program(item)) if math.isfinite(v)}
+    return any(map(_outside_single, numbers - set(_REPLACED)))
+
+
+def _outside_single(value: float) -> bool:
+    return bool(value) and not float(_SINGLE.tiny) <= abs(value) <= float(_SINGLE.max)
 
 
 def _beyond_whole(item: ProofItem) -> bool:
-    counts = [
-        signal for signal in map(signal_of, (*_declared(item), *_outputs(item)))
-        if signal.kind == "integer"
-    ]  # fmt: skip
+    program = _program(item)
+    counts = [s for s in (*_declared(program), *program.outputs) if s.kind == "integer"]
     within = all(s.low >= -_SINGLE_WHOLE and s.high <= _SINGLE_WHOLE for s in counts)
     return not within
 
@@ -135,32 +134,24 @@ DELAYS = Limit(
 LIMITS = (PYTHON_LAW, *OF_TEXT, MATIEC_NUMBERS, *OF_SINGLE, DELAYS)
 
 
-def _declared(item: ProofItem) -> tuple[Entry, ...]:
-    """Return the entries of a program that have a number of their own."""
-    program = item.program
-    if program is None:
-        return ()
-    return (*program.state, *program.rings, *program.inputs, *program.parameters)
+def _program(item: ProofItem) -> Program:
+    assert item.program is not None
+    return item.program
 
 
-def _outputs(item: ProofItem) -> tuple[Entry, ...]:
-    return item.program.outputs if item.program else ()
+def _declared(program: Program) -> list[Signal]:
+    """Return the signals of a program that have a number of their own."""
+    entries = (*program.state, *program.rings, *program.inputs, *program.parameters)
+    return list(map(signal_of, entries))
 
 
-def _operations(item: ProofItem) -> Iterator[Operation]:
-    return item.program.block.operations() if item.program else iter(())
-
-
-def _numbers(item: ProofItem) -> Iterator[float]:
+def _numbers(program: Program) -> Iterator[float]:
     """Yield every real number of a program: initial values, constants, tables of loops."""
-    for signal in map(signal_of, _declared(item)):
-        if signal.kind == "real":
-            yield signal.initial
-    for operation in _operations(item):
+    yield from (signal.initial for signal in _declared(program) if signal.kind == "real")
+    for operation in program.block.operations():
         if operation.code == "constant":
             yield operation.constant
-    if item.program is not None:
-        yield from _tables(item.program.block)
+    yield from _tables(program.block)
 
 
 def _tables(block: Block) -> Iterator[float]:

@@ -15,7 +15,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.base.words import time_text
 from clepsydra.linear.analysis import Analysis
 from clepsydra.loop.default_scenario import MOST_SAMPLES, add_noise, default_scenario
-from clepsydra.loop.duration import samples_before
+from clepsydra.loop.profile import samples_before
 from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.process import told
 from clepsydra.process.bands import check_at_rest, within_band

@@ -15,10 +15,9 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.closed_loop import closed_loop, controller_name
 from clepsydra.loop.lane_status import STEP_BOUND, LaneStatus, lane_status
 from clepsydra.loop.loop import Loop
-from clepsydra.loop.refinement import LARGEST_REFINEMENT
 from clepsydra.loop.running_scores import RunningScores
 from clepsydra.loop.scenario import Scenario
-from clepsydra.loop.step_size import MOST_SUBSTEPS
+from clepsydra.loop.step_size import LARGEST_REFINEMENT, MOST_SUBSTEPS
 from clepsydra.program.program import Program
 from clepsydra.studies.tuning.resting_states import resting_states
 
