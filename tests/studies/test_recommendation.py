@@ -7,7 +7,7 @@ import pytest
 import clepsydra as cl
 from clepsydra.studies.recommendation import recommend
 from clepsydra.studies.result import Standing
-from clepsydra.studies.warnings.accuracy import accuracy_caveats
+from clepsydra.studies.warnings.after import caveats_after
 from clepsydra.studies.watch import watched
 
 
@@ -90,7 +90,8 @@ def test_of_one_loop_good_enough_is_beside_the_best_pi_or_pid():
 def test_an_error_of_the_simulation_does_not_speak_against_a_controller(error):
     first, second = candidates((LOOPS, 1.0), (LOOPS, 1.1))
     first.run.error_estimate = error
-    (caveat,) = first.caveats = accuracy_caveats(first.run)
+    first.run.scenario = SimpleNamespace(segments=())
+    (caveat,) = first.caveats = caveats_after(first.run)
     assert caveat.seen == (error > 1e-3)
     assert watched(first) == () and recommend([first, second]).simplest is first
     first.warnings = ("It winds up.",)

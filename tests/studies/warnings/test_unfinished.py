@@ -6,7 +6,6 @@ import pytest
 
 from clepsydra.loop.loop import Loop
 from clepsydra.studies.warnings.after import caveats_after, warnings_after
-from clepsydra.studies.warnings.unfinished import unfinished_caveats
 
 
 @pytest.fixture
@@ -25,7 +24,7 @@ def averaging(tank, proportional, stepped):
 def test_a_level_that_is_still_on_its_way_is_told_by_how_much(averaging):
     """Each sample leaves 0.95 of the error; the segment has 45 samples, its last tenth 4."""
     run = averaging(0.25)
-    (caveat,) = unfinished_caveats(run)
+    (caveat,) = caveats_after(run)
     share = (0.95**41 - 0.95**44) / (1.0 - 0.95**44)
     assert "level is not at rest when the setpoint step of level ends after 45 s" in caveat.words
     assert f"moves by {100 * share:.2g} % of its way" in caveat.words
@@ -34,10 +33,10 @@ def test_a_level_that_is_still_on_its_way_is_told_by_how_much(averaging):
 
 def test_a_level_that_came_to_rest_raises_none(averaging):
     """0.8 of the error in each sample; and the slow one of before in five times the time."""
-    assert unfinished_caveats(averaging(1.0)) == []
-    assert unfinished_caveats(averaging(0.25, length=250)) == []
+    assert caveats_after(averaging(1.0)) == ()
+    assert caveats_after(averaging(0.25, length=250)) == ()
 
 
 def test_a_level_that_is_held_is_left_to_the_warning_about_settling(averaging):
     run = averaging(0.25)
-    assert unfinished_caveats(replace(run, process=replace(run.process, averaging=()))) == []
+    assert caveats_after(replace(run, process=replace(run.process, averaging=()))) == ()

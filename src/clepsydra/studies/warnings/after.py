@@ -2,17 +2,33 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
+import numpy as np
+
+from clepsydra.base.words import time_text
+from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.run import Run
+from clepsydra.loop.scenario import Segment
+from clepsydra.scores.effort import at_limit
 from clepsydra.scores.score_key import by_signal
-from clepsydra.studies.warnings.accuracy import accuracy_caveats
 from clepsydra.studies.warnings.caveat import Caveat
 from clepsydra.studies.warnings.harm import emptied, harms
-from clepsydra.studies.warnings.inner_setpoint import inner_setpoint_warnings
-from clepsydra.studies.warnings.saturation import saturation_warnings
-from clepsydra.studies.warnings.settling import settling_warnings
-from clepsydra.studies.warnings.unfinished import unfinished_caveats
+from clepsydra.studies.warnings.wind_up import winds_up
+from clepsydra.studies.warnings.words import shown
+
+#: Share of a run at a limit above which the reader is told, and above which it is most of it.
+_SATURATED, _MOSTLY = 0.05, 0.5
+#: Error estimate above which the reader is told, share of the state's range; and above which it is
+#: seen in figures of three digits.
+_ERROR, _SEEN = 1e-6, 1e-3
+#: Part of a segment, its last, in which a level at rest does not move any more.
+_LAST = 0.1
+#: A level that moves less in it, as a share of the way that it went in the segment, is at rest.
+_AT_REST = 0.01
+#: And one that went less than this share of its range has not moved.
+_NO_WAY = 1e-6
 
 
 def run_warnings(run: Run) -> tuple[str, ...]:
@@ -20,55 +36,132 @@ def run_warnings(run: Run) -> tuple[str, ...]:
 
     Examples
     --------
-    >>> from dataclasses import replace
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.loop.loop import Loop
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> designed = design_simc(analysis.model, analysis.pairing)
-    >>> for gain in (designed.values["level_1.proportional_gain"], 50.0):
-    ...     controller = replace(
-    ...         designed, values=designed.values | {"level_1.proportional_gain": gain})
-    ...     run = Loop(controller, analysis.model).run(default_scenario(analysis.model))
-    ...     words = run_warnings(run)
-    ...     print(len(words), *words)
-    0
-    1 pump_1 stands at a limit for 35 % of the time, mostly at 0 V: nothing is corrected meanwhile.
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> fast = cl.design.simc(plant).with_values({"level_1": {"K": 50.0}})
+    >>> print(*run_warnings(cl.simulate(plant, fast)))
+    pump_1 stands at a limit for 35 % of the time, mostly at 0 V: nothing is corrected meanwhile.
     """
     return (
         *(each.sentence for each in (*harms(run), *emptied(run))),
-        *saturation_warnings(run),
-        *inner_setpoint_warnings(run),
+        *_saturated(run),
+        *_inner_setpoints_at_limits(run),
     )
 
 
 def warnings_after(run: Run, scores: Mapping[str, float]) -> tuple[str, ...]:
-    """Return the warnings of a run and of its scores.
+    """Return the warnings of a run and of its scores, "settling_time[level_1]" to value.
 
     That a level does not settle is no fault where it is meant to average (`Process.averaging`), or
     where the controller has no setpoint for it.
-
-    Parameters
-    ----------
-    scores : mapping
-        Score to value, "settling_time[level_1]".
     """
     followed = set(run.controller.setpoints) - set(run.process.averaging)
-    times = by_signal(scores, "settling_time")
-    held = {name: time for name, time in times.items() if name in followed}
-    return (*run_warnings(run), *settling_warnings(held))
+    unsettled = (
+        f"{name} does not settle within its setpoint step: the loop is too slow or rings; compare "
+        "its trend."
+        for name, time in by_signal(scores, "settling_time").items()
+        if name in followed and math.isinf(time)
+    )
+    return (*run_warnings(run), *unsettled)
 
 
 def caveats_after(run: Run) -> tuple[Caveat, ...]:
     """Return what a run leaves open, whatever its controller: its error, steps cut short.
 
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> plant = cl.load("three-tanks")
-    >>> caveats_after(cl.simulate(plant, cl.design.simc(plant)))
-    ()
+    Smaller integration steps might still change a state by more than 1e-6 of its range. And an
+    averaging level may still move by more than 1 % of its way in the last tenth of a step's
+    segment, which is then shorter than what its loop takes, an arrest time, say, so that scores
+    are of a part of the response; of each level the first such segment is told.
     """
-    return (*accuracy_caveats(run), *unfinished_caveats(run))
+    found = []
+    if run.error_estimate is not None and run.error_estimate > _ERROR:
+        error, aim = 100.0 * run.error_estimate, 100.0 * _ERROR
+        words = (
+            f"Halving the integration step shows that a state may be wrong by {error:.2g} % of its "
+            f"range, more than the {aim:g} % aimed at: smaller differences between runs say "
+            "nothing; compare with the reference solver."
+        )
+        found.append(Caveat(words, "accuracy", error, seen=run.error_estimate >= _SEEN))
+    for name in run.process.averaging:
+        steps = [segment for segment in run.scenario.segments if segment.kind != "noise"]
+        moving = ((segment, _still_moving(name, segment, run)) for segment in steps)
+        first = next(((segment, share) for segment, share in moving if share > _AT_REST), None)
+        if first is not None and name in run.controller.setpoints:
+            segment, share = first
+            what = (
+                f"{name} is not at rest when the {segment.kind} step of {segment.signal} ends "
+                f"after {time_text(segment.stop - segment.start)}"
+            )
+            words = (
+                f"{what}: in the last tenth it still moves by {100.0 * share:.2g} % of its way, so "
+                "that its scores are of a part of the response; leave more time between the steps, "
+                "in a study file."
+            )
+            found.append(Caveat(words, what, share))
+    return tuple(found)
+
+
+def _still_moving(name: str, segment: Segment, run: Run) -> float:
+    """Return the way in the last tenth of a segment as a share of the way in the whole of it."""
+    first, after = (
+        round(time / run.scenario.sampling_period) for time in (segment.start, segment.stop)
+    )
+    within = run.true_measurement(name)[first:after]
+    if len(within) < 2:
+        return 0.0
+    way = float(np.ptp(within))
+    late = within[-max(2, round(_LAST * len(within))) :]
+    nothing = _NO_WAY * run.process.signal(name).span
+    return float(np.ptp(late)) / way if way > nothing else 0.0
+
+
+def _saturated(run: Run) -> list[str]:
+    """Return for how long inputs stood at a limit, and with what effect."""
+    if not run.controller.setpoints:  # pumps that start and stop stand at their limits
+        return []
+    words, shares = [], {}
+    for signal in run.process.inputs:
+        low, high = run.limits(signal.name)
+        share, mostly_low = _share_at_limit(run.values[signal.name], low, high)
+        shares[signal.name] = share
+        if share > _SATURATED:
+            effect = "nothing is corrected meanwhile"
+            if share > _MOSTLY:
+                effect = (
+                    "nothing is controlled for most of it; ask for less, or give it another size"
+                )
+            words.append(
+                f"{signal.name} stands at a limit for {100 * share:.0f} % of the time, mostly at "
+                f"{shown(low if mostly_low else high, signal)}: {effect}."
+            )
+    if any(shares[name] > 0.0 for name in run.controller.manipulated):
+        words += [
+            f"{name} winds up: its integral has no anti-windup and went on while it stood at a "
+            f"limit, for {100 * shares[name]:.2g} % of the time; choose conditional integration or "
+            "back-calculation."
+            for name in winds_up(run.controller, run.process)
+            if shares[name] > 0.0
+        ]
+    return words
+
+
+def _inner_setpoints_at_limits(run: Run) -> list[str]:
+    """Return which inner setpoints stood at a limit for more than half of a run."""
+    words = []
+    for inner in inner_setpoints(run.controller, run.process):
+        share, mostly_low = _share_at_limit(run.values[inner.name], inner.low, inner.high)
+        if share > _MOSTLY:
+            end, limit = ("low", inner.low) if mostly_low else ("high", inner.high)
+            words.append(
+                f"The inner setpoint of {inner.measurement} stands at a limit for "
+                f"{100.0 * share:.0f} % of the time, mostly at its {end} limit of "
+                f"{shown(limit, inner.signal)}: the outer loop controls nothing for most of it; "
+                f"widen setpoint_{end} of the inner loop, or ask for less."
+            )
+    return words
+
+
+def _share_at_limit(values: np.ndarray, low: float, high: float) -> tuple[float, bool]:
+    """Return the share of samples at a limit, and whether they are mostly at the low one."""
+    share = float(np.mean(at_limit(values, low, high)))
+    return share, float(np.mean(at_limit(values, low, np.inf))) > share / 2.0

@@ -15,9 +15,8 @@ from clepsydra.studies.warnings.caveat import Caveat
 from clepsydra.studies.warnings.forbidden_levels import level_words
 from clepsydra.studies.warnings.loop_response import LoopResponse, loop_response
 from clepsydra.studies.warnings.margins import margin_warnings
-from clepsydra.studies.warnings.resting import resting_after
+from clepsydra.studies.warnings.resting import resting_after, resting_saturation_words
 from clepsydra.studies.warnings.sampling import sampling_warnings
-from clepsydra.studies.warnings.saturation import resting_saturation_words
 from clepsydra.studies.warnings.stability import stability_warnings
 from clepsydra.studies.warnings.unit_mix_up import unit_warnings
 from clepsydra.studies.warnings.wind_up import wind_up_warnings

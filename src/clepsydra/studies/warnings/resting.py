@@ -1,4 +1,4 @@
-"""Where a scenario would bring a process to rest, by its linear model."""
+"""Where a scenario would bring a process to rest, by its linear model, and inputs without room."""
 
 from __future__ import annotations
 
@@ -6,13 +6,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.dead_time import at_rest
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.scenario import Scenario, Segment
+from clepsydra.studies.warnings.words import shown
 
+#: An input that rests within this share of its range of a limit has no room.
+_NO_ROOM = 0.02
+#: And within this share it is at the limit: less is rounding.
+_AT_LIMIT = 1e-6
 #: What is missed of the outputs wanted, as a share, where the inputs cannot hold them at all.
 _MISSED = 1e-6
 
@@ -27,11 +33,6 @@ class Rest:
         The step.
     values : dict
         Name of a state or manipulated variable to its value, SI.
-
-    Examples
-    --------
-    >>> Rest(Segment("setpoint", "level", 0.0, 60.0, 1.0), {"pump": 4.0}).values["pump"]
-    4.0
     """
 
     segment: Segment
@@ -124,3 +125,49 @@ def _passes(
         signal.low <= at[signal.name] + float(move) <= signal.high
         for signal, move in zip(signals, moved, strict=True)
     )
+
+
+def resting_saturation_words(
+    controller: Controller, point: OperatingPoint, rests: list[Rest]
+) -> list[str]:
+    """Return in sentences which manipulated variables have no room, before simulating."""
+    process, at, words = point.process, point.as_dict(), []
+    for name in controller.manipulated:
+        signal = process.signal(name)
+        if not np.isfinite(signal.span):
+            continue
+        end = _nearer_end(signal, at[name])
+        if abs(at[name] - end) <= _NO_ROOM * signal.span:
+            words.append(_without_room(name, at[name], end, signal))
+            continue
+        for rest in rests:
+            value = rest.values[name]
+            if not signal.low <= value <= signal.high:
+                segment = rest.segment
+                stepped = process.signal(segment.signal)
+                words.append(
+                    f"{name} saturates: to hold the {segment.kind} step of {segment.signal} by "
+                    f"{shown(segment.size, stepped)} it would have to rest at about "
+                    f"{shown(value, signal)}, beyond {shown(_nearer_end(signal, value), signal)}; "
+                    "make the step smaller, or give it another size."
+                )
+                break
+    return words
+
+
+def _without_room(name: str, rest: float, end: float, signal: Signal) -> str:
+    """Return what is missing: all of the room in one direction, or all but a little."""
+    room = abs(rest - end)
+    where, effect = f"at its limit of {shown(end, signal)}", "corrects nothing"
+    if room > _AT_LIMIT * signal.span:
+        where = f"near its limit of {shown(end, signal)}"
+        effect = "can correct hardly anything"
+    way = "downward" if end == signal.low else "upward"
+    return (
+        f"{name} rests at {shown(rest, signal)}, {where}: {way} it {effect}; move the operating "
+        "point, or give it another size."
+    )
+
+
+def _nearer_end(signal: Signal, value: float) -> float:
+    return signal.low if value - signal.low < signal.high - value else signal.high
