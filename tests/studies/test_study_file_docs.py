@@ -9,7 +9,7 @@ from pages import blocks
 
 from clepsydra.designs.design import DESIGNS
 from clepsydra.linear.linearise import linearise
-from clepsydra.studies.file.own_law_table import OwnLawTable
+from clepsydra.studies.file.from_files import OwnLawTable
 from clepsydra.studies.file.reader import read_study, study_schema
 from clepsydra.studies.file.scheme_parts import SchemeParts
 

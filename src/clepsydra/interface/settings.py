@@ -22,13 +22,13 @@ from clepsydra.report.facts import gain_factor, gain_unit
 from clepsydra.report.quantities import number_text, unit_text
 from clepsydra.studies.file.law_parameters import (
     GAINS,
+    check_law_range,
     key_of,
     law_parameters,
     loops_of,
     new_name,
     parameter_of,
 )
-from clepsydra.studies.file.law_range import check_law_range
 
 #: What the table calls a key of a study file, where it has a symbol.
 SYMBOLS = {"gain": "K", "integral_time": "Ti", "derivative_time": "Td", "setpoint_weight": "b"}

@@ -292,7 +292,7 @@ def _given(controllers: object, plant: Plant) -> tuple[ControllerRequest, ...]:
             number += 1
             name = f"{each.name}, {number}"
         own.append(of_plant(each, plant).named(name))
-    return tuple(ControllerRequest(each.name, _made(each), None, each.name) for each in own)
+    return tuple(ControllerRequest(each.name, _made(each), None) for each in own)
 
 
 def _made(controller: inner.Controller) -> Maker:

@@ -188,10 +188,10 @@ class _Study:
             usual = UsualTuning(self.request.process, self.trials)
             needed |= {usual.first} if only == usual.name else set()
             wanted = [
-                ControllerRequest(name, _made_by(design), None, name)
+                ControllerRequest(name, _made_by(design), None)
                 for name, design in studied_designs().items()
             ]
-            wanted.append(ControllerRequest(usual.name, usual.make, usual, usual.name))
+            wanted.append(ControllerRequest(usual.name, usual.make, usual))
         return [each for each in wanted if only is None or each.name in needed]
 
     def _try(self, wanted: ControllerRequest, now: StudyProgress) -> None:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
+from clepsydra.designs.arguments.weights import OfModel
 from clepsydra.designs.design import DESIGNS
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.linear_model import LinearModel
@@ -19,11 +19,8 @@ from clepsydra.process.errors_at import errors_at
 from clepsydra.process.known_names import known_name
 from clepsydra.process.process import Process
 from clepsydra.process.table_reader import TableReader
-from clepsydra.studies.file.design_arguments import read_arguments, with_model
 from clepsydra.studies.file.fields import table_below
-from clepsydra.studies.file.fuzzy_table import FuzzyTable
-from clepsydra.studies.file.own_law_table import OwnLawTable
-from clepsydra.studies.file.regulator_table import RegulatorTable
+from clepsydra.studies.file.from_files import FuzzyTable, OwnLawTable, RegulatorTable
 from clepsydra.studies.file.request import ControllerRequest, Maker
 from clepsydra.studies.file.scheme import Scheme
 from clepsydra.studies.file.start_stop_table import StartStopTable
@@ -38,14 +35,7 @@ _WAYS = 'write design = "simc", or a loop as in [controllers.NAME.loops.NAME]'
 def read_controllers(
     general: TableReader, process: Process, folder: Path
 ) -> tuple[ControllerRequest, ...]:
-    """Read the controllers of a study file; none where it names none.
-
-    Parameters
-    ----------
-    general : TableReader
-        The whole study file.
-    folder : Path
-        Where the study file is.
+    """Read the controllers of a whole study file in a folder; none where it names none.
 
     Raises
     ------
@@ -55,15 +45,13 @@ def read_controllers(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
+    >>> import clepsydra as cl
     >>> from clepsydra.process.document import parse
-    >>> from clepsydra.process.reader import load_process
     >>> text = b"[controllers.tight]\\ndesign = 'simc'\\nclosed_loop_time_constant = '5 min'"
-    >>> process = load_process("equalisation-tank")
+    >>> plant = cl.load("equalisation-tank")
     >>> general = TableReader(parse(text, "a.toml"), (), None)
-    >>> (request,) = read_controllers(general, process, Path())
-    >>> analysis = analyse(process)
-    >>> controller = request.make(analysis, analysis.model)
+    >>> (request,) = read_controllers(general, plant.process, Path())
+    >>> controller = request.make(plant.analysis, plant.linear)
     >>> controller.name, round(controller.values["level.integral_time"])
     ('tight', 1320)
     """
@@ -79,15 +67,10 @@ def read_controllers(
                 f"a name of 1 to {_LONGEST_NAME} characters in one line",
                 "rename the controller",
             )
-        alike = " ".join(name.casefold().split())
-        if alike in seen:
-            raise rows.refused(
-                name,
-                name,
-                f"a name of its own, not that of {seen[alike]!r}",
-                "rename one of the two",
-            )
-        seen[alike] = name
+        known = seen.setdefault(" ".join(name.casefold().split()), name)
+        if known != name:
+            expected = f"a name of its own, not that of {known!r}"
+            raise rows.refused(name, name, expected, "rename one of the two")
     return tuple(_controller(rows, name, process, folder) for name in rows.present)
 
 
@@ -97,50 +80,53 @@ def _controller(rows: TableReader, name: str, process: Process, folder: Path) ->
     ways = {"design": ("design",), **{way: _said_by(way) for way in _WRITTEN}}
     written = [way for way, keys in ways.items() if any(map(table.has, keys))]
     if len(written) != 1:
-        shown = " and ".join(written) if written else "neither a design nor a loop"
         raise InputError(
             rows.place(name),
-            shown,
+            " and ".join(written) or "neither a design nor a loop",
             "one way to make a controller: design, loops, start_stop, law, fuzzy or regulator",
             "give each controller a name of its own" if written else _WAYS,
         )
     if written == ["design"]:
-        make, tune = _designed(rows, name, process)
-    else:
-        way = _WRITTEN[written[0]]
-        table = rows.table(name, "a table", _WAYS, (*way.properties(), *_TUNE))
-        made = way.read(table, name, process, folder).maker()
-        make, tune = lambda analysis, model: made(model), _tuning(table, process)
-    return ControllerRequest(name, _checked(make, tune), tune, rows.place(name))
+        return _designed(rows, name, process)
+    way = _WRITTEN[written[0]]
+    table = rows.table(name, "a table", _WAYS, (*way.properties(), *_TUNE))
+    made = way.read(table, name, process, folder).maker()
+    return _request(table, name, process, lambda analysis, model: made(model))
 
 
-def _designed(rows: TableReader, name: str, process: Process) -> tuple[Maker, Tuning | None]:
-    """Return what makes a controller by a design with the arguments of a table."""
+def _designed(rows: TableReader, name: str, process: Process) -> ControllerRequest:
+    """Read a controller by a design with the arguments of a table."""
     table = rows.table(name, "a table", _WAYS)
     known = table.text("design", "the name of a design", 'write as in design = "simc"')
-    known_name(table, "design", known, DESIGNS, "a design")
-    design = DESIGNS[known]
-    keys = design.file_keys
-    table = rows.table(name, "a table", _WAYS, ("design", *keys, "tune"))
-    arguments = read_arguments(table, design, process)
+    design = DESIGNS[known_name(table, "design", known, DESIGNS, "a design")]
+    table = rows.table(name, "a table", _WAYS, ("design", *design.file_keys, "tune"))
+    arguments = {
+        argument: declared.read(table, argument, process)  # says what is missing
+        for argument, declared in design.declared.items()
+        if argument in design.required or any(map(table.has, declared.keys))
+    }
+
+    def given(model: LinearModel) -> dict[str, Any]:
+        return {
+            argument: value.of(model) if isinstance(value, OfModel) else value
+            for argument, value in arguments.items()
+        }
 
     def make(analysis: Analysis, model: LinearModel) -> Controller:
-        given = with_model(arguments, analysis.model)
-        if "pairing" in keys:
-            given.setdefault("pairing", _pairing(table, analysis))
+        found = given(analysis.model)
+        if "pairing" in design.file_keys and "pairing" not in found:
+            found["pairing"] = _pairing(table, analysis)
         with errors_at(table, {"form": table.place("actions")}):
-            found = design.function(analysis.model, **given)
-        return dataclasses.replace(found, name=name)
+            return replace(design.function(analysis.model, **found), name=name)
 
     weighted = WEIGHTED_DESIGNS.get(known)
-    if weighted is None:
-        return make, _tuning(table, process)
 
     def start(controller: Controller, model: LinearModel) -> WeightedDesign:
+        assert weighted is not None
         designed = model.select(outputs=process.controlled)
-        return weighted(designed, **with_model(arguments, designed))._replace(controller=controller)
+        return weighted(designed, **given(designed))._replace(controller=controller)
 
-    return make, _tuning(table, process, weighted=start)
+    return _request(table, name, process, make, start if weighted else None)
 
 
 def _pairing(table: TableReader, analysis: Analysis) -> tuple[tuple[str, str], ...]:
@@ -154,26 +140,25 @@ def _pairing(table: TableReader, analysis: Analysis) -> tuple[tuple[str, str], .
     )
 
 
-def _tuning(
+def _request(
     table: TableReader,
+    name: str,
     process: Process,
+    make: Maker,
     weighted: WeightedStart | None = None,
-) -> Tuning | None:
+) -> ControllerRequest:
+    """Return how a controller is made, seeing whether it can be tuned as asked, and is tuned."""
     rows = read_fields(_Tuned, table)["tune"]
-    return None if rows is None else read_tuning(rows, process, weighted)
-
-
-def _checked(make: Maker, tune: Tuning | None) -> Maker:
-    """Return what makes a controller and sees whether it can be tuned as asked."""
-    if tune is None:
-        return make
+    if rows is None:
+        return ControllerRequest(name, make, None)
+    tune = read_tuning(rows, process, weighted)
 
     def checked(analysis: Analysis, model: LinearModel) -> Controller:
         controller = make(analysis, model)
         tune.space(controller, model)
         return controller
 
-    return checked
+    return ControllerRequest(name, checked, tune)
 
 
 @dataclass(frozen=True)
@@ -202,33 +187,25 @@ def _said_by(way: str) -> tuple[str, ...]:
 
 
 def controller_schema() -> dict[str, Any]:
-    """Return the JSON Schema of a controller: by its design, or written out.
+    """Return the JSON Schema of a controller: by its design, or written out."""
+    properties: dict[str, Any] = {"design": told.choice("how it is made", [*DESIGNS])}
+    design, checks = dict(properties), []
+    ways: list[Mapping[str, Any]] = [{"required": ["design"]}]
 
-    Examples
-    --------
-    >>> controller_schema()["properties"]["as_published"]["type"]
-    'boolean'
-    """
-    design = {"design": told.choice("how it is made", [*DESIGNS])}
-    kinds: list[Mapping[str, Any]] = []
-    checks: list[Mapping[str, Any]] = []
+    def add(keys: Mapping[str, Any]) -> None:
+        for key, schema in keys.items():  # what a key of two kinds has in common is its words
+            known = properties.setdefault(key, schema)
+            properties[key] = known if known == schema else {"description": known["description"]}
+
     for name, each in DESIGNS.items():
-        own: Mapping[str, Any] = {
-            key: schema for a in each.declared.values() for key, schema in a.properties.items()
-        }
-        kinds.append(own)
+        own = {key: said for a in each.declared.values() for key, said in a.properties.items()}
+        add(own)
         named = {"properties": {"design": {"const": name}}, "required": ["design"]}
         fitting = told.table({**design, **own, **_TUNE}, ("design", *each.required))
         checks.append({"if": named, "then": fitting})
-    ways: list[Mapping[str, Any]] = [{"required": ["design"]}]
     for way, kind in _WRITTEN.items():
-        own = kind.properties()
-        kinds.append(own)
+        add(kind.properties())
         ways.append({"anyOf": [{"required": [key]} for key in _said_by(way)]})
-        checks.append({"if": ways[-1], "then": {"propertyNames": {"enum": [*own, *_TUNE]}}})
-    properties: dict[str, Any] = {**design}
-    for keys in kinds:  # what a key of two kinds has in common is its words
-        for key, schema in keys.items():
-            known = properties.setdefault(key, schema)
-            properties[key] = known if known == schema else {"description": known["description"]}
+        allowed = {"propertyNames": {"enum": [*kind.properties(), *_TUNE]}}
+        checks.append({"if": ways[-1], "then": allowed})
     return told.table(properties | _TUNE, (), {"oneOf": ways}, *checks)

@@ -10,6 +10,7 @@ from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import split_quantity
 from clepsydra.controllers import pid_keys
 from clepsydra.controllers.pid_keys import SHORT_NAMES
+from clepsydra.controllers.plant_shell.edge import at_port
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.process.gains import read_gain
 from clepsydra.process.joined_unit import has_units_of, unit_of_gain
@@ -23,14 +24,7 @@ GAINS = {SHORT_NAMES.get(law, law): time for law, time in pid_keys.GAINS.items()
 
 
 def loops_of(law: StepLaw) -> dict[str, PidBlock]:
-    """Return the PID loops of a law by what a study file calls them.
-
-    Examples
-    --------
-    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-    >>> list(loops_of(multiloop_pid_law(["level_1", "level_2"], ["pump_1", "pump_2"])))
-    ['level_1', 'level_2']
-    """
+    """Return the PID loops of a law by what a study file calls them."""
     return {block.owner: block for block in law.blocks if isinstance(block, PidBlock)}
 
 
@@ -47,13 +41,7 @@ def parameter_of(loop: PidBlock, key: str) -> str:
 
 
 def key_of(parameter: Signal) -> str:
-    """Return what a study file calls a parameter of a loop.
-
-    Examples
-    --------
-    >>> key_of(Signal("level.setpoint_low_limit", "m")), key_of(Signal("level.integral_time", "s"))
-    ('setpoint_low', 'integral_time')
-    """
+    """Return what a study file calls a parameter of a loop."""
     return SHORT_NAMES.get(parameter.part, parameter.part)
 
 
@@ -66,7 +54,7 @@ class LawParameters:
     known : mapping
         Parameter of the law to its signal.
     loops : mapping
-        Loop of the law, as a study file calls it, to its block.
+        As of `loops_of`.
     """
 
     known: Mapping[str, Signal]
@@ -95,15 +83,7 @@ class LawParameters:
 
 
 def law_parameters(law: StepLaw) -> LawParameters:
-    """Return the parameters of a law, with its loops.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> names = law_parameters(cl.design.simc(cl.load("quadruple-tank")).law)
-    >>> parameter_of(names.loops["level_2"], "gain")
-    'level_2.proportional_gain'
-    """
+    """Return the parameters of a law, with its loops."""
     return LawParameters({parameter.name: parameter for parameter in law.parameters}, loops_of(law))
 
 
@@ -132,3 +112,40 @@ def new_name(old: str, known: Collection[str]) -> str:
         columns = sum(name.split(".")[0] == alike[0].split(".")[0] for name in alike)
     number = (row - 1) * columns + place - 1
     return alike[number] if 0 < place <= columns and number < len(alike) else ""
+
+
+def check_law_range(table: TableReader, key: str, parameter: Signal, value: float) -> None:
+    """Refuse the value of a parameter [its unit], read at a key, outside of what its law takes.
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> table = TableReader(parse(b"lag = '1e6 h'", "a.toml"), (), None)
+    >>> check_law_range(table, "lag", Signal("feedforward.rain.lag", "s", low=0.0, high=1e9), 3.6e9)
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: a.toml, line 1, lag: got '1e6 h', expected a value from 0 to \
+2.778e+05 h; correct the number or its unit.
+    """
+    if parameter.low <= value <= parameter.high:
+        return
+    if value:
+        ends = parameter.low, parameter.high
+        low, high = (in_written_unit(table, key, value, end) for end in ends)
+    else:  # zero does not tell the size of its unit
+        port = at_port(parameter)
+        low, high = (f"{end:g} {port.unit}".removesuffix(" 1") for end in (port.low, port.high))
+    if parameter.low == -parameter.high:
+        expected = f"a size of at most {high.lstrip('-')}"
+    else:
+        expected = f"a value from {low.partition(' ')[0]} to {high}"
+    raise table.wrong(key, expected, "correct the number or its unit")
+
+
+def in_written_unit(table: TableReader, key: str, value: float, shown: float) -> str:
+    """Return a number in the unit of the quantity at a key, which was read as `value`, not zero."""
+    written = table.raw(key)
+    parts = split_quantity(written if isinstance(written, str) else repr(written))
+    assert parts is not None  # a quantity was read of it
+    number, unit = parts
+    return f"{shown * float(number) / value:.4g} {unit}".strip()

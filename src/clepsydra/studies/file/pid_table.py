@@ -18,8 +18,7 @@ from clepsydra.process.errors_at import errors_at
 from clepsydra.process.gains import read_gain
 from clepsydra.process.signal_values import read_in_range, read_rate, read_value
 from clepsydra.process.table_reader import TableReader
-from clepsydra.studies.file.law_parameters import GAINS, LAW_NAMES, key_of
-from clepsydra.studies.file.law_range import check_law_range
+from clepsydra.studies.file.law_parameters import GAINS, LAW_NAMES, check_law_range, key_of
 
 _ENDS = ("setpoint_low", "setpoint_high")
 _GAINS = 'of the parallel algorithm, in place of the times, as in `"0.1 %/%/min"` and `"3 %/% min"`'

@@ -13,17 +13,37 @@ from clepsydra.base.input_file import read_input
 from clepsydra.base.suggestion import suggestion
 from clepsydra.linear.analysis import analyse
 from clepsydra.process import told
+from clepsydra.process.catalogue_names import catalogue_names
 from clepsydra.process.declared import OWN, keys_of, part, read_fields, table_schema
 from clepsydra.process.document import kind_of, parse
 from clepsydra.process.process import Process
+from clepsydra.process.reader import load_process
 from clepsydra.process.table_reader import TableReader
+from clepsydra.process.variants import split_variants
 from clepsydra.scores.score import SCORES
 from clepsydra.scores.score_key import score_key
 from clepsydra.studies.file.controller_reader import controller_schema, read_controllers
 from clepsydra.studies.file.fields import table_below
-from clepsydra.studies.file.process_reference import read_process
 from clepsydra.studies.file.request import ControllerRequest, StudyRequest
 from clepsydra.studies.file.scenario_reader import ScenarioTable, read_scenario
+
+
+def _process(table: TableReader, key: str, known: Mapping[str, Any]) -> Process:
+    """Return a process of the catalogue, or of a file whose path starts beside the study file."""
+    expected = "a process of the catalogue, or the path of a process file"
+    written = table.text(key, expected, 'write as in process = "quadruple-tank"')
+    name, variants = split_variants(written)
+    names, folder = catalogue_names(), known["folder"]
+    if name in names:
+        return load_process(name, variants)
+    if not (folder / name).is_file():
+        raise table.refused(
+            key,
+            written[:60],
+            f"{expected} ({', '.join(names)})",
+            suggestion(name, names, f"check the path, which starts in the folder {folder}/"),
+        )
+    return load_process(folder / name, variants)
 
 
 def _seed(table: TableReader, key: str, known: Mapping[str, Any]) -> int:
@@ -79,7 +99,7 @@ class StudyTable:
     """The general keys of a study file."""
 
     process: Process = part(
-        lambda table, key, known: read_process(table, known["folder"]),
+        _process,
         required=(OWN,),
         **told.text(
             'a process of the catalogue, `"averaging-tank:inflow-constant"` with a variant, or the '

@@ -42,14 +42,11 @@ class ControllerRequest:
         is asked of a tuning is checked as well.
     tune : Tuner or None
         How it is tuned by simulation after that; None if it is not.
-    place : str
-        Where it stands in the file.
     """
 
     name: str
     make: Maker
     tune: Tuner | None
-    place: str
 
 
 @dataclass(frozen=True, eq=False)

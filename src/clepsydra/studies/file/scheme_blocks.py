@@ -19,7 +19,7 @@ from clepsydra.designs.request import in_shown_unit
 from clepsydra.process.joined_unit import BESIDE
 from clepsydra.process.table_reader import TableReader
 from clepsydra.program.step_law import StepLaw
-from clepsydra.studies.file.law_range import check_law_range
+from clepsydra.studies.file.law_parameters import check_law_range
 from clepsydra.studies.file.pid_table import PidTable
 from clepsydra.studies.file.scheme_parts import Feedforward, Loop, Ratio, SchemeParts, Split
 from clepsydra.studies.file.scheme_wiring import Way, Wiring

@@ -23,7 +23,7 @@ from clepsydra.process.process import Process
 from clepsydra.process.signal_values import read_in_range
 from clepsydra.process.table_reader import TableReader
 from clepsydra.studies.file.fields import sensor, table_below
-from clepsydra.studies.file.law_range import check_law_range
+from clepsydra.studies.file.law_parameters import check_law_range
 from clepsydra.studies.file.written import Written, WrittenMaker
 
 

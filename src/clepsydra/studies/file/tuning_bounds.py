@@ -14,11 +14,12 @@ from clepsydra.process.table_reader import TableReader
 from clepsydra.studies.file.law_parameters import (
     GAINS,
     LawParameters,
+    check_law_range,
+    in_written_unit,
     key_of,
     new_name,
     parameter_of,
 )
-from clepsydra.studies.file.law_range import check_law_range, in_written_unit
 from clepsydra.studies.tuning.parameters import ROUNDING, TunedParameter, around
 from clepsydra.studies.tuning.weight_space import KINDS
 

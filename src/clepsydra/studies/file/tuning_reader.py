@@ -108,6 +108,11 @@ class Tuning:
         remedy='write as in "10 %" of the step',
     )
 
+    @property
+    def limits(self) -> Limits:
+        """What a candidate must keep, the overshoot in percent."""
+        return Limits(self.maximum_sensitivity, 100.0 * self.overshoot, self.total_variation)
+
     def space(self, controller: Controller, model: LinearModel) -> SearchSpace:
         """Return what may become of a controller, before anything is simulated.
 
@@ -137,10 +142,9 @@ class Tuning:
         self, controller: Controller, model: LinearModel, scenario: Scenario, search: Search
     ) -> TuningResult:
         """Tune a controller as asked; raises as `clepsydra.studies.tuning.tune.tune`."""
-        space, wear = self.space(controller, model), self.total_variation
+        space, limits = self.space(controller, model), self.limits
         if self._start is not None and not self.table.has("total_variation"):
-            wear = usual_wear(controller, model, scenario)
-        limits = Limits(self.maximum_sensitivity, 100.0 * self.overshoot, wear)
+            limits = replace(limits, total_variation=usual_wear(controller, model, scenario))
         with errors_at(self.table):
             return tune(space, Goal(model, scenario, self.objective, limits), search)
 

@@ -1,20 +1,25 @@
-"""A controller whose step law a user wrote in a Python file."""
+"""Controllers that stand in a file of their own: a law, fuzzy rules, or a regulator's matrices."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.fuzzy.file import FuzzyFile, WiredFuzzy, load_fuzzy
 from clepsydra.controllers.own_law import load_law
 from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.controllers.signals import owners
 from clepsydra.designs.own_law import own_controller
+from clepsydra.designs.regulator import ActsOn, RegulatorAntiWindup, regulator_controller
+from clepsydra.designs.regulators.given import SAMPLING_PERIOD, GivenRegulator, given_regulator
+from clepsydra.designs.regulators.mat_file import read_mat
 from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
 from clepsydra.process import told
-from clepsydra.process.declared import part
+from clepsydra.process.declared import choice, part
 from clepsydra.process.errors_at import errors_at
 from clepsydra.process.known_names import known_names
 from clepsydra.process.process import Process
@@ -75,31 +80,6 @@ class OwnLawTable(Written):
     ------
     InputError
         The file holds no law, or a name or number is none of it or of the process.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> import tempfile
-    >>> from pathlib import Path
-    >>> from clepsydra.process.document import parse
-    >>> code = '''inputs = ["level.pv"]
-    ... outputs = ["pump.out"]
-    ... parameters = {"gain": 2.0}
-    ... def step(state, inputs, parameters, time_step):
-    ...     return {}, {"pump.out": parameters["gain"] * inputs["level.pv"]}
-    ... '''
-    >>> text = b'''law = "half.py"
-    ... measurements = ["level_1"]
-    ... manipulated = ["pump_1"]
-    ... parameters = { gain = 0.5 }
-    ... '''
-    >>> plant = cl.load("quadruple-tank")
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     _ = (Path(folder) / "half.py").write_text(code)
-    ...     table = TableReader(parse(text, "study.toml"), (), None)
-    ...     make = OwnLawTable.read(table, "mine", plant.process, Path(folder)).maker()
-    >>> make(plant.linear).values["gain"]
-    0.5
     """
 
     law: StepLaw = file_beside(
@@ -146,6 +126,108 @@ class OwnLawTable(Written):
                     manipulated=self.manipulated,
                     values=self.parameters,
                     initial_state=self.initial_state,
+                    name=self.name,
+                )
+
+        return make
+
+
+@dataclass(frozen=True)
+class FuzzyTable(Written):
+    """Sets and rules in a file; the outputs start at the operating point.
+
+    Raises
+    ------
+    InputError
+        There is no such file, or something in it is wrong; then the place is in that file.
+    """
+
+    fuzzy: FuzzyFile = file_beside(
+        "a file of sets and rules",
+        "the name of a file of sets and rules",
+        'write as in fuzzy = "rules.toml"',
+        load_fuzzy,
+    )
+
+    def maker(self) -> WrittenMaker:
+        """Wire it to the process."""
+        wired = WiredFuzzy(self.fuzzy, self.process)
+
+        def make(model: LinearModel) -> Controller:
+            with errors_at(self.table):
+                return wired.controller(operating_point_of(model), self.name)
+
+        return make
+
+
+def _named(table: TableReader, key: str, known: Mapping[str, Any]) -> tuple[str, ...] | None:
+    """Return the signals of one side of the regulator; None for those that are usual."""
+    process = known["process"]
+    names = [*process.controlled] if key == "measurements" else [u.name for u in process.inputs]
+    return known_names(names, table, key, expected=f"a list of {key}") if table.has(key) else None
+
+
+def _units(table: TableReader, key: str, known: Mapping[str, Any]) -> dict[str, str] | None:
+    if not table.has(key):
+        return None
+    remedy = f'write as in units = {{ {known["process"].controlled[0]} = "cm" }}'
+    rows = table.table(key, "signals with their units", remedy)
+    return {each: rows.text(each, "a unit", remedy) for each in rows.present}
+
+
+@dataclass(frozen=True)
+class RegulatorTable(Written):
+    """The regulator of a MAT file, and how it is wired.
+
+    Raises
+    ------
+    InputError
+        There is no such file, a matrix in it is wrong, or a key is.
+    """
+
+    regulator: GivenRegulator = file_beside(
+        "path of the MAT file with A, B, C and D",
+        "the name of a MAT file",
+        'write as in regulator = "reg1.mat"',
+        read_mat,
+    )
+    sampling_period: float | None = part(
+        lambda table, key, known: table.declared(SAMPLING_PERIOD, {}, None),
+        **told.quantity("of one that is sampled already, where the file lacks Ts"),
+    )
+    measurements: tuple[str, ...] | None = part(
+        _named, **told.names("list of controlled measurements, one for each input of it")
+    )
+    manipulated: tuple[str, ...] | None = part(
+        _named, **told.names("list of manipulated variables, one for each output of it")
+    )
+    units: dict[str, str] | None = part(
+        _units, **told.by_name("table of signals with the unit of its numbers", {"type": "string"})
+    )
+    acts_on: ActsOn = choice(get_args(ActsOn), words="what its inputs are")
+    anti_windup: RegulatorAntiWindup = choice(
+        get_args(RegulatorAntiWindup), words="whether it is told what was applied"
+    )
+
+    def maker(self) -> WrittenMaker:
+        """Give it the sampling period that the file lacks."""
+        table, regulator = self.table, self.regulator
+        if self.sampling_period is not None:
+            with errors_at(table, {"sampling period": table.place(SAMPLING_PERIOD.name)}):
+                regulator = given_regulator(regulator, self.sampling_period)
+        # What only the plant shows to be wrong with the matrices is told where the file is named.
+        matrices = dict.fromkeys(("A", "sampling period"), table.place("regulator"))
+
+        def make(model: LinearModel) -> Controller:
+            with errors_at(table, matrices):
+                return regulator_controller(
+                    model,
+                    regulator,
+                    measurements=self.measurements,
+                    manipulated=self.manipulated,
+                    units=self.units,
+                    acts_on=self.acts_on,
+                    anti_windup=self.anti_windup,
                     name=self.name,
                 )
 
