@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from law_function import by_path, function_of
-from refusals import refused
 
 import clepsydra as cl
 from clepsydra import PidForm, Signal
@@ -231,13 +230,6 @@ def test_parameters_that_run_over_leave_the_memory(controller):
     assert np.isfinite(rig.state).all()
 
 
-def test_shapes_are_checked():
-    one = np.eye(1)
-    with refused(place="entered"):
-        ConditionedMatrices(one, np.ones((2, 1)), one, one, one)
-    with refused(expected="1 to 60"):
-        ConditionedMatrices(np.eye(61), np.ones((61, 1)), np.ones((61, 1)), np.ones((1, 61)), one)
-    with refused(place="signals"):
-        conditioned_linear_law([LEVEL, Signal("level_2")], [PUMP], pi_matrices(1.0, 5.0))
-    found = replace(pi_matrices(1.0, 5.0), direct=one).values(["level"], ["pump"])
+def test_numbers_are_named_after_what_they_join():
+    found = replace(pi_matrices(1.0, 5.0), direct=np.eye(1)).values(["level"], ["pump"])
     assert found["pump.error_gain.level"] == 1.0

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from pid_rig import AUTOMATIC, MANUAL, TRACKING, Scans
-from refusals import refused
 
 from clepsydra.controllers.disturbance_rejection import disturbance_rejection_law
 
@@ -101,8 +100,3 @@ def test_a_model_gain_of_zero_holds_the_output():
     scans = loop()
     scans.set(level_1_model_gain=0.0)
     assert scans.moved(level_1_sp=9.0) == 40.0
-
-
-def test_what_is_no_pair_is_refused():
-    with refused(place="disturbance rejection law, manipulated", expected="2 signals"):
-        disturbance_rejection_law(["level_1", "level_2"], ["pump_1"])

@@ -110,13 +110,6 @@ def test_infinities_of_both_signs_hold_the_output(driven):
     assert all(math.isfinite(value) for value in law.state.values())
 
 
-def test_a_setpoint_without_measurement_is_refused():
-    with refused(expected="level_1, level_2, level_3"):
-        lqi_law(LEVELS, PUMPS, ["level_1", "level_4"])
-    with refused(expected="level_1, level_2, level_3"):
-        lqi_law(LEVELS, PUMPS, [])
-
-
 def test_clamping_is_refused_since_the_integral_is_not_the_whole_output():
     with refused(expected="conditional_integration"):
         lqi_law(["level"], ["pump"], ["level"], "clamping")

@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from law_function import by_path, function_of
-from refusals import refused
 
 from clepsydra import PidForm, Signal
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
@@ -359,10 +358,3 @@ def test_signals_take_unit_and_range_from_the_process():
     assert by_name["pump_1.low_limit"].initial == 1.0
     assert by_name["pump_1.mode"].kind == "integer"
     assert by_name["level_1.good"].kind == "boolean"
-
-
-def test_a_law_without_loops_is_refused():
-    with refused(expected="at least one signal"):
-        multiloop_pid_law([], [])
-    with refused(expected="2 signals"):
-        multiloop_pid_law(["level_1", "level_2"], ["pump_1"])

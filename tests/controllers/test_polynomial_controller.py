@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from refusals import refused
 from sampled_rig import Rig, placed
 from scipy.signal import lfilter
 
@@ -122,12 +121,3 @@ def test_a_pi_controller_is_one_of_them():
         u += K * (b * (w - last[1]) - (y - last[0])) + K / Ti * (w - y)
         last = y, w
         assert loop.scan(pv=y, sp=w) == pytest.approx(u, abs=1e-12)
-
-
-def test_degrees_and_signals_are_checked():
-    with refused(expected="degrees from 0 on"):
-        PolynomialShape(-1)
-    with refused(expected="1, one for each loop"):
-        polynomial_law(["level"], ["pump"], [])
-    with refused(expected="at least one"):
-        polynomial_law([], [], [])

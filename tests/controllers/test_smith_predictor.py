@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from refusals import refused
 from sampled_rig import Rig, placed
 from scipy.signal import lfilter
 
@@ -183,10 +182,3 @@ def test_model_parameters_that_run_over_leave_numbers():
     rig.run(20, sp=6.0)
     assert all(math.isfinite(value) for value in rig.state.values())
     assert 0.0 <= rig.u[-1] <= 10.0
-
-
-@pytest.mark.parametrize("wrong", [{"order": 0}, {"tail": 0}, {"delay": -1}])
-def test_a_model_that_is_none_is_refused(wrong):
-    with refused(expected="at least"):
-        PredictorShape(**{"controller": PolynomialShape(1), "order": 1, "tail": 1, "delay": 1}
-                       | wrong)  # fmt: skip

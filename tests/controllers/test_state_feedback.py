@@ -212,16 +212,7 @@ def test_numbers_that_run_over_do_not_get_into_the_estimate(law):
     assert np.all(np.isfinite(estimate(law)))
 
 
-def test_an_observer_of_other_signals_is_refused():
-    with refused(expected="3 measurements and 2 inputs"):
-        state_feedback_law([*LEVELS, "level_3"], PUMPS, ["level_2"], observer=STRUCTURE)
-    with refused(expected="level_1, level_2"):
-        state_feedback_law(LEVELS, PUMPS, ["level_3"], observer=STRUCTURE)
-
-
 def test_an_observer_that_nobody_can_check_is_refused():
     yes, states = np.ones((41, 41), bool), tuple(Signal(f"x_{j}") for j in range(41))
     with refused(expected="1 to 40"):
         ObserverStructure(states, yes, yes[:, :1], yes[:1], yes[:, :1])
-    with refused(place="observer, shown", value=(1, 2)):
-        ObserverStructure(states[:1], yes[:1, :1], yes[:1, :1], yes[:1, :2], yes[:1, :1])

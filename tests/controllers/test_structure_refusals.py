@@ -1,7 +1,7 @@
 """Schemes that cannot work are refused, each with its place and what to do."""
 
 import pytest
-from scheme_rig import FLOW, LEVEL, PUMP, VALVE
+from scheme_rig import FLOW, LEVEL, PUMP
 
 from clepsydra import InputError, PidForm
 from clepsydra.controllers.structure.law import structure_law
@@ -32,32 +32,6 @@ def test_loops_that_give_each_other_their_setpoints_run_in_a_circle():
     assert "first" in str(error.value) and "second" in str(error.value)
     assert "third" not in str(error.value)
     assert "circle" in error.expected and error.remedy
-
-
-def test_a_port_is_taken_once():
-    error = refused(loop("level_loop"), OutputBlock(PUMP, "level_loop"),
-                    OutputBlock(VALVE, "level_loop"))  # fmt: skip
-    assert error.place == "control scheme scheme, level_loop"
-    assert "pump" in str(error.value) and "valve" in str(error.value)
-    assert "one block" in error.expected and "split the range" in error.remedy
-
-
-def test_a_loop_that_moves_nothing():
-    error = refused(loop("level_loop"), loop("idle"), OutputBlock(PUMP, "level_loop"))
-    assert error.place == "control scheme scheme, idle"
-    assert error.remedy == "connect it, or leave it out"
-
-
-def test_a_source_that_is_not_there():
-    error = refused(loop("level_loop"), OutputBlock(PUMP, "level_loop"),
-                    OutputBlock(VALVE, "levle_loop"))  # fmt: skip
-    assert error.place == "control scheme scheme, valve"
-    assert error.value == "levle_loop" and "level_loop" in error.expected
-
-
-def test_two_blocks_of_one_name():
-    error = refused(loop("level_loop"), loop("level_loop"), OutputBlock(PUMP, "level_loop"))
-    assert error.value == "level_loop" and error.remedy == "rename one"
 
 
 @pytest.mark.parametrize("selection", ["low", "high"])

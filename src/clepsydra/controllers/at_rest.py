@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
 from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import from_si
 from clepsydra.controllers.blocks.status import Mode
+from clepsydra.program.entries import Entry
 from clepsydra.program.step_law import StepLaw
 
 #: A move below this share of the range is rounding.
@@ -19,19 +19,26 @@ _STILL = 1e-6
 _SAMPLES = 3
 
 
-class FirstSamples(NamedTuple):
-    """How a controller begins at the operating point.
+def scanned(
+    law: StepLaw,
+    values: Mapping[str, float],
+    state: Iterable[float],
+    given: Mapping[str, float],
+    count: int,
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Return state and outputs of a law after some scans with the same inputs."""
+    inputs = [given[signal.name] for signal in law.inputs]
+    parameters = [values[parameter.name] for parameter in law.parameters]
+    now = np.array([*state])
+    for _ in range(count):
+        following, outputs, _ = law.function(now, inputs, parameters)
+        now = np.array(following).ravel()
+    found = np.array(outputs).ravel()
+    return _by_name(law.state, now), _by_name(law.outputs, found)
 
-    Parameters
-    ----------
-    state : dict
-        With which it begins.
-    notes : tuple of str
-        One for each output that does not stay at rest.
-    """
 
-    state: dict[str, float]
-    notes: tuple[str, ...]
+def _by_name(entries: Iterable[Entry], values: np.ndarray) -> dict[str, float]:
+    return dict(zip((entry.name for entry in entries), values.tolist(), strict=True))
 
 
 def first_samples(
@@ -41,10 +48,11 @@ def first_samples(
     inputs: Mapping[str, float],
     manipulated: Sequence[Signal],
     period: float,
-) -> FirstSamples:
-    """Run a controller for a few samples at the operating point.
+) -> tuple[dict[str, float], tuple[str, ...]]:
+    """Return the state with which a controller begins, and a note for each output that moves.
 
-    Where its outputs stay, it begins with the state after these samples: loops that wait before a
+    Where its outputs stay, it begins with the state after a few samples at the operating point:
+    loops that wait before a
     selector then ask for something else than the one that is selected, as they do ever after.
     Where an output moves, an override is active there, or a ratio asks for another value than
     the one at rest.
@@ -60,32 +68,23 @@ def first_samples(
     --------
     A setpoint that the measurement is not at: the integral moves by K e Δt/Ti a sample.
 
-    >>> from clepsydra.controllers.at_rest import state_at_rest
     >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
     >>> pump = Signal("pump_1", "V", low=0.0, high=10.0)
     >>> law = multiloop_pid_law(["level"], [pump])
     >>> values = {parameter.name: parameter.initial for parameter in law.parameters}
     >>> inputs = {"level.sp": 5.0, "level.pv": 4.0, "pump_1.tracking": 3.0}
     >>> state = state_at_rest(law, values, inputs)
-    >>> first_samples(law, values, state, inputs, [pump], 1.0).notes[0][:68]
+    >>> first_samples(law, values, state, inputs, [pump], 1.0)[1][0][:68]
     'At the operating point it moves pump_1 from 3 V to 3.03333 V in 3 sa'
     """
     given = {signal.name: signal.initial for signal in law.inputs} | dict(inputs)
     given |= {path(signal, "mode"): float(Mode.AUTOMATIC) for signal in manipulated}
     given |= {"time_step": period}
-    now = np.array([state[entry.name] for entry in law.state])
-    for _ in range(_SAMPLES):
-        following, outputs, _ = law.function(
-            now,
-            [given[signal.name] for signal in law.inputs],
-            [values[parameter.name] for parameter in law.parameters],
-        )
-        now = np.array(following).ravel()
-    names = [signal.name for signal in law.outputs]
-    found = dict(zip(names, np.array(outputs).ravel(), strict=True))
+    began = (state[entry.name] for entry in law.state)
+    settled, found = scanned(law, values, began, given, _SAMPLES)
     notes = []
     for signal in manipulated:
-        before, after = given[path(signal, "tracking")], float(found[path(signal, "out")])
+        before, after = given[path(signal, "tracking")], found[path(signal, "out")]
         size = signal.span if math.isfinite(signal.span) else max(abs(before), 1.0)
         if abs(after - before) > _STILL * size:
             first, last = (
@@ -96,10 +95,7 @@ def first_samples(
                 f"At the operating point it moves {signal.name} from {first} to {last} in "
                 f"{_SAMPLES} samples: the scenario does not begin at rest."
             )
-    if notes:
-        return FirstSamples(dict(state), tuple(notes))
-    entries = [entry.name for entry in law.state]
-    return FirstSamples(dict(zip(entries, now.tolist(), strict=True)), ())
+    return (dict(state), tuple(notes)) if notes else (settled, ())
 
 
 #: So long lasts a scan that every filter comes to its end in [s].
@@ -138,12 +134,5 @@ def state_at_rest(
     given |= dict(at)
     given |= {s.name: float(Mode.TRACKING) for s in law.inputs if s.part == "mode"}
     given |= {"time_step": _FOR_EVER}
-    state = np.array([entry.initial if isinstance(entry, Signal) else 0.0 for entry in law.state])
-    for _ in range(_SCANS):
-        following, _, _ = law.function(
-            state,
-            [given[signal.name] for signal in law.inputs],
-            [values[parameter.name] for parameter in law.parameters],
-        )
-        state = np.array(following).ravel()
-    return {entry.name: float(value) for entry, value in zip(law.state, state, strict=True)}
+    began = (entry.initial if isinstance(entry, Signal) else 0.0 for entry in law.state)
+    return scanned(law, values, began, given, _SCANS)[0]

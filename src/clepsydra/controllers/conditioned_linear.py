@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.matrix import Matrix
@@ -54,9 +53,6 @@ class ConditionedMatrices:
     direct : ndarray [m, p]
         D
 
-    Raises InputError: there are no or more than 60 states, no inputs or outputs, or a shape does
-    not fit.
-
     Examples
     --------
     PI control with K = 2 and Ti = 10 s each second: u = z + 2 e, and z follows u − u°.
@@ -76,19 +72,6 @@ class ConditionedMatrices:
         for name, _, _ in _MATRICES.values():
             matrix = np.atleast_2d(np.asarray(getattr(self, name), float))
             object.__setattr__(self, name, matrix)
-        place, counts = "conditioned linear law", self.counts
-        if not 1 <= counts["z"] <= MOST_STATES or counts["u"] < 1 or counts["e"] < 1:
-            raise InputError(
-                f"{place}, shapes",
-                "{z} states, {u} outputs, {e} errors".format(**counts),
-                f"1 to {MOST_STATES} states, and at least one output and one error",
-                "reduce the order",
-            )
-        remedy = "give every matrix in the same numbers of states, outputs and errors"
-        for name, to, by in _MATRICES.values():
-            found, shape = getattr(self, name).shape, (counts[to], counts[by])
-            if found != shape:
-                raise InputError(f"{place}, {name}", found, f"the shape {shape}", remedy)
 
     @property
     def counts(self) -> dict[str, int]:
@@ -167,8 +150,6 @@ def conditioned_linear_law(
         state integral (b) and last_output of each output and memory.1, memory.2, … (z); outputs
         out and status of each output.
 
-    Raises InputError: the signals do not match the matrices.
-
     References
     ----------
     R. Hanus, M. Kinnaert and J.-L. Henrotte, Conditioning technique, a general anti-windup and
@@ -223,18 +204,8 @@ def _joined(
     manipulated: Sequence[Signal | str],
 ) -> tuple[_Ends, dict[str, Matrix]]:
     """Return the signals that the matrices join, those of z having no unit, and the matrices."""
-    place = "conditioned linear law"
-    shown = signals.process_signals(measured, f"{place}, measured")
-    moved = signals.process_signals(manipulated, f"{place}, manipulated")
-    counts = matrices.counts
-    if (len(shown), len(moved)) != (counts["e"], counts["u"]):
-        raise InputError(
-            f"{place}, signals",
-            f"{len(shown)} measured, {len(moved)} manipulated",
-            "{e} measured and {u} manipulated, as the matrices".format(**counts),
-            "correct the signals",
-        )
-    memory = tuple(map(Signal, elements("memory", counts["z"])))
+    shown, moved = signals.process_signals(measured), signals.process_signals(manipulated)
+    memory = tuple(map(Signal, elements("memory", matrices.counts["z"])))
     ends = {"z": memory, "e": shown, "u": moved}
     return ends, {
         called: Matrix(

@@ -66,8 +66,6 @@ def disturbance_rejection_law(
         time_step [s]; parameters bandwidth ωc and observer_bandwidth ωo [1/s] and model_gain b0 of
         each measurement, low_limit and high_limit of each output; outputs out and status.
 
-    Raises InputError: there is no loop, or there are more signals of one kind than of the other.
-
     References
     ----------
     Z. Gao, Scaling and bandwidth-parameterization based controller tuning, American Control
@@ -93,7 +91,7 @@ def disturbance_rejection_law(
     >>> round(float(outputs[0]), 9), [round(float(value), 9) for value in state.elements()]
     (3.25, [5.225, 3.25, 0.0, 3.25])
     """
-    pairs = signals.paired(measured, manipulated, "disturbance rejection law")
+    pairs = signals.paired(measured, manipulated)
     controlled, moved = [y for y, _ in pairs], [u for _, u in pairs]
     own = (_BANDWIDTH, _OBSERVER, _MODEL_GAIN)
     return control_law(

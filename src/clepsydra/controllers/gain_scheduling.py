@@ -324,7 +324,7 @@ def scheduled_lqi_law(
     W. J. Rugh and J. S. Shamma, Research on gain scheduling, Automatica 36(10), 2000,
     1401-1425, doi 10.1016/S0005-1098(00)00058-3.
     """
-    state = LinearState(measured, manipulated, controlled, None, "scheduled LQI law")
+    state = LinearState(measured, manipulated, controlled, None)
     outputs = output_parameters(state.manipulated, anti_windup)
     scheduled = [*state.feedback.signals(), *state.integral_gain.signals()]
     scheduled += [each for each in outputs if each.part == "tracking_time"]

@@ -92,7 +92,7 @@ def lqi_law(
     >>> float(outputs[0]), float(state[0])
     (2.0, 0.05)
     """
-    state = LinearState(measured, manipulated, controlled, observer, "LQI law")
+    state = LinearState(measured, manipulated, controlled, observer)
     return lqi_law_of(state, anti_windup)
 
 

@@ -60,8 +60,6 @@ def multiloop_pid_law(
         feedforward.OTHER.reference for each other output, and lead and lag [s] where dynamic;
         outputs out and status of each output.
 
-    Raises InputError: there is no loop, or there are more signals of one kind than of the other.
-
     References
     ----------
     K. J. Åström and T. Hägglund, Advanced PID Control, ISA 2006, chapters 3 and 13.
@@ -86,7 +84,7 @@ def multiloop_pid_law(
     (7.0, 5.2)
     """
     chosen = form or PidForm()
-    pairs = signals.paired(measured, manipulated, "PID law")
+    pairs = signals.paired(measured, manipulated)
     outputs = [output for _, output in pairs]
     blocks: list[Block] = []
     for measurement, output in pairs:

@@ -3,7 +3,13 @@
 from __future__ import annotations
 
 from clepsydra.base.key import Key
-from clepsydra.controllers.signals import LARGEST_PARAMETER, SHORTEST_TIME, TRACKING_TIME, signed
+from clepsydra.controllers.signals import (
+    LARGEST_PARAMETER,
+    SHORTEST_TIME,
+    TRACKING_TIME,
+    amount,
+    signed,
+)
 from clepsydra.process.joined_unit import Time
 
 #: The gains of a loop, with what their unit has beside those of the signals.
@@ -14,58 +20,28 @@ SHORT_NAMES = {
     "setpoint_low_limit": "setpoint_low",
     "setpoint_high_limit": "setpoint_high",
 }
-_FAR, _WAY = LARGEST_PARAMETER, "from {measurement} to {output}"
-_TIME = SHORTEST_TIME, _FAR, 60.0
-_RATIO, _RATE = "{output}/{measurement}", "{output}/({measurement} s)"
-
+_WAY, _RATIO, _PER = "from {measurement} to {output}", "{output}/{measurement}", "{measurement}/s"
+_RATE = "{output}/({measurement} s)"
+_FILTER = "derivative time over the time constant of its filter"
+_GAP = "half the width of the gap around the setpoint of {measurement}"
+_SQUARED = "error of {measurement} at which the gain is the nominal one"
+_RAMP = "largest rate of change of the setpoint of {measurement}"
+_WINDS = "α: rate at which an excess over the limits of {output} dies away"
 _DECLARED = (
     signed("proportional_gain", _RATIO, f"proportional gain {_WAY}", 1.0),
     signed("integral_gain", _RATE, f"integral gain {_WAY}"),
     signed("derivative_gain", f"s {_RATIO}", f"derivative gain {_WAY}"),
-    Key("integral_time", "s", "integral time", *_TIME),
-    Key("derivative_time", "s", "derivative time", 0.0, _FAR),
-    Key("filter_time", "s", "time constant of the derivative's filter", *_TIME),
-    Key(
-        "derivative_filter",
-        words="derivative time over the time constant of its filter",
-        low=1.0,
-        high=1000.0,
-        default=10.0,
-    ),
+    amount("integral_time", "s", "integral time", 60.0, low=SHORTEST_TIME),
+    amount("derivative_time", "s", "derivative time"),
+    amount("filter_time", "s", "time constant of the derivative's filter", 60.0, low=SHORTEST_TIME),
+    Key("derivative_filter", "1", _FILTER, 1.0, 1000.0, 10.0),
     Key("setpoint_weight", "1", "share of the setpoint in the proportional part", 0.0, 1.0, 1.0),
-    Key(
-        "gap",
-        "{measurement}",
-        "half the width of the gap around the setpoint of {measurement}",
-        0.0,
-        _FAR,
-    ),
+    amount("gap", "{measurement}", _GAP),
     Key("gap_gain", "1", "share of the error that acts within the gap", 0.0, 1.0, 0.1),
-    Key(
-        "squared_error_scale",
-        "{measurement}",
-        "error of {measurement} at which the gain is the nominal one",
-        SHORTEST_TIME,
-        _FAR,
-        1.0,
-    ),
-    Key(
-        "setpoint_ramp",
-        "{measurement}/s",
-        "largest rate of change of the setpoint of {measurement}",
-        0.0,
-        _FAR,
-        _FAR,
-    ),
+    amount("squared_error_scale", "{measurement}", _SQUARED, 1.0, low=SHORTEST_TIME),
+    amount("setpoint_ramp", _PER, _RAMP, LARGEST_PARAMETER),
     TRACKING_TIME,
-    Key(
-        "saturation_rate",
-        "1/s",
-        "α: rate at which an excess over the limits of {output} dies away",
-        0.0,
-        _FAR,
-        0.1,
-    ),
+    amount("saturation_rate", "1/s", _WINDS, 0.1),
 )
 #: The parameters of a loop; each form has those that `PidForm.parameters` names.
 PARAMETERS = {key.name: key for key in _DECLARED}
@@ -85,7 +61,7 @@ def _measured(name: str, words: str) -> Key:
 #: What a loop may remember, and what it may choose its setpoint from.
 LAST_SETPOINT = _measured("last_setpoint", "setpoint of {measurement} in the last sample")
 LAST_MEASUREMENT = _measured("last_measurement", "{measurement} in the last sample")
-LAST_DERIVATIVE = Key("last_derivative", "{measurement}/s")
+LAST_DERIVATIVE = Key("last_derivative", _PER)
 FILTERED_SIGNAL = _measured("filtered_signal", "what is differentiated, filtered")
 WORKING_SETPOINT = _measured("working_setpoint", "setpoint that {measurement} follows")
 LAST_SETPOINT_SOURCE = _choice("last_setpoint_source")

@@ -6,11 +6,9 @@ from collections.abc import Sequence
 from dataclasses import astuple, dataclass, replace
 from functools import cache
 from itertools import pairwise
-from typing import TypeVar
 
 import casadi as ca
 
-from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import (
@@ -41,20 +39,11 @@ class PolynomialShape:
         On those of the setpoint: the degree of R, which is zero by equation (24).
     increment_gains : int
         On the last increments of the output: the degree of P.
-
-    Raises InputError: A number is negative.
     """
 
     measurement_gains: int
     setpoint_gains: int = 0
     increment_gains: int = 0
-
-    def __post_init__(self) -> None:
-        for count in astuple(self):
-            if count < 0:
-                raise InputError(
-                    "polynomial controller", count, "degrees from 0 on", "correct the degree"
-                )
 
 
 @dataclass(frozen=True)
@@ -219,7 +208,6 @@ def shifted(s: Symbols, stem: str, count: int, now: ca.SX, counts: ca.SX) -> dic
 
 
 FAMILY = "2DOF polynomial"
-Shape = TypeVar("Shape")
 
 
 def polynomial_law(
@@ -255,8 +243,6 @@ def polynomial_law(
         increment_gain.J of each measurement, which hold for one sampling period, low_limit and
         high_limit of each output; outputs out and status of each output.
 
-    Raises InputError: there is no loop, or the signals or shapes are not one for each loop.
-
     References
     ----------
     V. Bobál, J. Böhm, J. Fessl, J. Macháček, Digital Self-tuning Controllers: Algorithms,
@@ -279,32 +265,14 @@ def polynomial_law(
     >>> float(outputs[0])
     3.0
     """
-    loops = one_for_each(shapes, measured, manipulated, "polynomial law")
+    pairs = zip(shapes, signals.paired(measured, manipulated), strict=True)
     return law_of_loops(
         "polynomial_control",
-        [IncrementalLoop(*loop) for loop in loops],
+        [IncrementalLoop(shape, y, u) for shape, (y, u) in pairs],
         "u = u(k−1) + r0 (w − y) − Σ g_j ∇y(k−j+1) − Σ p_j ∇u(k−j) within the limits, ∇ being "
         "the difference between two samples: r0 is reference_gain, g_j measurement_gain, p_j "
         "increment_gain.",
     )
-
-
-def one_for_each(
-    shapes: Sequence[Shape],
-    measured: Sequence[Signal | str],
-    manipulated: Sequence[Signal | str],
-    place: str,
-) -> list[tuple[Shape, Signal, Signal]]:
-    """Return the shape of each loop with what it measures and what it moves.
-
-    Raises InputError: there is no loop, or the signals or shapes are not one for each loop.
-    """
-    pairs = signals.paired(measured, manipulated, place)
-    if len(shapes) != len(pairs):
-        raise InputError(
-            f"{place}, shapes", len(shapes), f"{len(pairs)}, one for each loop", "give one for each"
-        )
-    return [(shape, *pair) for shape, pair in zip(shapes, pairs, strict=True)]
 
 
 def law_of_loops(name: str, loops: Sequence[IncrementalLoop], *description: str) -> StepLaw:

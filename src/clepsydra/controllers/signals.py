@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from clepsydra.base.errors import InputError
 from clepsydra.base.key import Key, ratio_of_units
 from clepsydra.base.signal import Signal, effect, path
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
@@ -50,54 +49,30 @@ def signed(name: str, unit: str, words: str, default: float = 0.0) -> Key:
     return Key(name, unit, words, -LARGEST_PARAMETER, LARGEST_PARAMETER, default)
 
 
+def amount(name: str, unit: str, words: str, default: float = 0.0, *, low: float = 0.0) -> Key:
+    """Return the key of a parameter that is not below zero, or above a smallest value."""
+    return Key(name, unit, words, low, LARGEST_PARAMETER, default)
+
+
 LOW_LIMIT = signed("low_limit", "{output}", "low limit of {output}")
 HIGH_LIMIT = signed("high_limit", "{output}", "high limit of {output}")
 #: The largest number that it may have is none.
-RATE_LIMIT = Key(
-    "rate_limit", "{output}/s", "largest rate of change of {output}",
-    0.0, LARGEST_PARAMETER, LARGEST_PARAMETER,
-)  # fmt: skip
+_RATE = "largest rate of change of {output}"
+RATE_LIMIT = amount("rate_limit", "{output}/s", _RATE, LARGEST_PARAMETER)
 _TRACKING = "time in which back-calculation takes the integral out of saturation"
-TRACKING_TIME = Key("tracking_time", "s", _TRACKING, SHORTEST_TIME, LARGEST_PARAMETER, 60.0)
+TRACKING_TIME = amount("tracking_time", "s", _TRACKING, 60.0, low=SHORTEST_TIME)
 
 
-def process_signals(given: Sequence[Signal | str], place: str) -> tuple[Signal, ...]:
-    """Return the process signals that a law is written for; one that has but a name is of unit 1.
-
-    Raises InputError: there is none, or two have one name.
-
-    Examples
-    --------
-    >>> [signal.name for signal in process_signals(["level_1", Signal("level_2", "V")], "law")]
-    ['level_1', 'level_2']
-    """
-    found = tuple(Signal(each) if isinstance(each, str) else each for each in given)
-    names = [signal.name for signal in found]
-    if not names or len(set(names)) < len(names):
-        raise InputError(place, names, "at least one signal, each once", "correct the signals")
-    return found
+def process_signals(given: Sequence[Signal | str]) -> list[Signal]:
+    """Return the process signals of a law; one that has but a name is of unit 1."""
+    return [Signal(each) if isinstance(each, str) else each for each in given]
 
 
 def paired(
-    measured: Sequence[Signal | str], manipulated: Sequence[Signal | str], place: str
+    measured: Sequence[Signal | str], manipulated: Sequence[Signal | str]
 ) -> list[tuple[Signal, Signal]]:
-    """Return each measured signal of a law with the one that it moves.
-
-    Raises InputError: there is none of them, or there are more of one kind than of the other.
-
-    Examples
-    --------
-    >>> [(y.name, u.name) for y, u in paired(["level_1"], ["pump_1"], "PID law")]
-    [('level_1', 'pump_1')]
-    """
-    controlled = process_signals(measured, f"{place}, measured")
-    moved = process_signals(manipulated, f"{place}, manipulated")
-    if len(controlled) != len(moved):
-        raise InputError(
-            f"{place}, manipulated", [signal.name for signal in moved],
-            f"{len(controlled)} signals, one for each measured one", "give one for each",
-        )  # fmt: skip
-    return list(zip(controlled, moved, strict=True))
+    """Return each measured signal of a law with the one that it moves."""
+    return list(zip(process_signals(measured), process_signals(manipulated), strict=True))
 
 
 def owners(signals: Iterable[Signal | DelayRing], part: str) -> tuple[str, ...]:
@@ -147,8 +122,8 @@ def output_inputs(manipulated: Sequence[Signal]) -> list[Signal]:
     return [*inputs, TIME_STEP.of("")]
 
 
-def limit_parameters(signal: Signal) -> list[Signal]:
-    """Return low_limit and high_limit, initially the range of the signal.
+def limit_parameters(signal: Signal, *, rate_limited: bool = False) -> list[Signal]:
+    """Return low_limit and high_limit, initially the range of the signal, and rate_limit.
 
     Examples
     --------
@@ -158,7 +133,8 @@ def limit_parameters(signal: Signal) -> list[Signal]:
     """
     low = signal.low if math.isfinite(signal.low) else 0.0
     high = signal.high if math.isfinite(signal.high) else 100.0
-    return [LOW_LIMIT.of(signal, low, output=signal), HIGH_LIMIT.of(signal, high, output=signal)]
+    found = [LOW_LIMIT.of(signal, low, output=signal), HIGH_LIMIT.of(signal, high, output=signal)]
+    return [*found, RATE_LIMIT.of(signal, output=signal)] if rate_limited else found
 
 
 def output_parameters(signal: Signal, anti_windup: AntiWindup) -> list[Signal]:

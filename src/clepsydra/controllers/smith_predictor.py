@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 
 import casadi as ca
 
-from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.sample import Reading, Sample
@@ -16,7 +15,6 @@ from clepsydra.controllers.polynomial_controller import (
     IncrementalLoop,
     PolynomialShape,
     law_of_loops,
-    one_for_each,
     products,
     row,
     shifted,
@@ -44,8 +42,6 @@ class PredictorShape:
         d [samples]
     error_feedback : bool
         Whether the predicted error also moves the model, which an integrating model needs.
-
-    Raises InputError: the model has no pole, no numerator, or a negative delay.
     """
 
     controller: PolynomialShape
@@ -53,13 +49,6 @@ class PredictorShape:
     tail: int
     delay: int
     error_feedback: bool = False
-
-    def __post_init__(self) -> None:
-        for name, least in {"order": 1, "tail": 1, "delay": 0}.items():
-            if (value := getattr(self, name)) < least:
-                raise InputError(
-                    f"Smith predictor, {name}", value, f"at least {least}", "correct the model"
-                )
 
 
 def smith_predictor_law(
@@ -97,8 +86,6 @@ def smith_predictor_law(
         a_j and model_share.J = β_j of each measurement and bias = u° of each output, with error
         feedback also error_feedback = κ and reference = y° of the measurement.
 
-    Raises InputError: there is no loop, or the signals or shapes are not one for each loop.
-
     References
     ----------
     V. Bobál, S. Talaš, P. Dostál, M. Kubalčík, Polynomial Digital Control of a Series Equal
@@ -127,7 +114,7 @@ def smith_predictor_law(
     """
     loops = [
         _PredictedLoop(shape.controller, y, u, "prediction", model=shape)
-        for shape, y, u in one_for_each(shapes, measured, manipulated, "Smith predictor")
+        for shape, (y, u) in zip(shapes, signals.paired(measured, manipulated), strict=True)
     ]
     delays = ", ".join(f"{loop.model.delay} of {loop.measured.name}" for loop in loops)
     words = [

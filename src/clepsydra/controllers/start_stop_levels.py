@@ -71,9 +71,8 @@ def pump_order(
 FAMILY = "start/stop levels"
 _DUTY = Key("duty", "1", "number of the pump whose turn it is", 1.0, default=1.0, kind="integer")
 _FAR = signals.LARGEST_PARAMETER
-_REST = Key(
-    "shortest_rest", "s", "least time between a stop and the next start of a pump", 0.0, _FAR
-)
+_BETWEEN = "least time between a stop and the next start of a pump"
+_REST = signals.amount("shortest_rest", "s", _BETWEEN)
 _RESTED = Key("rested", "s", "time since {pump} stopped", default=_FAR)
 _DESCRIPTION = (
     "Each stage begins at its start level and ends at its stop level; between them it stays.",
@@ -115,8 +114,6 @@ def start_stop_law(
         low_limit, high_limit and in_service (0 or 1); state stage.J.on, duty (the place of a pump
         in their order), rested [s] and last_output of each pump; outputs out and status of each.
 
-    Raises InputError: there is no pump, one is named twice, or there is not one level.
-
     References
     ----------
     R. L. Sanks (editor), Pumping Station Design, 2nd edition, Butterworth-Heinemann 1998.
@@ -138,13 +135,7 @@ def start_stop_law(
     >>> [float(outputs[place]) for place in (0, 2)]
     [100.0, 0.0]
     """
-    levels = signals.process_signals(measured, "start/stop law, measured")
-    if len(levels) > 1:
-        raise InputError(
-            "start/stop law, measured", [signal.name for signal in levels], "one level",
-            "name the one that starts and stops the pumps",
-        )  # fmt: skip
-    level, pumps = levels[0], signals.process_signals(manipulated, "start/stop law, manipulated")
+    (level,), pumps = signals.process_signals(measured), signals.process_signals(manipulated)
     stages = elements("stage", len(pumps))
     parameters = [
         _value(level, path(stage, what), 0.0, f"{level.name} at which stage {number} {words}")

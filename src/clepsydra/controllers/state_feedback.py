@@ -60,8 +60,6 @@ def state_feedback_law(
         feedback.STATE, precompensator.MEASUREMENT, bias, fading_time [s], low_limit and
         high_limit of each output, and those of the observer (`observers.current_observer`).
 
-    Raises InputError: A setpoint belongs to no measurement, or a signal is named twice.
-
     References
     ----------
     K. J. Åström and B. Wittenmark, Computer-Controlled Systems, 3rd ed., 1997, chapter 4.
@@ -83,7 +81,7 @@ def state_feedback_law(
     >>> float(outputs[0])
     5.0
     """
-    state = LinearState(measured, manipulated, controlled, observer, "state feedback")
+    state = LinearState(measured, manipulated, controlled, observer)
     words = "gain from the setpoint of {by} to {to}"
     ahead = Matrix("precompensator", state.manipulated, state.controlled, words)
 

@@ -22,19 +22,14 @@ AlphaOn = Literal["virtual", "input"]
 
 ANTI_WINDUPS: tuple[str, ...] = ("variable_structure", *get_args(AntiWindup))
 
-_LARGEST = signals.LARGEST_PARAMETER
 _GAIN = signals.signed("virtual_gain", "{rate}", "Kp of {measurement}", 1.0)
-_INTEGRAL_GAIN = Key("virtual_integral_gain", "{rate}", "Ki of {measurement}", 0.0, _LARGEST, 1.0)
-_WEIGHT = Key(
-    "setpoint_weight", "1", "share of the setpoint of {measurement} in the proportional part",
-    0.0, 1.0, 1.0,
-)  # fmt: skip
+_INTEGRAL_GAIN = signals.amount("virtual_integral_gain", "{rate}", "Ki of {measurement}", 1.0)
+_SHARE = "share of the setpoint of {measurement} in the proportional part"
+_WEIGHT = Key("setpoint_weight", "1", _SHARE, 0.0, 1.0, 1.0)
 _DIES_AWAY = "α: rate at which an excess over what {moved} can do dies away"
-_RATE = Key("saturation_rate", "1/s", _DIES_AWAY, 0.0, _LARGEST, 1.0)
-_FEEDBACK = Key(
-    "saturation_feedback", "{quantity}/({moved} s)", f"{_DIES_AWAY}, per unit of {{moved}}",
-    0.0, _LARGEST, 1.0,
-)  # fmt: skip
+_RATE = signals.amount("saturation_rate", "1/s", _DIES_AWAY, 1.0)
+_PER_UNIT = f"{_DIES_AWAY}, per unit of {{moved}}"
+_FEEDBACK = signals.amount("saturation_feedback", "{quantity}/({moved} s)", _PER_UNIT, 1.0)
 _WAS_IN_FORCE = Key(
     "was_in_force", "1", "{moved} was in automatic in the last sample", 0.0, 1.0, kind="boolean"
 )

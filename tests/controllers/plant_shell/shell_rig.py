@@ -5,9 +5,11 @@ from law_function import by_path
 from scan_rig import ScannedLaw
 
 from clepsydra import Signal
+from clepsydra.controllers.blocks import status
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
+from clepsydra.controllers.plant_shell.status import SHELL_STATUS_BITS
 
 LEVEL = Signal("level_1", "V", low=0.0, high=16.0, initial=5.0)
 PUMP = Signal("pump_1", "V", low=0.0, high=10.0, initial=3.0)
@@ -36,6 +38,11 @@ def one_loop(form=None, level=LEVEL, rate_limited=False, **values):
         "PI, by hand", "multiloop PI", "By hand.", law, chosen, state, ("level_1",), ("level_1",),
         ("pump_1",),
     )  # fmt: skip
+
+
+def read_status(word):
+    """The names of the bits of a shell's status word that are set."""
+    return status.read_status(word, SHELL_STATUS_BITS)
 
 
 AT_REST = {"level_1.sp": 5.0, "level_1.pv": 5.0, "pump_1.manual": 3.0, "pump_1.tracking": 3.0}

@@ -6,14 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scan_rig import ScannedLaw
-from shell_rig import AT_REST, LEVEL, PUMP, one_loop, shelled_loop
+from shell_rig import AT_REST, LEVEL, PUMP, one_loop, read_status, shelled_loop
 
 from clepsydra import PidForm
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
-from clepsydra.controllers.plant_shell.status import read_status
 
 RAMP = PlantShell(setpoint_rate={"level_1": 0.5})
 RATE = PlantShell(rate_limit={"pump_1": 0.25})

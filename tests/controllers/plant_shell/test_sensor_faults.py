@@ -1,16 +1,17 @@
 """A sensor that fails: how it is judged, how long that is ridden through, and what then."""
 
 import math
+from dataclasses import replace
 
 import pytest
 from scan_rig import ScannedLaw, at_rest, designed
-from shell_rig import LEVEL, one_loop, shelled_loop
+from shell_rig import LEVEL, one_loop, read_status, shelled_loop
 
 from clepsydra import Signal
 from clepsydra.controllers.plant_shell.members import needed_by_outputs
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
-from clepsydra.controllers.plant_shell.status import SHELL_STATUS_BITS, read_status
+from clepsydra.controllers.plant_shell.status import SHELL_STATUS_BITS
 from clepsydra.program.step_law import Equations, step_law
 
 SAFE = PlantShell(fail_safe={"pump_1": 1.5})
@@ -89,8 +90,8 @@ def test_uncertain_currents_control_on_for_ever():
     assert read_status(int(outputs["pump_1.status"])) == ("automatic", "sensor_uncertain")
 
 
-def test_the_range_is_that_of_the_signal_or_of_the_settings():
-    loop = shelled_loop(1.0, PlantShell(ranges={"level_1": (-10.0, 30.0)}))
+def test_the_range_is_that_of_the_signal():
+    loop = shelled_loop(1.0, level=replace(LEVEL, low=-10.0, high=30.0))
     # 3.6 and 21 mA of 40 V over 16 mA, from -10 V.
     for value, good in ((-11.01, False), (-10.99, True), (32.49, True), (32.51, False)):
         told = read_status(int(loop.scan(level_1_pv=value)["pump_1.status"]))

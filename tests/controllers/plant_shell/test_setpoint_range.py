@@ -3,10 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from shell_rig import LEVEL, shelled_loop
-
-from clepsydra.controllers.plant_shell.settings import PlantShell
-from clepsydra.controllers.plant_shell.status import read_status
+from shell_rig import LEVEL, read_status, shelled_loop
 
 
 def bits(outputs) -> tuple[str, ...]:
@@ -40,7 +37,7 @@ def test_the_ends_of_the_range(mode, asked, followed):
 
 
 def test_the_range_is_that_of_the_transmitter_also_the_other_way_round():
-    loop = shelled_loop(1.0, PlantShell(ranges={"level_1": (2.0, 12.0)}))
+    loop = shelled_loop(1.0, level=replace(LEVEL, low=2.0, high=12.0))
     loop.scan(level_1_sp=1.0)
     assert loop.state["level_1.ramped_setpoint"] == 2.0
     loop.values |= {"level_1.range_low": 12.0, "level_1.range_high": 2.0}

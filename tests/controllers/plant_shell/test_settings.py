@@ -20,18 +20,14 @@ from clepsydra.program.step_law import Equations, step_law
 @pytest.mark.parametrize(
     ("wrong", "place", "value"),
     [
-        ({"ranges": {"level_1": (5.0, 5.0)}}, "ranges, level_1", "(5.0, 5.0)"),
-        ({"ranges": {"level_1": (0.0, float("nan"))}}, "ranges, level_1", "(0.0, nan)"),
-        ({"ranges": {"level_1": 3.0}}, "ranges, level_1", "3.0"),
-        ({"ranges": [("level_1", 0.0)]}, "ranges", "[('level_1', 0.0)]"),
+        ({"sensor_delay": {"level_1": float("nan")}}, "sensor_delay, level_1", "nan"),
+        ({"sensor_delay": {"level_1": (0.0, 1.0)}}, "sensor_delay, level_1", "(0.0, 1.0)"),
         ({"sensor_delay": {"level_1": -1.0}}, "sensor_delay, level_1", "-1.0"),
         ({"sensor_delay": {"level_1": "4 s"}}, "sensor_delay, level_1", "4 s"),
         ({"setpoint_rate": {"level_1": 0.0}}, "setpoint_rate, level_1", "0.0"),
         ({"rate_limit": {"pump_1": -2.0}}, "rate_limit, pump_1", "-2.0"),
         ({"fail_safe": {"pump_1": float("inf")}}, "fail_safe, pump_1", "inf"),
         ({"fail_safe": {"pump_1": True}}, "fail_safe, pump_1", "True"),
-        ({"scan_tolerance": 0.0}, "scan_tolerance", "0.0"),
-        ({"scan_tolerance": 1.5}, "scan_tolerance", "1.5"),
     ],
 )
 def test_values_out_of_range_are_refused(wrong, place, value):
@@ -44,7 +40,7 @@ def test_values_out_of_range_are_refused(wrong, place, value):
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        ({"ranges": {"level_2": (0.0, 1.0)}}, "measurement of the controller: level_1"),
+        ({"sensor_delay": {"level_2": 1.0}}, "measurement of the controller: level_1"),
         ({"sensor_delay": {"pump_1": 1.0}}, "measurement of the controller: level_1"),
         ({"setpoint_rate": {"level": 1.0}}, "perhaps 'level_1' was meant"),
         ({"rate_limit": {"level_1": 1.0}}, "manipulated variable of the controller: pump_1"),
@@ -55,19 +51,6 @@ def test_values_out_of_range_are_refused(wrong, place, value):
 def test_settings_that_do_not_fit_the_controller_are_refused(settings, words):
     with pytest.raises(InputError, match=words):
         with_plant_shell(one_loop(), 1.0, PlantShell(**settings))
-
-
-@pytest.mark.parametrize("period", [0.0, -1.0, float("nan"), "1 s", True, 1e10])
-def test_a_sampling_period_that_is_none_is_refused(period):
-    with refused(place="sampling period"):
-        with_plant_shell(one_loop(), period)
-
-
-def test_what_is_no_controller_or_no_settings_is_refused():
-    with refused(expected="Controller"):
-        with_plant_shell(one_loop().law, 1.0)
-    with refused(expected="PlantShell"):
-        with_plant_shell(one_loop(), 1.0, {"ranges": {}})
 
 
 def test_a_law_in_python_is_refused_with_the_remedy():
@@ -143,17 +126,19 @@ def test_clamping_has_no_rate_limit_beside_it():
 
 
 def test_where_each_number_comes_from():
-    settings = PlantShell(ranges={"level_1": (0.0, 5.0)}, rate_limit={"pump_1": 2.0})
+    settings = PlantShell(setpoint_rate={"level_1": 0.5}, rate_limit={"pump_1": 2.0})
     shelled = with_plant_shell(one_loop(), 1.0, settings)
     sources = shell_sources(shelled)
     added = {p.name for p in shelled.law.parameters} - set(one_loop().values)
     assert set(sources) == added
     assert (
-        sources["level_1.range_low"] == sources["pump_1.rate_limit"] == "setting of the plant shell"
+        sources["level_1.setpoint_rate"]
+        == sources["pump_1.rate_limit"]
+        == "setting of the plant shell"
     )
     assert sources["level_1.sensor_delay"] == "default: 4 s"
-    assert sources["level_1.setpoint_rate"] == "default: no ramp"
     plain = shell_sources(with_plant_shell(one_loop(), 1.0))
+    assert plain["level_1.setpoint_rate"] == "default: no ramp"
     assert plain["level_1.range_high"] == "range of level_1 in the process file"
     assert plain["pump_1.rate_limit"] == "default: no rate limit"
     assert plain["pump_1.fail_safe"] == "default: low limit of pump_1"

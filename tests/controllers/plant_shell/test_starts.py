@@ -7,13 +7,12 @@ import casadi as ca
 import numpy as np
 import pytest
 from scan_rig import at_rest, designed
-from shell_rig import shelled_loop
+from shell_rig import read_status, shelled_loop
 
 from clepsydra import Kernel
 from clepsydra.controllers.plant_shell.scan import scan_start
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
-from clepsydra.controllers.plant_shell.status import read_status
 from clepsydra.program.delay_ring import DelayRing
 
 DEAD_TIME = Path(__file__).parents[2] / "dead-time.toml"

@@ -2,12 +2,11 @@
 
 import pytest
 from scan_rig import ScannedLaw
-from shell_rig import one_loop, shelled_loop
+from shell_rig import one_loop, read_status, shelled_loop
 
 from clepsydra import Signal
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
-from clepsydra.controllers.plant_shell.status import read_status
 
 
 def unwired(**wired):

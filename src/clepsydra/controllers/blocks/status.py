@@ -93,6 +93,6 @@ STATUS_WORD = Block(
 )
 
 
-def read_status(word: int) -> tuple[str, ...]:
+def read_status(word: int, bits: Mapping[str, StatusBit] = STATUS_BITS) -> tuple[str, ...]:
     """Return the names of the bits that are set."""
-    return tuple(name for name, bit in STATUS_BITS.items() if word & bit.value)
+    return tuple(name for name, bit in bits.items() if word & bit.value)

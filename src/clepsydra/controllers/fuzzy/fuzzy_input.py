@@ -20,13 +20,8 @@ from clepsydra.program.step_law import Equations, Symbols
 Quantity = Literal["error", "error_rate", "measurement", "measurement_rate"]
 
 _GAIN = signals.signed("gain", "1/{input}", "gain of {input}", 1.0)
-_DEAD_ZONE, _FILTER_TIME = (
-    Key(name, unit, words, 0.0, signals.LARGEST_PARAMETER)
-    for name, unit, words in (
-        ("dead_zone", "{input}", "half width of the dead zone of {input}"),
-        ("filter_time", "s", "time constant of the filter of {input}"),
-    )
-)
+_DEAD_ZONE = signals.amount("dead_zone", "{input}", "half width of the dead zone of {input}")
+_FILTER_TIME = signals.amount("filter_time", "s", "time constant of the filter of {input}")
 #: What a reader is told above the steps of an input.
 _WORDS = {
     "rate": "filtered derivative",

@@ -26,10 +26,8 @@ from clepsydra.program.step_law import Equations, Symbols
 Action = Literal["position", "increment"]
 
 _OUTPUT_GAIN = signals.signed("output_gain", "{output}", "gain to {output}", 1.0)
-_FADING_TIME = Key(
-    "fading_time", "s", "time in which a bumpless start of {output} fades",
-    signals.SHORTEST_TIME, signals.LARGEST_PARAMETER, 60.0,
-)  # fmt: skip
+_FADES = "time in which a bumpless start of {output} fades"
+_FADING_TIME = signals.amount("fading_time", "s", _FADES, 60.0, low=signals.SHORTEST_TIME)
 _OFFSET = Key("offset", "{output}", "what a bumpless start adds to {output}")
 _INFERRED = (
     *CRISP,
@@ -75,12 +73,8 @@ class FuzzyOutput:
 
     def parameters(self) -> list[Signal]:
         """Return output_gain, fading_time of a position, limits and rate_limit."""
-        moved = self.moved
-        found = [key.of(moved, output=self.crisp) for key in _keys(self.is_position)]
-        found += signals.limit_parameters(moved)
-        if self.rate_limited:
-            found.append(signals.RATE_LIMIT.of(moved, output=moved))
-        return found
+        own = [key.of(self.moved, output=self.crisp) for key in _keys(self.is_position)]
+        return own + signals.limit_parameters(self.moved, rate_limited=self.rate_limited)
 
     def state(self) -> list[Signal]:
         """Return offset, of a position."""

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from clepsydra.base.errors import InputError
 from clepsydra.base.signal import path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import give_output
@@ -66,22 +65,12 @@ def fuzzy_law(
         position, low_limit, high_limit and rate_limit of each output; state filtered of a rate,
         offset of a position, and last_output; outputs out and status of each output.
 
-    Raises InputError: there is not one input or output for each variable, or two outputs move one
-    signal.
-
     References
     ----------
     E. H. Mamdani, Application of fuzzy algorithms for control of simple dynamic plant,
     Proceedings of the IEE 121(12), 1974, 1585-1588, doi 10.1049/piee.1974.0328.
     """
-    for what, given, wanted in (
-        ("inputs", inputs, system.inputs),
-        ("outputs", outputs, system.outputs),
-    ):
-        if len(given) != (count := len(loops) * len(wanted)):
-            expected = f"{count}, one for each of the system"
-            raise InputError(f"fuzzy law, {what}", len(given), expected, "give one for each")
-    moved = signals.process_signals([each.moved for each in outputs], "fuzzy law, outputs")
+    moved = [each.moved for each in outputs]
     measured = {each.measurement.name: each.measurement for each in inputs}
     followed = {each.measurement.name for each in inputs if each.is_of_error}
     owned = [path(loop, v.name) if loop else v.name for loop in loops for v in system.inputs]

@@ -42,8 +42,7 @@ class ObserverStructure:
     corrected : ndarray of bool [N, p]
         Where M has numbers.
 
-    Raises InputError: there is nothing to estimate, or more than 40 quantities, or a shape does not
-    fit.
+    Raises InputError: there is nothing to estimate, or more than 40 quantities.
     """
 
     estimated: tuple[Signal, ...]
@@ -53,36 +52,13 @@ class ObserverStructure:
     corrected: np.ndarray
 
     def __post_init__(self) -> None:
-        if not 1 <= self.size <= MOST_ESTIMATES:
+        if not 1 <= len(self.estimated) <= MOST_ESTIMATES:
             raise InputError(
                 "observer, estimated",
-                self.size,
+                len(self.estimated),
                 f"1 to {MOST_ESTIMATES} quantities",
                 "estimate fewer states, or sample more slowly where dead time needs many",
             )
-        N, m, p = self.size, self.inputs, self.measurements
-        shapes = {"transition": (N, N), "moved": (N, m), "shown": (p, N), "corrected": (N, p)}
-        for name, shape in shapes.items():
-            if (found := np.shape(getattr(self, name))) != shape:
-                raise InputError(
-                    f"observer, {name}", found, f"a matrix of {shape}",
-                    "give one row and one column for each quantity",
-                )  # fmt: skip
-
-    @property
-    def size(self) -> int:
-        """How many quantities are estimated."""
-        return len(self.estimated)
-
-    @property
-    def inputs(self) -> int:
-        """How many manipulated variables the observer hears of."""
-        return int(np.shape(self.moved)[1])
-
-    @property
-    def measurements(self) -> int:
-        """How many measurements correct it."""
-        return int(np.shape(self.shown)[0])
 
 
 _ESTIMATE = Key("estimate", "{x}", "expected deviation of {x} from the operating point")
@@ -142,11 +118,6 @@ class LinearState(StateSource):
         The measurements that have setpoints.
     structure : ObserverStructure or None
         None where the measurements show the whole state.
-    place : str
-        Of the law, for a message.
-
-    Raises InputError: A setpoint belongs to no measurement, a signal is named twice, or the
-    observer is for other signals.
     """
 
     from_rest = True
@@ -157,26 +128,10 @@ class LinearState(StateSource):
         manipulated: Sequence[Signal | str],
         controlled: Sequence[str],
         structure: ObserverStructure | None,
-        place: str,
     ) -> None:
-        shown = signals.process_signals(measured, f"{place}, measured")
-        moved = signals.process_signals(manipulated, f"{place}, manipulated")
+        shown, moved = signals.process_signals(measured), signals.process_signals(manipulated)
         known = {signal.name: signal for signal in shown}
-        if not controlled or any(name not in known for name in controlled):
-            raise InputError(
-                "state feedback, controlled",
-                tuple(controlled),
-                f"some of the measurements {', '.join(known)}",
-                "give for each setpoint the measurement that follows it",
-            )
         self.observer = structure and CurrentObserver(structure, shown, moved)
-        if structure and (structure.measurements, structure.inputs) != (len(shown), len(moved)):
-            raise InputError(
-                "state feedback, observer",
-                (structure.measurements, structure.inputs),
-                f"an observer for {len(shown)} measurements and {len(moved)} inputs",
-                "give it the measurements and inputs of the law",
-            )
         fed_back = structure.estimated if structure else shown
         super().__init__(shown, [known[name] for name in controlled], moved, fed_back)
 

@@ -84,6 +84,8 @@ def _structure(law: StepLaw, result: int, argument: int) -> np.ndarray:
 
 
 _SETTING = "setting of the plant shell"
+#: Share of the sampling period by which a measured time step may differ from it.
+_TOLERANCE = 0.1
 
 
 class Members:
@@ -138,13 +140,12 @@ class Members:
         safe = [
             self._add_output(u, name) for u, name in zip(self.outputs, moved.values(), strict=True)
         ]
-        scans, tolerance = take_up_scans(controller, sampling_period, safe), settings.scan_tolerance
+        scans = take_up_scans(controller, sampling_period, safe)
         for key, value, source in (
             (SAMPLING_PERIOD, sampling_period, "sampling period that the controller runs with"),
-            (SCAN_TOLERANCE, tolerance,
-             _SETTING if tolerance != PlantShell().scan_tolerance else "default: a tenth"),
+            (SCAN_TOLERANCE, _TOLERANCE, "default: a tenth"),
             (TAKE_UP_SCANS, scans, "settling of what the law remembers, found by running it"),
-        ):  # fmt: skip
+        ):
             self.parameters.append(key.of("", float(value)))
             self.sources[key.name] = source
 
@@ -172,17 +173,12 @@ class Members:
         return parameter.initial
 
     def _add_sensor(self, signal: Signal, name: str) -> None:
-        given = self.settings.ranges.get(name)
-        low, high = given or (signal.low, signal.high)
+        low, high = signal.low, signal.high
         self.unwired[path(signal, "good")] = 0.0
         if math.isfinite(low) and math.isfinite(high) and low < high:
-            source = f"range of {name} in the process file" if given is None else _SETTING
-            ends = [
-                key.of(signal, float(end), measurement=signal)
-                for key, end in zip(RANGE, (low, high), strict=True)
-            ]
-            self.parameters += ends
-            self.sources |= {end.name: source for end in ends}
+            for key, end in zip(RANGE, (low, high), strict=True):
+                self.parameters.append(key.of(signal, float(end), measurement=signal))
+                self.sources[path(signal, key.name)] = f"range of {name} in the process file"
             # No current.
             self.unwired[path(signal, "pv")] = low - 4.0 * (high - low) / 16.0
         else:

@@ -27,14 +27,9 @@ TAKE_UP_SCANS = Key(
     "scans for which the law follows its last output after a warm start or a fault",
     1.0, _LARGEST_COUNT, kind="integer",
 )  # fmt: skip
-FAIL_SAFE = Key(
-    "fail_safe", "{output}", "value of {output} after a sensor has failed",
-    -LARGEST_PARAMETER, LARGEST_PARAMETER,
-)  # fmt: skip
-RATE_LIMIT = Key(
-    "rate_limit", "{output}/s", f"{{output}}: largest rate, {LARGEST_PARAMETER:g} for none",
-    0.0, LARGEST_PARAMETER, LARGEST_PARAMETER,
-)  # fmt: skip
+FAIL_SAFE = signals.signed("fail_safe", "{output}", "value of {output} after a sensor has failed")
+_RATE = f"{{output}}: largest rate, {LARGEST_PARAMETER:g} for none"
+RATE_LIMIT = signals.amount("rate_limit", "{output}/s", _RATE, LARGEST_PARAMETER)
 #: Who limits the rate of an output.
 Rate = Literal["shell", "law", "none"]
 

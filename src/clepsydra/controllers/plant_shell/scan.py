@@ -12,7 +12,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.ports import truth
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.validity import is_time_step
-from clepsydra.controllers.signals import LARGEST_PARAMETER, SHORTEST_TIME, TIME_STEP
+from clepsydra.controllers.signals import SHORTEST_TIME, TIME_STEP, amount
 from clepsydra.program.block import Block
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.step_law import Equations, Symbols
@@ -28,14 +28,10 @@ def count(name: str, high: float, description: str, *, low: float = 0.0) -> Sign
     return Signal(name, low=low, high=high, kind="integer", description=description)
 
 
-SAMPLING_PERIOD = Key(
-    "sampling_period", "s", "time between two scans that the law was designed for",
-    SHORTEST_TIME, LARGEST_PARAMETER,
-)  # fmt: skip
-SCAN_TOLERANCE = Key(
-    "scan_tolerance", "1", "share of the sampling period by which a scan may be early or late",
-    0.0, 1.0,
-)  # fmt: skip
+_PERIOD = "time between two scans that the law was designed for"
+SAMPLING_PERIOD = amount("sampling_period", "s", _PERIOD, low=SHORTEST_TIME)
+_TOLERANCE = "share of the sampling period by which a scan may be early or late"
+SCAN_TOLERANCE = Key("scan_tolerance", "1", _TOLERANCE, 0.0, 1.0)
 #: What the shell asks for beside the inputs of the law, and tells beside its outputs.
 ASKED = (
     count(

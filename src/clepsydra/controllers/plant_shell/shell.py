@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field, fields, replace
 
-from clepsydra.base.arguments import is_finite_number, require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, owned, path
 from clepsydra.controllers import signals
@@ -102,20 +101,10 @@ def with_plant_shell(
     >>> shelled.law.name, shelled.free_inputs, shelled.free_outputs[-1]
     ('multiloop_pi_with_shell', {'start': 0.0, 'acknowledge': 0.0}, 'watchdog')
     """
-    require_type(controller, Controller, "controller", "a Controller", "design one, or make one")
-    place = f"{controller.name}, plant shell"
-    if not is_finite_number(sampling_period) or not (
-        signals.SHORTEST_TIME <= sampling_period <= signals.LARGEST_PARAMETER
-    ):
-        raise InputError(
-            f"{place}, sampling period", sampling_period,
-            f"a time from {signals.SHORTEST_TIME:g} to {signals.LARGEST_PARAMETER:g} s",
-            "give the sampling period in seconds",
-        )  # fmt: skip
-    chosen = settings or PlantShell()
-    require_type(chosen, PlantShell, "settings", "a PlantShell", "write as in PlantShell()")
-    _check_law(controller.law, place)
-    return _shelled(controller, Members(controller, chosen, float(sampling_period)))
+    _check_law(controller.law, f"{controller.name}, plant shell")
+    return _shelled(
+        controller, Members(controller, settings or PlantShell(), float(sampling_period))
+    )
 
 
 def _check_law(law: StepLaw, place: str) -> None:

@@ -6,28 +6,22 @@ from functools import cache
 
 import casadi as ca
 
-from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.ports import GOOD, PV, SP, truth, words_for
 from clepsydra.controllers.blocks.validity import is_number, limit
 from clepsydra.controllers.plant_shell.scan import ANEW, ELAPSED, FIRST, SAMPLING_PERIOD, count
-from clepsydra.controllers.signals import LARGEST_PARAMETER
+from clepsydra.controllers.signals import LARGEST_PARAMETER, amount, signed
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
 
 #: Currents in which a transmitter tells a fault, and between which it measures [mA].
 FAULT_BELOW, UNCERTAIN_BELOW, UNCERTAIN_ABOVE, FAULT_ABOVE = 3.6, 3.8, 20.5, 21.0
-RANGE = tuple(
-    Key(
-        f"range_{end}", "{measurement}", f"{{measurement}} at {current} mA",
-        -LARGEST_PARAMETER, LARGEST_PARAMETER,
-    )
-    for end, current in (("low", 4), ("high", 20))
-)  # fmt: skip
-SENSOR_DELAY = Key(
-    "sensor_delay", "s", "time for which a fault of {measurement} is ridden through",
-    0.0, LARGEST_PARAMETER, 4.0,
-)  # fmt: skip
+RANGE = (
+    signed("range_low", "{measurement}", "{measurement} at 4 mA"),
+    signed("range_high", "{measurement}", "{measurement} at 20 mA"),
+)
+_RIDDEN = "time for which a fault of {measurement} is ridden through"
+SENSOR_DELAY = amount("sensor_delay", "s", _RIDDEN, 4.0)
 _CURRENTS = [
     Signal(name, "mA", initial=value, description=f"{words}; NAMUR NE 43")
     for name, value, words in (
@@ -161,10 +155,8 @@ _WORDS = {
 }
 
 
-SETPOINT_RATE = Key(
-    "setpoint_rate", "{measurement}/s", f"{{measurement}}: largest rate, {LARGEST_PARAMETER:g} for "
-    "none", 0.0, LARGEST_PARAMETER, LARGEST_PARAMETER,
-)  # fmt: skip
+_RATE = f"{{measurement}}: largest rate, {LARGEST_PARAMETER:g} for none"
+SETPOINT_RATE = amount("setpoint_rate", "{measurement}/s", _RATE, LARGEST_PARAMETER)
 
 
 def _ramped(s: Symbols) -> Equations:

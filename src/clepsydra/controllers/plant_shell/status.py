@@ -135,8 +135,3 @@ def _ended(s: Symbols, told: tuple[str, ...], rated: bool) -> Equations:
     results = {signal.name: conditions[signal.part] for signal in CONDITIONS}
     results |= {"out": out, "status": status_word(conditions, SHELL_STATUS_BITS)}
     return Equations({}, results, {"safe": safe})
-
-
-def read_status(word: int) -> tuple[str, ...]:
-    """Return the names of the bits that are set."""
-    return tuple(name for name, bit in SHELL_STATUS_BITS.items() if word & bit.value)

@@ -8,13 +8,12 @@ from functools import cache
 
 import casadi as ca
 
-from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.blocks.filters import lead_lag
 from clepsydra.controllers.blocks.ports import Applied, Asked, Limits, instance, truth
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.validity import is_number, time_step_of, value_or_zero
-from clepsydra.controllers.signals import LARGEST_PARAMETER, signed
+from clepsydra.controllers.signals import amount, signed
 from clepsydra.controllers.structure.block import Opened, WithoutSignals
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
@@ -61,9 +60,7 @@ class FeedforwardTerm:
 _WAY = "from {signal} to {output}"
 _GAIN = signed("gain", "{output}/{signal}", f"gain {_WAY}")
 _REFERENCE = signed("reference", "{signal}", "{signal} at which it adds nothing")
-_DYNAMICS = tuple(
-    Key(what, "s", f"{what} time {_WAY}", 0.0, LARGEST_PARAMETER) for what in ("lead", "lag")
-)
+_DYNAMICS = tuple(amount(what, "s", f"{what} time {_WAY}") for what in ("lead", "lag"))
 
 
 @dataclass(frozen=True)

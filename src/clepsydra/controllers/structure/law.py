@@ -83,8 +83,8 @@ def structure_law(
     measured : sequence of Signal
         The measurements of the scheme.
 
-    Raises InputError: A source is no port, a port is taken twice or not at all, or the signals run
-    in a circle.
+    Raises InputError: the signals run in a circle, or a loop that waits for a selector would wind
+    up.
     """
     ordered = _in_order(name, blocks)
     outputs = [block.signal for block in blocks if isinstance(block, OutputBlock)]
@@ -116,39 +116,11 @@ def structure_law(
 
 def _in_order(name: str, blocks: Sequence[Block]) -> list[Block]:
     """Return the blocks from setpoints to outputs."""
-    _check_ports(name, blocks)
     _check_selectors(name, blocks)
     by_name = {block.name: block for block in blocks}
     givers = {port: block.name for block in blocks for port in block.ports}
     sources = {block.name: [givers[port] for port in block.sources] for block in blocks}
     return [by_name[each] for each in in_order(f"control scheme {name}", sources)]
-
-
-def _check_ports(name: str, blocks: Sequence[Block]) -> None:
-    place = f"control scheme {name}"
-    ports = [port for block in blocks for port in block.ports]
-    taken = [source for block in blocks for source in block.sources]
-    for port in ports:
-        if ports.count(port) > 1:
-            raise InputError(place, port, "a name of its own for each block", "rename one")
-        if taken.count(port) > 1:
-            takers = ", ".join(block.name for block in blocks if port in block.sources)
-            raise InputError(
-                f"{place}, {port}", f"taken by {takers}", "one block that takes it",
-                "give each a loop of its own, or split the range",
-            )  # fmt: skip
-        if port not in taken:
-            raise InputError(
-                f"{place}, {port}", "taken by nothing", "an output or a block that takes it",
-                "connect it, or leave it out",
-            )  # fmt: skip
-    for block in blocks:
-        for source in block.sources:
-            if source not in ports:
-                known = ", ".join(ports)
-                raise InputError(
-                    f"{place}, {block.name}", source, f"one of {known}", "correct the name"
-                )
 
 
 def _check_selectors(name: str, blocks: Sequence[Block]) -> None:

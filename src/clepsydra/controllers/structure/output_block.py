@@ -48,10 +48,7 @@ class OutputBlock(WithoutSignals):
 
     def parameters(self) -> list[Signal]:
         """Limits and, where it has one, the rate limit."""
-        found = signals.limit_parameters(self.signal)
-        if self.rate_limited:
-            found.append(signals.RATE_LIMIT.of(self.signal, output=self.signal))
-        return found
+        return signals.limit_parameters(self.signal, rate_limited=self.rate_limited)
 
     def state(self) -> list[Signal]:
         """The last output."""

@@ -80,7 +80,7 @@ class Scheme(SchemeParts):
             inputs = free | {path(name, "sp"): at[name] for name in setpoints}
             inputs |= {path(name, "pv"): at[name] for name in measurements}
             inputs |= {path(name, "tracking"): at[name] for name in manipulated}
-            begins = first_samples(
+            begins, moving = first_samples(
                 law,
                 own,
                 state_at_rest(law, own, inputs),
@@ -95,11 +95,11 @@ class Scheme(SchemeParts):
                 design=f"Written out, {'; '.join(blocks.words)}.",
                 law=law,
                 values=own,
-                initial_state=begins.state,
+                initial_state=begins,
                 measurements=measurements,
                 setpoints=setpoints,
                 manipulated=manipulated,
-                notes=(*notes, *begins.notes),
+                notes=(*notes, *moving),
                 free_inputs=free,
             )
 
