@@ -5,10 +5,9 @@ from types import SimpleNamespace
 import pytest
 
 import clepsydra as cl
-from clepsydra.studies.recommendation import recommend
+from clepsydra.studies.recommendation import recommend, watched
 from clepsydra.studies.result import Standing
 from clepsydra.studies.warnings.after import caveats_after
-from clepsydra.studies.watch import watched
 
 
 def candidates(*kinds, loops=2, watch=()):

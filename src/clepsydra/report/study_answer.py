@@ -15,9 +15,8 @@ from clepsydra.report.scheme_tables import added_table, settings_table
 from clepsydra.report.score_tables import ranking_note, reasons, standing_word
 from clepsydra.scores.score import in_sentence
 from clepsydra.studies.ranking_words import TIE, trust_sentence
-from clepsydra.studies.recommendation import Recommendation, recommend
+from clepsydra.studies.recommendation import Recommendation, first_clause, recommend, watched
 from clepsydra.studies.result import Candidate, StudyResult
-from clepsydra.studies.watch import first_clause, watched
 
 #: Of the answer: rows of the ranking, of settings, and warnings.
 RANKED, _SETTINGS, _WATCHED = 5, 3, 2

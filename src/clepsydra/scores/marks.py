@@ -115,13 +115,7 @@ def per_step(time: FloatArray, segments: Sequence[Segment], signal: str) -> Floa
 
 
 def before(values: FloatArray) -> FloatArray:
-    """Return the value one instant before; at the first one its own.
-
-    Examples
-    --------
-    >>> before(np.array([3.0, 4.0, 5.0])).tolist()
-    [3.0, 3.0, 4.0]
-    """
+    """Return the value one instant before; at the first one its own."""
     return np.concatenate([values[:1], values[:-1]])
 
 

@@ -27,11 +27,6 @@ class BufferTrajectories:
         All that enters; all that leaves but what spills or evaporates [m³/s].
     filling : ndarray [n]
         Volume over capacity [1].
-
-    Examples
-    --------
-    >>> BufferTrajectories(np.ones(2), np.zeros(2), np.array([0.5, 0.6])).filling.tolist()
-    [0.5, 0.6]
     """
 
     inflow: FloatArray
@@ -59,11 +54,6 @@ class PlantTrajectories:
         Those of them with a band to its ends [signal unit].
     gravity : float
         [m/s²]
-
-    Examples
-    --------
-    >>> PlantTrajectories(spilt={"tank_1": np.zeros(2)}).pumped
-    {}
     """
 
     pumped: Mapping[str, FloatArray] = field(default_factory=dict)
@@ -88,20 +78,6 @@ def plant_trajectories(
         Name to trajectory [n] in SI: every state, input and disturbance, and the memories and
         volumes spilt where the process has them. A memory that was not recorded stands as at
         first.
-
-    Examples
-    --------
-    The pump of the equalisation basin at rest takes away what arrives:
-
-    >>> from clepsydra.linear.equilibrium import find_equilibrium
-    >>> from clepsydra.process.reader import load_process
-    >>> process = load_process("equalisation-tank")
-    >>> at_rest = find_equilibrium(process).as_dict()
-    >>> values = {name: np.full(2, value) for name, value in at_rest.items()}
-    >>> plant = plant_trajectories(process, np.array([0.0, 60.0]), values)
-    >>> buffer = plant.buffers["level"]
-    >>> plant.pumped["outflow"].round(3).tolist(), buffer.filling.round(3).tolist()
-    ([0.307, 0.307], [0.5, 0.5])
     """
     parameters = {signal.name: signal.initial for signal in process.parameters}
     flows = plant_flows(process, time, values)

@@ -25,16 +25,6 @@ def plant_flows(
     values : mapping
         States, inputs, disturbances and memories by name, SI; a memory that is missing stays as it
         is at first.
-
-    Examples
-    --------
-    >>> from clepsydra.linear.equilibrium import find_equilibrium
-    >>> from clepsydra.process.reader import load_process
-    >>> process = load_process("quadruple-tank")
-    >>> rest = {name: np.full(2, v) for name, v in find_equilibrium(process).as_dict().items()}
-    >>> path, flow = plant_flows(process, np.array([0.0, 1.0]), rest)[0]
-    >>> path.element, (1e6 * flow).round(3).tolist()  # [cm³/s]
-    ('pump_1', [9.99, 9.99])
     """
     motion, parameters = process.motion, process.parameter_values
 
@@ -79,10 +69,6 @@ def forced_flows(
     time : ndarray [samples]
     values : mapping
         As in `plant_flows`.
-
-    Examples
-    --------
-    See `plant_flows`; there is none where nothing draws from a tank by force and no vessel refuses.
     """
     refused = any(element.may_refuse for element in process.elements)
     forced = [element for element in process.elements if isinstance(element, ForcedFlow)]

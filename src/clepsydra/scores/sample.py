@@ -78,11 +78,6 @@ class Sample:
         Of a pump: 1 where it runs, else 0.
     lift : Expression
         Of a pump whose head is known: what it gives to the liquid [J/kg].
-
-    Examples
-    --------
-    >>> Sample(before=3.0, now=5.0, setpoint=4.0, next_setpoint=6.0).first
-    1.0
     """
 
     period: Expression = 1.0

@@ -20,11 +20,6 @@ class ScoreKey(NamedTuple):
         The key of a `Score`.
     signal : str
         Empty for all signals that have the score.
-
-    Examples
-    --------
-    >>> print(ScoreKey("iae", "level_1"), ScoreKey("iae"))
-    iae[level_1] iae
     """
 
     score: str
@@ -60,12 +55,6 @@ def score_key(written: str) -> ScoreKey:
 
 
 def by_signal(scores: Mapping[str, float], score: str) -> dict[str, float]:
-    """Return one score of each signal.
-
-    Examples
-    --------
-    >>> by_signal({"iae[a]": 2.0, "iae[b]": 3.0, "overshoot[a]": 9.0}, "iae")
-    {'a': 2.0, 'b': 3.0}
-    """
+    """Return one score of each signal."""
     keys = {score_key(name): value for name, value in scores.items()}
     return {key.signal: value for key, value in keys.items() if key.score == score}

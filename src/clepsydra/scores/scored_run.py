@@ -53,14 +53,6 @@ class ScoredRun:
         A setpoint has no output or measurement or an input no limits, a segment steps the
         setpoint of an unknown signal or holds fewer than two samples, or trajectories differ in
         length.
-
-    Examples
-    --------
-    >>> run = ScoredRun(np.array([0.0, 1.0]), {"y": np.array([1.0, 1.0])},
-    ...                 {"y": np.array([0.0, 1.0])}, {"u": np.array([2.0, 5.0])},
-    ...                 {"u": (0.0, 5.0)})
-    >>> run.limits("u"), run.largest_step("y")
-    ((0.0, 5.0), 0.0)
     """
 
     time: FloatArray

@@ -20,11 +20,6 @@ class Segment:
         [s]
     size : float
         Of the step, in the signal's unit.
-
-    Examples
-    --------
-    >>> Segment("setpoint", "level_1", start=60.0, stop=660.0, size=1.0).kind
-    'setpoint'
     """
 
     kind: SegmentKind

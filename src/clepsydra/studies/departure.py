@@ -52,14 +52,7 @@ class Departure:
 
 
 def departures(process: Process, scores: Mapping[str, float]) -> tuple[Departure, ...]:
-    """Return the levels that a run with these scores took out of their bands.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> departures(load_process("equalisation-tank"), {"above_band[level]": 0.2})
-    ()
-    """
+    """Return the levels that a run with these scores took out of their bands."""
     found = []
     for name in process.bands:
         signal = process.signal(name)

@@ -299,12 +299,6 @@ def of_averaging(process: Process) -> tuple[tuple[str, tuple[str, ...]], ...]:
     """Return the scores that levels which average are judged by, each with its levels.
 
     Where a band says how much room there is, that and the fastest change of the outflow are all.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> of_averaging(load_process("equalisation-tank"))
-    (('outflow_rate', ('level',)), ('variance_ratio', ('level',)))
     """
     free = tuple(name for name in process.averaging if name not in process.bands)
     return ("outflow_rate", process.averaging), ("variance_ratio", free)

@@ -44,15 +44,6 @@ def reason(candidate: Candidate, rival: Candidate | None, *, ahead: bool, tied: 
         Whether it is the first.
     tied : bool
         Whether the wear decides between it and the one it is compared with.
-
-    Examples
-    --------
-    `clepsydra.studies.ranking.rank` gives each candidate its reason:
-
-    >>> first = Candidate(None, None, {}, 1.5, (), standing=Standing.ROBUST, mean_error=1.0,
-    ...                   criteria={"error": 1.0})
-    >>> reason(first, None, ahead=True, tied=False)
-    'Robust (max|S| 1.50). Error 1.00 times the best; the least total variation.'
     """
     words = [trust_sentence(candidate), _numbers(candidate)]
     if rival is not None:

@@ -39,10 +39,6 @@ def told_of_single_precision(
         Of the process at the point where the runs start.
     accept : float
         As of `recommend`.
-
-    Examples
-    --------
-    See `single_precision_warnings`.
     """
     told, looked_at = list(ranking), set[int]()
     while advice := recommend(told, accept):
@@ -111,16 +107,7 @@ def _deviations(run: Run, single: Run) -> list[tuple[str, float, str]]:
 
 
 def error_ratio(runs: Sequence[Run], scores: Sequence[dict[str, float]]) -> float:
-    """Return the mean error by which a study ranks, of the second run as a multiple of the first.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> plant = cl.load("three-tanks")
-    >>> best = cl.study(plant, [cl.design.simc(plant)]).best
-    >>> error_ratio([best.run, replace(best.run)], [best.scores, best.scores])
-    1.0
-    """
+    """Return the mean error by which a study ranks, of the second run as a multiple of the first."""
     trials = [
         Trial(run.controller, run, found, maximum_sensitivity=1.0, warnings=())
         for run, found in zip(runs, scores, strict=True)

@@ -46,11 +46,6 @@ class StudyProgress(NamedTuple):
         Those that are done.
     scores : tuple of str
         What they are judged by; empty for the usual.
-
-    Examples
-    --------
-    >>> StudyProgress(3, 15, "PI, SIMC").name
-    'PI, SIMC'
     """
 
     done: int
@@ -115,13 +110,7 @@ def run_study(
 
 
 def controller_names(request: Process | StudyRequest) -> tuple[str, ...]:
-    """Return the names of the controllers that a study tries, whether or not they apply.
-
-    Examples
-    --------
-    >>> controller_names(load_process("equalisation-tank"))[-1]
-    'PI, arrest time, tuned'
-    """
+    """Return the names of the controllers that a study tries, whether or not they apply."""
     if isinstance(request, StudyRequest) and request.controllers:
         return tuple(wanted.name for wanted in request.controllers)
     process = request.process if isinstance(request, StudyRequest) else request

@@ -43,19 +43,6 @@ def trial_of(
         Of the same operating point, with all measurements.
     tuning : TuningResult, optional
         How the controller was tuned.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.linearise import linearise
-    >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> analysis = cl.load("quadruple-tank").analysis
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> model = linearise(analysis.operating_point)
-    >>> trial = trial_of(controller, analysis, model, default_scenario(analysis.model))
-    >>> round(trial.maximum_sensitivity, 2), trial.warnings
-    (1.07, ())
     """
     switches = not controller.setpoints
     response: LoopResponse | None = None

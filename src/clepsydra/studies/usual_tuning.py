@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.linear_model import LinearModel
+from clepsydra.loop.run import Run
 from clepsydra.loop.running_scores import RunningScores
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
-from clepsydra.studies.levels_used import levels_used
 from clepsydra.studies.ranking import QUIET, Trial, of_averaging
 from clepsydra.studies.tuning.law_space import LawSpace
 from clepsydra.studies.tuning.objective import Goal, Limits, Objective, minimax, weighted_sum
@@ -39,12 +41,6 @@ class UsualTuning:
     ----------
     trials : sequence of Trial
         Those of the study, among which it finds its start.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> UsualTuning(load_process("equalisation-tank"), []).name
-    'PI, arrest time, tuned'
     """
 
     def __init__(self, process: Process, trials: Sequence[Trial]) -> None:
@@ -91,7 +87,7 @@ class UsualTuning:
             errors = [f"iae[{name}]" for name in dict.fromkeys(start.controller.setpoints)]
             return minimax(*errors), limits
         free = [name for name in self.process.averaging if name not in self.process.bands]
-        limits = replace(limits, levels=levels_used(start.run, free))
+        limits = replace(limits, levels=_levels_used(start.run, free))
         return self._averaging_objective(start), limits
 
     def _averaging_objective(self, start: Trial) -> Objective:
@@ -111,3 +107,21 @@ class UsualTuning:
         if not names:
             raise NotApplicable(f"{', '.join(averaging)} leave nothing to lessen")
         return weighted_sum(dict.fromkeys(names, 1.0))
+
+
+def _levels_used(run: Run, measurements: Sequence[str]) -> dict[str, tuple[float, float]]:
+    """Return the band around its first value that the level behind each measurement kept [m].
+
+    The band reaches as far down as up: a run whose loads only filled a tank says as much about
+    the room below.
+    """
+    process = run.process
+    found = {}
+    for name in measurements:
+        state = process.measured_state.get(name)
+        if state in process.levels:
+            level, first = run.values[state], float(run.values[state][0])
+            room = float(np.max(np.abs(level - first)))
+            if room > 0.0:
+                found[state] = (first - room, first + room)
+    return found

@@ -63,19 +63,6 @@ def new_study(process: Process, named: str, template: str) -> str:
         No design of single loops applies to the process.
     NoEquilibrium
         It has no operating point.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> process = load_process("equalisation-tank")
-    >>> print(new_study(process, "equalisation-tank", "$loops"))
-    [controllers.by-hand.loops.level]
-    measurement = "level"
-    output = "outflow"
-    actions = "PI"
-    action = "direct"
-    gain = "0.4416 %/%"
-    integral_time = "25.14 h"
     """
     analysis = analyse(process)
     scenario = default_scenario(analysis.model)

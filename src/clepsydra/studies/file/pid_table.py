@@ -103,13 +103,6 @@ def read_form(table: TableReader) -> PidForm:
     ------
     InputError
         There are no actions, a word is unknown, or the options contradict each other.
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> text = b"actions = 'PI'\\nsetpoint_ramp = '1 %/min'"
-    >>> read_form(TableReader(parse(text, "study.toml"), (), None)).setpoint_ramp
-    True
     """
     if not table.has("actions"):
         raise table.wrong("actions", "one of P, PI, PD, PID", 'write as in actions = "PI"')
@@ -138,21 +131,6 @@ class PidTable:
     ------
     InputError
         A setting is missing, wrong, or none of this form of loop.
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> level = Signal("level", "m", low=0.0, high=5.0)
-    >>> pump = Signal("pump", "V", low=0.0, high=10.0)
-    >>> text = b'''actions = "PI"
-    ... action = "direct"
-    ... gain = "2 %/%"
-    ... integral_time = "5 min"
-    ... '''
-    >>> table = TableReader(parse(text, "study.toml"), (), None)
-    >>> read = PidTable(table, PidBlock.of(level, read_form(table), pump))
-    >>> read.values["level.proportional_gain"], read.values["level.integral_time"], read.assumed
-    (-4.0, 300.0, ['setpoint_weight = 1', 'tracking_time = 300 s'])
     """
 
     def __init__(self, table: TableReader, block: PidBlock) -> None:

@@ -131,13 +131,7 @@ class StudyTable:
 
 
 def study_schema() -> dict[str, Any]:
-    """Return the JSON Schema of a study file, for editors.
-
-    Examples
-    --------
-    >>> study_schema()["properties"]["seed"]["type"]
-    'integer'
-    """
+    """Return the JSON Schema of a study file, for editors."""
     schema = "http://json-schema.org/draft-07/schema#"
     found = {"$schema": schema, "title": "Clepsydra study file", **table_schema(StudyTable)}
     found["properties"]["controllers"]["additionalProperties"] = controller_schema()
@@ -214,11 +208,6 @@ def is_study_file(text: str) -> bool:
     """Return whether a text that a user gave names a study file, rather than a process.
 
     A file that cannot be read or parsed is none: whoever reads it as a process says what is wrong.
-
-    Examples
-    --------
-    >>> is_study_file("quadruple-tank")
-    False
     """
     path = Path(text)
     try:

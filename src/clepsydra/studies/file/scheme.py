@@ -32,26 +32,6 @@ class Scheme(SchemeParts):
     ------
     InputError
         A part is wrong by itself, or the parts do not fit together.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from pathlib import Path
-    >>> from clepsydra.process.document import parse
-    >>> from clepsydra.process.table_reader import TableReader
-    >>> text = b'''[loops.level]
-    ... measurement = "level"
-    ... output = "outflow"
-    ... actions = "P"
-    ... action = "direct"
-    ... gain = "2 %/%"
-    ... '''
-    >>> plant = cl.load("equalisation-tank")
-    >>> table = TableReader(parse(text, "study.toml"), (), None)
-    >>> make = Scheme.read(table, "by hand", plant.process, Path()).maker()
-    >>> controller = make(plant.linear)
-    >>> controller.values["level.proportional_gain"], controller.manipulated
-    (-2.0, ('outflow',))
     """
 
     def maker(self) -> WrittenMaker:

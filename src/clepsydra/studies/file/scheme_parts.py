@@ -48,11 +48,6 @@ class Part:
     moves : tuple of (TableReader, str)
         What it moves, and the table in which that was written as `output`; a split range moves
         several.
-
-    Examples
-    --------
-    >>> Selector(None, "lowest", (), "low").label
-    'selector lowest'
     """
 
     table: TableReader

@@ -32,11 +32,6 @@ class Way(NamedTuple):
         "loop level", "selector lowest", "split inlets", "ratio acid" or "output outflow".
     table : TableReader
         Where it was written, as `output`.
-
-    Examples
-    --------
-    >>> Way("loop level", "output outflow", None).target
-    'output outflow'
     """
 
     source: str

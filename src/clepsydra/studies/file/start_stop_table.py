@@ -98,24 +98,6 @@ class StartStopTable(Written):
     InputError
         A name is unknown, there is not one level for each pump, a level is outside its range, or
         the levels do not follow each other.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from pathlib import Path
-    >>> from clepsydra.process.document import parse
-    >>> text = b'''[start_stop]
-    ... measurement = "level"
-    ... pumps = ["duty", "standby"]
-    ... start = ["10 mA", "13 mA"]
-    ... stop = ["7 mA", "9 mA"]
-    ... '''
-    >>> table = TableReader(parse(text, "study.toml"), (), None)
-    >>> plant = cl.load("wet-well:start-stop")
-    >>> make = StartStopTable.read(table, "pumps", plant.process, Path()).maker()
-    >>> found = make(plant.linear)
-    >>> found.values["stage.2.start_level"], found.values["duty.running_value"]
-    (0.013, 1.0)
     """
 
     start_stop: TableReader = table_below(

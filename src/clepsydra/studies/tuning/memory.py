@@ -38,13 +38,6 @@ class Memory:
         Numbers kept of each candidate, the last one the status of its run.
     digest : str
         Of the problem; a file of another problem is refused.
-
-    Examples
-    --------
-    >>> memory = Memory(1, 2, "one tank")
-    >>> memory.rows[b"a point's bits"] = [3.2, 0.0]
-    >>> len(memory.rows)
-    1
     """
 
     def __init__(self, parameters: int, width: int, digest: str) -> None:

@@ -38,17 +38,6 @@ def resting_states(loop: Loop, values: Mapping[str, np.ndarray]) -> dict[str, np
     -------
     dict
         State of the law to its initial value for each candidate [candidates].
-
-    Examples
-    --------
-    With a setpoint weight of 0.5 the integral must make up for half of K r = 3 × 6.13 V:
-
-    >>> import clepsydra as cl
-    >>> plant = cl.load("quadruple-tank")
-    >>> loop = Loop(cl.design.simc(plant), plant.linear)
-    >>> states = resting_states(loop, {"level_1.setpoint_weight": np.array([1.0, 0.5])})
-    >>> (states["level_1.integral"] - 3.0).round(3)
-    array([0.   , 9.197])
     """
     controller = loop.controller
     own = controller.values
@@ -82,17 +71,6 @@ def rested_elsewhere(own: Loop, other: Loop) -> dict[str, float]:
         Whose controller starts at rest.
     other : Loop
         With the same law.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from dataclasses import replace
-    >>> plant = cl.load("quadruple-tank")
-    >>> controller = cl.design.simc(plant)
-    >>> halved = replace(controller, values={**controller.values, "level_1.setpoint_weight": 0.5})
-    >>> state = rested_elsewhere(Loop(controller, plant.linear), Loop(halved, plant.linear))
-    >>> round(state["level_1.integral"] - 3.0, 3)
-    9.197
     """
     before, after = (
         _taken_over(loop, loop.controller.values, _MOST_SAMPLES) for loop in (own, other)

@@ -99,14 +99,6 @@ def caveats_before(
         Of the operating point where the scenario begins.
     controller : Controller
         Which levels have setpoints, and what is moved.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> plant = cl.load("three-tanks")
-    >>> caveats_before(plant.linear, cl.design.simc(plant), default_scenario(plant.linear))
-    ()
     """
     point, rests = operating_point_of(model), resting_after(controller, model, scenario)
     words = [

@@ -21,11 +21,6 @@ class Margin(NamedTuple):
         A factor on the gain [1] or a phase [rad]; infinite where no change is too much.
     frequency : float
         [rad/s]; not a number for none.
-
-    Examples
-    --------
-    >>> Margin(2.0, 0.1).value
-    2.0
     """
 
     value: float

@@ -50,19 +50,6 @@ class LoopResponse:
     at_inner : mapping
         Measurement of each inner loop of a cascade to S there, from something added to the
         measurement to what the law reads of it, ndarray [l], complex; the other loops closed.
-
-    Examples
-    --------
-    An integrator under proportional control that takes half of the error in each sample: the
-    sensitivity at half the sampling frequency is (z - 1)/(z - 0.5) at z = -1.
-
-    >>> none, one = np.zeros((0, 0)), np.eye(1)
-    >>> law = LinearStepLaw(none, none, none, none, 0.5 * one, -0.5 * one)
-    >>> loop = SampledLoop(0.5 * one, -0.5 * one, one, one)
-    >>> response = LoopResponse(1.0, np.array([np.pi]), ("level",), ("pump",),
-    ...                         np.array([[[4 / 3]]]), np.array([[[4 / 3]]]), loop, law)
-    >>> round(float(response.channels["level"].loop[0].real), 6)
-    -0.25
     """
 
     period: float
