@@ -107,7 +107,7 @@ def _deviations(run: Run, single: Run) -> list[tuple[str, float, str]]:
 
 
 def error_ratio(runs: Sequence[Run], scores: Sequence[dict[str, float]]) -> float:
-    """Return the mean error by which a study ranks, of the second run as a multiple of the first."""
+    """Return the error by which a study ranks, of the second run as a multiple of the first."""
     trials = [
         Trial(run.controller, run, found, maximum_sensitivity=1.0, warnings=())
         for run, found in zip(runs, scores, strict=True)

@@ -73,15 +73,13 @@ def table_below(kind: type, words: str, remedy: str) -> Any:
 
 
 def moved(words: str = "what it moves, as of a loop") -> Any:
-    """Return the field of what the key `output` names, beside the table where it is written."""
+    """Return the field of the name of what is moved."""
 
-    def read(
-        table: TableReader, key: str, known: Mapping[str, Any]
-    ) -> tuple[tuple[TableReader, str]]:
+    def read(table: TableReader, key: str, known: Mapping[str, Any]) -> str:
         remedy = f'write the name of one, as in output = "{known["process"].inputs[0].name}"'
-        return ((table, table.text("output", "what it moves", remedy)),)
+        return table.text(key, "what it moves", remedy)
 
-    return part(read, {"output": told.text(words)}, required=("output",))
+    return part(read, required=(OWN,), **told.text(words))
 
 
 def gain_between(words: str, expected: str, remedy: str, *, required: bool = False) -> Any:
@@ -100,19 +98,14 @@ def gain_between(words: str, expected: str, remedy: str, *, required: bool = Fal
     return part(read, required=(OWN,) if required else (), **told.quantity(words))
 
 
-def value_in_range(
-    words: str, expected: str, remedy: str, *, key: str = OWN, required: bool = False
-) -> Any:
+def value_in_range(words: str, expected: str, remedy: str, *, required: bool = False) -> Any:
     """Return the field of a `Value`, which is read once its signal is known."""
 
-    def read(table: TableReader, name: str, known: Mapping[str, Any]) -> Value | None:
-        name = key or name
-        if not required and not table.has(name):
+    def read(table: TableReader, key: str, known: Mapping[str, Any]) -> Value | None:
+        if not required and not table.has(key):
             return None
         return lambda signal: read_in_range(
-            table, name, signal, expected, remedy.format(signal=signal.name)
+            table, key, signal, expected, remedy.format(signal=signal.name)
         )
 
-    schema = {key: told.quantity(words)} if key else None
-    keys = (key,) if required else ()
-    return part(read, schema, required=keys, **({} if key else told.quantity(words)))
+    return part(read, required=(OWN,) if required else (), **told.quantity(words))

@@ -96,7 +96,7 @@ SETTINGS = {
 }
 
 
-def read_form(table: TableReader) -> PidForm:
+def read_form(table: TableReader, key: str, known: Mapping[str, Any]) -> PidForm:
     """Return the form of a loop; only its actions must be written.
 
     Raises

@@ -63,7 +63,7 @@ class SchemeBlocks:
             self._add_loop(loop)
         for selector in parts.selectors:
             name = selector.label
-            self.blocks.append(SelectorBlock(name, self._ports(name), selector.selection))
+            self.blocks.append(SelectorBlock(name, self._ports(name), selector.select))
         for split in parts.split_ranges:
             self._add_split(split)
         for ratio in parts.ratios:
@@ -201,7 +201,7 @@ class SchemeBlocks:
             self._put(path(_owner(term), key), value, term.table, key)
 
     def _add_output(self, signal: Signal) -> None:
-        written = self.parts.outputs.get(signal.name)
+        written = next((o for o in self.parts.outputs if o.name == signal.name), None)
         limited = written is not None and written.rate_limit is not None
         self.blocks.append(OutputBlock(signal, self._ports(f"output {signal.name}")[0], limited))
         if written is None:
