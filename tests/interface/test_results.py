@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import clepsydra as cl
 
@@ -70,6 +71,15 @@ def test_a_drawing_has_the_values_of_the_operating_point(plant, tmp_path):
     assert lower.draw(tmp_path / "lower.svg") is None
     drawn, other = ((tmp_path / f"{name}.svg").read_text("utf-8") for name in ("plant", "lower"))
     assert "3.00 V" in drawn and "2.50 V" in other and "2.50 V" not in drawn
+
+
+def test_a_drawing_takes_only_a_controller_of_its_signals(plant, pi, tmp_path):
+    drum = cl.load("wet-well")
+    with refused(place="measurements", value="level_1", expected=drum.name):
+        drum.draw(tmp_path / "drum.svg", pi)
+    with refused(place="controller", value="PI", remedy="cl.design.simc(plant)"):
+        plant.draw(tmp_path / "plant.svg", "PI")
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.thorough

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
@@ -17,9 +17,6 @@ from clepsydra.interface.settings import settings_grid, values_of
 from clepsydra.interface.shown import Answered, lifted
 from clepsydra.loop.loop import Loop
 from clepsydra.studies.tuning.resting_states import rested_elsewhere
-
-if TYPE_CHECKING:
-    pass
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -144,16 +144,27 @@ class Plant(Answered):
         -------
         NoEquilibrium or None
             Why it is drawn without values, where it never rests.
+
+        Raises
+        ------
+        InputError
+            It is no controller, or it is wired to signals that the plant does not have.
         """
-        from clepsydra.interface.controller import of_plant
+        from clepsydra.controllers.controller import Controller
+        from clepsydra.controllers.wiring import check_signals
         from clepsydra.report.drawing.plant import process_drawing
 
-        made, reason = None if controller is None else of_plant(controller, self), None
+        if controller is not None:
+            remedy = "give one, as from cl.design.simc(plant), or leave it out"
+            require_type(controller, Controller, "draw, controller", "a controller", remedy)
+            wires = controller.measurements, controller.setpoints, controller.manipulated
+            check_signals(*wires, controller.name, self.process)
+        reason = None
         try:
             point = find_equilibrium(self.process, self._inputs, self._outputs, self._disturbances)
         except NoEquilibrium as error:
             point, reason = None, error
-        picture = process_drawing(self.process, point, made)
+        picture = process_drawing(self.process, point, controller)
         with whole_file(Path(path)) as part:
             part.write_text(picture, encoding="utf-8")
         return reason
