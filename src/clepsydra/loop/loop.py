@@ -3,31 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 
 import numpy as np
 
-from clepsydra.base.arguments import require_type
-from clepsydra.base.conversion import Conversion
-from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.python_law import PythonLaw
-from clepsydra.controllers.wiring import check_signals
 from clepsydra.engine.kernel import Kernel
-from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.linearise import operating_point_of
-from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.closed_loop import (
     closed_loop,
     controller_name,
-    free_inputs,
     loop_inputs,
-    wire_conversions,
 )
 from clepsydra.loop.inner_setpoints import inner_setpoints
-from clepsydra.loop.motion_block import motion_at_rest, recorded_signals, step_told
+from clepsydra.loop.motion_block import recorded_signals, step_told
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.step_size import (
@@ -36,32 +25,17 @@ from clepsydra.loop.step_size import (
     Solver,
     check_solver,
     refined,
-    substeps_for,
 )
 from clepsydra.loop.stepped_loop import stepped_loop
-from clepsydra.process.process import Process
+from clepsydra.loop.wired_loop import WiredLoop
 from clepsydra.program.entries import signal_of
 from clepsydra.program.precision import Precision, in_single_arithmetic
 from clepsydra.program.program import Program
 from clepsydra.scores.plant_flows import forced_flows
 
 
-@dataclass(frozen=True)
-class Loop:
-    """A process under a controller, starting at rest at the operating point of its model.
-
-    Parameters
-    ----------
-    controller : Controller
-    model : LinearModel
-        Of the process at an operating point; its fastest eigenvalue sets the integration
-        step. Its outputs do not count.
-
-    Raises
-    ------
-    InputError
-        The model has no operating point, the controller names signals that the process
-        lacks, or the process is sampled too slowly to be simulated.
+class Loop(WiredLoop):
+    """A process under a controller, and its runs.
 
     Examples
     --------
@@ -73,31 +47,6 @@ class Loop:
     >>> round(float(run.true_measurement("level_1")[659] - run.true_measurement("level_1")[0]), 3)
     1.0
     """
-
-    controller: Controller
-    model: LinearModel
-
-    def __post_init__(self) -> None:
-        given = self.controller
-        check_signals(
-            given.measurements, given.setpoints, given.manipulated, given.name, self.process
-        )
-        substeps_for(self.model)
-
-    @property
-    def point(self) -> OperatingPoint:
-        """Where the loop starts at rest."""
-        return operating_point_of(self.model)
-
-    @property
-    def process(self) -> Process:
-        """The process."""
-        return self.point.process
-
-    @property
-    def substeps(self) -> int:
-        """RK4 steps in a sampling period, from the fastest eigenvalue."""
-        return substeps_for(self.model)
 
     def run(
         self,
@@ -172,38 +121,6 @@ class Loop:
         period = self.process.sampling_period
         return lambda count: self._by_kernel(scenario, kernel, count, step_told(period, count))
 
-    def check(self, scenario: Scenario) -> None:
-        """Refuse a scenario that is none of this process, see `run`."""
-        require_type(
-            scenario, Scenario, "scenario", "a Scenario", "make one, for example default_scenario"
-        )
-        process = self.process
-        if scenario.sampling_period != process.sampling_period:
-            raise InputError(
-                "scenario, sampling period", f"{scenario.sampling_period} s",
-                f"the sampling period of {process.name}, {process.sampling_period} s",
-                "make the scenario for this process",
-            )  # fmt: skip
-        for what, table, width in (
-            ("setpoints", scenario.setpoints, len(process.controlled)),
-            ("disturbances", scenario.disturbances, len(process.disturbances)),
-            ("noise", scenario.noise, len(process.measurements)),
-        ):
-            if table.shape != (scenario.samples, width):
-                raise InputError(
-                    f"scenario, {what}", list(table.shape), f"[{scenario.samples}, {width}]",
-                    f"give one column for each of the {width} signals",
-                )  # fmt: skip
-
-    def inputs_of(self, scenario: Scenario) -> dict[str, np.ndarray]:
-        """Return the inputs of the closed loop in a scenario by name [samples]."""
-        process = self.process
-        return {
-            **{f"{n}.setpoint": scenario.setpoints[:, i] for i, n in enumerate(process.controlled)},
-            **{d.name: scenario.disturbances[:, i] for i, d in enumerate(process.disturbances)},
-            **{f"{y.name}.noise": scenario.noise[:, i] for i, y in enumerate(process.measurements)},
-        }
-
     def _kernel(
         self,
         scenario: Scenario,
@@ -238,50 +155,6 @@ class Loop:
         )
         computed = {signal.name: result.output(signal.name)[0] for signal in kernel.program.outputs}
         return self._collect(scenario, computed, substeps=substeps)
-
-    def initial_state(self) -> dict[str, float]:
-        """Return the initial state of the closed loop by name: everything at rest."""
-        return {
-            **motion_at_rest(self.point),
-            **{controller_name(k): v for k, v in self.controller.initial_state.items()},
-        }
-
-    def law_parameters(self) -> dict[str, float]:
-        """Return the parameters of the step law by their names in the closed loop."""
-        return {controller_name(k): v for k, v in self.controller.values.items()}
-
-    def at_rest(self) -> dict[str, float]:
-        """Return the inputs of the closed loop at the operating point, in automatic."""
-        at = self.point.as_dict()
-        every = (*loop_inputs(self.process), *free_inputs(self.controller))
-        values = {signal.name: signal.initial for signal in every}
-        values |= {f"{name}.setpoint": at[name] for name in self.process.controlled}
-        values |= {d.name: at[d.name] for d in self.process.disturbances}
-        for u in self.process.inputs:
-            values |= {f"{u.name}.manual": at[u.name], f"{u.name}.tracking": at[u.name]}
-        return values
-
-    def law_inputs(self, now: dict[str, float]) -> np.ndarray:
-        """Return the inputs of the step law from the loop's signals by name."""
-        wires = self.controller.input_wires
-        given = {name: self._passed(name, now[wire]) for name, wire in wires.items()}
-        given["time_step"] = self.process.sampling_period
-        return np.array([given[signal.name] for signal in self.controller.law.inputs])
-
-    def told_by_law(self, outputs: np.ndarray) -> dict[str, float]:
-        """Return the loop's signals by name from the outputs of the step law."""
-        wires = self.controller.output_wires
-        return {
-            wires[signal.name]: self._passed(signal.name, float(value))
-            for signal, value in zip(self.controller.law.outputs, outputs, strict=True)
-        }
-
-    def _passed(self, name: str, value: float) -> float:
-        return self._ways[name](value) if name in self._ways else value
-
-    @cached_property
-    def _ways(self) -> dict[str, Conversion]:
-        return wire_conversions(self.controller, self.process)
 
     def _collect(
         self, scenario: Scenario, computed: dict[str, np.ndarray], *, substeps: int

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,10 +18,8 @@ from clepsydra.loop.motion_block import motion_at_rest
 from clepsydra.loop.reference_motion import ReferenceMotion
 from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.step_size import Solver
+from clepsydra.loop.wired_loop import WiredLoop
 from clepsydra.program.step_law import Equations, step_law
-
-if TYPE_CHECKING:
-    from clepsydra.loop.loop import Loop
 
 
 @contextmanager
@@ -43,7 +40,7 @@ def naming_sample(sample: int, period: float) -> Iterator[None]:
 
 
 def stepped_loop(
-    loop: Loop, scenario: Scenario, substeps: int, solver: Solver = "kernel"
+    loop: WiredLoop, scenario: Scenario, substeps: int, solver: Solver = "kernel"
 ) -> dict[str, np.ndarray]:
     """Simulate a loop sample by sample, with its law outside of the kernel.
 
@@ -52,7 +49,7 @@ def stepped_loop(
 
     Parameters
     ----------
-    loop : Loop
+    loop : WiredLoop
     scenario : Scenario
     substeps : int
         RK4 steps in a sampling period.
@@ -94,7 +91,7 @@ def stepped_loop(
 class _KernelPlant:
     """A process that a kernel moves, every input at its manual value."""
 
-    def __init__(self, loop: Loop, substeps: int) -> None:
+    def __init__(self, loop: WiredLoop, substeps: int) -> None:
         process, at_rest = loop.process, loop.at_rest()
         self._by_hand = {f"{u.name}.manual": u.name for u in process.inputs}
         self._outside = {d.name for d in process.disturbances}
@@ -122,7 +119,7 @@ class _KernelPlant:
 class _ReferencePlant:
     """A process that CVODES moves."""
 
-    def __init__(self, loop: Loop, substeps: int) -> None:
+    def __init__(self, loop: WiredLoop, substeps: int) -> None:
         self._process = loop.process
         spilt = tuple(loop.process.spilt.values())
         self._motion = ReferenceMotion(loop.point, substeps, spilt)

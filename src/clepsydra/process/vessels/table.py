@@ -95,7 +95,7 @@ class AreaTable(Vessel):
     def _chosen(self, quantity: str, value: ca.SX) -> dict[str, ca.SX]:
         """Return the numbers of the segment in which a level or volume lies."""
         first, *others = self._segments
-        chosen: dict[str, ca.SX] = dict(first)
+        chosen: dict[str, ca.SX] = {**first}
         for segment in others:
             reached = value >= segment[quantity]
             for name, number in segment.items():
