@@ -13,13 +13,10 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.linear.analysis import Analysis, analyse
+from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
-from clepsydra.loop.default_scenario import default_scenario
-from clepsydra.loop.step_size import substeps_for
 from clepsydra.process.process import Process
-from clepsydra.process.reader import load_process
 from clepsydra.studies.designs import studied_designs
 from clepsydra.studies.file.request import ControllerRequest, Maker, StudyRequest
 from clepsydra.studies.ranking import Trial, rank, rule_of, verdict
@@ -61,9 +58,8 @@ class StudyProgress(NamedTuple):
 
 
 def run_study(
-    process: Process | StudyRequest | str | Path,
+    request: StudyRequest,
     *,
-    seed: int = 1,
     progress: Callable[[StudyProgress], None] | None = None,
     tuning_folder: Path | None = None,
     only: str | None = None,
@@ -72,12 +68,9 @@ def run_study(
 
     Parameters
     ----------
-    process : Process, StudyRequest, str or Path
-        A process, a name of the catalogue or a process file: every design that applies is
-        tried in the default scenario, and PI control is tuned by simulation. Or a study file,
-        read by `studies.file.reader.read_study`, which says what is tried.
-    seed : int
-        Of the measurement noise and the tuning; that of a study file stands in the file.
+    request : StudyRequest
+        Where it names no controllers, every design that applies is tried, and PI control is tuned
+        by simulation.
     progress : callable, optional
         Takes a `StudyProgress` before each controller, and while one is tuned.
     tuning_folder : Path, optional
@@ -89,23 +82,13 @@ def run_study(
 
     Raises
     ------
-    NoEquilibrium
-        The process has no operating point.
     InputError
-        The process or study file cannot be used, the process is sampled too slowly or too
-        fast to be simulated, or `only` names no controller of the study.
-
-    Examples
-    --------
-    >>> (candidate,) = run_study("three-tanks", only="PI, AMIGO").ranking
-    >>> candidate.standing.name, round(candidate.maximum_sensitivity, 2)
-    ('ROBUST', 1.36)
+        A controller of the request cannot be made, or `only` names none of the study.
     """
-    if not isinstance(process, (Process, StudyRequest)):
-        process = load_process(process)
-    if only is not None:
-        _check_name(only, controller_names(process))
-    request = process if isinstance(process, StudyRequest) else _usual_request(process, seed)
+    known = controller_names(request)
+    if only is not None and only not in known:
+        remedy = suggestion(only, known, f"choose one, in quotation marks: {'; '.join(known)}")
+        raise InputError("controller", only, "the name of a controller of this study", remedy)
     return _Study(request, progress, tuning_folder).run(only)
 
 
@@ -117,21 +100,6 @@ def controller_names(request: Process | StudyRequest) -> tuple[str, ...]:
     return (*studied_designs(), UsualTuning(process, ()).name)
 
 
-def _usual_request(process: Process, seed: int) -> StudyRequest:
-    """Return the request for all designs in the default scenario."""
-    analysis = analyse(process)
-    substeps_for(analysis.model)  # a process that cannot be simulated is refused before all else
-    scenario = default_scenario(analysis.model, seed=seed)
-    return StudyRequest(None, process.title, process, analysis, scenario, (), (), seed)
-
-
-def _check_name(name: str, known: tuple[str, ...]) -> None:
-    if name not in known:
-        listed = f"choose one, in quotation marks: {'; '.join(known)}"
-        remedy = suggestion(name, known, listed)
-        raise InputError("controller", name, "the name of a controller of this study", remedy)
-
-
 class _Study:
     def __init__(
         self,
@@ -139,8 +107,8 @@ class _Study:
         progress: Callable[[StudyProgress], None] | None,
         tuning_folder: Path | None,
     ) -> None:
-        self.request, self.analysis, self.scenario = request, request.analysis, request.scenario
-        self.model: LinearModel = linearise(self.analysis.operating_point)
+        self.request = request
+        self.model: LinearModel = linearise(request.analysis.operating_point)
         self.tell = progress or (lambda _: None)
         self.folder = tuning_folder
         self.trials: list[Trial] = []
@@ -159,12 +127,12 @@ class _Study:
         ranking = rank(self.trials, request.scores)
         return StudyResult(
             process=request.process,
-            analysis=self.analysis,
-            scenario=self.scenario,
+            analysis=request.analysis,
+            scenario=request.scenario,
             ranking=ranking,
             not_applicable=tuple(refused),
             verdict=verdict(request.process, ranking),
-            warnings=self.analysis.operating_point.warnings,
+            warnings=request.analysis.operating_point.warnings,
             title=request.title,
             rule=rule_of(request.scores),
             path=request.path,
@@ -184,12 +152,12 @@ class _Study:
         return [each for each in wanted if only is None or each.name in needed]
 
     def _try(self, wanted: ControllerRequest, now: StudyProgress) -> None:
-        controller, tuning = wanted.make(self.analysis, self.model), None
+        analysis, scenario = self.request.analysis, self.request.scenario
+        controller, tuning = wanted.make(analysis, self.model), None
         if wanted.tune is not None:
-            run = partial(wanted.tune.run, controller, self.model, self.scenario)
-            tuning = self._tuned(now, run)
+            tuning = self._tuned(now, partial(wanted.tune.run, controller, self.model, scenario))
             controller = replace(tuning.controller, name=wanted.name)
-        self.trials.append(trial_of(controller, self.analysis, self.model, self.scenario, tuning))
+        self.trials.append(trial_of(controller, analysis, self.model, scenario, tuning))
 
     def _tuned(self, now: StudyProgress, run: Callable[[Search], TuningResult]) -> TuningResult:
         def tell(progress: Progress) -> None:
