@@ -70,12 +70,9 @@ be written; choose another (no such file or directory).
     try:
         tempfile.TemporaryFile(dir=folder).close()
     except (OSError, ValueError) as error:
-        raise InputError(
-            place,
-            str(folder.absolute()),
-            "a folder in which files can be written",
-            f"choose another ({reason_of(error)})",
-        ) from None
+        expected = "a folder in which files can be written"
+        remedy = f"choose another ({reason_of(error)})"
+        raise InputError(place, str(folder.absolute()), expected, remedy) from None
 
 
 def remove_abandoned(folder: Path | int, beginning: str = "") -> None:

@@ -195,12 +195,9 @@ def without_dead_time(model: LinearModel, order: int) -> LinearModel:
     r = len(delays.times)
     rates = np.diag(1.0 / delays.times)
     if np.linalg.cond(np.eye(r) - d * delays.through) > 1e12:
-        raise InputError(
-            "Padé approximation, order",
-            order,
-            "an order that makes the delayed signals well posed",
-            "take the order one higher or lower",
-        )
+        expected = "an order that makes the delayed signals well posed"
+        remedy = "take the order one higher or lower"
+        raise InputError("Padé approximation, order", order, expected, remedy)
     at, matrix = model.ports, model.matrix
     shown = np.kron(np.eye(r), c)
     matrix = np.hstack([matrix, matrix[:, at.z] @ shown])  # z by the approximation's states

@@ -112,12 +112,9 @@ def feedback(loop: LinearModel, channels: Sequence[int] | None = None) -> Linear
     for channel in range(size) if channels is None else channels:
         closed[channel, channel] = 1.0
     if size and np.linalg.cond(np.eye(size) + loop.D @ closed) > 1e14:
-        raise InputError(
-            "feedback, D",
-            loop.D.tolist(),
-            "a loop whose direct gain is not -1",
-            "the loop is not well posed: change the gain or count the lag of the actuator",
-        )
+        expected = "a loop whose direct gain is not -1"
+        remedy = "the loop is not well posed: change the gain or count the lag of the actuator"
+        raise InputError("feedback, D", loop.D.tolist(), expected, remedy)
     at = loop.ports
     return loop.with_matrix(led_back(loop.matrix, at.u, at.y, -closed), loop.times, point=None)
 

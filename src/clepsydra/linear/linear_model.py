@@ -65,12 +65,9 @@ class InternalDelays:
     def __post_init__(self) -> None:
         for time in np.ravel(self.times):
             if not (np.isfinite(time) and time > 0.0):
-                raise InputError(
-                    "linear model, delays, times",
-                    float(time),
-                    "dead times above 0 s",
-                    "leave out a signal that is not delayed",
-                )
+                expected = "dead times above 0 s"
+                remedy = "leave out a signal that is not delayed"
+                raise InputError("linear model, delays, times", float(time), expected, remedy)
 
 
 def refuse_delays(delays: InternalDelays | None, what: str) -> None:
@@ -321,12 +318,9 @@ class LinearModel:
         matrices = [np.array(matrix, float) for matrix in (system.A, system.B, system.C, system.D)]
         A, B, C, D = matrices
         if np.any(D[:, disturbed] != 0.0):
-            raise InputError(
-                f"{place}, D",
-                D[:, disturbed].tolist(),
-                "zeros in the columns of the disturbances",
-                "let the disturbance act through a state, or name it as an input",
-            )
+            expected = "zeros in the columns of the disturbances"
+            remedy = "let the disturbance act through a state, or name it as an input"
+            raise InputError(f"{place}, D", D[:, disturbed].tolist(), expected, remedy)
         return cls(
             A=A,
             B=B[:, manipulated],

@@ -197,10 +197,7 @@ def operating_point_of(model: LinearModel) -> OperatingPoint:
         model, LinearModel, "model", "a LinearModel", "make it with linearise, or by analyse"
     )
     if model.point is None:
-        raise InputError(
-            "linear model, point",
-            None,
-            "a model of a process at an operating point",
-            "make it by linearise(point), or give it its point by dataclasses.replace",
-        )
+        expected = "a model of a process at an operating point"
+        remedy = "make it by linearise(point), or give it its point by dataclasses.replace"
+        raise InputError("linear model, point", None, expected, remedy)
     return model.point

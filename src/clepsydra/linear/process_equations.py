@@ -104,12 +104,9 @@ class ProcessEquations:
         rates = self.rates[kept]
         for name, symbol in zip(self.states, ca.vertsplit(self.state), strict=True):
             if name not in names and ca.depends_on(rates, symbol):
-                raise InputError(
-                    "observer, estimated",
-                    ", ".join(names),
-                    f"{name} too, which acts on them",
-                    "estimate it as well",
-                )
+                expected = f"{name} too, which acts on them"
+                remedy = "estimate it as well"
+                raise InputError("observer, estimated", ", ".join(names), expected, remedy)
         groups = self.point, self.inputs, self.moved, self.constants, self.outputs
         return ProcessEquations(*groups, tuple(names), self.state[kept], rates)
 

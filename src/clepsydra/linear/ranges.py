@@ -74,12 +74,9 @@ def _spans(model: LinearModel) -> dict[str, float]:
 def _size(name: str, known: Mapping[str, float]) -> float:
     size = float(known.get(name, np.inf))
     if not (np.isfinite(size) and size > 0.0):
-        raise InputError(
-            f"ranges, {name}",
-            known.get(name),
-            "a range with two ends, above zero",
-            "give the signal a range in the process file, or its size here",
-        )
+        expected = "a range with two ends, above zero"
+        remedy = "give the signal a range in the process file, or its size here"
+        raise InputError(f"ranges, {name}", known.get(name), expected, remedy)
     return size
 
 

@@ -141,19 +141,13 @@ def linear_relative_degrees(model: LinearModel) -> tuple[int, ...]:
                 break
             row, size, degree = row @ model.A, size @ np.abs(model.A), degree + 1
         if degree > len(model.states):
-            raise NotLinearisable(
-                f"{name}, relative degree",
-                "none",
-                "an input that moves it",
-                "control another output, or add an input",
-            )
+            expected = "an input that moves it"
+            remedy = "control another output, or add an input"
+            raise NotLinearisable(f"{name}, relative degree", "none", expected, remedy)
         if degree > MOST_DERIVATIVES:
-            raise NotLinearisable(
-                f"{name}, relative degree",
-                degree,
-                f"at most {MOST_DERIVATIVES} differentiations until an input shows",
-                "control an output nearer to the input, or by another method",
-            )
+            expected = f"at most {MOST_DERIVATIVES} differentiations until an input shows"
+            remedy = "control an output nearer to the input, or by another method"
+            raise NotLinearisable(f"{name}, relative degree", degree, expected, remedy)
         found.append(degree)
     return tuple(found)
 

@@ -70,12 +70,8 @@ def relative_gain_array(gain: ArrayLike) -> np.ndarray:
     scaled = scaled / np.where(columns > 0.0, columns, 1.0)
     singular_values = np.linalg.svd(scaled, compute_uv=False)
     if not singular_values.size or singular_values[-1] <= _SINGULAR * singular_values[0]:
-        raise InputError(
-            place,
-            gains.tolist(),
-            "a matrix of full rank",
-            "the outputs cannot be set independently; choose other outputs or inputs",
-        )
+        remedy = "the outputs cannot be set independently; choose other outputs or inputs"
+        raise InputError(place, gains.tolist(), "a matrix of full rank", remedy)
     if gains.shape[0] == gains.shape[1]:
         return np.asarray(scaled * np.linalg.inv(scaled).T)
     return np.asarray(gains * np.linalg.pinv(gains).T)
@@ -264,12 +260,8 @@ def niederlinski_index(
     columns = [list(inputs).index(name) for _, name in pairing]
     paired = gains[np.ix_(rows, columns)]
     if not np.all(np.isfinite(paired)):
-        raise InputError(
-            "Niederlinski index, gain",
-            paired.tolist(),
-            "finite static gains",
-            "the index is defined for a process that does not integrate",
-        )
+        remedy = "the index is defined for a process that does not integrate"
+        raise InputError("Niederlinski index, gain", paired.tolist(), "finite static gains", remedy)
     diagonal = np.diag(paired)
     if np.any(diagonal == 0.0):
         return float("inf")

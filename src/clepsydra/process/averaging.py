@@ -55,11 +55,8 @@ def read_averaging(
         if name in sensors and sensors[name].measured in ("level", "volume")
     ]
     if not contents:
-        raise table.wrong(
-            "averaging",
-            "no such key, since no level or volume of a tank is controlled",
-            "remove it, or name a level in controlled",
-        )
+        expected = "no such key, since no level or volume of a tank is controlled"
+        raise table.wrong("averaging", expected, "remove it, or name a level in controlled")
     names = known_names(
         contents,
         table,

@@ -46,11 +46,9 @@ def read_bands(
             continue
         table = TableReader(document, (sensor.table, sensor.name), None)
         if sensor.name not in averaging:
-            raise table.wrong(
-                _KEY,
-                "no band, since this is none of the levels that average",
-                f'remove it, or write averaging = ["{sensor.name}"] at the top of the file',
-            )
+            expected = "no band, since this is none of the levels that average"
+            remedy = f'remove it, or write averaging = ["{sensor.name}"] at the top of the file'
+            raise table.wrong(_KEY, expected, remedy)
         least, most = map(sensor.to_reading, sensor.bounds)
         signal = sensor.measurements()[0]
         if sensor.band[0] < least or sensor.band[1] > most:

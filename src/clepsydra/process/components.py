@@ -33,12 +33,9 @@ def read_components(document: Document, general: TableReader) -> tuple[Component
         path = ("components", name)
         checked_name(name, document.place(*path))
         if name.lower() in _TAKEN:
-            raise InputError(
-                document.place(*path),
-                name,
-                "the name of something that is dissolved",
-                f"choose another name than {', '.join(_TAKEN)}",
-            )
+            expected = "the name of something that is dissolved"
+            remedy = f"choose another name than {', '.join(_TAKEN)}"
+            raise InputError(document.place(*path), name, expected, remedy)
         table = TableReader(document, path, ("range",))
         shown = table.display_units("range").get("range", "")
         unit = next((u for u in _UNITS if shown and convertible(shown, u)), _UNITS[0])

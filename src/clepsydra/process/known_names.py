@@ -20,12 +20,8 @@ def known_name(
     """
     if name in known:
         return name
-    raise table.refused(
-        key,
-        name[:60],
-        f"{words} ({', '.join(known) or 'none'})",
-        suggestion(name, known, remedy or "choose one of them"),
-    )
+    remedy = suggestion(name, known, remedy or "choose one of them")
+    raise table.refused(key, name[:60], f"{words} ({', '.join(known) or 'none'})", remedy)
 
 
 def known_names(
@@ -55,10 +51,6 @@ def known_names(
     names = table.names(key, expected, remedy or f'write as in ["{known[0]}"]')
     for name in names:
         if name not in known:
-            raise table.refused(
-                key,
-                name[:60],
-                each or f"one of {', '.join(known)}",
-                suggestion(name, known, f"choose from {', '.join(known)}"),
-            )
+            remedy = suggestion(name, known, f"choose from {', '.join(known)}")
+            raise table.refused(key, name[:60], each or f"one of {', '.join(known)}", remedy)
     return names

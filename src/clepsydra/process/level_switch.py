@@ -173,29 +173,18 @@ def read_trips(table: TableReader) -> LevelTrips | None:
     limits = (*_limits(table, "trip_above"), *_limits(table, "trip_below"))
     if not limits:
         if table.has("hysteresis"):
-            raise table.wrong(
-                "hysteresis",
-                "no hysteresis, since the pump has no trip",
-                'remove it, or add a trip as in trip_above = { tank_3 = "27.5 cm" }',
-            )
+            remedy = 'remove it, or add a trip as in trip_above = { tank_3 = "27.5 cm" }'
+            raise table.wrong("hysteresis", "no hysteresis, since the pump has no trip", remedy)
         return None
-    hysteresis = table.quantity(
-        "hysteresis",
-        "m",
-        "a difference of levels",
-        "say how far a level must come back before the pump is released",
-        above=0.0,
-    )
+    remedy = "say how far a level must come back before the pump is released"
+    hysteresis = table.quantity("hysteresis", "m", "a difference of levels", remedy, above=0.0)
     for limit in limits:
         for lower in limits:
             same = limit.tank == lower.tank and limit.above and not lower.above
             if same and limit.level - hysteresis <= lower.level + hysteresis:
-                raise table.refused(
-                    "trip_below",
-                    lower.words(),
-                    f"a level far enough below that of trip_above for {limit.tank}",
-                    "leave more than two hystereses between the two levels",
-                )
+                expected = f"a level far enough below that of trip_above for {limit.tank}"
+                remedy = "leave more than two hystereses between the two levels"
+                raise table.refused("trip_below", lower.words(), expected, remedy)
         room = limit.level
         if not limit.above:
             vessel = table.vessel_of(limit.tank)
@@ -225,12 +214,9 @@ def read_starter(table: TableReader) -> LevelStarter | None:
     start, stop = _limits(table, "start_above"), _limits(table, "stop_below")
     if not start and not stop:
         if table.has("running"):
-            raise table.refused(
-                "running",
-                str(table.raw("running")).lower(),
-                "no such key, since the pump has no level switch",
-                "remove it, or add start_above and stop_below",
-            )
+            expected = "no such key, since the pump has no level switch"
+            remedy = "remove it, or add start_above and stop_below"
+            raise table.refused("running", str(table.raw("running")).lower(), expected, remedy)
         return None
     remedy = 'write as in start_above = { well = "1.2 m" } and stop_below = { well = "0.4 m" }'
     for key, limits in (("start_above", start), ("stop_below", stop)):

@@ -45,11 +45,8 @@ def read_nominal_outputs(
     for element in driven:
         table = TableReader(document, (element.table, element.name), None)
         if not table.has("nominal") and element not in free:
-            raise table.wrong(
-                "nominal",
-                "the value at the operating point",
-                "add it, or give measured levels in a table [operating_point]",
-            )
+            remedy = "add it, or give measured levels in a table [operating_point]"
+            raise table.wrong("nominal", "the value at the operating point", remedy)
         if table.has("nominal") and element in free:
             raise table.wrong(
                 "nominal",
@@ -80,13 +77,9 @@ def read_nominal_outputs(
 
 def _reading(table: TableReader, sensor: Sensor) -> float:
     """Read the value of one sensor at the operating point."""
+    remedy = "choose a value within the range of the sensor"
     value = table.quantity(
-        sensor.name,
-        sensor.unit,
-        "a measurement",
-        "choose a value within the range of the sensor",
-        at_least=sensor.low,
-        at_most=sensor.high,
+        sensor.name, sensor.unit, "a measurement", remedy, at_least=sensor.low, at_most=sensor.high
     )
     least, most = sensor.bounds
     quantity, limit = sensor.to_quantity(value), _end(sensor, "range", most)

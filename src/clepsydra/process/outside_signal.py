@@ -85,11 +85,8 @@ def _unit(table: TableReader) -> str:
         for unit in _UNITS:
             if convertible(written, unit):
                 return unit
-    raise table.wrong(
-        "range",
-        "a signal in V, mA, %, Hz, 1/min or without a unit",
-        "write the range in the unit that the controller sends",
-    )
+    remedy = "write the range in the unit that the controller sends"
+    raise table.wrong("range", "a signal in V, mA, %, Hz, 1/min or without a unit", remedy)
 
 
 class DisturbanceRange(NamedTuple):
@@ -145,11 +142,8 @@ def _steps(
     slack = _ROUNDING * (high - low)
     for row, value in zip(rows, list(accumulate(steps, initial=nominal))[1:], strict=True):
         if not low - slack <= value <= high + slack:
-            raise row.wrong(
-                "step",
-                "a step that stays within the range, from where the steps before it lead",
-                "make the step smaller or the range wider",
-            )
+            expected = "a step that stays within the range, from where the steps before it lead"
+            raise row.wrong("step", expected, "make the step smaller or the range wider")
     return tuple(step for step in steps if step)
 
 

@@ -80,12 +80,9 @@ def read_own_kinds(
         ) from None
     kinds = _kinds(file, content)
     if not kinds:
-        raise general.refused(
-            "elements",
-            written[:60],
-            "a Python file that defines an element",
-            "add a class MyElement(Element), with Element from clepsydra",
-        )
+        expected = "a Python file that defines an element"
+        remedy = "add a class MyElement(Element), with Element from clepsydra"
+        raise general.refused("elements", written[:60], expected, remedy)
     _check_tables(kinds, set(taken))
     return kinds
 
@@ -124,12 +121,8 @@ def _file(general: TableReader, path: Path, written: str) -> Path:
     except (OSError, RuntimeError):  # a link that leads to itself
         file = folder / written
     if not file.is_relative_to(folder):
-        raise general.refused(
-            "elements",
-            written[:60],
-            "a Python file in the folder of the process file",
-            "move it beside the process file",
-        )
+        expected = "a Python file in the folder of the process file"
+        raise general.refused("elements", written[:60], expected, "move it beside the process file")
     try:
         there = file.is_file()
     except OSError:  # a name that is too long
@@ -162,19 +155,13 @@ def _check_kind(kind: type[Element], file: Path) -> None:
     place = _class_place(kind, file)
     missing = _unread(kind)
     if missing:
-        raise InputError(
-            place,
-            f"no method {', '.join(missing)}",
-            "a class that says how it is read",
-            "add def read(cls, name, table) as a class method",
-        )
+        expected = "a class that says how it is read"
+        remedy = "add def read(cls, name, table) as a class method"
+        raise InputError(place, f"no method {', '.join(missing)}", expected, remedy)
     if not isinstance(inspect.getattr_static(kind, "read"), classmethod):
-        raise InputError(
-            f"{place}.read",
-            "no class method",
-            "a class that says how it is read",
-            "write @classmethod above def read(cls, name, table)",
-        )
+        expected = "a class that says how it is read"
+        remedy = "write @classmethod above def read(cls, name, table)"
+        raise InputError(f"{place}.read", "no class method", expected, remedy)
     for attribute, example in (
         ("kind", '"V-notch weir"'),
         ("table", '"v_notch_weirs"'),
@@ -233,11 +220,9 @@ def _guard(method: Callable[..., Any], kind: type, name: str, file: Path) -> Cal
         except ClepsydraError:
             raise
         except Exception as error:
+            remedy = "correct it"
             raise InputError(
-                f"{line_of(error, file)}, {where}",
-                words_of(error),
-                "a method that works",
-                "correct it",
+                f"{line_of(error, file)}, {where}", words_of(error), "a method that works", remedy
             ) from None
         if name == "read":
             fits = isinstance(result, arguments[0]) and result.name == arguments[1]

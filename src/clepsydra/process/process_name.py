@@ -37,9 +37,5 @@ people into title.
     written = "-".join(re.findall(r"[A-Za-z0-9]+", name))
     if " " in name and _NAME.fullmatch(written):
         remedy = f'write as in name = "{written}", and put words for people into title'
-    raise InputError(
-        place,
-        name if len(name) <= 60 else f"{name[:57]}...",
-        "letters, digits and single hyphens after a first letter",
-        remedy,
-    )
+    expected = "letters, digits and single hyphens after a first letter"
+    raise InputError(place, name if len(name) <= 60 else f"{name[:57]}...", expected, remedy)

@@ -68,11 +68,8 @@ class PumpCurve:
             raise table.wrong("curve", "at least two points", remedy)
         flows, heads = zip(*points, strict=True)
         if flows[0] < 0.0 or any(b <= a for a, b in pairwise(flows)):
-            raise table.wrong(
-                "curve",
-                "flows that rise from zero or more",
-                "put the points in the order of their flow, each flow once",
-            )
+            remedy = "put the points in the order of their flow, each flow once"
+            raise table.wrong("curve", "flows that rise from zero or more", remedy)
         if any(b >= a for a, b in pairwise(heads)):
             raise table.wrong(
                 "curve",

@@ -116,12 +116,9 @@ def load_process(name_or_path: str | Path, variant: str | Sequence[str] | None =
     if isinstance(name_or_path, str) and not _exists(name_or_path):
         name_or_path, written = split_variants(name_or_path)
         if written is not None and asked is not None:
-            raise InputError(
-                "variant",
-                ", ".join(asked)[:60],
-                f"no variant beside {', '.join(written)[:60]}, which follows the colon",
-                "give variants in one of the two ways",
-            )
+            expected = f"no variant beside {', '.join(written)[:60]}, which follows the colon"
+            remedy = "give variants in one of the two ways"
+            raise InputError("variant", ", ".join(asked)[:60], expected, remedy)
         asked = asked if written is None else written
     if isinstance(name_or_path, str) and name_or_path in catalogue_names():
         file = catalogue_file(name_or_path)
@@ -157,12 +154,8 @@ def _exists(text: str) -> bool:
 def _process(document: Document, path: Path | None, asked: tuple[str, ...] | None) -> Process:
     """Build a process from a parsed file; every mistake in it ends here as an `InputError`."""
     if kind_of(document) == "study":
-        raise InputError(
-            document.file,
-            "a study file",
-            "a process file, with tanks",
-            "give it to clepsydra study, or name the process that it is about",
-        )
+        remedy = "give it to clepsydra study, or name the process that it is about"
+        raise InputError(document.file, "a study file", "a process file, with tanks", remedy)
     chosen = choose_variants(document, asked)
     document = chosen.document
     known = (*GENERAL_KEYS, *(kind.table for kind in kinds()))
@@ -289,10 +282,7 @@ def _controlled(
         each="the name of a sensor",
     )
     if len(names) > inputs:
-        raise general.refused(
-            "controlled",
-            ", ".join(names),
-            f"at most as many as signals are manipulated, {inputs}",
-            "leave the others uncontrolled, or add a pump",
-        )
+        expected = f"at most as many as signals are manipulated, {inputs}"
+        remedy = "leave the others uncontrolled, or add a pump"
+        raise general.refused("controlled", ", ".join(names), expected, remedy)
     return names

@@ -136,11 +136,9 @@ def read_scale(table: TableReader, quantity: str) -> SensorScale:
         return SensorScale(unit, low, high, (high - low) / (last - first), first)
     if any(convertible(shown.get("range") or quantity, signal) for signal in _SIGNALS):
         ends = f'["0 {quantity}", "2 {quantity}"]'
-        raise table.wrong(
-            "range",
-            f"a range in {quantity}, or beside a range of a signal its span",
-            f"add what it measures at the ends of its range, as in span = {ends}",
-        )
+        expected = f"a range in {quantity}, or beside a range of a signal its span"
+        remedy = f"add what it measures at the ends of its range, as in span = {ends}"
+        raise table.wrong("range", expected, remedy)
     low, high = table.range("range", quantity)
     return SensorScale(quantity, low, high)
 

@@ -34,27 +34,16 @@ def read_tags(document: Document, elements: Sequence[Element]) -> dict[str, str]
             continue
         tag, place = table[TAG], document.place(element.table, element.name, TAG)
         if not isinstance(tag, str) or not IDENTIFIER.fullmatch(tag):
-            raise InputError(
-                place,
-                shown_value(tag),
-                "at most 40 letters, digits and single underscores, a letter first",
-                'write as in tag = "LIC101", and LIC_101 for LIC-101',
-            )
+            expected = "at most 40 letters, digits and single underscores, a letter first"
+            remedy = 'write as in tag = "LIC101", and LIC_101 for LIC-101'
+            raise InputError(place, shown_value(tag), expected, remedy)
         if tag.lower() in _WORDS:
-            raise InputError(
-                place,
-                tag,
-                "a tag that is no word of C or Structured Text",
-                f"write as in {tag}_1",
-            )
+            remedy = f"write as in {tag}_1"
+            raise InputError(place, tag, "a tag that is no word of C or Structured Text", remedy)
         other = taken.setdefault(tag.lower(), element.name)
         if other != element.name:
-            raise InputError(
-                place,
-                tag,
-                "a tag that nothing else has, in large or small letters",
-                f"change it, since {other} has that name or tag",
-            )
+            expected = "a tag that nothing else has, in large or small letters"
+            raise InputError(place, tag, expected, f"change it, since {other} has that name or tag")
         own = [signal.name for signal in (*element.measurements(), *element.inputs())]
         tags[own[0] if len(own) == 1 else element.name] = tag
     return tags

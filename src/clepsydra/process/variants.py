@@ -76,12 +76,9 @@ def split_variants(text: str) -> tuple[str, tuple[str, ...] | None]:
         return text, None
     names = tuple(name.strip() for name in variants.split(","))
     if not all(names):
-        raise InputError(
-            "process",
-            text[:60],
-            "a variant after the colon and after each comma",
-            f'write as in "{process[:40]}:variant", or leave the colon out',
-        )
+        expected = "a variant after the colon and after each comma"
+        remedy = f'write as in "{process[:40]}:variant", or leave the colon out'
+        raise InputError("process", text[:60], expected, remedy)
     return process, names
 
 
@@ -102,12 +99,9 @@ def variants_asked(variant: object) -> tuple[str, ...] | None:
         return None
     names = (variant,) if isinstance(variant, str) else variant
     if not isinstance(names, Sequence) or not all(isinstance(name, str) for name in names):
-        raise InputError(
-            "variant",
-            shown_value(variant),
-            "the name of a variant, or several names",
-            'write as in variant="fitted" or variant=["fitted", "volts"]',
-        )
+        expected = "the name of a variant, or several names"
+        remedy = 'write as in variant="fitted" or variant=["fitted", "volts"]'
+        raise InputError("variant", shown_value(variant), expected, remedy)
     return tuple(names)
 
 
@@ -183,12 +177,9 @@ def _contents(document: Document) -> dict[str, dict[str, Any]]:
         return {}
     for name in TableReader(document, ("variants",), None).present:
         if not _NAME.fullmatch(name):
-            raise InputError(
-                document.place("variants", name),
-                shown_value(name),
-                "letters, digits and single hyphens after a first letter",
-                "write as in [variants.outflow-constant]",
-            )
+            expected = "letters, digits and single hyphens after a first letter"
+            remedy = "write as in [variants.outflow-constant]"
+            raise InputError(document.place("variants", name), shown_value(name), expected, remedy)
         table = TableReader(document, ("variants", name), None)
         for key in (*VARIANT_KEYS, "name"):
             expected = f"no {key} within a variant"

@@ -168,12 +168,9 @@ def _check_touched(elements: Sequence[Element], place: Place) -> None:
     }
     for element in elements:
         if element.receives and element.name not in touched:
-            raise InputError(
-                place(element.table, element.name),
-                element.name,
-                f"a {element.kind} that some flow enters or leaves",
-                "connect it, or remove it",
-            )
+            expected = f"a {element.kind} that some flow enters or leaves"
+            remedy = "connect it, or remove it"
+            raise InputError(place(element.table, element.name), element.name, expected, remedy)
 
 
 def _check_identifiers(elements: Sequence[Element], place: Place) -> None:
@@ -194,17 +191,11 @@ def _check_identifiers(elements: Sequence[Element], place: Place) -> None:
             name = signal.identifier.lower()
             owner = owners.setdefault(name, element)
             if owner is not element:
-                raise InputError(
-                    place(element.table, element.name),
-                    element.name,
-                    f"a name that does not read like {signal.identifier} of {owner.name}",
-                    "rename one of the two",
-                )
+                expected = f"a name that does not read like {signal.identifier} of {owner.name}"
+                remedy = "rename one of the two"
+                raise InputError(place(element.table, element.name), element.name, expected, remedy)
             if name in own:
-                raise InputError(
-                    place(element.table, element.name),
-                    signal.name,
-                    f"one signal of that name in {element.name}",
-                    "rename the component, or whatever else has that name",
-                )
+                expected = f"one signal of that name in {element.name}"
+                remedy = "rename the component, or whatever else has that name"
+                raise InputError(place(element.table, element.name), signal.name, expected, remedy)
             own.add(name)

@@ -55,11 +55,8 @@ class ForcedFlow(BringsFromOutside):
         """Make the flow from its table of a process file."""
         flow = super().read(name, table)
         if not flow.source and not flow.destination:
-            raise table.wrong(
-                "destination",
-                "the name of a tank",
-                'write as in destination = "tank_1", or give a source',
-            )
+            remedy = 'write as in destination = "tank_1", or give a source'
+            raise table.wrong("destination", "the name of a tank", remedy)
         if flow.source:
             expected = "no concentration, since the liquid comes from an element"
             table.refuse(("concentration",), expected, "remove it, or remove the source")

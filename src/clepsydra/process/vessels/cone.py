@@ -69,11 +69,8 @@ class Cone(Vessel):
         """Make the shape from its height and the diameters at floor and rim."""
         cone = super().read(table)
         if cone.floor_diameter == cone.rim_diameter == 0.0:
-            raise table.wrong(
-                "rim_diameter",
-                "a diameter above 0 m at the floor or at the rim",
-                "correct one of the two diameters",
-            )
+            expected = "a diameter above 0 m at the floor or at the rim"
+            raise table.wrong("rim_diameter", expected, "correct one of the two diameters")
         return cone
 
     @property

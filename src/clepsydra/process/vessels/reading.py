@@ -47,12 +47,9 @@ def read_vessel(table: TableReader) -> Vessel:
     vessel = SHAPES[names.index(name)]
     for key in table.present:
         if key in VESSEL_KEYS and key != "shape" and key not in vessel.keys:
-            raise table.refused(
-                key,
-                key,
-                f"one of {', '.join(vessel.keys)} for the shape {name}",
-                "remove it, or choose the shape that it belongs to",
-            )
+            expected = f"one of {', '.join(vessel.keys)} for the shape {name}"
+            remedy = "remove it, or choose the shape that it belongs to"
+            raise table.refused(key, key, expected, remedy)
     made = vessel.read(table)
     _check_capacity(made, table)
     return made
@@ -78,9 +75,6 @@ def _check_capacity(vessel: Vessel, table: TableReader) -> None:
     except (OverflowError, ZeroDivisionError):
         capacity = math.nan
     if not _SMALLEST_CAPACITY <= capacity <= _LARGEST_CAPACITY:
-        raise InputError(
-            table.place(),
-            "sizes of no tank",
-            f"a capacity from {_SMALLEST_CAPACITY:g} m^3 to {_LARGEST_CAPACITY:g} m^3",
-            "check the units of the sizes",
-        )
+        expected = f"a capacity from {_SMALLEST_CAPACITY:g} m^3 to {_LARGEST_CAPACITY:g} m^3"
+        remedy = "check the units of the sizes"
+        raise InputError(table.place(), "sizes of no tank", expected, remedy)

@@ -133,30 +133,20 @@ def _read_rows(table: TableReader) -> _Rows:
         raise table.wrong("table", "at least two rows", remedy)
     levels, areas = tuple(row[0] for row in rows), tuple(row[1] for row in rows)
     if levels[0] != 0.0:
-        raise table.refused(
-            "table",
-            _shown(levels[0], "m"),
-            "a first level of 0 m, the floor",
-            "measure the levels from the floor, and give the area there",
-        )
+        expected = "a first level of 0 m, the floor"
+        remedy = "measure the levels from the floor, and give the area there"
+        raise table.refused("table", _shown(levels[0], "m"), expected, remedy)
     for lower, upper in pairwise(levels):
         if not lower < upper:
-            raise table.refused(
-                "table",
-                _shown(upper, "m"),
-                f"a level above {_shown(lower, 'm')}, the one before it",
-                "sort the rows by their level, and give every level once",
-            )
+            expected = f"a level above {_shown(lower, 'm')}, the one before it"
+            remedy = "sort the rows by their level, and give every level once"
+            raise table.refused("table", _shown(upper, "m"), expected, remedy)
     if areas[0] < 0.0:
         raise table.refused(
             "table", _shown(areas[0], "m^2"), "an area of at least 0 m^2", "correct the area"
         )
     for level, area in rows[1:]:
         if area <= 0.0:
-            raise table.refused(
-                "table",
-                _shown(area, "m^2"),
-                f"an area above 0 m^2 at {_shown(level, 'm')}",
-                "correct the area",
-            )
+            expected = f"an area above 0 m^2 at {_shown(level, 'm')}"
+            raise table.refused("table", _shown(area, "m^2"), expected, "correct the area")
     return _Rows(levels, areas)
