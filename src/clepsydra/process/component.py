@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from clepsydra.base.signal import Signal
+
 
 @dataclass(frozen=True)
 class Component:
@@ -29,3 +31,9 @@ class Component:
     def amount_unit(self) -> str:
         """SI unit of an amount of it."""
         return self.unit.removesuffix("/m^3")
+
+    def in_element(self, owner: str, low: float, high: float, initial: float) -> Signal:
+        """Return the signal of its concentration in an element, "tank_1.salt"."""
+        name, words = f"{owner}.{self.name}", f"concentration of {self.name} in {owner}"
+        shown = self.display_unit
+        return Signal(name, self.unit, shown, low, high, initial, description=words)

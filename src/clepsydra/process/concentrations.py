@@ -95,15 +95,7 @@ class BringsFromOutside(Element):
         """Return the concentrations that vary, "feed.salt"."""
         by_name = {component.name: component for component in self.components}
         return tuple(
-            Signal(
-                f"{self.name}.{name}",
-                by_name[name].unit,
-                by_name[name].display_unit,
-                value.low,
-                value.high,
-                value.value,
-                description=f"concentration of {name} in {self.name}",
-            )
+            by_name[name].in_element(self.name, value.low, value.high, value.value)
             for name, value in self.given.items()
             if value.low is not None and value.high is not None
         )

@@ -256,12 +256,16 @@ class Element(ABC):
         return {signal.name: readings[signal.name] for signal in self.measurements()}
 
     def _signal(
-        self, name: str, unit: str, ends: tuple[float, float, float], description: str
+        self, name: str, unit: str, ends: tuple[float, float, float | None], description: str
     ) -> Signal:
-        """Return a signal by low, high and initial value, shown in the unit of the key "range"."""
-        return Signal(
-            name, unit, self.display_units.get("range", ""), *ends, description=description
-        )
+        """Return a signal by low, high and initial value, shown in the unit of the key "range".
+
+        Without an initial value it begins in the middle of its range.
+        """
+        low, high, initial = ends
+        initial = (low + high) / 2 if initial is None else initial
+        shown = self.display_units.get("range", "")
+        return Signal(name, unit, shown, low, high, initial, description=description)
 
     def _parameter(
         self, key: str, unit: str, value: float, description: str, high: float = float("inf")

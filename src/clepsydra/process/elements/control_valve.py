@@ -191,17 +191,9 @@ class ControlValve(Element):
         """Return the position of the actuator, where it takes time to move."""
         if not self.stroke_time:
             return ()
-        signal = self.inputs()[0]
-        return (
-            Signal(
-                self._position,
-                display_unit="%",
-                low=0.0,
-                high=1.0,
-                initial=(signal.initial - self.low) / (self.high - self.low),
-                description=f"position of the actuator of {self.name}",
-            ),
-        )
+        words = f"position of the actuator of {self.name}"
+        at = (self.inputs()[0].initial - self.low) / (self.high - self.low)
+        return (Signal(self._position, "1", "%", 0.0, 1.0, at, description=words),)
 
     def _switches(self) -> tuple[Switch, ...]:
         return (self.suction,) if self.suction else ()
@@ -212,8 +204,7 @@ class ControlValve(Element):
 
     def inputs(self) -> tuple[Signal, ...]:
         """Return the signal; without a nominal value it stands in the middle of its range."""
-        middle = (self.low + self.high) / 2 if self.nominal is None else self.nominal
-        ends = self.low, self.high, middle
+        ends = self.low, self.high, self.nominal
         return (self._signal(self.name, self.unit, ends, f"signal to {self.name}"),)
 
     def parameters(self) -> tuple[Signal, ...]:

@@ -208,14 +208,8 @@ class Pump(Element):
         """Return the noise of its flow, relative to it."""
         if not self.noise:
             return ()
-        return (
-            Signal(
-                self._noise,
-                low=-10 * self.noise,
-                high=10 * self.noise,
-                description=f"relative noise of the flow of {self.name}",
-            ),
-        )
+        most, words = 10 * self.noise, f"relative noise of the flow of {self.name}"
+        return (Signal(self._noise, low=-most, high=most, description=words),)
 
     def noises(self) -> dict[str, float]:
         """Return the standard deviation of its noise [1]."""
@@ -288,5 +282,4 @@ class Pump(Element):
         return value
 
     def _moved(self, name: str, description: str) -> Signal:
-        middle = (self.low + self.high) / 2 if self.nominal is None else self.nominal
-        return self._signal(name, self.unit, (self.low, self.high, middle), description)
+        return self._signal(name, self.unit, (self.low, self.high, self.nominal), description)

@@ -199,13 +199,12 @@ class Sensor(Element):
 
     def to_reading(self, quantity: float) -> float:
         """Return what the sensor shows [`unit`] of a quantity [SI]."""
+        return float(self._shown(quantity, self.gain, self.zero))
+
+    def _shown(self, quantity: Any, gain: Any, zero: Any) -> Any:
         if self.gain is None:
             return quantity
-        return (
-            self.gain * quantity
-            if self.zero is None
-            else self.low + self.gain * (quantity - self.zero)
-        )
+        return gain * quantity if self.zero is None else self.low + gain * (quantity - zero)
 
     def connections(self) -> tuple[Connection, ...]:
         """Return the tank, or the element that causes the flow."""
@@ -224,17 +223,9 @@ class Sensor(Element):
         largest = max(abs(self.to_quantity(end)) for end in (self.low, self.high))
         if self.vessel is not None and self.measured in CONTENTS:
             largest = max(largest, self.bounds[1])
-        return (
-            Signal(
-                self._lagged,
-                self.quantity_unit,
-                display_unit=self.shown_quantity_unit,
-                low=-largest,
-                high=2 * largest,
-                initial=largest / 2,
-                description=f"{self._words} as {self.name} follows it",
-            ),
-        )
+        ends = -largest, 2 * largest, largest / 2
+        words, shown = f"{self._words} as {self.name} follows it", self.shown_quantity_unit
+        return (Signal(self._lagged, self.quantity_unit, shown, *ends, description=words),)
 
     def measurements(self) -> tuple[Signal, ...]:
         """Return the measurement."""
@@ -259,14 +250,10 @@ class Sensor(Element):
             gain = self._parameter("gain", unit, self.gain, f"signal per {self.measured} of")
             found.append(replace(gain, display_unit=self._shown_gain))
         if self.zero is not None:
+            words = f"{self.measured} at the low end of the range of"
+            zero = self._parameter("zero", self.quantity_unit, self.zero, words)
             found.append(
-                Signal(
-                    f"{self.name}.zero",
-                    self.quantity_unit,
-                    display_unit=self.display_units.get("span", ""),
-                    initial=self.zero,
-                    description=f"{self.measured} at the low end of the range of {self.name}",
-                )
+                replace(zero, display_unit=self.display_units.get("span", ""), low=-math.inf)
             )
         return (*found, *super().parameters())
 
@@ -290,12 +277,8 @@ class Sensor(Element):
     def readings(self, symbols: Symbols) -> dict[str, ca.SX]:
         """Return y = q, y = k q, or y = y_low + k (q - q_low)."""
         quantity = self._true(symbols) if self.lag is None else symbols[self._lagged]
-        if self.gain is None:
-            return {self.name: quantity}
-        gain = symbols[f"{self.name}.gain"]
-        if self.zero is None:
-            return {self.name: gain * quantity}
-        return {self.name: self.low + gain * (quantity - symbols[f"{self.name}.zero"])}
+        gain, zero = symbols.get(f"{self.name}.gain"), symbols.get(f"{self.name}.zero")
+        return {self.name: self._shown(quantity, gain, zero)}
 
     def displayed(self, readings: Symbols) -> dict[str, ca.SX]:
         """Return the reading rounded to the resolution and limited; no number stays none."""

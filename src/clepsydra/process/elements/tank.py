@@ -115,29 +115,14 @@ class Tank(Element):
 
     def states(self) -> tuple[Signal, ...]:
         """Return the level and the concentrations; searches begin half-way up."""
-        return (
-            Signal(
-                self.level,
-                "m",
-                display_unit=self.display_units.get("height", ""),
-                low=0.0,
-                high=self.height,
-                initial=self.height / 2,
-                description=f"level of {self.name}",
-            ),
-            *(
-                Signal(
-                    f"{self.name}.{component.name}",
-                    component.unit,
-                    display_unit=component.display_unit,
-                    low=component.low,
-                    high=component.high,
-                    initial=(component.low + component.high) / 2,
-                    description=f"concentration of {component.name} in {self.name}",
-                )
-                for component in self.components
-            ),
+        height, shown = self.height, self.display_units.get("height", "")
+        words = f"level of {self.name}"
+        level = Signal(self.level, "m", shown, 0.0, height, height / 2, description=words)
+        dissolved = (
+            each.in_element(self.name, each.low, each.high, (each.low + each.high) / 2)
+            for each in self.components
         )
+        return (level, *dissolved)
 
     def contents(self) -> tuple[Signal, ...]:
         """Return the level or the volume, and the amounts."""
