@@ -115,12 +115,10 @@ def linearise(point: OperatingPoint) -> LinearModel:
     by_cause = (local.rates_by_state, local.rates_by_input, local.rates_by_disturbance)
     for matrix in (*by_cause, local.measured_by_state):
         if not np.all(np.isfinite(matrix)):
-            raise InputError(
-                f"operating point of {process.name}",
-                point.as_dict(),
-                "a point at which every equation has a derivative",
-                "move the operating point away from limits, floors and reversals of flow",
-            )
+            where = f"operating point of {process.name}"
+            expected = "a point at which every equation has a derivative"
+            remedy = "move the operating point away from limits, floors and reversals of flow"
+            raise InputError(where, point.as_dict(), expected, remedy)
     A, B, E = by_cause
     C = local.measured_by_state
     delays = None

@@ -90,12 +90,10 @@ def relative_degree(model: LinearModel) -> VectorRelativeDegree:
     """
     process = operating_point_of(model).process
     if len(model.outputs) != len(model.inputs):
-        raise NotLinearisable(
-            f"{process.name}, outputs",
-            ", ".join(model.outputs),
-            f"as many as there are inputs: {', '.join(model.inputs)}",
-            "choose other outputs, or leave an input alone",
-        )
+        where = f"{process.name}, outputs"
+        expected = f"as many as there are inputs: {', '.join(model.inputs)}"
+        remedy = "choose other outputs, or leave an input alone"
+        raise NotLinearisable(where, ", ".join(model.outputs), expected, remedy)
     equations = input_affine_equations(model)
     degrees = linear_relative_degrees(model)
     derivatives, rows = [], []

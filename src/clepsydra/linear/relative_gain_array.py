@@ -205,12 +205,9 @@ def relative_gain_response(model: LinearModel, omegas: ArrayLike) -> np.ndarray:
         try:
             arrays.append(relative_gain_array(gain))
         except InputError:
-            raise InputError(
-                f"relative gain array, ω = {frequency:.6g} rad/s",
-                gain.tolist(),
-                "a response of full rank",
-                "leave the frequency out: some combination of the outputs answers to no input",
-            ) from None
+            where = f"relative gain array, ω = {frequency:.6g} rad/s"
+            remedy = "leave the frequency out: some combination of the outputs answers to no input"
+            raise InputError(where, gain.tolist(), "a response of full rank", remedy) from None
     return np.array(arrays).reshape(len(frequencies), len(model.outputs), len(model.inputs))
 
 

@@ -280,12 +280,10 @@ class _Join:
     def _check_rate(self, element: Element, name: str) -> None:
         known = [signal.name for signal in (*self.contents, *self.totals)]
         if name not in known:
-            raise InputError(
-                f"{element.table}.{element.name}",
-                f"a rate of {name}"[:60],
-                "rates of contents and totals of the plant",
-                suggestion(name, known, f"choose from {', '.join(known)}"),
-            )
+            where = f"{element.table}.{element.name}"
+            expected = "rates of contents and totals of the plant"
+            remedy = suggestion(name, known, f"choose from {', '.join(known)}")
+            raise InputError(where, f"a rate of {name}"[:60], expected, remedy)
 
     def _flows(
         self, symbols: dict[str, ca.SX], *, pass_at_once: bool

@@ -189,12 +189,9 @@ def _check_kind(kind: type[Element], file: Path) -> None:
 def _check_tables(kinds: Sequence[type[Element]], taken: set[str]) -> None:
     for kind in kinds:
         if kind.table in taken:
-            raise InputError(
-                _class_place(kind, Path(inspect.getfile(kind.__mro__[1]))) + ".table",
-                kind.table,
-                "a table that process files do not have yet",
-                "choose another name for the table",
-            )
+            where = _class_place(kind, Path(inspect.getfile(kind.__mro__[1]))) + ".table"
+            expected = "a table that process files do not have yet"
+            raise InputError(where, kind.table, expected, "choose another name for the table")
         taken.add(kind.table)
 
 

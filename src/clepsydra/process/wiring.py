@@ -68,12 +68,10 @@ def check_wiring(elements: Sequence[Element], place: Place) -> None:
     except CycleError as error:
         circle = error.args[1]
         first = next(element for element in elements if element.name == circle[0])
-        raise InputError(
-            place(first.table, first.name),
-            " → ".join(reversed(circle)),
-            "flows that reach a tank or reservoir",
-            "let one of them end in a tank or reservoir",
-        ) from None
+        where = place(first.table, first.name)
+        expected = "flows that reach a tank or reservoir"
+        remedy = "let one of them end in a tank or reservoir"
+        raise InputError(where, " → ".join(reversed(circle)), expected, remedy) from None
     _check_delays(elements, named, place)
 
 
@@ -142,12 +140,9 @@ def _check_connections(element: Element, by_name: dict[str, Element], place: Pla
             )
         around = [c.name for c in connections if c.carries_flow and c.name == connection.name]
         if (len(around) > 1 and connection.carries_flow) or connection.name == element.name:
-            raise InputError(
-                place(element.table, element.name, *connection.key),
-                connection.name,
-                "a flow from one element to another",
-                "let it begin or end somewhere else",
-            )
+            where = place(element.table, element.name, *connection.key)
+            remedy = "let it begin or end somewhere else"
+            raise InputError(where, connection.name, "a flow from one element to another", remedy)
 
 
 def _fits(other: Element, connection: Connection) -> bool:
