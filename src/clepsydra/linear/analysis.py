@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -24,6 +23,7 @@ from clepsydra.linear.dead_time import dead_times
 from clepsydra.linear.directionality import Directionality, directionality, few_frequencies
 from clepsydra.linear.directions import ZeroDirection, zero_directions
 from clepsydra.linear.equilibrium import find_equilibria
+from clepsydra.linear.equilibrium_request import Given
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
@@ -145,10 +145,7 @@ class Analysis:
 
 
 def analyse(
-    process: Process,
-    inputs: Mapping[str, float] | None = None,
-    outputs: Mapping[str, float] | None = None,
-    disturbances: Mapping[str, float] | None = None,
+    process: Process, inputs: Given = None, outputs: Given = None, disturbances: Given = None
 ) -> Analysis:
     """Find the operating point of a process and say what its linear model means for control.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -19,7 +18,7 @@ from clepsydra.linear.equilibrium_reasons import (
     undetermined,
     warnings_of_sensors,
 )
-from clepsydra.linear.equilibrium_request import read_request
+from clepsydra.linear.equilibrium_request import Given, read_request
 from clepsydra.linear.equilibrium_search import EquilibriumSearch, Iterate
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
@@ -62,10 +61,7 @@ outputs (in a process file the pumps' 'nominal', or [operating_point]), or chang
 
 
 def find_equilibrium(
-    process: Process,
-    inputs: Mapping[str, float] | None = None,
-    outputs: Mapping[str, float] | None = None,
-    disturbances: Mapping[str, float] | None = None,
+    process: Process, inputs: Given = None, outputs: Given = None, disturbances: Given = None
 ) -> OperatingPoint:
     """Find the state in which nothing moves.
 
@@ -168,10 +164,7 @@ def _by_continuation(search: EquilibriumSearch) -> Iterate | None:
 
 
 def find_equilibria(
-    process: Process,
-    inputs: Mapping[str, float] | None = None,
-    outputs: Mapping[str, float] | None = None,
-    disturbances: Mapping[str, float] | None = None,
+    process: Process, inputs: Given = None, outputs: Given = None, disturbances: Given = None
 ) -> list[OperatingPoint]:
     """Find the equilibria of a request, `find_equilibrium`'s first.
 

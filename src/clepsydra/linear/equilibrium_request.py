@@ -13,6 +13,9 @@ from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
 from clepsydra.process.process import Process
 
+#: Values of signals by their names [SI].
+Given = Mapping[str, float] | None
+
 
 @dataclass(frozen=True)
 class EquilibriumRequest:
@@ -39,10 +42,7 @@ class EquilibriumRequest:
 
 
 def read_request(
-    process: Process,
-    inputs: Mapping[str, float] | None,
-    outputs: Mapping[str, float] | None,
-    disturbances: Mapping[str, float] | None,
+    process: Process, inputs: Given, outputs: Given, disturbances: Given
 ) -> EquilibriumRequest:
     """Check what is asked and complete it from the process's nominal values.
 

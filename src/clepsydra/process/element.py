@@ -8,7 +8,7 @@ it brings, whom it is connected to, and what it contributes to the equations.
 from __future__ import annotations
 
 from abc import ABC
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Self
 
@@ -18,7 +18,7 @@ from clepsydra.base.quantity import declared, quantities
 from clepsydra.base.signal import Signal
 from clepsydra.process.component import Component
 from clepsydra.process.declared import DeclaredKeys, Part, read_fields
-from clepsydra.process.flow import Flow
+from clepsydra.process.flow import Flow, Flows
 from clepsydra.process.hybrid import Delay, Event, Switch
 from clepsydra.program.step_law import Symbols
 
@@ -181,13 +181,11 @@ class Element(ABC):
         )
         return tuple(signal for signal in found if signal is not None)
 
-    def flows(self, symbols: Symbols, received: Sequence[Flow]) -> tuple[Flow, ...]:
+    def flows(self, symbols: Symbols, received: Flows) -> tuple[Flow, ...]:
         """Return the flows that it causes; `received` is complete where it passes on."""
         return ()
 
-    def rates(
-        self, symbols: Symbols, received: Sequence[Flow], given: Sequence[Flow]
-    ) -> dict[str, ca.SX]:
+    def rates(self, symbols: Symbols, received: Flows, given: Flows) -> dict[str, ca.SX]:
         """Return what it adds to the time derivatives of contents and totals, by name.
 
         They may be those of others: what a tank's level or a component's amount gains or loses
@@ -235,7 +233,7 @@ class Element(ABC):
         """Return the quantities that it keeps for a while."""
         return ()
 
-    def sent(self, symbols: Symbols, received: Sequence[Flow]) -> dict[str, ca.SX]:
+    def sent(self, symbols: Symbols, received: Flows) -> dict[str, ca.SX]:
         """Return what enters each of its delays."""
         return {}
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -93,3 +93,7 @@ class Flow:
             else:
                 fluxes[component] = self.rate * concentration
         return replace(self, fluxes=fluxes)
+
+
+#: What an element receives, or what is drawn from it.
+Flows = Sequence[Flow]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
@@ -12,7 +12,7 @@ import casadi as ca
 from clepsydra.base.signal import Signal
 from clepsydra.process.declared import filled, link, read_fields
 from clepsydra.process.element import Element
-from clepsydra.process.flow import Flow
+from clepsydra.process.flow import Flow, Flows
 from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ class Outlet(Element):
             for key, value in self.values.items()
         )
 
-    def flows(self, symbols: Symbols, received: Sequence[Flow]) -> tuple[Flow, ...]:
+    def flows(self, symbols: Symbols, received: Flows) -> tuple[Flow, ...]:
         """Return q(h)."""
         quantities = {key: symbols[f"{self.name}.{key}"] for key in self.values}
         level = symbols[f"{self.source}.level"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -12,7 +11,7 @@ from clepsydra.base.quantity import quantity
 from clepsydra.base.signal import Signal
 from clepsydra.process.declared import filled, link
 from clepsydra.process.element import Element
-from clepsydra.process.flow import Flow
+from clepsydra.process.flow import Flow, Flows
 from clepsydra.process.outside_signal import ranged
 from clepsydra.program.step_law import Symbols
 
@@ -93,14 +92,12 @@ class Catchment(Element):
         """Return the step of the rain."""
         return {self.name: self.steps} if self.steps else {}
 
-    def flows(self, symbols: Symbols, received: Sequence[Flow]) -> tuple[Flow, ...]:
+    def flows(self, symbols: Symbols, received: Flows) -> tuple[Flow, ...]:
         """Return the runoff."""
         clean = {component.name: ca.SX(0) for component in self.components}
         return (Flow("", self.destination, ca.SX(1), ca.SX(symbols[self._runoff]), fluxes=clean),)
 
-    def rates(
-        self, symbols: Symbols, received: Sequence[Flow], given: Sequence[Flow]
-    ) -> dict[str, ca.SX]:
+    def rates(self, symbols: Symbols, received: Flows, given: Flows) -> dict[str, ca.SX]:
         """Return q′ = (ψ A i − q)/T."""
         share, area, time = (
             symbols[f"{self.name}.{name}"] for name in ("runoff_share", "area", "time")

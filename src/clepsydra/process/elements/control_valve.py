@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Self
 
@@ -16,7 +15,7 @@ from clepsydra.process.actuator import ROUNDING, limited_speed
 from clepsydra.process.declared import choice, filled, flag, link, part
 from clepsydra.process.element import Element
 from clepsydra.process.elements.orifice import LAMINAR
-from clepsydra.process.flow import Flow
+from clepsydra.process.flow import Flow, Flows
 from clepsydra.process.friction import Backlash, Stiction, read_friction
 from clepsydra.process.hybrid import Event, Switch
 from clepsydra.process.outside_signal import actuator_signal
@@ -213,7 +212,7 @@ class ControlValve(Element):
         friction = [self._parameter(key, "1", value, words) for key, value, words in own]
         return (*super().parameters(), *friction)
 
-    def flows(self, symbols: Symbols, received: Sequence[Flow]) -> tuple[Flow, ...]:
+    def flows(self, symbols: Symbols, received: Flows) -> tuple[Flow, ...]:
         """Return q = (Kv √(g/100)) · (f φ), with the line in series."""
         gravity = symbols["gravity"]
         coefficient = symbols[f"{self.name}.kv"] * ca.sqrt(gravity * (_DENSITY / _BAR))
@@ -248,9 +247,7 @@ class ControlValve(Element):
             ),
         )
 
-    def rates(
-        self, symbols: Symbols, received: Sequence[Flow], given: Sequence[Flow]
-    ) -> dict[str, ca.SX]:
+    def rates(self, symbols: Symbols, received: Flows, given: Flows) -> dict[str, ca.SX]:
         """Return the speed of the actuator."""
         if not self.stroke_time:
             return {}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Self
 
@@ -13,7 +13,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.process import told
 from clepsydra.process.declared import part
 from clepsydra.process.element import Connection, Element
-from clepsydra.process.flow import Flow
+from clepsydra.process.flow import Flow, Flows
 from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ class FlowSplitter(Element):
             for destination, fraction in first
         )
 
-    def flows(self, symbols: Symbols, received: Sequence[Flow]) -> tuple[Flow, ...]:
+    def flows(self, symbols: Symbols, received: Flows) -> tuple[Flow, ...]:
         """Return each received flow in parts."""
         *first, last = self.destinations
         fractions = {name: ca.SX(symbols[f"{self.name}.{name}"]) for name in first}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Self
 
@@ -11,7 +11,7 @@ import casadi as ca
 from clepsydra.base.signal import Signal
 from clepsydra.process.concentrations import BringsFromOutside, GivenConcentration, brought
 from clepsydra.process.declared import filled, link
-from clepsydra.process.flow import Flow
+from clepsydra.process.flow import Flow, Flows
 from clepsydra.process.hybrid import Switch
 from clepsydra.process.outside_signal import ranged
 from clepsydra.process.suction import Suction, drawing, drawn
@@ -76,7 +76,7 @@ class ForcedFlow(BringsFromOutside):
     def _switches(self) -> tuple[Switch, ...]:
         return (self.suction,) if self.suction else ()
 
-    def flows(self, symbols: Symbols, received: Sequence[Flow]) -> tuple[Flow, ...]:
+    def flows(self, symbols: Symbols, received: Flows) -> tuple[Flow, ...]:
         """Return q = d."""
         flow = symbols[self.name]
         if self.suction:

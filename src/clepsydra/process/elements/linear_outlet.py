@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -11,7 +10,7 @@ import casadi as ca
 from clepsydra.base.quantity import quantity
 from clepsydra.process.declared import flag, link
 from clepsydra.process.element import Element
-from clepsydra.process.flow import Flow
+from clepsydra.process.flow import Flow, Flows
 from clepsydra.program.step_law import Symbols
 
 
@@ -50,7 +49,7 @@ class LinearOutlet(Element):
     )
     submerged: bool = flag(default=False, words="whether it joins two tanks below their surfaces")
 
-    def flows(self, symbols: Symbols, received: Sequence[Flow]) -> tuple[Flow, ...]:
+    def flows(self, symbols: Symbols, received: Flows) -> tuple[Flow, ...]:
         """Return q = k h."""
         level = symbols[f"{self.source}.level"]
         if self.submerged:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -12,7 +11,7 @@ import casadi as ca
 from clepsydra.base.quantity import quantity
 from clepsydra.process.declared import flag, link
 from clepsydra.process.element import Element
-from clepsydra.process.flow import Flow
+from clepsydra.process.flow import Flow, Flows
 from clepsydra.process.root_law import falling_root, signed_root
 from clepsydra.program.step_law import Symbols
 
@@ -87,7 +86,7 @@ class Orifice(Element):
         remedy="leave it out for 1 mm",
     )
 
-    def flows(self, symbols: Symbols, received: Sequence[Flow]) -> tuple[Flow, ...]:
+    def flows(self, symbols: Symbols, received: Flows) -> tuple[Flow, ...]:
         """Return q = (c a √(2 g)) · φ: one root a step, the other once a run."""
         area, discharge = symbols[f"{self.name}.area"], symbols[f"{self.name}.discharge"]
         coefficient = discharge * area * ca.sqrt(2 * symbols["gravity"])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
@@ -15,7 +14,7 @@ from clepsydra.process import told
 from clepsydra.process.actuator import ROUNDING, limited_speed
 from clepsydra.process.declared import filled, link, part
 from clepsydra.process.element import Connection, Element
-from clepsydra.process.flow import Flow
+from clepsydra.process.flow import Flow, Flows
 from clepsydra.process.hybrid import Switch
 from clepsydra.process.level_switch import (
     STARTER_KEYS,
@@ -215,7 +214,7 @@ class Pump(Element):
         """Return the standard deviation of its noise [1]."""
         return {self._noise: self.noise} if self.noise else {}
 
-    def flows(self, symbols: Symbols, received: Sequence[Flow]) -> tuple[Flow, ...]:
+    def flows(self, symbols: Symbols, received: Flows) -> tuple[Flow, ...]:
         """Return q = k max(v - v₀, 0), or the flow of the curve."""
         value = symbols[self._actual] if self._lags else self._asked(symbols)
         coefficient: Any
@@ -236,9 +235,7 @@ class Pump(Element):
             driver = drawn(self.name, driver, symbols)
         return (Flow(self.source, self.destination, coefficient, driver),)
 
-    def rates(
-        self, symbols: Symbols, received: Sequence[Flow], given: Sequence[Flow]
-    ) -> dict[str, ca.SX]:
+    def rates(self, symbols: Symbols, received: Flows, given: Flows) -> dict[str, ca.SX]:
         """Return how fast it follows its signal."""
         if not self._lags:
             return {}

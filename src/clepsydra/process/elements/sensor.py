@@ -15,7 +15,7 @@ from clepsydra.process import told
 from clepsydra.process.component import Component
 from clepsydra.process.declared import filled, part
 from clepsydra.process.element import Connection, Element
-from clepsydra.process.flow import Flow
+from clepsydra.process.flow import Flows
 from clepsydra.process.sensor_reading import (
     CONTENTS,
     SensorScale,
@@ -265,9 +265,7 @@ class Sensor(Element):
             return self.display_units.get("gain", "")
         return f"{above}/{below if below.isalpha() else f'({below})'}"
 
-    def rates(
-        self, symbols: Symbols, received: Sequence[Flow], given: Sequence[Flow]
-    ) -> dict[str, ca.SX]:
+    def rates(self, symbols: Symbols, received: Flows, given: Flows) -> dict[str, ca.SX]:
         """Return dq_l/dt = (q - q_l) / T."""
         if self.lag is None:
             return {}

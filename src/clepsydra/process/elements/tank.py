@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Self
 
@@ -14,7 +13,7 @@ from clepsydra.process import told
 from clepsydra.process.declared import part
 from clepsydra.process.element import Element
 from clepsydra.process.elements.weir import weir_flow
-from clepsydra.process.flow import Flow
+from clepsydra.process.flow import Flow, Flows
 from clepsydra.process.hybrid import Switch
 from clepsydra.process.lid import LID_CHOICES, LID_KEY, Lid, read_lid
 from clepsydra.process.vessels.reading import VESSEL_KEYS, read_vessel, vessel_checks
@@ -183,7 +182,7 @@ class Tank(Element):
         ]
         return (*sizes, *super().parameters())
 
-    def flows(self, symbols: Symbols, received: Sequence[Flow]) -> tuple[Flow, ...]:
+    def flows(self, symbols: Symbols, received: Flows) -> tuple[Flow, ...]:
         """Return what it spills and what evaporates."""
         level = symbols[self.level]
         lost = []
@@ -203,9 +202,7 @@ class Tank(Element):
             lost.append(Flow(self.name, "", rate, wet, f"{self.name}.evaporation", fluxes=nothing))
         return tuple(lost)
 
-    def rates(
-        self, symbols: Symbols, received: Sequence[Flow], given: Sequence[Flow]
-    ) -> dict[str, ca.SX]:
+    def rates(self, symbols: Symbols, received: Flows, given: Flows) -> dict[str, ca.SX]:
         """Return the balances of liquid and components.
 
         A flow enters the level as coefficient / A · driver: 1/A and the product of the constants

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -11,7 +10,7 @@ import casadi as ca
 from clepsydra.base.quantity import quantity
 from clepsydra.process.declared import link
 from clepsydra.process.element import Element
-from clepsydra.process.flow import Flow
+from clepsydra.process.flow import Flow, Flows
 from clepsydra.process.hybrid import Delay
 from clepsydra.program.step_law import Symbols
 
@@ -50,7 +49,7 @@ class TransportDelay(Element):
             ),
         )
 
-    def sent(self, symbols: Symbols, received: Sequence[Flow]) -> dict[str, ca.SX]:
+    def sent(self, symbols: Symbols, received: Flows) -> dict[str, ca.SX]:
         """Return the sums of what enters."""
         sent = {self._flow: sum((flow.rate for flow in received), start=ca.SX(0))}
         for c in self.components:
@@ -58,7 +57,7 @@ class TransportDelay(Element):
             sent[self._flux(c.name)] = sum(fluxes, start=ca.SX(0))
         return sent
 
-    def flows(self, symbols: Symbols, received: Sequence[Flow]) -> tuple[Flow, ...]:
+    def flows(self, symbols: Symbols, received: Flows) -> tuple[Flow, ...]:
         """Return what entered τ ago."""
         fluxes = {c.name: symbols[self._flux(c.name)] for c in self.components}
         return (Flow(self.name, self.destination, ca.SX(1), symbols[self._flow], fluxes=fluxes),)
