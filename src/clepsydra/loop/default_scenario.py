@@ -18,7 +18,7 @@ from clepsydra.linear.poles import origin_radius, time_constants
 from clepsydra.linear.zeros import zeros
 from clepsydra.loop.residence_times import residence_times, width_of_range
 from clepsydra.loop.scenario import Scenario, Segment
-from clepsydra.process.bands import check_at_rest
+from clepsydra.process.averaging import check_at_rest
 from clepsydra.process.process import Process
 from clepsydra.scores.segment import SegmentKind
 

@@ -14,8 +14,7 @@ from clepsydra.base.quantity import Quantity
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
 from clepsydra.process import told
-from clepsydra.process.averaging import read_averaging
-from clepsydra.process.bands import read_bands
+from clepsydra.process.averaging import read_averaging, read_bands
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
 from clepsydra.process.component import Component
 from clepsydra.process.components import check_components, read_components

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from clepsydra.base.words import listed
-from clepsydra.process.bands import band_text
+from clepsydra.process.averaging import band_text
 from clepsydra.process.process import Process
 from clepsydra.report.quantities import (
     DEVIATION,

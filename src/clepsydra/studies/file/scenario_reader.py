@@ -18,7 +18,7 @@ from clepsydra.loop.default_scenario import MOST_SAMPLES, add_noise, default_sce
 from clepsydra.loop.profile import samples_before
 from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.process import told
-from clepsydra.process.bands import check_at_rest, within_band
+from clepsydra.process.averaging import check_at_rest, within_band
 from clepsydra.process.declared import OWN, keys_of, part, read_fields, table_schema
 from clepsydra.process.known_names import known_name
 from clepsydra.process.process import Process
