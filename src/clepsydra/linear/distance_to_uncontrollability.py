@@ -51,11 +51,6 @@ def distance_to_uncontrollability(A: np.ndarray, B: np.ndarray) -> Distance:
     Distance
         Its two bounds within one percent, unless the distance is next to nothing.
 
-    Raises
-    ------
-    ValueError
-        A has no states.
-
     References
     ----------
     R. Eising, Between controllable and uncontrollable, Systems & Control Letters, 1984. M. Gu,
@@ -72,9 +67,6 @@ def distance_to_uncontrollability(A: np.ndarray, B: np.ndarray) -> Distance:
     0.3
     """
     n = len(A)
-    if not n:
-        raise ValueError("distance to uncontrollability: the pair has no states")
-
     whole, diagonal, states = np.hstack([A, B]).astype(complex), A.diagonal(), np.arange(n)
 
     def sizes(points: np.ndarray) -> np.ndarray:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -132,7 +132,7 @@ def loop_margins(loop: LinearModel) -> LoopMargins:
     sensitivity, complementary = sensitivity_peaks(closed, grid, stable)
     values = transfer_at(loop, 1j * grid)[:, 0, 0]
     at_unit_gain = [
-        (omega, complex(transfer_at(loop, np.array([1j * omega]))[0, 0, 0]))
+        (omega, complex(_at(loop, 1j * omega)))
         for omega in _sign_changes(
             loop, grid, values, lambda value: np.log(np.maximum(np.abs(value), 1e-300))
         )
@@ -166,23 +166,24 @@ def sensitivity_peaks(
     )
 
 
+def _at(loop: LinearModel, s: complex) -> Any:
+    return transfer_at(loop, np.array([s]))[0, 0, 0]
+
+
 def _gain_crossings(loop: LinearModel, grid: np.ndarray, values: np.ndarray) -> list[Crossing]:
-    crossings = []
     try:
-        steady = float(transfer_at(loop, np.zeros(1))[0, 0, 0].real)
-        found = [(0.0, steady)]
+        found = [(0.0, float(_at(loop, 0.0).real))]
     except InputError:  # the loop integrates
         found = []
     # A loop that is real up to rounding runs along the axis and does not cross it.
     across = np.where(np.abs(values.imag) > 1e-12 * np.abs(values), values, values.real)
     for omega in _sign_changes(loop, grid, across, lambda value: value.imag):
-        found.append((omega, float(transfer_at(loop, np.array([1j * omega]))[0, 0, 0].real)))
+        found.append((omega, float(_at(loop, 1j * omega).real)))
     if loop.delays is None:
         found.append((math.inf, float(loop.D[0, 0])))
-    for omega, value in found:
-        if -_LARGEST < value < -_SMALLEST:
-            crossings.append(Crossing(-1.0 / value, omega))
-    return crossings
+    return [
+        Crossing(-1.0 / value, omega) for omega, value in found if -_LARGEST < value < -_SMALLEST
+    ]
 
 
 def _sign_changes(
@@ -199,7 +200,7 @@ def _sign_changes(
     sound = np.flatnonzero(signs)
 
     def at(omega: float) -> float:
-        return float(function(transfer_at(loop, np.array([1j * omega]))[0, 0, 0]))
+        return float(function(_at(loop, 1j * omega)))
 
     return [
         float(brentq(at, grid[low], grid[high], xtol=1e-15 * grid[low], rtol=1e-14))

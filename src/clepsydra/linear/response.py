@@ -97,8 +97,6 @@ def characteristic_matrices(
 
     Parameters
     ----------
-    model : LinearModel
-        With dead time.
     points : ndarray [l]
         Values of s [rad/s].
 
@@ -106,19 +104,11 @@ def characteristic_matrices(
     -------
     M : ndarray [l, n + r, n + r], complex
     N : ndarray [l, n + r, m], complex
-
-    Raises
-    ------
-    ValueError
-        The model has no dead time.
     """
-    delays = model.delays
-    if delays is None:
-        raise ValueError("characteristic matrices: the model has no dead time")
     at, open_loop = model.ports, np.delete(model.matrix, model.ports.y, axis=0)
-    n, r = len(model.A), len(delays.times)
+    n, r = len(model.A), len(model.times)
     late = np.ones((len(points), n + r, 1), complex)
-    late[:, n:, 0] = np.exp(-points[:, None] * delays.times)
+    late[:, n:, 0] = np.exp(-points[:, None] * model.times)
     matrix = -late * np.delete(open_loop, slice(at.u.start, at.d.stop), axis=1)
     matrix[:, :n, :n] += points[:, None, None] * np.eye(n)
     matrix[:, n:, n:] += np.eye(r)

@@ -75,8 +75,6 @@ def unstable_roots(model: LinearModel) -> int | None:
     ------
     InputError
         As for `asymptotically_stable`.
-    ValueError
-        The model has no dead time.
 
     References
     ----------
@@ -84,8 +82,7 @@ def unstable_roots(model: LinearModel) -> int | None:
     doi 10.1007/978-1-4612-4342-7, chapter 9, for the difference equation.
     """
     delays = model.delays
-    if delays is None:
-        raise ValueError("unstable roots: the model has no dead time")
+    assert delays is not None
     if not _difference_equation_dies_out(delays):
         return None
     # Beyond R every eigenvalue of N is smaller than one, wherever the phases of e^(-sτ) stand.
