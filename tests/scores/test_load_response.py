@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from refusals import refused
 
 from clepsydra.scores.evaluate import score_run
 from clepsydra.scores.load_response import PEAK_DEVIATION, return_time
@@ -64,12 +63,6 @@ def test_only_what_follows_the_load_counts() -> None:
 def test_a_run_that_broke_off_is_infinitely_bad() -> None:
     assert peak_deviation([0, 1], [5.0, math.nan], 5.0) == math.inf
     assert return_time([0, 1], [5.0, math.nan], 5.0, band=1.0) == math.inf
-
-
-@pytest.mark.parametrize("band", [0.0, -1.0, math.nan, math.inf])
-def test_a_band_without_width_is_refused(band: float) -> None:
-    with refused(expected="a width above zero in the signal's unit"):
-        return_time([0, 1], [5.0, 5.0], 5.0, band=band)
 
 
 @settings(max_examples=25, deadline=None)

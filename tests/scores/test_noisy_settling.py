@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from clepsydra import InputError
 from clepsydra.scores.load_response import offset
 from clepsydra.scores.step_response import settling_time_under_noise
 
@@ -58,13 +57,6 @@ def test_what_ends_outside_never_settles() -> None:
     assert settling_time_under_noise([0, 1], [0.0, math.nan], 0.0, 1.0, 0.0) == math.inf
     assert settling_time_under_noise([0, 1], [0.0, 0.5], 0.0, 1.0, 0.0) == math.inf
     assert settling_time_under_noise([0, 1], [0.0, 1.0], 0.0, 1.0, 0.0) == 0.0
-
-
-@pytest.mark.parametrize("change", [{"target": 0.0}, {"band": 1.0}, {"deviation": -1.0}])
-def test_unusable_requests_are_refused(change: dict[str, float]) -> None:
-    request = {"start": 0.0, "target": 1.0, "deviation": 0.0} | change
-    with pytest.raises(InputError, match=r"^(setpoint step|band|deviation): got"):
-        settling_time_under_noise([0.0, 1.0], [0.0, 1.0], **request)
 
 
 def test_it_scales_with_units_and_ignores_place() -> None:

@@ -13,7 +13,6 @@ import math
 
 import numpy as np
 
-from clepsydra.base.errors import InputError
 from clepsydra.scores.integral_errors import SIGNED_ERROR
 from clepsydra.scores.sample import Fold, larger, magnitude
 from clepsydra.scores.score import Score
@@ -51,10 +50,6 @@ def return_time(time: FloatArray, output: FloatArray, setpoint: float, band: flo
     >>> return_time([0.0, 10.0, 20.0], [5.0, 4.0, 5.0], setpoint=5.0, band=0.25)
     17.5
     """
-    if not (math.isfinite(band) and band > 0.0):
-        raise InputError(
-            "band", band, "a width above zero in the signal's unit", "use 5 % of a setpoint step"
-        )
     return last_entry(time - time[0], output - setpoint, band)
 
 

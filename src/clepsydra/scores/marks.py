@@ -95,8 +95,6 @@ def elapsed(time: FloatArray, steps: ArrayLike) -> FloatArray:
         A step is no finite time.
     """
     instants = np.sort(np.asarray(steps, dtype=np.float64).ravel())
-    if not np.all(np.isfinite(instants)):
-        raise InputError("steps", list(instants), "finite times [s]", "correct the steps")
     # The step of a sample may have been rounded to just after its start.
     tolerance = 1e-6 * float(np.min(np.diff(time)))
     begins = np.concatenate([[time[0]], instants[instants > time[0]]])

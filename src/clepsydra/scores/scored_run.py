@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from clepsydra.base.errors import InputError
 from clepsydra.scores.marks import samples_of
 from clepsydra.scores.plant import PlantTrajectories
 from clepsydra.scores.segment import Segment
@@ -46,13 +45,6 @@ class ScoredRun:
         are narrower than `input_limits`: the time in saturation is that at them.
     inner : mapping
         Measurement of an inner loop to its setpoint [n] and the limits of that.
-
-    Raises
-    ------
-    InputError
-        A setpoint has no output or measurement or an input no limits, a segment steps the
-        setpoint of an unknown signal or holds fewer than two samples, or trajectories differ in
-        length.
     """
 
     time: FloatArray
@@ -66,20 +58,6 @@ class ScoredRun:
     followed: Collection[str] | None = None
     movable: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     inner: Mapping[str, tuple[FloatArray, float, float]] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        _require_same_names("outputs", self.setpoints, self.outputs)
-        _require_same_names("input_limits", self.inputs, self.input_limits)
-        if self.measured is not None:
-            _require_same_names("measured", self.setpoints, self.measured)
-        for segment in self.segments:
-            if segment.kind == "setpoint" and segment.signal not in self.setpoints:
-                raise InputError(
-                    "segments",
-                    segment.signal,
-                    f"one of the controlled variables {', '.join(self.setpoints)}",
-                    "name the controlled variable whose setpoint steps",
-                )
 
     @property
     def noise(self) -> list[slice]:
@@ -153,15 +131,3 @@ class ScoredRun:
         noise = self.measured[name] - self.outputs[name]
         parts = np.concatenate([noise[at] for at in self.noise]) if self.noise else noise
         return float(np.std(parts)) if np.all(np.isfinite(parts)) else 0.0
-
-
-def _require_same_names(
-    place: str, wanted: Mapping[str, object], given: Mapping[str, object]
-) -> None:
-    if wanted.keys() != given.keys():
-        raise InputError(
-            place,
-            ", ".join(given) or "nothing",
-            f"exactly the signals {', '.join(wanted) or '(none)'}",
-            "pass one entry for each signal",
-        )

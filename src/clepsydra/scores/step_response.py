@@ -132,7 +132,6 @@ def settling_time(
     >>> settling_time([0.0, 10.0, 20.0], [0.0, 1.0, 1.0], start=0.0, target=1.0)
     9.5
     """
-    _check_band(band)
     relative = (output - start) / _step_size(start, target)
     return last_entry(time - time[0], relative - 1.0, band)
 
@@ -170,11 +169,6 @@ def settling_time_under_noise(
     3.0
     """
     size = _step_size(start, target)
-    _check_band(band)
-    if not (math.isfinite(deviation) and deviation >= 0.0):
-        raise InputError(
-            "deviation", deviation, "a standard deviation from 0", "use 0 for no noise"
-        )
     half_width = max(band * abs(size), DEVIATIONS * deviation)
     away = measurement - target
     side = np.where(away > half_width, 1, np.where(away < -half_width, -1, 0))
@@ -198,13 +192,6 @@ def _step_size(start: float, target: float) -> float:
             "score only samples at which the setpoint changes",
         )
     return size
-
-
-def _check_band(band: float) -> None:
-    if not 0.0 < band < 1.0:
-        raise InputError(
-            "band", band, "a fraction of the step between 0 and 1", "use 0.05 for 5 % or 0.02"
-        )
 
 
 Score(

@@ -1,4 +1,4 @@
-"""Trajectories as the scores read them: checked once, in one place."""
+"""Trajectories as the scores read them, and when they cross a value."""
 
 from __future__ import annotations
 
@@ -10,66 +10,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from clepsydra.base.errors import InputError
-
 FloatArray = NDArray[np.float64]
 
 
 def read_trajectories(
     time: ArrayLike, *signals: ArrayLike
 ) -> tuple[FloatArray, tuple[FloatArray, ...], bool]:
-    """Return time and signals as arrays, and whether every value of the signals is finite.
+    """Return time [s] and signals as arrays [n], and whether every value of the signals is finite.
 
     A run that broke off leaves values that are not finite. Every score of such a run is
     infinite, so that it ranks last whatever it is compared by.
-
-    Parameters
-    ----------
-    time : array_like [n]
-        Start of each sample [s], increasing, n ≥ 2.
-    *signals : array_like [n]
-        One value for each sample.
-
-    Returns
-    -------
-    tuple
-        Time [n], the signals [n] each, and True where all their values are finite.
-
-    Raises
-    ------
-    InputError
-        Time has fewer than two samples, does not increase or is not finite, or a signal
-        has another length.
-
-    Examples
-    --------
-    >>> read_trajectories([0, 1], [2, 3])[2], read_trajectories([0, 1], [2, float("nan")])[2]
-    (True, False)
     """
     clock = np.asarray(time, dtype=np.float64)
-    if clock.ndim != 1 or clock.size < 2:
-        raise InputError(
-            "time",
-            f"an array of shape {clock.shape}",
-            "one dimension with at least two samples",
-            "score a run of two samples or more",
-        )
-    if not np.all(np.isfinite(clock)) or not np.all(np.diff(clock) > 0.0):
-        raise InputError(
-            "time",
-            "a sequence that does not increase",
-            "finite instants [s], each later than the one before",
-            "sort the samples by time and drop those that stand twice",
-        )
     values = tuple(np.asarray(signal, dtype=np.float64) for signal in signals)
-    for signal in values:
-        if signal.shape != clock.shape:
-            raise InputError(
-                "signal",
-                f"an array of shape {signal.shape}",
-                f"one value for each of the {clock.size} samples of time",
-                "pass time and signals of the same run",
-            )
     return clock, values, all(bool(np.all(np.isfinite(signal))) for signal in values)
 
 
@@ -98,33 +51,14 @@ def finite_or_infinite(function: Callable[..., float]) -> Callable[..., float]:
 
 
 def held_durations(time: FloatArray) -> FloatArray:
-    """Return how long the value of each sample is held [s]; the last one as long as that before.
-
-    Parameters
-    ----------
-    time : ndarray [n]
-
-    Examples
-    --------
-    >>> held_durations(np.array([0.0, 1.0, 3.0])).tolist()
-    [1.0, 2.0, 2.0]
-    """
+    """Return how long the value of each sample is held [s]; the last one as long as that before."""
     return np.diff(time, append=2.0 * time[-1] - time[-2])
 
 
 def first_crossing(elapsed: FloatArray, signal: FloatArray, threshold: float) -> float:
-    """Return when a signal first reaches a threshold from below, between samples by a line.
+    """Return when a signal first reaches a threshold from below [s], between samples by a line.
 
-    Parameters
-    ----------
-    elapsed : ndarray [n]
-        [s]
-    signal : ndarray [n]
-
-    Returns
-    -------
-    float
-        [s]; infinite where the threshold is never reached.
+    Infinite where it is never reached.
 
     Examples
     --------
@@ -142,21 +76,10 @@ def first_crossing(elapsed: FloatArray, signal: FloatArray, threshold: float) ->
 
 
 def last_entry(elapsed: FloatArray, distance: FloatArray, band: float) -> float:
-    """Return when a distance enters a band around zero for good, between samples by a line.
+    """Return when a distance enters a band around zero for good [s], between samples by a line.
 
-    Parameters
-    ----------
-    elapsed : ndarray [n]
-        [s]
-    distance : ndarray [n]
-        Signed distance to the value that the band lies around.
-    band : float
-        Half the width of the band, in the unit of the distance; its edge belongs to it.
-
-    Returns
-    -------
-    float
-        [s]; 0 where the distance never leaves the band, infinite where it ends outside.
+    The edge belongs to the band. 0 where the distance never leaves it, infinite where it ends
+    outside.
 
     Examples
     --------
