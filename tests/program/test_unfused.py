@@ -1,8 +1,8 @@
 """A program without fused operations: in its block, in loops, in conditionals."""
 
+from clepsydra.deploy.process_program import without_fused
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.program import Conditional, ForLoop, Program
-from clepsydra.program.unfused import without_fused
 
 
 def fused_square(builder: BlockBuilder) -> int:

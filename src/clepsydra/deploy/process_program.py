@@ -10,10 +10,9 @@ from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.motion_block import MotionBlock, motion_at_rest, process_period
 from clepsydra.loop.step_size import substeps_for
 from clepsydra.program.defaults import with_defaults
-from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.entries import Entry
-from clepsydra.program.program import Program
-from clepsydra.program.unfused import without_fused
+from clepsydra.program.entries import with_signal
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Call, Program, Statement
 
 #: What the names of the state begin with: levels are outputs too, and a function block of
 #: Structured Text has one set of names.
@@ -60,17 +59,34 @@ def process_program(point: OperatingPoint, substeps: int | None = None) -> Progr
     return replace(
         started,
         name=process.file_stem.replace("-", "_"),
-        state=tuple(_held(entry) for entry in started.state),
+        state=tuple(with_signal(entry, _held) for entry in started.state),
         outputs=tuple(replace(s, initial=at[s.name]) for s in started.outputs),
     )
 
 
-def _held(entry: Entry) -> Entry:
-    if isinstance(entry, DelayRing):
-        return replace(entry, signal=_held_signal(entry.signal))
-    return _held_signal(entry)
+def without_fused(program: Program) -> Program:
+    """Return a program in which no multiplication is fused into an addition.
+
+    It computes what CasADi computes, with a rounding after every operation, and every printer
+    takes it.
+
+    Examples
+    --------
+    >>> from clepsydra.program.program import Block
+    >>> square = Block(1, (Operation(1, "multiply", (0, 0), fused=True),), (1,))
+    >>> program = Program("square", (), (), (), (), square)
+    >>> [operation.fused for operation in without_fused(program).block.operations()]
+    [False]
+    """
+
+    def statement(each: Statement) -> Statement:
+        if isinstance(each, Call):
+            return replace(each, program=without_fused(each.program))
+        return replace(each, fused=False) if isinstance(each, Operation) else each
+
+    return replace(program, block=program.block.with_statements(statement))
 
 
-def _held_signal(signal: Signal) -> Signal:
+def _held(signal: Signal) -> Signal:
     # Counts of events grow without bound, so they are numbers and no integers of the target.
     return replace(signal, name=f"{HELD}.{signal.name}", kind="real")

@@ -12,8 +12,8 @@ from clepsydra.base.tags import explained, tagging
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
-from clepsydra.program.program import Program
-from clepsydra.program.tagged import tagged_program
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Call, Program, Statement
 
 
 def process_tagging(process: Process) -> Callable[[str], str]:
@@ -145,6 +145,42 @@ def tagged_point(point: OperatingPoint) -> OperatingPoint:
         ),
     )
     return replace(point, process=found)
+
+
+def tagged_program(program: Program, tagged: Callable[[str], str]) -> Program:
+    """Return a program with other paths: of its signals, its instances and what they call.
+
+    Parameters
+    ----------
+    program : Program
+    tagged : callable
+        See `clepsydra.base.tags.tagging`.
+
+    Examples
+    --------
+    >>> from clepsydra.base.tags import tagging
+    >>> ports = {"state": (), "inputs": (Signal("level.pv"),), "parameters": ()}
+    >>> from clepsydra.program.program import Block
+    >>> program = Program("same", outputs=(Signal("pump.out"),), block=Block(1, (), (0,)), **ports)
+    >>> tagged_program(program, tagging({"level": "LIC101"}, ())).inputs[0].name
+    'LIC101.pv'
+    """
+
+    def path(name: str) -> str:
+        # What belongs to nothing is a port of a block, or one of the whole law.
+        return tagged(name) if "." in name else name
+
+    def statement(each: Statement) -> Statement:
+        if isinstance(each, Operation):
+            return each
+        if isinstance(each, Call):
+            called = tagged_program(each.program, tagged)
+            return replace(each, instance=path(each.instance), program=called)
+        return replace(each, name=path(each.name))
+
+    named = program.with_signals(lambda each: replace(each, name=path(each.name)))
+    names = {value: path(name) for value, name in program.names.items()}
+    return replace(named, block=named.block.with_statements(statement), names=names)
 
 
 def _names(process: Process) -> list[str]:

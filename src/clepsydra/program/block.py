@@ -75,9 +75,23 @@ class Block:
         self._check(instance, self.inputs, inputs)
         self._check(instance, self.state, state)
         calls = _calls.get()
-        if calls is not None:
-            return calls.kept(KeptCall(self, instance), inputs, state)
-        return self.equations({**inputs, **state})
+        if calls is None:
+            return self.equations({**inputs, **state})
+        given = [state[entry.name] for entry in self.state]
+        given += [inputs[signal.name] for signal in self.inputs]
+        following = [entry.name for entry in self.state]
+        results = [signal.name for signal in self.outputs]
+        name = f"kept_call_{len(calls)}"
+        calls[name] = self, instance
+        # Only its shape is read: what it computes stands in the block.
+        arguments = ca.SX.sym("given", len(given))
+        shape = ca.SX.zeros(len(following) + len(results)) + ca.sum1(arguments)
+        function = ca.Function(name, [arguments], [shape], {"never_inline": True})
+        values = ca.vertsplit(function(ca.vertcat(*given)))
+        return Equations(
+            dict(zip(following, values, strict=False)),
+            dict(zip(results, values[len(following) :], strict=True)),
+        )
 
     def _check(self, instance: str, ports: tuple[Signal | DelayRing, ...], given: Symbols) -> None:
         """Refuse values that are not one scalar for each port."""
@@ -94,46 +108,8 @@ class Block:
                 raise InputError(f"{place}, {port.name}", shown, "a scalar", "wire one of them")
 
 
-@dataclass(frozen=True, eq=False)
-class KeptCall:
-    """A call that an expression still holds: of which block, and which instance."""
-
-    block: Block
-    instance: str
-
-
-class Calls:
-    """The calls that were kept while a law was read, by the name of the function in its place."""
-
-    def __init__(self) -> None:
-        self._by_name: dict[str, KeptCall] = {}
-
-    def kept(self, call: KeptCall, inputs: Symbols, state: Symbols) -> Equations:
-        """Return the results of a call as expressions that only name it."""
-        block = call.block
-        given = [state[entry.name] for entry in block.state]
-        given += [inputs[signal.name] for signal in block.inputs]
-        following = [entry.name for entry in block.state]
-        results = [signal.name for signal in block.outputs]
-        name = f"{_PREFIX}{len(self._by_name)}"
-        self._by_name[name] = call
-        # Only its shape is read: what it computes stands in the block.
-        arguments = ca.SX.sym("given", len(given))
-        shape = ca.SX.zeros(len(following) + len(results)) + ca.sum1(arguments)
-        function = ca.Function(name, [arguments], [shape], {"never_inline": True})
-        values = ca.vertsplit(function(ca.vertcat(*given)))
-        return Equations(
-            dict(zip(following, values, strict=False)),
-            dict(zip(results, values[len(following) :], strict=True)),
-        )
-
-    def get(self, name: str) -> KeptCall | None:
-        """Return the call that a function of this name stands for."""
-        return self._by_name.get(name)
-
-
-_PREFIX = "kept_call_"
-_calls: ContextVar[Calls | None] = ContextVar("calls", default=None)
+#: Which block, and which instance of it, the functions stand for that took the place of calls.
+_calls: ContextVar[dict[str, tuple[Block, str]] | None] = ContextVar("calls", default=None)
 
 
 @contextmanager
@@ -152,20 +128,19 @@ def keeping_calls() -> Iterator[None]:
     >>> [found.instruction_id(k) for k in range(found.n_instructions())].count(ca.OP_CALL)
     1
     """
-    token = _calls.set(Calls())
+    token = _calls.set({})
     try:
         yield
     finally:
         _calls.reset(token)
 
 
-def kept_call(function: ca.Function) -> KeptCall | None:
-    """Return the call that a function stands for, or None for any other function.
+def kept_call(function: ca.Function) -> tuple[Block, str] | None:
+    """Return the block and the instance that a function stands for, or None for any other.
 
     Examples
     --------
     >>> kept_call(ca.Function("law", [], [])) is None
     True
     """
-    calls = _calls.get()
-    return calls.get(function.name()) if calls is not None else None
+    return (_calls.get() or {}).get(function.name())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import struct
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -13,7 +12,8 @@ from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.operation import COMPARISONS, EXACT, LIBRARY, LOGIC, TO_SINGLE, Operation
 from clepsydra.program.program import Block, Call, Conditional, ForLoop, Program, Statement
 
-_ARITHMETIC: dict[str, Callable[..., Any]] = {
+#: What an operation makes of constants.
+_FOLDED: dict[str, Callable[..., Any]] = {
     "add": np.add,
     "subtract": np.subtract,
     "multiply": np.multiply,
@@ -23,13 +23,14 @@ _ARITHMETIC: dict[str, Callable[..., Any]] = {
     "absolute": np.abs,
     "floor": np.floor,
     "ceiling": np.ceil,
-    TO_SINGLE: np.float32,
-}
-_COMPARE: dict[str, Callable[..., Any]] = {
+    "maximum": lambda a, b: a if a > b else b,
+    "minimum": lambda a, b: a if a < b else b,
     "less": np.less,
     "less_equal": np.less_equal,
     "equal": np.equal,
     "not_equal": np.not_equal,
+    "truth": lambda a: a != 0.0,
+    TO_SINGLE: np.float32,
 }
 
 
@@ -68,8 +69,7 @@ class BlockBuilder:
 
     def constant(self, value: float) -> int:
         """Return the value that holds a constant."""
-        bits = struct.pack("<d", value)
-        return self._emit(("constant", bits), "constant", (), float(value), False)
+        return self._emit("constant", (), constant=float(value))
 
     def operation(self, code: str, *arguments: int, fused: bool = False) -> int:
         """Return the value of an operation, converting between numbers and truth values."""
@@ -90,7 +90,7 @@ class BlockBuilder:
         simpler = self._simplified(code, arguments)
         if simpler is not None:
             return simpler
-        return self._emit((code, *arguments, fused), code, arguments, 0.0, fused)
+        return self._emit(code, arguments, fused=fused)
 
     def loop(
         self,
@@ -166,13 +166,10 @@ class BlockBuilder:
         return targets
 
     def _emit(
-        self,
-        key: tuple[object, ...],
-        code: str,
-        arguments: tuple[int, ...],
-        constant: float,
-        fused: bool,
+        self, code: str, arguments: tuple[int, ...], constant: float = 0.0, fused: bool = False
     ) -> int:
+        # By its bits: equal numbers may be zeros of different sign.
+        key = (code, arguments, struct.pack("<d", constant), fused)
         if key in self._known:
             return self._known[key]
         target = self._next
@@ -181,56 +178,41 @@ class BlockBuilder:
         self._statements.append(operation)
         self._known[key] = target
         self._made[target] = operation
-        if code in COMPARISONS or code in LOGIC or code == "truth":
+        if code in COMPARISONS | LOGIC | {"truth"}:
             self._truths.add(target)
         return target
 
     def _converted(self, code: str, arguments: tuple[int, ...]) -> tuple[int, ...]:
         if code in ("number", "truth"):
             return arguments
-        if code in LOGIC:
-            return tuple(self.operation("truth", value) for value in arguments)
-        if code == "select":
-            condition, *choices = arguments
-            numbers = (self.operation("number", value) for value in choices)
-            return (self.operation("truth", condition), *numbers)
-        return tuple(self.operation("number", value) for value in arguments)
+        truths = len(arguments) if code in LOGIC else int(code == "select")
+        return tuple(
+            self.operation("truth" if place < truths else "number", value)
+            for place, value in enumerate(arguments)
+        )
 
     def _simplified(self, code: str, arguments: tuple[int, ...]) -> int | None:
         if code in LOGIC:
             return self._simplified_logic(code, arguments)
         if code == "select":
             return self._simplified_select(*arguments)
+        constants = [self._constant_of(value) for value in arguments]
+        if None not in constants:
+            return self._folded(code, constants)
         if code == "add":
             return self._complementary_selects(*arguments)
-        constants = [self._constant_of(value) for value in arguments]
-        if any(value is None for value in constants):
-            return self._neutral(code, arguments, constants)
-        return self._folded(code, [value for value in constants if value is not None])
-
-    def _folded(self, code: str, values: list[float]) -> int | None:
-        with np.errstate(all="ignore"):
-            if code in _ARITHMETIC:
-                return self.constant(float(_ARITHMETIC[code](*map(np.float64, values))))
-            if code in _COMPARE:
-                return self._truth_constant(bool(_COMPARE[code](*values)))
-        if code == "maximum":
-            return self.constant(values[0] if values[0] > values[1] else values[1])
-        if code == "minimum":
-            return self.constant(values[0] if values[0] < values[1] else values[1])
-        if code == "truth":
-            return self._truth_constant(values[0] != 0.0)
-        return None
-
-    def _neutral(
-        self, code: str, arguments: tuple[int, ...], constants: list[float | None]
-    ) -> int | None:
-        """Drop a multiplication or division by one; adding zero stays, for the sign of zero."""
+        # Drop a multiplication or division by one; adding zero stays, for the sign of zero.
         if code == "multiply" and constants[0] == 1.0:
             return arguments[1]
-        if code in ("multiply", "divide") and constants[1] == 1.0:
-            return arguments[0]
-        return None
+        return arguments[0] if code in ("multiply", "divide") and constants[1] == 1.0 else None
+
+    def _folded(self, code: str, values: Sequence[float | None]) -> int | None:
+        if code not in _FOLDED:
+            return None
+        with np.errstate(all="ignore"):
+            found = _FOLDED[code](*map(np.float64, values))
+        truth = code in COMPARISONS or code == "truth"
+        return self._truth_constant(bool(found)) if truth else self.constant(float(found))
 
     def _simplified_logic(self, code: str, arguments: tuple[int, ...]) -> int | None:
         known = [self._truth_of(value) for value in arguments]
@@ -261,22 +243,14 @@ class BlockBuilder:
     def _complementary_selects(self, left: int, right: int) -> int | None:
         """Read ``(c ? a : 0) + (c ? 0 : b)``, CasADi's form of a choice, as ``c ? a : b``."""
         first, second = self._made.get(left), self._made.get(right)
-        both = self._constant_of(left), self._constant_of(right)
-        if both[0] is not None and both[1] is not None:
-            return self.constant(both[0] + both[1])
-        if first is None or second is None:
-            return None
-        if first.code != "select" or second.code != "select":
+        if first is None or second is None or not first.code == second.code == "select":
             return None
         condition, one, zero = first.arguments
         other_condition, other_zero, other = second.arguments
-        if condition == other_condition and self._is_zero(zero) and self._is_zero(other_zero):
+        plus_zero = self._known.get(("constant", (), bytes(8), False))
+        if condition == other_condition and zero == other_zero == plus_zero:
             return self.operation("select", condition, one, other)
         return None
-
-    def _is_zero(self, value: int) -> bool:
-        constant = self._constant_of(value)
-        return constant == 0.0 and math.copysign(1.0, constant) > 0
 
     def _constant_of(self, value: int) -> float | None:
         made = self._made.get(value)
@@ -291,4 +265,4 @@ class BlockBuilder:
 
     def _truth_constant(self, value: bool) -> int:
         constant = self.constant(1.0 if value else 0.0)
-        return self._emit(("truth", constant, False), "truth", (constant,), 0.0, False)
+        return self._emit("truth", (constant,))

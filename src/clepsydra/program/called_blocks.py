@@ -6,7 +6,7 @@ from collections.abc import Container, Mapping
 from dataclasses import replace
 
 from clepsydra.program.builder import BlockBuilder
-from clepsydra.program.inlined import append, renamed
+from clepsydra.program.inlined import rewritten
 from clepsydra.program.needed import needed_part
 from clepsydra.program.program import Call, Program
 
@@ -107,6 +107,4 @@ def _rewired(
         # Nothing reads the others.
         return [next(targets) if each else -1 for each in kept]
 
-    builder = BlockBuilder(program.block.arguments)
-    values, place = append(builder, program.block, range(program.block.arguments), called)
-    return replace(program, block=builder.finish(values), names=renamed(program, place))
+    return rewritten(program, called)

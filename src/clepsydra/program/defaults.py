@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping
+from dataclasses import replace
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import ForLoop, Program, Statement
+from clepsydra.program.program import Program
 
 
 def with_defaults(program: Program, values: Mapping[str, float]) -> Program:
@@ -34,10 +33,8 @@ def with_defaults(program: Program, values: Mapping[str, float]) -> Program:
     >>> with_defaults(program, {"gain": 2.5}).parameters[0].initial
     2.5
     """
-    known = {
-        entry.name
-        for entry in (*program.state, *program.rings, *program.inputs, *program.parameters)
-    }
+    entries = (*program.state, *program.rings, *program.inputs, *program.parameters)
+    known = {entry.name for entry in entries}
     for name, value in values.items():
         if name not in known:
             raise InputError(
@@ -50,24 +47,7 @@ def with_defaults(program: Program, values: Mapping[str, float]) -> Program:
     def started(signal: Signal) -> Signal:
         if signal.name not in values:
             return signal
-        return dataclasses.replace(signal, initial=float(values[signal.name]))
+        return replace(signal, initial=float(values[signal.name]))
 
-    def started_ring(ring: DelayRing) -> DelayRing:
-        return dataclasses.replace(ring, signal=started(ring.signal))
-
-    def started_state(entry: Signal | DelayRing) -> Signal | DelayRing:
-        return started_ring(entry) if isinstance(entry, DelayRing) else started(entry)
-
-    def started_loop(statement: Statement) -> Statement:
-        if not isinstance(statement, ForLoop):
-            return statement
-        return dataclasses.replace(statement, rings=tuple(map(started_ring, statement.rings)))
-
-    statements = tuple(map(started_loop, program.block.statements))
-    return dataclasses.replace(
-        program,
-        state=tuple(started_state(entry) for entry in program.state),
-        inputs=tuple(started(entry) for entry in program.inputs),
-        parameters=tuple(started(entry) for entry in program.parameters),
-        block=dataclasses.replace(program.block, statements=statements),
-    )
+    changed = program.with_signals(started)
+    return replace(changed, outputs=program.outputs, constants=program.constants)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from typing import TypeGuard
 
 from clepsydra.base.signal import Signal
@@ -30,3 +32,16 @@ def is_ring(entry: Entry) -> TypeGuard[DelayRing]:
     [False, True]
     """
     return isinstance(entry, DelayRing) and entry.length > 1
+
+
+def with_signal(entry: Entry, change: Callable[[Signal], Signal]) -> Entry:
+    """Return a state with its signal changed, delayed or not.
+
+    Examples
+    --------
+    >>> with_signal(DelayRing(Signal("flow"), 3), lambda each: replace(each, unit="V")).signal.unit
+    'V'
+    """
+    if isinstance(entry, DelayRing):
+        return replace(entry, signal=change(entry.signal))
+    return change(entry)

@@ -23,11 +23,18 @@ def inlined(program: Program) -> Program:
     >>> [operation.code for operation in inlined(program).block.statements]
     ['add', 'add']
     """
-    block = program.block
-    if not program.calls:
-        return program
-    builder = BlockBuilder(block.arguments)
-    values, place = append(builder, block, range(block.arguments), _called)
+    return rewritten(program, _called) if program.calls else program
+
+
+#: Appends what stands in the place of a call, given where the values before it now stand;
+#: returns the values of its targets.
+Called = Callable[[BlockBuilder, Call, Mapping[int, int]], Sequence[int]]
+
+
+def rewritten(program: Program, called: Called) -> Program:
+    """Return a program with something else in the place of its calls."""
+    builder = BlockBuilder(program.block.arguments)
+    values, place = append(builder, program.block, range(program.block.arguments), called)
     return replace(program, block=builder.finish(values), names=renamed(program, place))
 
 
@@ -35,7 +42,7 @@ def append(
     builder: BlockBuilder,
     block: Block,
     arguments: Sequence[int],
-    called: Callable[[BlockBuilder, Call, Mapping[int, int]], Sequence[int]],
+    called: Called,
 ) -> tuple[list[int], dict[int, int]]:
     """Append the statements of a block to another one.
 
@@ -53,10 +60,6 @@ def append(
     -------
     values, place : list of int, dict
         The results, and for each value of the block what it is there.
-
-    Examples
-    --------
-    See `inlined`.
     """
     place = dict(enumerate(arguments))
 

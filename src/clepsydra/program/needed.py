@@ -25,10 +25,6 @@ def needed_part(block: Block) -> tuple[Block, Counter[int]]:
     needs for what is read afterwards, or for a ring: a variable for any other would be set and
     never used, of which compilers warn.
 
-    Parameters
-    ----------
-    block : Block
-
     Examples
     --------
     Two turns add up u; the root is handed to them, and they do not look at it:

@@ -47,11 +47,6 @@ class Operation:
     - ``maximum(a, b)`` is ``a > b ? a : b``, ``minimum(a, b)`` is ``a < b ? a : b``;
     - ``select(c, a, b)`` is ``c ? a : b`` with a truth value c;
     - ``number(c)`` is ``c ? 1 : 0`` and ``truth(a)`` is ``a != 0``.
-
-    Examples
-    --------
-    >>> Operation(2, "add", (0, 1)).fused
-    False
     """
 
     target: int

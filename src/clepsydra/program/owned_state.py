@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from clepsydra.base.signal import Signal
@@ -10,9 +10,7 @@ from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.entries import Entry, signal_of
 from clepsydra.program.inlined import append, renamed
-from clepsydra.program.operation import Operation
 from clepsydra.program.program import Call, Program
-from clepsydra.program.variants import told_apart
 
 #: The input at which an instance begins anew.
 RESTART = "restart"
@@ -30,7 +28,7 @@ def with_owned_state(program: Program) -> Program:
     an input it has to hold in the first scan too; one without, which nothing restarts, has no such
     input either. Any other state stays with the caller, as an input of the block and an
     output next_NAME, where no output has that value already; instances of a block that own
-    different states are told apart by its name, see `clepsydra.program.variants`.
+    different states are told apart by its name, see `told_apart`.
 
     Examples
     --------
@@ -54,12 +52,7 @@ def with_owned_state(program: Program) -> Program:
 
 
 def owned_by_calls(program: Program) -> frozenset[int]:
-    """Return the places of those states that live in instances of blocks.
-
-    Examples
-    --------
-    See `with_owned_state`.
-    """
+    """Return the places of those states that live in instances of blocks."""
     return frozenset(
         value for call in program.calls for value in call.arguments[: len(call.program.state)]
     )
@@ -80,12 +73,7 @@ def own_state(program: Program) -> tuple[Entry, ...]:
 
 
 def state_paths(program: Program) -> tuple[tuple[str, ...], ...]:
-    """Return for each state of a program whose calls own theirs the names that lead to it.
-
-    Examples
-    --------
-    See `with_owned_state`.
-    """
+    """Return for each state of a program whose calls own theirs the names that lead to it."""
     paths: list[tuple[str, ...]] = [(signal_of(entry).identifier,) for entry in program.state]
     for call in program.calls:
         for place, path in zip(call.arguments, state_paths(call.program), strict=False):
@@ -125,9 +113,7 @@ class _Writer:
     def __init__(self, program: Program, starts: Mapping[int, Start] | None = None) -> None:
         self.program, self.starts = program, starts
         self.uses = program.block.uses()
-        self.made = {
-            each.target: each for each in program.block.statements if isinstance(each, Operation)
-        }
+        self.made = program.block.made
         #: First target of a call to the states that its instance owns, by their place there.
         self.owned = {call.targets[0]: self._owned(call) for call in program.calls if call.targets}
 
@@ -300,3 +286,72 @@ def _has_start(entry: Signal | DelayRing) -> bool:
 def _start(entry: Signal | DelayRing) -> Signal:
     signal = signal_of(entry)
     return replace(signal, name=f"start_{signal.name}", description="")
+
+
+def state_names(program: Program) -> dict[str, str]:
+    """Return for the name of each state the one with the instances that it lives in.
+
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.program.program import Block, Operation
+    >>> add = Block(2, (Operation(2, "add", (0, 1)),), (2, 2))
+    >>> total = Program("total", (Signal("sum"),), (Signal("u"),), (), (Signal("y"),), add)
+    >>> calls = Block(2, (Call((2, 3), total, "flow", (0, 1)),), (2, 3))
+    >>> law = Program("law", (Signal("x"),), (Signal("u"),), (), (Signal("y"),), calls)
+    >>> state_names(law)
+    {'x': 'flow.sum'}
+    """
+    names = [entry.name for entry in program.state]
+    paths = state_paths(with_owned_state(program))
+    return {
+        name: ".".join(path) if len(path) > 1 else name
+        for name, path in zip(names, paths, strict=True)
+    }
+
+
+def told_apart(program: Program, original: Program) -> Program:
+    """Return a program in which the variants of a block have names of their own.
+
+    Where one instance of a block keeps a state and the caller of another one that state of it,
+    the block has two variants: the second in the order of the calls is named "NAME_2".
+
+    Parameters
+    ----------
+    program : Program
+        Whose calls own their state.
+    original : Program
+        What it was made from. A name that stands for two different blocks already stays, so that
+        a printer refuses it.
+
+    Examples
+    --------
+    >>> from clepsydra.program.program import Block
+    >>> one, two = (Program("b", (), (), (), (), Block(0, (), ()), {}, (t,)) for t in ("x", "y"))
+    >>> law = Program("law", (), (), (), (), Block(0, (Call((), one, "first", ()),), ()))
+    >>> both = Block(0, (*law.block.statements, Call((), two, "second", ())), ())
+    >>> [call.program.name for call in told_apart(replace(law, block=both), law).calls]
+    ['b', 'b_2']
+    """
+    blocks: dict[str, list[Program]] = {}
+    for block in _called(original):
+        if block not in blocks.setdefault(block.name, []):
+            blocks[block.name].append(block)
+    variants: dict[str, list[Program]] = {n: [] for n, found in blocks.items() if len(found) == 1}
+
+    def renamed_call(call: Call) -> Call:
+        block = call.program.with_calls(renamed_call)
+        found = variants.get(block.name, [block])
+        if block not in found:
+            found.append(block)
+        number = 1 + found.index(block)
+        name = f"{block.name}_{number}" if number > 1 else block.name
+        return replace(call, program=replace(block, name=name))
+
+    return program.with_calls(renamed_call)
+
+
+def _called(program: Program) -> Iterator[Program]:
+    for call in program.calls:
+        yield from _called(call.program)
+        yield call.program

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable
 from dataclasses import replace
-from functools import partial
 from itertools import count
 from typing import Literal, get_args
 
@@ -14,14 +13,7 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.program.operation import LIBRARY, TO_SINGLE, Operation
-from clepsydra.program.program import (
-    Block,
-    Call,
-    Conditional,
-    Program,
-    Statement,
-    written_by,
-)
+from clepsydra.program.program import Block, Call, ForLoop, Program, Statement, written_by
 
 #: LREAL and double, or REAL and float.
 Precision = Literal["double", "single"]
@@ -82,14 +74,29 @@ def in_precision(program: Program, precision: Precision) -> Program:
     check_precision(precision)
     if precision == "double":
         return program
-    block = _block(program.block, f"program {program.name}")
-    rounded = program.with_signals(partial(_signal, place=f"program {program.name}"))
-    place = f"program {program.name}, table"
-    tables = tuple(
-        replace(each, values=tuple(_single(v, f"{place} {each.name}") for v in each.values))
-        for each in program.tables
-    )
-    return replace(rounded, block=block, tables=tables)
+    place = f"program {program.name}"
+
+    def numbers(values: Iterable[float], where: str) -> tuple[float, ...]:
+        return tuple(_single(value, f"{place}, {where}") for value in values)
+
+    def statement(each: Statement) -> Statement:
+        if isinstance(each, Operation) and each.code == "constant":
+            return replace(each, constant=_single(each.constant, f"{place}, a constant"))
+        if isinstance(each, Call):
+            return replace(each, program=in_precision(each.program, "single"))
+        if isinstance(each, ForLoop):
+            tables = tuple(numbers(table, f"table of {each.name}") for table in each.tables)
+            return replace(each, tables=tables)
+        return each
+
+    def signal(each: Signal) -> Signal:
+        if each.kind != "real":
+            return each
+        return replace(each, initial=_single(each.initial, f"{place}, {each.name}"))
+
+    found = replace(program, block=program.block.with_statements(statement)).with_signals(signal)
+    tables = (replace(t, values=numbers(t.values, f"table {t.name}")) for t in program.tables)
+    return replace(found, tables=tuple(tables))
 
 
 def in_single_arithmetic(program: Program) -> Program:
@@ -132,49 +139,21 @@ def _rounding(program: Program) -> Program:
 
 
 def _rounding_block(block: Block) -> Block:
-    return replace(block, statements=tuple(_rounding_statements(block)))
-
-
-def _rounding_statements(block: Block) -> Iterator[Statement]:
     taken = (value for statement in block.statements for value in written_by(statement))
     free = count(max(taken, default=block.arguments) + 1)
-    for statement in block.statements:
-        if isinstance(statement, Call):
-            yield replace(statement, program=_rounding(statement.program))
-        elif not isinstance(statement, Operation):
-            yield replace(statement, body=_rounding_block(statement.body))
-        elif statement.code in _INEXACT:
+    statements: list[Statement] = []
+    for each in block.statements:
+        if isinstance(each, Call):
+            statements.append(replace(each, program=_rounding(each.program)))
+        elif not isinstance(each, Operation):
+            statements.append(replace(each, body=_rounding_block(each.body)))
+        elif each.code in _INEXACT:
             exact = next(free)
-            yield replace(statement, target=exact)
-            yield Operation(statement.target, TO_SINGLE, (exact,))
+            statements.append(replace(each, target=exact))
+            statements.append(Operation(each.target, TO_SINGLE, (exact,)))
         else:
-            yield statement
-
-
-def _signal(signal: Signal, place: str) -> Signal:
-    if signal.kind != "real":
-        return signal
-    return replace(signal, initial=_single(signal.initial, f"{place}, {signal.name}"))
-
-
-def _block(block: Block, place: str) -> Block:
-    return replace(block, statements=tuple(_statement(s, place) for s in block.statements))
-
-
-def _statement(statement: Statement, place: str) -> Statement:
-    if isinstance(statement, Operation):
-        if statement.code != "constant":
-            return statement
-        return replace(statement, constant=_single(statement.constant, f"{place}, a constant"))
-    if isinstance(statement, Call):
-        return replace(statement, program=in_precision(statement.program, "single"))
-    statement = replace(statement, body=_block(statement.body, place))
-    if isinstance(statement, Conditional):
-        return statement
-    inside = f"{place}, table of {statement.name}"
-    tables = tuple(tuple(_single(v, inside) for v in table) for table in statement.tables)
-    rings = tuple(replace(each, signal=_signal(each.signal, place)) for each in statement.rings)
-    return replace(statement, tables=tables, rings=rings)
+            statements.append(each)
+    return replace(block, statements=tuple(statements))
 
 
 def _single(value: float, place: str) -> float:

@@ -9,6 +9,7 @@ from functools import cached_property
 from clepsydra.base.signal import Signal, identifier
 from clepsydra.program.counted_loop import Table
 from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.entries import signal_of, with_signal
 from clepsydra.program.operation import Operation
 
 
@@ -191,6 +192,11 @@ class Block:
     results: tuple[int, ...]
     truths: frozenset[int] = frozenset()
 
+    @cached_property
+    def made(self) -> dict[int, Operation]:
+        """The operation that makes each value that one makes, apart from those of bodies."""
+        return {each.target: each for each in self.statements if isinstance(each, Operation)}
+
     def uses(self) -> dict[int, int]:
         """Return how often each value is read, results included."""
         count: dict[int, int] = {}
@@ -216,6 +222,21 @@ class Block:
                 kept.append(statement)
         kept.reverse()
         return replace(self, statements=tuple(kept), truths=self.truths & needed)
+
+    def with_statements(self, change: Callable[[Statement], Statement]) -> Block:
+        """Return the block with its statements changed, behind those of their own bodies.
+
+        >>> block = Block(1, (Operation(1, "multiply", (0, 0), fused=True),), (1,))
+        >>> block.with_statements(lambda each: replace(each, fused=False)).statements[0].fused
+        False
+        """
+
+        def changed(each: Statement) -> Statement:
+            if isinstance(each, (ForLoop, Conditional)):
+                each = replace(each, body=each.body.with_statements(change))
+            return change(each)
+
+        return replace(self, statements=tuple(map(changed, self.statements)))
 
     def operations(self) -> Iterator[Operation]:
         """Yield every operation, those of loops, conditionals and blocks included, once a place."""
@@ -325,26 +346,38 @@ class Program:
             raise ValueError(f"program {self.name}: {clash} stand for more than one state or ring")
 
     def with_signals(self, change: Callable[[Signal], Signal]) -> Program:
-        """Return the program with its signals and constants changed, but for rings of loops.
+        """Return the program with its signals and constants changed.
 
         >>> law = Program("law", (), (Signal("u"),), (), (), Block(1, (), ()))
         >>> law.with_signals(lambda signal: replace(signal, unit="V")).inputs[0].unit
         'V'
         """
 
-        def changed(entry: Signal | DelayRing) -> Signal | DelayRing:
-            if isinstance(entry, DelayRing):
-                return replace(entry, signal=change(entry.signal))
-            return change(entry)
+        def in_rings(each: Statement) -> Statement:
+            if not isinstance(each, ForLoop) or not each.rings:
+                return each
+            rings = (replace(ring, signal=change(ring.signal)) for ring in each.rings)
+            return replace(each, rings=tuple(rings))
 
         return replace(
             self,
-            state=tuple(map(changed, self.state)),
+            state=tuple(with_signal(entry, change) for entry in self.state),
             inputs=tuple(map(change, self.inputs)),
             parameters=tuple(map(change, self.parameters)),
             outputs=tuple(map(change, self.outputs)),
             constants=tuple(map(change, self.constants)),
+            block=replace(self.block, statements=tuple(map(in_rings, self.block.statements))),
         )
+
+    def with_calls(self, change: Callable[[Call], Call]) -> Program:
+        """Return the program with the calls of its blocks changed."""
+        statements = (change(s) if isinstance(s, Call) else s for s in self.block.statements)
+        return replace(self, block=replace(self.block, statements=tuple(statements)))
+
+    @cached_property
+    def given(self) -> tuple[Signal, ...]:
+        """The signals of the arguments of the block, in order."""
+        return (*map(signal_of, self.state), *self.inputs, *self.parameters)
 
     @cached_property
     def rings(self) -> tuple[DelayRing, ...]:

@@ -2,64 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 import casadi as ca
 
 from clepsydra.base.errors import ClepsydraError, InputError
 from clepsydra.base.signal import Signal
-from clepsydra.program.block import Block, KeptCall, keeping_calls, kept_call
+from clepsydra.program.block import Block, keeping_calls, kept_call
 from clepsydra.program.builder import BlockBuilder
-from clepsydra.program.counted_loop import RecoveredLoop, recover_loop
-from clepsydra.program.program import Block as ProgramBlock
+from clepsydra.program.counted_loop import recover_loop
+from clepsydra.program.operation import LIBRARY
 from clepsydra.program.program import Program
-from clepsydra.program.step_law import StepLaw, function_of
+from clepsydra.program.step_law import Equations, StepLaw, Symbols, function_of
 
-_BINARY = {
+_CODES = {getattr(ca, f"OP_{name.upper()}"): name for name in LIBRARY}
+_CODES |= {
+    ca.OP_CONSTPOW: "pow",
     ca.OP_ADD: "add",
     ca.OP_SUB: "subtract",
     ca.OP_MUL: "multiply",
     ca.OP_DIV: "divide",
-    ca.OP_LT: "less",
-    ca.OP_LE: "less_equal",
-    ca.OP_EQ: "equal",
-    ca.OP_NE: "not_equal",
-    ca.OP_AND: "and",
-    ca.OP_OR: "or",
-    ca.OP_FMIN: "minimum",
-    ca.OP_FMAX: "maximum",
-    ca.OP_POW: "pow",
-    ca.OP_CONSTPOW: "pow",
-    ca.OP_ATAN2: "atan2",
-    ca.OP_FMOD: "fmod",
-    ca.OP_HYPOT: "hypot",
-    ca.OP_COPYSIGN: "copysign",
-}
-_UNARY = {
     ca.OP_NEG: "negate",
-    ca.OP_NOT: "not",
     ca.OP_SQRT: "square_root",
     ca.OP_FABS: "absolute",
     ca.OP_FLOOR: "floor",
     ca.OP_CEIL: "ceiling",
-    ca.OP_EXP: "exp",
-    ca.OP_LOG: "log",
-    ca.OP_SIN: "sin",
-    ca.OP_COS: "cos",
-    ca.OP_TAN: "tan",
-    ca.OP_ASIN: "asin",
-    ca.OP_ACOS: "acos",
-    ca.OP_ATAN: "atan",
-    ca.OP_SINH: "sinh",
-    ca.OP_COSH: "cosh",
-    ca.OP_TANH: "tanh",
-    ca.OP_ASINH: "asinh",
-    ca.OP_ACOSH: "acosh",
-    ca.OP_ATANH: "atanh",
-    ca.OP_LOG1P: "log1p",
-    ca.OP_EXPM1: "expm1",
-    ca.OP_ERF: "erf",
+    ca.OP_FMIN: "minimum",
+    ca.OP_FMAX: "maximum",
+    ca.OP_LT: "less",
+    ca.OP_LE: "less_equal",
+    ca.OP_EQ: "equal",
+    ca.OP_NE: "not_equal",
+    ca.OP_NOT: "not",
+    ca.OP_AND: "and",
+    ca.OP_OR: "or",
 }
 
 
@@ -101,11 +78,14 @@ def inline(
     ['square_root', 'constant', 'add']
     """
     outputs = _read(builder, function, arguments, fused)
-    return [
-        _entry(builder, function, outputs, i, entry)
-        for i in range(function.n_out())
-        for entry in range(function.numel_out(i))
-    ]
+    found = []
+    for i in range(function.n_out()):
+        # An output stores only its structural nonzeros.
+        stored = {entry: k for k, entry in enumerate(function.sparsity_out(i).find())}
+        for entry in range(function.numel_out(i)):
+            known = entry in stored
+            found.append(outputs[i, stored[entry]] if known else builder.constant(0.0))
+    return found
 
 
 def _check(function: ca.Function) -> None:
@@ -158,30 +138,12 @@ def _read(
     return outputs
 
 
-def _entry(
-    builder: BlockBuilder,
-    function: ca.Function,
-    outputs: dict[tuple[int, int], int],
-    index: int,
-    entry: int,
-) -> int:
-    """Return the value of a dense entry; an output stores only its structural nonzeros."""
-    sparsity = function.sparsity_out(index)
-    if sparsity.is_dense():
-        return outputs[index, entry]
-    row, column = entry % sparsity.size1(), entry // sparsity.size1()
-    nonzero = sparsity.get_nz(row, column)
-    return builder.constant(0.0) if nonzero < 0 else outputs[index, nonzero]
-
-
 def _operation(
     builder: BlockBuilder, function: ca.Function, code: int, operands: list[int], fused: bool
 ) -> int:
     first = operands[0]
-    if code in _BINARY:
-        return builder.operation(_BINARY[code], *operands[:2], fused=fused)
-    if code in _UNARY:
-        return builder.operation(_UNARY[code], first, fused=fused)
+    if code in _CODES:
+        return builder.operation(_CODES[code], *operands, fused=fused)
     if code == ca.OP_ASSIGN:
         return first
     if code == ca.OP_SQ:
@@ -209,38 +171,27 @@ def _sign(builder: BlockBuilder, value: int) -> int:
 
 def _call(
     builder: BlockBuilder, called: ca.Function, arguments: list[int], fused: bool
-) -> list[int]:
-    kept = kept_call(called)
-    if kept is not None:
-        return _kept(builder, kept, arguments)
+) -> Sequence[int]:
+    if kept := kept_call(called):
+        block, instance = kept
+        program, written = _structured(block, (), block.equations)
+        program = replace(
+            program,
+            description=block.description,
+            constants=block.constants,
+            words=written.words,
+            tables=block.tables,
+        )
+        return builder.call(program, instance, arguments)
     loop = recover_loop(called)
     if loop is None:
         found = _read(builder, called, arguments, fused)
-        return [
-            found[i, nonzero] for i in range(called.n_out()) for nonzero in range(called.nnz_out(i))
-        ]
-    carried = called.numel_in(0)
-    body = read_body(loop, fused=fused)
-    return list(
-        builder.loop(
-            loop.name, body, loop.count, loop.tables, arguments[:carried], arguments[carried:]
-        )
-    )
-
-
-def read_body(loop: RecoveredLoop, *, fused: bool = False) -> ProgramBlock:
-    """Read the body of a counted loop into a block of its own.
-
-    Examples
-    --------
-    >>> row, total = ca.SX.sym("row"), ca.SX.sym("total")
-    >>> body = ca.Function("body", [row, total, ca.SX(0, 1)], [total + row])
-    >>> read_body(RecoveredLoop("sum", 2, body, [[1.0, 2.0]])).arguments
-    2
-    """
+        return [found[i, k] for i in range(called.n_out()) for k in range(called.nnz_out(i))]
     size = sum(loop.body.numel_in(i) for i in range(loop.body.n_in()))
-    inner = BlockBuilder(size)
-    return inner.finish(inline(inner, loop.body, range(size), fused=fused))
+    inner, carried = BlockBuilder(size), called.numel_in(0)
+    body = inner.finish(inline(inner, loop.body, range(size), fused=fused))
+    start, held = arguments[:carried], arguments[carried:]
+    return builder.loop(loop.name, body, loop.count, loop.tables, start, held)
 
 
 def program_of(law: StepLaw) -> Program:
@@ -289,9 +240,18 @@ def structured_program_of(law: StepLaw) -> Program:
             "batch; write it as expressions, by step_law"
         )
     with keeping_calls():
-        groups = (law.state, law.inputs, law.parameters)
-        function, written = function_of(law.name, groups, law.outputs, law.equations)
-        return _program(law, law.parameters, function, written.intermediates, written.words)
+        return _structured(law, law.parameters, law.equations)[0]
+
+
+def _structured(
+    whole: StepLaw | Block,
+    parameters: tuple[Signal, ...],
+    equations: Callable[[Symbols], Equations],
+) -> tuple[Program, Equations]:
+    """Read the equations of a law or a block, in which calls are kept; return these too."""
+    groups = (whole.state, whole.inputs, parameters)
+    function, written = function_of(whole.name, groups, whole.outputs, equations)
+    return _program(whole, parameters, function, written.intermediates), written
 
 
 def _program(
@@ -299,7 +259,6 @@ def _program(
     parameters: tuple[Signal, ...],
     function: ca.Function,
     between: Iterable[str],
-    words: Mapping[str, str] | None = None,
 ) -> Program:
     """Read the function of a law or a block; its results are followed by what only has names."""
     _check(function)
@@ -312,17 +271,8 @@ def _program(
         if value >= size:
             named.setdefault(value, name)
     block = builder.finish(values[:results])
-    program = Program(
-        whole.name, whole.state, whole.inputs, parameters, whole.outputs, block, named
-    )
-    if isinstance(whole, Block):
-        program = replace(
-            program,
-            description=whole.description,
-            constants=whole.constants,
-            words=words or {},
-            tables=whole.tables,
-        )
+    signals = (whole.state, whole.inputs, parameters, whole.outputs)
+    program = Program(whole.name, *signals, block, named)
     instances = [call.identifier for call in program.calls]
     for name in instances:
         if instances.count(name) > 1:
@@ -330,12 +280,3 @@ def _program(
                 f"{whole.name}, instances", name, "a name of its own for each", "rename one of them"
             )
     return program
-
-
-def _kept(builder: BlockBuilder, call: KeptCall, arguments: list[int]) -> list[int]:
-    """Append the call of a block."""
-    block = call.block
-    groups = (block.state, block.inputs)
-    function, written = function_of(block.name, groups, block.outputs, block.equations)
-    program = _program(block, (), function, written.intermediates, written.words)
-    return list(builder.call(program, call.instance, arguments))

@@ -186,7 +186,7 @@ def function_of(
     ----------
     name : str
     arguments : sequence of sequences
-        The state, then the other groups of arguments.
+        State, inputs, parameters.
     outputs : sequence of Signal
     equations : callable
 
@@ -197,9 +197,9 @@ def function_of(
 
     Examples
     --------
-    >>> function, _ = function_of("halve", ([], [Signal("level")]), [Signal("half")],
+    >>> function, _ = function_of("halve", ([], [Signal("level")], []), [Signal("half")],
     ...                           lambda s: Equations({}, {"half": s["level"] / 2}))
-    >>> float(function([], [3.0])[1])
+    >>> float(function([], [3.0], [])[1])
     1.5
     """
     groups = [[entry.name for entry in group] for group in arguments]
@@ -207,7 +207,7 @@ def function_of(
     if len(set(names)) != len(names):
         clash = sorted({entry for entry in names if names.count(entry) > 1})
         raise ValueError(f"step law {name}: the names {clash} stand for more than one signal")
-    vectors = [ca.SX.sym(prefix, len(group)) for prefix, group in zip("xup", groups, strict=False)]
+    vectors = [ca.SX.sym(prefix, len(group)) for prefix, group in zip("xup", groups, strict=True)]
     symbols = {
         entry: vector[index]
         for vector, group in zip(vectors, groups, strict=True)
@@ -222,7 +222,7 @@ def function_of(
             _stack(name, "outputs", [signal.name for signal in outputs], written.outputs),
             ca.vertcat(*written.intermediates.values()),
         ],
-        ["state", "inputs", "parameters"][: len(vectors)],
+        ["state", "inputs", "parameters"],
         ["next_state", "outputs", "intermediates"],
     )
     steps = {*written.next_state, *written.outputs, *written.intermediates}

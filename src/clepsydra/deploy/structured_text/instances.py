@@ -10,9 +10,8 @@ from clepsydra.deploy.printing.identifiers import Identifiers
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.entries import signal_of
 from clepsydra.program.inlined import append, renamed
-from clepsydra.program.operation import Operation
 from clepsydra.program.owned_state import RESTART, RESTARTS, has_starts
-from clepsydra.program.program import Call, Program, Statement
+from clepsydra.program.program import Call, Program
 
 #: The state that tells the first scan from the others.
 BEGUN = "begun"
@@ -43,27 +42,22 @@ def with_block_names(program: Program, words: frozenset[str]) -> Program:
     >>> call.instance, call.program.inputs[0].name
     ('flow_block', 'ramp_value')
     """
-    groups = (*program.state, *program.inputs, *program.parameters, *program.outputs)
-    taken = {signal_of(entry).identifier.lower() for entry in groups}
+    taken = {signal.identifier.lower() for signal in (*program.given, *program.outputs)}
 
     def no_word(signal: Signal) -> Signal:
         is_word = signal.identifier.upper() in words
         return replace(signal, name=f"{signal.name}_value") if is_word else signal
 
-    def named(statement: Statement) -> Statement:
-        if not isinstance(statement, Call):
-            return statement
-        block = with_block_names(statement.program, words).with_signals(no_word)
+    def named(call: Call) -> Call:
+        block = with_block_names(call.program, words).with_signals(no_word)
         # All of them are wired, so none begins with a value of its own.
         inputs = tuple(replace(signal, initial=0.0) for signal in block.inputs)
         told = {f"{name}_value": text for name, text in block.words.items()} | {**block.words}
-        instance = statement.identifier
-        clash = "_block" if instance.lower() in taken else ""
+        clash = "_block" if call.identifier.lower() in taken else ""
         named = replace(block, words=told, inputs=inputs)
-        return replace(statement, instance=instance + clash, program=named)
+        return replace(call, instance=call.identifier + clash, program=named)
 
-    block = replace(program.block, statements=tuple(map(named, program.block.statements)))
-    return replace(program, block=block)
+    return program.with_calls(named)
 
 
 def beginning(program: Program) -> Program:
@@ -71,10 +65,6 @@ def beginning(program: Program) -> Program:
 
     Their start values are inputs: a retained state says whether the program has run. It lives in
     the block that tells all instances when to begin anew, if there is one, or else in the program.
-
-    Examples
-    --------
-    See `clepsydra.deploy.structured_text.printer.function_blocks`.
     """
     block, states = program.block, len(program.state)
     if not any(has_starts(call.program) for call in program.calls):
@@ -108,8 +98,7 @@ def beginning(program: Program) -> Program:
 
 def _names_of(program: Program) -> Identifiers:
     """Return the scope of a program, with the names of its signals and instances."""
-    entries = (*program.state, *program.inputs, *program.parameters, *program.outputs)
-    taken = [signal_of(entry).identifier for entry in entries]
+    taken = [signal.identifier for signal in (*program.given, *program.outputs)]
     return Identifiers([*taken, *(call.identifier for call in program.calls)], ignore_case=True)
 
 
@@ -118,7 +107,7 @@ def _teller(program: Program) -> tuple[Call, int] | None:
 
     No other call is of its block, whose own names leave room for what it is to tell.
     """
-    made = {each.target: each for each in program.block.statements if isinstance(each, Operation)}
+    made = program.block.made
     restarts = set()
     for call in (each for each in program.calls if has_starts(each.program)):
         value = {signal.name: value for signal, value in call.ports()}[RESTART]
