@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from tools import need_grammar
 
 from clepsydra import InputError
-from clepsydra.deploy.c99.statements import notation_of as c_notation_of
+from clepsydra.deploy.c99.statements import C99
 from clepsydra.deploy.printing.decimal_text import decimal
 from clepsydra.deploy.printing.expressions import (
     Expression,
@@ -19,10 +19,10 @@ from clepsydra.deploy.printing.expressions import (
 )
 from clepsydra.deploy.printing.lines import folded
 from clepsydra.deploy.structured_text.dialect import dialect_of
-from clepsydra.deploy.structured_text.statements import notation_of
+from clepsydra.deploy.structured_text.statements import StructuredText
 
-C = c_notation_of("double")
-TEXT = notation_of(dialect_of("codesys"), "double")
+C = C99("law", "double")
+TEXT = StructuredText(dialect_of("codesys"), "double")
 A, B, D, P, Q = variable("a"), variable("b"), variable("d"), flag("p"), flag("q")
 
 

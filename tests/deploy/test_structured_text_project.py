@@ -19,8 +19,7 @@ from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.process_program import process_program
 from clepsydra.deploy.proof.text.interpreter import StructuredText
 from clepsydra.deploy.proof.text.scl import standard_text
-from clepsydra.deploy.structured_text.project import Project, print_test_project
-from clepsydra.deploy.structured_text.simulated_plant import wired
+from clepsydra.deploy.structured_text.project import Project, print_test_project, wired
 from clepsydra.deploy.structured_text.time_literal import LONGEST, milliseconds, time_literal
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario
@@ -152,7 +151,7 @@ def test_wires_that_do_not_fit():
                   Block(1, (), (0,)))  # fmt: skip
     tank = Program("tank", (), (Signal("pump_1"),), (), (Signal("level_1"),), Block(1, (), (0,)))
     good = {"level_1.pv": "level_1", "pump_1.out": "pump_1"}
-    assert wired(law, tank, good, 1.0).measured == {"level_1.pv": "level_1"}
+    assert wired(law, tank, good, 1.0)[0] == {"level_1.pv": "level_1"}
     for name, wire, what in (
         ("level_1.pv", "level_2", "an output of the process: level_1"),
         ("pump_1.out", "valve_1", "an input of the process: pump_1"),

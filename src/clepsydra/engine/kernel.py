@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -73,6 +72,7 @@ class Kernel:
         self._batch_lanes = _batch_lanes(program) if lanes is None else lanes
         self._cache = cache
         self._layout = Layout(program, self._individual)
+        self._compiled: dict[int, CompiledFunction] = {}
         self._check("lanes", self._batch_lanes, "leave it out")
 
     def prepare(
@@ -159,20 +159,11 @@ class Kernel:
 
     def function(self, lanes: int) -> CompiledFunction:
         """Return the machine code for a number of lanes, compiled when first asked for."""
-        return self._one_run if lanes == 1 else self._batch
-
-    @cached_property
-    def _one_run(self) -> CompiledFunction:
-        return self._compiled(1)
-
-    @cached_property
-    def _batch(self) -> CompiledFunction:
-        return self._compiled(self._batch_lanes)
-
-    def _compiled(self, lanes: int) -> CompiledFunction:
-        form = KernelForm(lanes, self._individual, self._fuse, self.records)
-        code = vector_code(self.program, form)
-        return CompiledFunction(code, KERNEL, kernel_signature(), self._cache)
+        if lanes not in self._compiled:
+            form = KernelForm(lanes, self._individual, self._fuse, self.records)
+            code = vector_code(self.program, form)
+            self._compiled[lanes] = CompiledFunction(code, KERNEL, kernel_signature(), self._cache)
+        return self._compiled[lanes]
 
 
 def _batch_lanes(program: Program) -> int:

@@ -13,10 +13,6 @@ class LaneFunction(VectorText):
     The same instructions stand in one lane and in many, and none may be reordered or fused by
     the compiler, so a value does not depend on the number of lanes.
 
-    Parameters
-    ----------
-    lanes : int
-
     Examples
     --------
     >>> function = LaneFunction(1)

@@ -12,10 +12,10 @@ from models import drawn, lqi_program, origin, pi_model, pi_program
 from plants import designed, plant
 
 from clepsydra import Kernel
-from clepsydra.deploy.c99.structures import state_names
 from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.fmi.controller import controller_model
 from clepsydra.program.entries import is_ring, signal_of
+from clepsydra.program.owned_state import state_names
 from clepsydra.program.reader import structured_program_of
 
 SCANS = 1200

@@ -2,20 +2,36 @@
 
 from __future__ import annotations
 
-import math
+import re
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from clepsydra.base.language_words import C_WORDS
-from clepsydra.deploy.c99.interface import check_names, function_head, head_comment, print_header
+from clepsydra.deploy.c99.interface import (
+    WIDTH,
+    check_names,
+    function_head,
+    head_comment,
+    print_header,
+    remarked,
+    structure,
+)
 from clepsydra.deploy.c99.statements import C99, arithmetic_check
-from clepsydra.deploy.c99.step import BlockFunction, StepFunction
-from clepsydra.deploy.c99.structures import WIDTH, remarked
-from clepsydra.deploy.printing.heading import number_comment, table_comment
-from clepsydra.deploy.printing.lines import indented
+from clepsydra.deploy.printing.body import Body, places_of
+from clepsydra.deploy.printing.declarations import declared
+from clepsydra.deploy.printing.heading import (
+    comment,
+    enclosed,
+    harmless,
+    number_comment,
+    table_comment,
+)
+from clepsydra.deploy.printing.identifiers import Identifiers
+from clepsydra.deploy.printing.lines import folded, indented
 from clepsydra.deploy.printing.origin import Origin
-from clepsydra.deploy.printing.printed_form import printed_form
+from clepsydra.deploy.printing.whole_numbers import printed_form
 from clepsydra.program.called_blocks import called_blocks
 from clepsydra.program.entries import Entry, is_ring, signal_of
 from clepsydra.program.owned_state import state_paths
@@ -32,12 +48,6 @@ class CSource:
     name : str
         The program's name, from which the files get theirs.
     header, source : str
-
-    Examples
-    --------
-    >>> printed = CSource("level_control", "/* header */", "/* source */")
-    >>> printed.header_name, printed.source_name
-    ('level_control.h', 'level_control.c')
     """
 
     name: str
@@ -75,10 +85,6 @@ def print_c(
     precision : {"double", "single"}
         double or float.
 
-    Returns
-    -------
-    CSource
-
     Raises
     ------
     InputError
@@ -105,59 +111,94 @@ def print_c(
     return CSource(program.name, header, _Source(printed, language, origin).text(head))
 
 
+_ASSIGNED = re.compile(r"( *)(\w+) = ")
+
+
 class _Source:
     def __init__(self, program: Program, language: C99, origin: Origin | None) -> None:
         self._program, self._language, self._origin = program, language, origin
-        name, blocks = program.name, called_blocks(program)
         parts = ("state", "inputs", "parameters", "outputs")
         functions = ("step", "initialise", "default_parameters", "default_inputs")
-        taken = {*C_WORDS, *language.notation.functions.values(), *parts}
-        for each in (name, *(language.record(block.name) for block in blocks)):
-            taken |= {f"{each}_{what}" for what in (*parts, *functions)}
-        self._functions: list[StepFunction] = []
-        for block in blocks:
-            self._functions.append(BlockFunction(block, language, taken))
-            taken |= self._functions[-1].tables.keys()
-        self._functions.append(StepFunction(program, language, taken))
+        #: Names of the file, which no variable may have.
+        self._taken = {*C_WORDS, *language.functions.values(), *parts}
+        for each in (program.name, *(language.record(b.name) for b in called_blocks(program))):
+            self._taken |= {f"{each}_{what}" for what in (*parts, *functions)}
 
     def text(self, head: Sequence[str]) -> str:
-        program = self._program
-        *blocks, step = self._functions
-        lines = [row for block in blocks for row in (*self._tables(block), *block.text())]
-        lines += self._tables(step)
-        for where in ("parameters", "inputs"):
+        program, language = self._program, self._language
+        lines = [row for block in called_blocks(program) for row in self._block(block)]
+        groups = ("parameters", "inputs", "state")
+        tables, step = self._body(program, places_of(program, "->"), groups)
+        lines += tables
+        for where in groups[:2]:
             members = ((each.identifier, each) for each in getattr(program, where))
             lines += self._set(f"default_{where}", where, members)
         paths = [
             *map(".".join, state_paths(program)),
-            *(e.signal.identifier for e in program.rings),
+            *(r.signal.identifier for r in program.rings),
         ]
         state = zip(paths, (*program.state, *program.rings), strict=True)
-        lines += [*self._set("initialise", "state", state), *step.text()]
-        mathematics = ["#include <math.h>"] if self._uses_mathematics() else []
-        opening = [*head, f'#include "{program.name}.h"', "", "#include <float.h>", *mathematics]
-        return "\n".join([*opening, "", *arithmetic_check(self._language.notation), *lines])
+        lines += self._set("initialise", "state", state)
+        lines += [*function_head(program.name, "step"), *step]
+        functions = "|".join(filter(str.isalnum, language.functions.values()))
+        code = re.sub(r"/\*.*?\*/", "", "\n".join(lines), flags=re.DOTALL)
+        called = re.search(rf"(?<![\w>.])(?:(?:{functions})\(|{language.infinity}\b)", code)
+        opening = [*head, f'#include "{program.name}.h"', "", "#include <float.h>"]
+        opening += ["#include <math.h>"] if called else []
+        return "\n".join([*opening, "", *arithmetic_check(language.precision), *lines])
 
-    def _tables(self, function: StepFunction) -> list[str]:
-        lines, language = [], self._language
-        for name, table in function.tables.items():
+    def _block(self, program: Program) -> list[str]:
+        """Return the function of a block, with its tables and the structure of its outputs.
+
+        Inputs come by their values, state and outputs by pointers.
+        """
+        language, name = self._language, self._language.record(program.name)
+        names = Identifiers(self._taken, ignore_case=False)
+        inputs = [names.new(signal.identifier) for signal in program.inputs]
+        lines, body = self._body(program, places_of(program, "->") | {"inputs": inputs}, inputs)
+        if program.outputs:
+            outputs = declared(program.outputs, language)
+            lines += structure(name, "outputs", f"Outputs of {program.name}.", outputs)
+        taken = [(f"{name}_state *state", "")] if program.state else []
+        for signal, local in zip(program.inputs, inputs, strict=True):
+            taken.append((f"{language.types[signal.kind]} {local}", comment(signal)))
+        taken += [(f"{name}_outputs *outputs", "")] if program.outputs else []
+        told = harmless(" ".join([f"One sample of {program.name}.", *program.description]))
+        lines += enclosed(textwrap.wrap(told, WIDTH - 6), "/*", "*/")
+        lines.append(f"static void {name}_step(")
+        for place, (argument, about) in enumerate(taken, 1):
+            argument += "," if place < len(taken) else ")"
+            lines += [f"    {row}" for row in remarked(argument, about, 4)]
+        return [*lines, *body]
+
+    def _body(
+        self, program: Program, places: Mapping[str, Sequence[str]], arguments: Iterable[str]
+    ) -> tuple[list[str], list[str]]:
+        """Return the tables of a function, and its statements in braces."""
+        language, tables, constants = self._language, list[str](), list[str]()
+        names = Identifiers({*self._taken, *places["inputs"]}, ignore_case=False)
+        body = Body(program, language, names, places)
+        self._taken |= body.tables.keys()
+        for name, table in body.tables.items():
             texts = ", ".join(map(language.number, table.values))
-            lines += [
+            tables += [
                 f"/* {table.description or table_comment(self._origin)} */",
                 f"static const {language.types['real']} {name}[{len(table.values)}] = {{",
                 *indented(textwrap.wrap(f"{texts},", WIDTH - 2, break_on_hyphens=False)),
                 "};",
                 "",
             ]
-        return lines
-
-    def _uses_mathematics(self) -> bool:
-        program, notation = self._program, self._language.notation
-        entries = (*program.state, *program.rings, *program.parameters, *program.inputs)
-        names = "|".join(name for name in notation.functions.values() if name.isalnum())
-        called = rf"(?:{names})\(|{notation.infinity}\b"
-        infinite = any(math.isinf(signal_of(entry).initial) for entry in entries)
-        return infinite or any(function.reads(called) for function in self._functions)
+        for name, signal in body.constants.items():
+            kind, value = language.types[signal.kind], language.initial(signal)
+            constants += remarked(f"static const {kind} {name} = {value};", comment(signal), 2)
+        lines = _declared(body.lines, body.temporaries)
+        code = "\n".join(line for line in lines if not line.lstrip().startswith("/*"))
+        unread = (each for each in arguments if not re.search(rf"(?<![\w>.]){each}\b", code))
+        lines = [*(f"(void){each};" for each in unread), *lines]
+        if program is self._program and not program.outputs:
+            lines.append("outputs->nothing = 0;")
+        wrapped = (row for line in indented(lines) for row in folded(line, WIDTH))
+        return tables, ["{", *indented(constants), *wrapped, "}", ""]
 
     def _set(self, what: str, where: str, members: Iterable[tuple[str, Entry]]) -> list[str]:
         """Return a function that sets the members of a structure."""
@@ -180,3 +221,16 @@ class _Source:
         source = self._origin.source_of(entry) if self._origin and stays else ""
         line = f"{left} = {self._language.initial(signal_of(entry))};"
         return remarked(line, number_comment(entry, source), indent)
+
+
+def _declared(lines: list[str], kinds: dict[str, str]) -> list[str]:
+    """Return statements that declare each of their own variables where it is first assigned."""
+    times = Counter(found[2] for line in lines if (found := _ASSIGNED.match(line)))
+    written = []
+    for line in lines:
+        found = _ASSIGNED.match(line)
+        if found and (kind := kinds.pop(found[2], "")):
+            constant = "const " if times[found[2]] == 1 else ""
+            line = f"{found[1]}{constant}{kind} {line.lstrip()}"
+        written.append(line)
+    return written

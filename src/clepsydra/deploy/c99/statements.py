@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.printing.expressions import OPERATORS, Notation
-from clepsydra.deploy.printing.for_loop import IN_C
+from clepsydra.deploy.printing.expressions import OPERATORS
 from clepsydra.deploy.printing.listing import BlockCall
-from clepsydra.deploy.printing.statements import Language, Syntax
+from clepsydra.deploy.printing.statements import Language
 from clepsydra.deploy.printing.whole_numbers import INTEGER_LOW
 from clepsydra.program.operation import LIBRARY
 from clepsydra.program.precision import Precision
@@ -15,49 +16,7 @@ _FUNCTIONS = {
     "square_root": "sqrt", "absolute": "fabs", "floor": "floor", "ceiling": "ceil",
     **{name: name for name in LIBRARY},
 }  # fmt: skip
-_OPERATORS = {**OPERATORS, "equal": "==", "not_equal": "!=", "and": "&&", "or": "||"}
-
-
 REAL: dict[Precision, str] = {"double": "double", "single": "float"}
-TYPES = {"integer": "int32_t", "boolean": "bool"}
-
-
-SYNTAX = Syntax(
-    comment="/* {} */",
-    assignment="{} = {};",
-    opened="if ({}) {{",
-    another="}} else if ({}) {{",
-    otherwise="} else {",
-    closed="}",
-    loop=IN_C,
-    advanced="{0} + 1 < {1} ? {0} + 1 : 0",
-    states="state->",
-)
-
-
-def notation_of(precision: Precision) -> Notation:
-    """Return how C writes operations on double or on float (single).
-
-    Examples
-    --------
-    >>> notation = notation_of("single")
-    >>> notation.functions["square_root"], notation.infinity, notation.suffix
-    ('sqrtf', 'HUGE_VALF', 'f')
-    """
-    single = precision == "single"
-    mark = "f" if single else ""
-    kinds = {"integer to real": f"({REAL[precision]})", "real to integer": "(int32_t)"}
-    return Notation(
-        language="C",
-        operators=_OPERATORS,
-        functions={**{code: f"{name}{mark}" for code, name in _FUNCTIONS.items()}, **kinds},
-        negation="!",
-        chooses=True,
-        infinity="HUGE_VALF" if single else "HUGE_VAL",
-        precision=precision,
-        suffix=mark,
-        truths=("false", "true"),
-    )
 
 
 class C99(Language):
@@ -71,13 +30,34 @@ class C99(Language):
 
     Examples
     --------
-    >>> C99("law", "single").types["real"]
-    'float'
+    >>> language = C99("law", "single")
+    >>> language.types["real"], language.functions["square_root"], language.infinity
+    ('float', 'sqrtf', 'HUGE_VALF')
     """
 
+    language = "C"
+    operators: ClassVar = {**OPERATORS, "equal": "==", "not_equal": "!=", "and": "&&", "or": "||"}
+    negation = "!"
+    chooses = True
+    truths = ("false", "true")
+    comment = "/* {} */"
+    assignment = "{} = {};"
+    opened = "if ({}) {{"
+    another = "}} else if ({}) {{"
+    otherwise = "} else {"
+    closed = "}"
+    repeated = "for (int32_t {0} = {1}; {0} < {3}; ++{0}) {{"
+    repeated_end = "}"
+    advanced = "{0} + 1 < {1} ? {0} + 1 : 0"
+    states = "state->"
+
     def __init__(self, name: str, precision: Precision) -> None:
-        self.name = name
-        super().__init__(notation_of(precision), SYNTAX, {**TYPES, "real": REAL[precision]})
+        self.name, self.precision, real = name, precision, REAL[precision]
+        self.types = {"real": real, "integer": "int32_t", "boolean": "bool"}
+        self.suffix = mark = "f" if precision == "single" else ""
+        self.infinity = f"HUGE_VAL{mark.upper()}"
+        self.functions = {code: f"{name}{mark}" for code, name in _FUNCTIONS.items()}
+        self.functions |= {"integer to real": f"({real})", "real to integer": "(int32_t)"}
 
     def initial(self, signal: Signal) -> str:
         """Write the initial value of a signal in its type."""
@@ -96,14 +76,14 @@ class C99(Language):
     def call(self, entry: BlockCall) -> list[str]:
         """Call an instance; its outputs are members of a variable that is called like it."""
         block, name = entry.program, self.record(entry.program.name)
-        arguments = [f"&{self.syntax.states}{entry.kept}"] if block.state else []
+        arguments = [f"&{self.states}{entry.kept}"] if block.state else []
         arguments += [self.expression(value) for _, value in entry.given()]
         lines = [f"{name}_outputs {entry.instance};"] if block.outputs else []
         arguments += [f"&{entry.instance}"] if block.outputs else []
         return [*lines, f"{name}_step({', '.join(arguments)});"]
 
 
-def arithmetic_check(notation: Notation) -> list[str]:
+def arithmetic_check(precision: Precision) -> list[str]:
     """Return what stops a compiler whose arithmetic is another one.
 
     Doubles may be evaluated in the type of a float's evaluation (FLT_EVAL_METHOD 1), floats may
@@ -111,10 +91,10 @@ def arithmetic_check(notation: Notation) -> list[str]:
 
     Examples
     --------
-    >>> arithmetic_check(notation_of("single"))[0]
+    >>> arithmetic_check("single")[0]
     '#if FLT_RADIX != 2 || FLT_MANT_DIG != 24 || FLT_MAX_EXP != 128'
     """
-    if notation.precision == "single":
+    if precision == "single":
         number, whole = "float", "FLT_MANT_DIG != 24 || FLT_MAX_EXP != 128"
         widened = "FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 16 && FLT_EVAL_METHOD != 32"
     else:

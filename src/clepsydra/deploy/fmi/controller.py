@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 from clepsydra.base.errors import InputError
-from clepsydra.deploy.c99.structures import state_names
 from clepsydra.deploy.fmi.model import FmuModel, FmuVariable, output_dependencies, variables_of
 from clepsydra.deploy.fmi.model_header import call_step
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.program.entries import is_ring, signal_of
 from clepsydra.program.inlined import inlined
-from clepsydra.program.owned_state import state_paths, with_owned_state
+from clepsydra.program.owned_state import state_names, state_paths, with_owned_state
 from clepsydra.program.program import Program
 
 

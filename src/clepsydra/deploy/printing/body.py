@@ -10,7 +10,7 @@ from itertools import count
 
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.printing.expressions import Expression, constant, flag, reading, variable
-from clepsydra.deploy.printing.folding import FoldedBlock
+from clepsydra.deploy.printing.folding import FoldedBlock, Scope
 from clepsydra.deploy.printing.heading import harmless
 from clepsydra.deploy.printing.identifiers import Identifiers
 from clepsydra.deploy.printing.lines import explained, in_place, mentions
@@ -90,20 +90,19 @@ class Body:
         self._program, self._names, self._places = program, names, places
         constants = {names.new(each.identifier): each for each in program.constants}
         language = self._language = language.naming(constants)
-        owned, entries = owned_by_calls(program), [*map(signal_of, program.state)]
+        owned, state = owned_by_calls(program), places["state"]
         rings = [entry.length if is_ring(entry) else 0 for entry in program.state]
-        held = zip(count(), entries, places["state"], rings)
+        held = zip(count(), program.given, state, rings)
         #: The states that no instance holds: value, signal, where it stands, length of a ring.
         self._held = [each for each in held if each[0] not in owned]
-        ranges = whole_ranges(program, language.notation.precision)
+        ranges = whole_ranges(program, language.precision)
         labels, preferred = self._labels(ranges)
-        at = [*map(ring_place, places["state"], rings), *places["inputs"], *places["parameters"]]
-        entries += [*program.inputs, *program.parameters]
-        given = [reading(entry.kind, place) for entry, place in zip(entries, at, strict=True)]
-        read = program.block, given, language.notation, names
-        folded = FoldedBlock(*read, labels, preferred, ranges, program.tables)
+        at = [*map(ring_place, state, rings), *places["inputs"], *places["parameters"]]
+        given = [reading(each.kind, place) for each, place in zip(program.given, at, strict=True)]
+        scope = Scope(language, names, program.tables)
+        folded = FoldedBlock(program.block, given, scope, labels, preferred, ranges)
         #: Tables of the loops by name.
-        self.tables, results = folded.tables, folded.results
+        self.tables, results = scope.tables, folded.results
         begun = [*map(_begun, folded.statements)]
         self._statements = _together(begun, {place for _, _, place, _ in self._held})
         stores: list[Assignment] = []
@@ -117,7 +116,7 @@ class Body:
         told = zip(program.outputs, places["outputs"], results[len(program.state) :], strict=True)
         shown = [Assignment(place, self._plain(output, result)) for output, place, result in told]
         groups = [_whole(shown, program), stores]
-        if language.syntax.told:
+        if language.told:
             self._tell_at_calls(groups)
         lines = language.statements(self._statements)
         for group in groups:
@@ -139,7 +138,7 @@ class Body:
 
     def _words(self, labels: Mapping[int, str]) -> dict[str, list[str]]:
         """Return the comments above the steps, by what these assign."""
-        program, comment = self._program, self._language.syntax.comment.format
+        program, comment = self._program, self._language.comment.format
         named = {labels[v]: name for v, name in program.names.items() if v in labels}
         for group in ("state", "outputs"):
             names = (entry.name for entry in getattr(program, group))
@@ -154,9 +153,7 @@ class Body:
         """Return the names of values that have one: the law's own, outputs, next states."""
         program, used = self._program, self._program.block.uses()
         first = program.block.arguments
-        made = {
-            each.target: each for each in program.block.statements if isinstance(each, Operation)
-        }
+        made = program.block.made
         instances = {call.identifier for call in program.calls}
         labels = self._begun(made, used)
         results = dict(zip(program.output_values, program.outputs, strict=True))
@@ -202,8 +199,7 @@ class Body:
 
     def _begun(self, made: Mapping[int, Operation], uses: Mapping[int, int]) -> dict[int, str]:
         """Return the values that a state is set to where it begins anew, before it is read."""
-        program = self._program
-        entries = [*program.state, *program.inputs, *program.parameters]
+        entries = self._program.given
         held = {
             value: (place, signal.kind) for value, signal, place, ring in self._held if not ring
         }
@@ -222,7 +218,7 @@ class Body:
             if each.code == "select" and given[2] in held and uses[given[2]] == 1:
                 _, start, before = given
                 place, kind = held[before]
-                alike = start < len(entries) and signal_of(entries[start]).kind == kind
+                alike = start < len(entries) and entries[start].kind == kind
                 if alike or kind == "real" or code_of(start) == "constant":
                     labels[target], held[target] = place, held[before]
         return labels
@@ -262,7 +258,7 @@ class Body:
     def _plain(self, signal: Signal, result: Expression) -> Expression:
         """Return a result in the type of its signal."""
         computed = result.known_as(signal.kind) is None
-        if computed and not self._language.notation.writes(result):
+        if computed and not self._language.writes(result):
             name = self._names.new(f"{signal.identifier}_number")
             self._statements.append(Assignment(name, result))
             result = variable(name)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from functools import reduce
 from itertools import combinations
 
 import numpy as np
 
 from clepsydra.deploy.printing.expressions import Expression, constant, variable
+from clepsydra.deploy.printing.listing import Assignment, Scope
 from clepsydra.program.counted_loop import Table
 from clepsydra.program.precision import Precision
+from clepsydra.program.program import ForLoop
 
 _REAL = {"double": np.float64, "single": np.float32}
 #: A shorter list is as easily read.
@@ -22,9 +24,9 @@ def equal_steps(values: Sequence[float], index: str, precision: Precision) -> Ex
 
     Examples
     --------
-    >>> from clepsydra.deploy.c99.statements import notation_of
+    >>> from clepsydra.deploy.c99.statements import C99
     >>> entry = equal_steps([0.25 * k - 1.0 for k in range(20)], "i", "double")
-    >>> notation_of("double").render(entry)
+    >>> C99("law", "double").render(entry)
     '0.25 * (double)i - 1.0'
     """
     real = _REAL[precision]
@@ -65,10 +67,10 @@ def on_lines(
 
     Examples
     --------
-    >>> from clepsydra.deploy.c99.statements import notation_of
+    >>> from clepsydra.deploy.c99.statements import C99
     >>> table = Table("degree", (0.5, 0.0), over="x", lines=((1.0, 0.0), (-0.5, 4.0)))
     >>> found = on_lines(table, (0.5, 0.0), {"x": ([3.0, 4.0], variable("x"))}, "double")
-    >>> notation_of("double").render(found)
+    >>> C99("law", "double").render(found)
     '0.5 * (4.0 - x)'
     """
     if table.over not in known:
@@ -95,3 +97,54 @@ def _line(
     if slope < 0.0:
         way, inside = x.dtype.type(zero) - x, Expression("subtract", (constant(zero), place))
     return x.dtype.type(abs(slope)) * way, Expression("multiply", (constant(abs(slope)), inside))
+
+
+def read_tables(
+    loop: ForLoop, index: str, read: Container[int], scope: Scope
+) -> tuple[range, list[Expression], list[Assignment]]:
+    """Return the values of a loop's index, what reads its tables, and what a turn begins with.
+
+    Where the tables are stretches of named ones at one place, the index counts in these.
+
+    Parameters
+    ----------
+    loop : ForLoop
+    index : str
+    read : container of int
+        The tables that the body reads.
+    scope : Scope
+    """
+    notation, names = scope.notation, scope.names
+    places = {
+        number: {first: table for table in scope.known for first in table.stretches(values)}
+        for number, values in enumerate(loop.tables)
+        if number in read and loop.count > 1
+    }
+    common = set.intersection(*map(set, places.values())) if places else set()
+    begin = min(common, default=0)
+    entries: list[Expression] = []
+    counted: list[Assignment] = []
+    over: dict[str, tuple[Sequence[float], Expression]] = {}
+    for number, values in enumerate(loop.tables):
+        if number not in places:
+            entries.append(constant(values[0]))
+            continue
+        table = places[number][begin] if common else Table(f"{loop.name}_table", values)
+        steps = equal_steps(table.values, index, notation.precision) if notation.computes else None
+        if steps:
+            key = table.name, index
+            name = scope.counted.get(key) or names.new(table.name)
+            scope.counted[key] = name
+            counted.append(Assignment(name, steps))
+            entries.append(variable(name))
+        elif found := on_lines(table, values, over, notation.precision):
+            entries.append(found)
+        else:
+            known = (name for name, other in scope.tables.items() if table.like(other))
+            name = next(known, "") or names.new(table.name)
+            scope.tables[name] = table
+            behind = f" - {table.first}" if table.first else ""
+            entries.append(variable(f"{name}[{index}{behind}]"))
+        if notation.computes:
+            over[table.name] = values, entries[-1]
+    return range(begin, begin + loop.count), entries, counted

@@ -30,11 +30,6 @@ class Variable:
         Unit, range, description and source; on one line.
     is_block : bool
         Whether the type is a function block or a structure.
-
-    Examples
-    --------
-    >>> Variable("level", "LREAL", ("0.1",), comment="[m]").length
-    0
     """
 
     name: str

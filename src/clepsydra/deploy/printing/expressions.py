@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import ClassVar
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Kind
@@ -166,12 +167,12 @@ class Expression:
 
         Examples
         --------
+        >>> from clepsydra.deploy.c99.statements import C99
         >>> a, b = flag("a"), flag("b")
         >>> both = Expression("and", (a, b))
-        >>> signs = Notation("signs", {"and": "&", "or": "|"}, {}, "!")
-        >>> [signs.render(Expression(*parts).simplified()) for parts in (
+        >>> [C99("law", "double").render(Expression(*parts).simplified()) for parts in (
         ...     ("not", (both,)), ("and", (both, a)), ("and", (b, both)))]
-        ['!a | !b', 'a & b', 'b & a']
+        ['!a || !b', 'a && b', 'b && a']
         """
         code, operands = self.code, self.operands
         if code == "not" and operands[0].code == "not":
@@ -227,53 +228,39 @@ OPERATORS = {"add": "+", "subtract": "-", "multiply": "*", "divide": "/", "quoti
 OPERATORS |= {"less": "<", "less_equal": "<=", "greater": ">", "greater_equal": ">="}
 
 
-@dataclass(frozen=True)
 class Notation:
-    """How a language writes operations.
-
-    Parameters
-    ----------
-    language : str
-        What the reader calls it.
-    operators : mapping
-        Code of a binary operation to its sign.
-    functions : mapping
-        Operation to the name of the function that computes it, or to a type in parentheses.
-    negation : str
-        The sign before a negated truth value.
-    chooses : bool
-        Whether a choice is an expression, ``c ? a : b``, and not only a statement.
-    infinity : str
-        The text of infinity; empty where the language has none.
-    precision : {"double", "single"}
-    suffix : str
-        What stands behind a number to give it its type.
-    formal : mapping
-        Operation to the names of its function's parameters, where they are written.
-    truths : (str, str)
-        What does not hold, and what does.
-    computes : bool
-        Whether entries of a table are computed where that gives every bit of them: a list of
-        numbers takes memory, in some systems in each instance.
+    """How a language writes operations; what each one has is set in its class.
 
     Examples
     --------
-    >>> signs = Notation("signs", {"less": "<"}, {}, "!")
-    >>> signs.render(Expression("not", (Expression("less", (variable("a"), variable("b"))),)))
+    >>> from clepsydra.deploy.c99.statements import C99
+    >>> less = Expression("less", (variable("a"), variable("b")))
+    >>> C99("law", "double").render(Expression("not", (less,)))
     '!(a < b)'
     """
 
+    #: What the reader calls it.
     language: str
-    operators: Mapping[str, str]
+    precision: Precision
+    #: Code of a binary operation to its sign.
+    operators: ClassVar[Mapping[str, str]]
+    #: Operation to the name of the function that computes it, or to a type in parentheses.
     functions: Mapping[str, str]
+    #: Operation to the names of its function's parameters, where they are written.
+    formal: Mapping[str, tuple[str, ...]] = {}
+    #: The sign before a negated truth value.
     negation: str
-    chooses: bool = False
-    infinity: str = ""
-    precision: Precision = "double"
-    suffix: str = ""
-    formal: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    truths: tuple[str, str] = ("FALSE", "TRUE")
-    computes: bool = False
+    #: Whether a choice is an expression, ``c ? a : b``, and not only a statement.
+    chooses = False
+    #: Whether entries of a table are computed where that gives every bit of them: a list of
+    #: numbers takes memory, in some systems in each instance.
+    computes = False
+    #: The text of infinity; empty where the language has none.
+    infinity = ""
+    #: What stands behind a number to give it its type.
+    suffix = ""
+    #: What does not hold, and what does.
+    truths = ("FALSE", "TRUE")
 
     def writes(self, expression: Expression) -> bool:
         """Whether an expression can be part of another one.
@@ -299,11 +286,10 @@ class Notation:
 
         Examples
         --------
-        >>> operators = {"add": "+", "multiply": "*"}
-        >>> signs = Notation("signs", operators, {}, "!")
+        >>> from clepsydra.deploy.c99.statements import C99
         >>> a, b = variable("a"), variable("b")
         >>> right = Expression("add", (a, Expression("add", (a, b))))
-        >>> signs.render(Expression("multiply", (right, b)))
+        >>> C99("law", "double").render(Expression("multiply", (right, b)))
         '(a + (a + b)) * b'
         """
         return self._written(expression)[0]

@@ -3,28 +3,26 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from clepsydra.base.signal import Kind
-from clepsydra.deploy.printing.computed_tables import equal_steps, on_lines
+from clepsydra.deploy.printing.computed_tables import read_tables
 from clepsydra.deploy.printing.expressions import (
     Expression,
-    Notation,
     constant,
     reading,
     variable,
 )
-from clepsydra.deploy.printing.identifiers import Identifiers
 from clepsydra.deploy.printing.listing import (
     Assignment,
     BlockCall,
     Compound,
     ListingStatement,
     RingTurn,
+    Scope,
 )
 from clepsydra.deploy.printing.typed_values import in_own_type
 from clepsydra.deploy.printing.whole_numbers import INTEGERS, WholeRange
-from clepsydra.program.counted_loop import Table
 from clepsydra.program.needed import needed_body, needed_part, needed_values
 from clepsydra.program.operation import COMPARISONS, Operation
 from clepsydra.program.program import Block, Call, Conditional, ForLoop, read_by
@@ -58,9 +56,7 @@ class FoldedBlock:
     block : Block
     arguments : sequence of Expression
         What is written for each argument.
-    notation : Notation
-    names : Identifiers
-        The scope that the variables are named in.
+    scope : Scope
     labels : mapping, optional
         Value to the variable that it is assigned to in any case; these names belong to the
         scope already.
@@ -68,20 +64,16 @@ class FoldedBlock:
         Value to the name that it gets if it needs a variable.
     ranges : mapping, optional
         Bounds of the values that are whole numbers, which are computed as integers.
-    tables : sequence of Table, optional
-        Numbers that its loops read by a name.
-    around : FoldedBlock, optional
-        The block whose loop or branch this one is.
 
     Examples
     --------
     A value that is read twice gets a variable, one that is read once is written in its place:
 
-    >>> from clepsydra.deploy.c99.statements import notation_of
-    >>> notation, names = notation_of("double"), Identifiers([], ignore_case=False)
+    >>> from clepsydra.deploy.c99.statements import C99
+    >>> scope = Scope(C99("law", "double"), Identifiers([], ignore_case=False))
     >>> block = Block(1, (Operation(1, "multiply", (0, 0)), Operation(2, "add", (1, 1))), (2,))
-    >>> folded = FoldedBlock(block, [variable("x")], notation, names, preferred={1: "square"})
-    >>> [each.name for each in folded.statements], notation.render(folded.results[0])
+    >>> folded = FoldedBlock(block, [variable("x")], scope, preferred={1: "square"})
+    >>> [each.name for each in folded.statements], scope.notation.render(folded.results[0])
     (['square'], 'square + square')
     """
 
@@ -89,29 +81,19 @@ class FoldedBlock:
         self,
         block: Block,
         arguments: Sequence[Expression],
-        notation: Notation,
-        names: Identifiers,
+        scope: Scope,
         labels: Mapping[int, str] | None = None,
         preferred: Mapping[int, str] | None = None,
         ranges: Mapping[int, WholeRange] | None = None,
-        tables: Sequence[Table] = (),
-        around: FoldedBlock | None = None,
     ) -> None:
-        self._notation, self._names = notation, names
+        self._scope, self._notation, self._names = scope, scope.notation, scope.names
         self._labels, self._preferred = labels or {}, dict(preferred or {})
-        self._ranges, self._integers = ranges or {}, INTEGERS[notation.precision][:2]
+        self._ranges, self._integers = ranges or {}, INTEGERS[scope.notation.precision][:2]
         self._arguments = dict(enumerate(arguments))
         #: Value to the expression that reads it.
         self._values = dict(self._arguments)
         #: Variables of loops and branches, which a later one may go on with.
         self._carried: set[str] = set()
-        #: Tables of the loops by name, and the indices of the loops, by how deep these stand.
-        self.tables: dict[str, Table] = around.tables if around else {}
-        self._named: Sequence[Table] = around._named if around else tables
-        self._indices: list[str] = around._indices if around else []
-        #: Variables of the entries that are computed, by their table and the index.
-        self._counted: dict[tuple[str, str], str] = around._counted if around else {}
-        self._depth: int = around._depth if around else 0
         self.statements: list[ListingStatement] = []
         block, self._uses = needed_part(block)
         self._look_ahead(block)
@@ -276,8 +258,9 @@ class FoldedBlock:
         needed, read = needed_body(statement, live)
         loop = statement if isinstance(statement, ForLoop) else None
         index, rings = self._index() if loop else "", loop.rings if loop else ()
-        turns, named = self._turns(loop, read) if loop else (range(1), {})
-        inside, counted = self._entries(loop, index, read, named) if loop else ([], [])
+        turns, inside, counted = range(1), list[Expression](), list[Assignment]()
+        if loop:
+            turns, inside, counted = read_tables(loop, index, read, self._scope)
         first, of_rings = len(inside), len(inside) + len(statement.targets)
         carried = self._carry(statement, live)
         starts = (Assignment(name, before[statement.carried[k]]) for k, name in carried.items())
@@ -294,10 +277,11 @@ class FoldedBlock:
             given.get(argument) or (self._atom(value) if argument in read else _UNREAD)
             for argument, value in enumerate(values, first)
         ]
-        self._depth += 1 if loop else 0
-        made = FoldedBlock(needed, inside, self._notation, self._names, around=self)
-        self._depth -= 1 if loop else 0
-        body, results = [*counted, *made.statements], made.results
+        self._scope.depth += 1 if loop else 0
+        made = FoldedBlock(needed, inside, self._scope)
+        self._scope.depth -= 1 if loop else 0
+        body: list[ListingStatement] = [*counted, *made.statements]
+        results = made.results
         update = self._update(list(carried.values()), results[: len(live)], body)
         if not (loop or body or update):
             # Neither is its condition needed.
@@ -310,54 +294,12 @@ class FoldedBlock:
             Compound(statement.name, start, *inner, condition, index, turns, turned)
         )
 
-    def _turns(self, loop: ForLoop, read: Container[int]) -> tuple[range, dict[int, Table]]:
-        """Return the index of a loop, and the named tables of which its own are a stretch there."""
-        found = [
-            {first: table for table in self._named for first in table.stretches(values)}
-            for number, values in enumerate(loop.tables)
-            if number in read and loop.count > 1
-        ]
-        common = set(found[0]).intersection(*found[1:]) if found else set()
-        first = min(common, default=0)
-        numbers = (number for number in range(len(loop.tables)) if number in read)
-        named = (each[first] for each in found if common)
-        return range(first, first + loop.count), dict(zip(numbers, named, strict=False))
-
-    def _entries(
-        self, loop: ForLoop, index: str, read: Container[int], named: Mapping[int, Table]
-    ) -> tuple[list[Expression], list[ListingStatement]]:
-        """Return what reads the tables of a loop in a turn, and what a turn begins with."""
-        entries: list[Expression] = []
-        counted: list[ListingStatement] = []
-        computes, precision = self._notation.computes, self._notation.precision
-        over: dict[str, tuple[Sequence[float], Expression]] = {}
-        for number, values in enumerate(loop.tables):
-            if number not in read or loop.count == 1:
-                entries.append(constant(values[0]))
-                continue
-            table = named.get(number) or Table(f"{loop.name}_table", values)
-            if computes and (steps := equal_steps(table.values, index, precision)):
-                key = table.name, index
-                name = self._counted[key] = self._counted.get(key) or self._names.new(table.name)
-                counted.append(Assignment(name, steps))
-                entries.append(variable(name))
-            elif found := on_lines(table, values, over, precision):
-                entries.append(found)
-            else:
-                known = (name for name, other in self.tables.items() if table.like(other))
-                name = next(known, "") or self._names.new(table.name)
-                self.tables[name] = table
-                behind = f" - {table.first}" if table.first else ""
-                entries.append(variable(f"{name}[{index}{behind}]"))
-            if computes:
-                over[table.name] = values, entries[-1]
-        return entries, counted
-
     def _index(self) -> str:
         """Return the index of a loop; those beside each other have the same."""
-        if len(self._indices) == self._depth:
-            self._indices.append(self._names.new("i"))
-        return self._indices[self._depth]
+        indices, depth = self._scope.indices, self._scope.depth
+        if len(indices) == depth:
+            indices.append(self._names.new("i"))
+        return indices[depth]
 
     def _update(
         self, carried: Sequence[str], results: Sequence[Expression], body: list[ListingStatement]

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.printing.expressions import Expression
+from clepsydra.deploy.printing.expressions import Expression, Notation
+from clepsydra.deploy.printing.identifiers import Identifiers
+from clepsydra.program.counted_loop import Table
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Program
 
 
 @dataclass(frozen=True)
 class Assignment:
-    """``name := expression``, the only one that this name gets.
-
-    Examples
-    --------
-    >>> from clepsydra.deploy.printing.expressions import variable
-    >>> Assignment("level", variable("measured")).name
-    'level'
-    """
+    """``name := expression``, the only one that this name gets."""
 
     name: str
     expression: Expression
@@ -32,14 +27,6 @@ class RingTurn:
 
     First the variable `oldest` gets the ring's oldest value; empty where the body does not read
     it. After the body `written` takes that value's place and the ring advances.
-
-    Examples
-    --------
-    >>> from clepsydra.base.signal import Signal
-    >>> from clepsydra.deploy.printing.expressions import variable
-    >>> flow = DelayRing(Signal("channel.flow", "m^3/s"), 40)
-    >>> RingTurn(flow, "oldest_channel_flow", variable("inflow")).ring.length
-    40
     """
 
     ring: DelayRing
@@ -66,15 +53,6 @@ class Compound:
     turns : range
         The index in each turn.
     rings : tuple of RingTurn
-
-    Examples
-    --------
-    >>> from clepsydra.deploy.printing.expressions import variable
-    >>> zero, row = Expression("constant"), variable("table[i]")
-    >>> update = Assignment("total", Expression("add", (variable("total"), row)))
-    >>> total = Assignment("total", zero)
-    >>> Compound("sum", (total,), (), (update,), index="i", turns=range(3)).turns
-    range(0, 3)
     """
 
     label: str
@@ -103,16 +81,6 @@ class BlockCall:
         The name of what it keeps.
     told : tuple of tuple
         Output or structure of outputs, and the variable that takes it at the call.
-
-    Examples
-    --------
-    >>> from clepsydra.base.signal import Signal
-    >>> from clepsydra.deploy.printing.expressions import variable
-    >>> from clepsydra.program.program import Block
-    >>> half = Program("half", (), (Signal("x"),), (), (Signal("y"),), Block(1, (), (0,)))
-    >>> call = BlockCall("first_half", half, (variable("level"),), "first_half")
-    >>> [(signal.name, value.text) for signal, value in call.given()]
-    [('x', 'level')]
     """
 
     instance: str
@@ -150,3 +118,33 @@ def touched(statement: ListingStatement) -> set[str]:
         given = [turn.written for turn in statement.rings]
         given += [statement.condition] if statement.condition else []
     return found | {part.text for each in given for part in each.parts if part.text}
+
+
+@dataclass
+class Scope:
+    """Where the statements of a program stand, those of its loops and branches included.
+
+    Parameters
+    ----------
+    notation : Notation
+    names : Identifiers
+        What the variables are named in.
+    known : sequence of Table
+        Numbers that loops read by a name.
+    tables : dict
+        The tables that they read, by name.
+    indices : list of str
+        Of the loops, by how deep these stand.
+    counted : dict
+        Variables of the entries that are computed, by their table and the index.
+    depth : int
+        How many loops are around.
+    """
+
+    notation: Notation
+    names: Identifiers
+    known: Sequence[Table] = ()
+    tables: dict[str, Table] = field(default_factory=dict)
+    indices: list[str] = field(default_factory=list)
+    counted: dict[tuple[str, str], str] = field(default_factory=dict)
+    depth: int = 0

@@ -5,12 +5,11 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Self
 
 from clepsydra.base.signal import Kind, Signal
 from clepsydra.deploy.printing.expressions import Expression, Notation, constant, variable
-from clepsydra.deploy.printing.for_loop import ForStatement
 from clepsydra.deploy.printing.lines import indented
 from clepsydra.deploy.printing.listing import Assignment, BlockCall, Compound, ListingStatement
 from clepsydra.program.entries import is_ring
@@ -20,51 +19,8 @@ from clepsydra.program.operation import COMPARISONS
 _TURNED = {"less": "greater", "less_equal": "greater_equal"}
 
 
-@dataclass(frozen=True)
-class Syntax:
-    """How a language writes statements; what is filled in stands in braces.
-
-    Parameters
-    ----------
-    comment, assignment : str
-    opened, another, otherwise, closed : str
-        A conditional: its first branch, each next one, the last one, its end.
-    loop : ForStatement
-    advanced : str
-        The place behind a place in a ring of a length.
-    states : str
-        What stands before the name of a state.
-    told : str
-        How a call hands an output to a variable; empty where it cannot.
-
-    Examples
-    --------
-    >>> from clepsydra.deploy.c99.statements import SYNTAX
-    >>> SYNTAX.opened.format("late")
-    'if (late) {'
-    """
-
-    comment: str
-    assignment: str
-    opened: str
-    another: str
-    otherwise: str
-    closed: str
-    loop: ForStatement
-    advanced: str
-    states: str = ""
-    told: str = ""
-
-
-class Language(ABC):
-    """How a language writes expressions and statements.
-
-    Parameters
-    ----------
-    notation : Notation
-    syntax : Syntax
-    types : mapping
-        Kind of a signal to the type of a variable.
+class Language(Notation, ABC):
+    """How a language writes expressions and statements; what is filled in stands in braces.
 
     Examples
     --------
@@ -74,10 +30,26 @@ class Language(ABC):
     '!cold'
     """
 
-    def __init__(self, notation: Notation, syntax: Syntax, types: Mapping[str, str]) -> None:
-        self.notation, self.syntax, self.types = notation, syntax, types
-        #: Names of numbers, by their type and by what they are.
-        self.constants: Mapping[tuple[Kind, float], str] = {}
+    #: Kind of a signal to the type of a variable.
+    types: Mapping[str, str]
+    comment: str
+    assignment: str
+    #: A conditional: its first branch, each next one, the last one, its end.
+    opened: str
+    another: str
+    otherwise: str
+    closed: str
+    #: A loop: its first line, with index, first and last value, and the one behind; its end.
+    repeated: str
+    repeated_end: str
+    #: The place behind a place in a ring of a length.
+    advanced: str
+    #: What stands before the name of a state.
+    states = ""
+    #: How a call hands an output to a variable; empty where it cannot.
+    told = ""
+    #: Names of numbers, by their type and by what they are.
+    constants: Mapping[tuple[Kind, float], str] = {}
 
     @abstractmethod
     def record(self, name: str) -> str:
@@ -105,7 +77,7 @@ class Language(ABC):
         InputError
             The language has no such function, or a number is not finite.
         """
-        return self.notation.render(self.worded(expression))
+        return self.render(self.worded(expression))
 
     def worded(self, expression: Expression, *, compared: bool = False) -> Expression:
         """Return an expression as a person would write it; `compared` if it is an operand of <."""
@@ -115,7 +87,7 @@ class Language(ABC):
             return variable(name) if name else expression
         if operation == "real to boolean":
             return self.worded(Expression("not_equal", (expression.operands[0], constant())))
-        if operation == "boolean to real" and not self.notation.chooses:
+        if operation == "boolean to real" and not self.chooses:
             return self.worded(expression.as_select)
         if code == "select" and expression.kind == "boolean":
             expression = _logical(expression)
@@ -132,13 +104,13 @@ class Language(ABC):
 
     def number(self, value: float, place: str = "a number") -> str:
         """Write a number of a declaration; `place` is where it stands."""
-        return self.notation.render(constant(value))
+        return self.render(constant(value))
 
     def initial(self, signal: Signal) -> str:
         """Write the initial value of a signal in its type."""
         if signal.kind == "real":
             return self.number(signal.initial, f"initial value of {signal.name}")
-        return self.notation.render(constant(signal.initial, signal.kind))
+        return self.render(constant(signal.initial, signal.kind))
 
     @abstractmethod
     def call(self, entry: BlockCall) -> list[str]:
@@ -194,32 +166,35 @@ class Language(ABC):
 
     def _decided(self, branches: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
         """Write an IF: what each condition decides, the others behind the empty one."""
-        syntax, lines = self.syntax, list[str]()
+        lines: list[str] = []
         for condition, inside in branches:
-            opening = syntax.another if lines else syntax.opened
-            head = opening.format(condition) if condition else syntax.otherwise
+            opening = self.another if lines else self.opened
+            head = opening.format(condition) if condition else self.otherwise
             lines += [head, *indented(inside)] if inside else []
-        return [*lines, syntax.closed]
+        return [*lines, self.closed]
 
     def _statement(self, entry: ListingStatement) -> list[str]:
         if isinstance(entry, Assignment):
             return self.assign(entry.name, entry.expression)
         if isinstance(entry, BlockCall):
             return self.call(entry)
-        title, lines = entry.label, self._assigned(entry.start)
-        if entry.condition is None:
-            title += f": {len(entry.turns)} turn{'s' if len(entry.turns) > 1 else ''}"
-            lines += self.syntax.loop.lines(entry.index, entry.turns, self._body(entry))
+        title, lines, turns = entry.label, self._body(entry), entry.turns
+        if entry.condition is not None:
+            lines = self._decided([(self.expression(entry.condition), lines)])
         else:
-            lines += self._decided([(self.expression(entry.condition), self._body(entry))])
-        return [self.syntax.comment.format(title), *lines]
+            title += f": {len(turns)} turn{'s' if len(turns) > 1 else ''}"
+            # What runs once needs no loop.
+            if len(turns) > 1:
+                begin = self.repeated.format(entry.index, turns.start, turns[-1], turns.stop)
+                lines = [begin, *indented(lines), self.repeated_end]
+        return [self.comment.format(title), *self._assigned(entry.start), *lines]
 
     def _assigned(self, entries: Iterable[Assignment]) -> list[str]:
         return [line for each in entries for line in self.assign(each.name, each.expression)]
 
     def _body(self, entry: Compound) -> list[str]:
         """Write what a loop repeats or a branch does, up to the next values of what it carries."""
-        places = [f"{self.syntax.states}{turn.ring.signal.identifier}" for turn in entry.rings]
+        places = [f"{self.states}{turn.ring.signal.identifier}" for turn in entry.rings]
         read, written = [], []
         for turn, place in zip(entry.rings, places, strict=True):
             length = turn.ring.length if is_ring(turn.ring) else 0
@@ -241,8 +216,8 @@ class Language(ABC):
         """
         lines, position = self.assign(ring_place(name, length), written), f"{name}_position"
         if length:
-            following = self.syntax.advanced.format(position, length)
-            lines.append(self.syntax.assignment.format(position, following))
+            following = self.advanced.format(position, length)
+            lines.append(self.assignment.format(position, following))
         return lines
 
     def assign(
@@ -272,7 +247,7 @@ class Language(ABC):
         END_IF;
         """
         if not self._branches(name, expression):
-            return [self.syntax.assignment.format(name, self.expression(expression))]
+            return [self.assignment.format(name, self.expression(expression))]
         condition, first, second = _choice(expression)
         lines: list[str] = []
         if held is None and second.is_atom and not expression.reads(name):
@@ -290,7 +265,7 @@ class Language(ABC):
         """Whether an assignment is written with IF."""
         if expression.as_select.code != "select":
             return False
-        return _keeps(name, _choice(expression)[2]) or not self.notation.writes(expression)
+        return _keeps(name, _choice(expression)[2]) or not self.writes(expression)
 
     def _decided_by_one(self, entries: Sequence[ListingStatement]) -> list[Assignment]:
         """Return the assignments at the beginning that the same condition decides."""

@@ -10,11 +10,14 @@ from itertools import product
 
 import numpy as np
 
+from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
+from clepsydra.program.called_blocks import without_untold
 from clepsydra.program.entries import signal_of
 from clepsydra.program.operation import COMPARISONS, LOGIC, Operation
-from clepsydra.program.precision import Precision
+from clepsydra.program.owned_state import with_owned_state
+from clepsydra.program.precision import Precision, in_precision
 from clepsydra.program.program import Block, Call, Conditional, Program
 
 INTEGER_LOW, INTEGER_HIGH = -(2.0**31), 2.0**31 - 1.0
@@ -63,6 +66,43 @@ _CORNERS: dict[str, Callable[[float, float], float]] = {
 }
 
 
+def printed_form(program: Program, precision: Precision) -> Program:
+    """Return a program whose calls own their state and tell nothing that nobody reads.
+
+    Structured Text has no fused operation, and a controller must compute the same bits
+    everywhere.
+
+    Raises
+    ------
+    InputError
+        It is no program, some operation is fused, or it cannot be printed in that precision.
+    ValueError
+        Two blocks of one name compute different things.
+
+    Examples
+    --------
+    >>> fused = Block(1, (Operation(1, "multiply", (0, 0), fused=True),), (1,))
+    >>> try:
+    ...     printed_form(Program("law", (), (Signal("u"),), (), (Signal("y"),), fused), "double")
+    ... except InputError as error:
+    ...     print(error.value)
+    a fused multiply
+    """
+    remedy = "give controller.program(), or program_of(law) of a step law"
+    require_type(program, Program, "print", "a Program", remedy)
+    for operation in program.block.operations():
+        if operation.fused:
+            raise InputError(
+                f"program {program.name}, value {operation.target}",
+                f"a fused {operation.code}",
+                "a program without fused operations",
+                "print the controller's own program, or a process without fused operations",
+            )
+    program = without_untold(with_owned_state(in_precision(program, precision)))
+    check_whole_results(program, precision)
+    return program
+
+
 def check_whole_results(
     program: Program,
     precision: Precision = "double",
@@ -99,8 +139,7 @@ def check_whole_results(
     >>> check_whole_results(program)
     """
     ranges = whole_ranges(program, precision, given)
-    entries = [*map(signal_of, program.state), *program.inputs, *program.parameters]
-    integers = {value for value, entry in enumerate(entries) if entry.kind == "integer"}
+    integers = {value for value, entry in enumerate(program.given) if entry.kind == "integer"}
     for call in program.calls:
         check_whole_results(call.program, precision, _given(call, ranges))
         ports = [*map(signal_of, call.program.state), *call.program.inputs]
@@ -113,7 +152,7 @@ def check_whole_results(
         _check(program, signal, ranges.get(value), precision)
     for ring in program.rings:
         _check(program, ring.signal, None, precision)
-    for signal in entries:
+    for signal in program.given:
         _check(program, signal, _whole(signal.initial), precision, initial=True)
     for signal in program.inputs if precision == "single" else ():
         known = signal.low >= -SINGLE_WHOLE and signal.high <= SINGLE_WHOLE
@@ -178,8 +217,7 @@ def whole_ranges(
     if precision == "single":
         states, others = WholeRange(-SINGLE_WHOLE, SINGLE_WHOLE), _in_single(integer)
     ranges: dict[int, WholeRange] = {}
-    entries = [*map(signal_of, program.state), *program.inputs, *program.parameters]
-    for value, signal in enumerate(entries):
+    for value, signal in enumerate(program.given):
         if signal.kind == "integer":
             known = states if value in program.state_arguments else others
             ranges[value] = (given or {}).get(value, known)

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from clepsydra.base.signal import Signal
+from clepsydra.deploy.c99.interface import instances
 from clepsydra.deploy.c99.printer import CSource, print_c
-from clepsydra.deploy.c99.structures import instances
 from clepsydra.deploy.compiler import (
     CompilationError,
     Compiler,

@@ -14,10 +14,10 @@ import numpy as np
 
 from clepsydra.base.errors import ClepsydraError, InputError
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.c99.structures import state_names
 from clepsydra.deploy.process_program import HELD
 from clepsydra.deploy.proof.instance import Array, Scans, given_parameters
 from clepsydra.program.entries import is_ring, signal_of
+from clepsydra.program.owned_state import state_names
 from clepsydra.program.program import Program
 
 #: Type of a variable to the suffix of the function that reads or sets it and to its C type.

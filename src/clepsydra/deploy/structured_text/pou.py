@@ -10,18 +10,13 @@ from typing import Literal
 
 from clepsydra.deploy.printing.declarations import Variable
 from clepsydra.deploy.printing.heading import commented, enclosed, harmless
+from clepsydra.deploy.printing.lines import indented
 from clepsydra.deploy.structured_text.dialect import Dialect
 
 
 @dataclass(frozen=True)
 class Section:
-    """Variables of one kind, in groups with a title each.
-
-    Examples
-    --------
-    >>> Section("VAR", "RETAIN", (("state", (Variable("x", "LREAL"),)),)).keyword
-    'VAR'
-    """
+    """Variables of one kind, in groups with a title each."""
 
     keyword: Literal["VAR_INPUT", "VAR_OUTPUT", "VAR", "VAR_TEMP", "STRUCT"]
     qualifier: Literal["", "RETAIN", "CONSTANT"]
@@ -50,11 +45,6 @@ class Unit:
         Lines of its statements.
     result : str
         Type of what a function returns.
-
-    Examples
-    --------
-    >>> Unit("PROGRAM", "level_test", ("A test.",), (), ("level := 0.1;",)).body
-    ('level := 0.1;',)
     """
 
     kind: Literal["FUNCTION_BLOCK", "FUNCTION", "PROGRAM", "TYPE"]
@@ -142,18 +132,15 @@ def _section(section: Section, dialect: Dialect) -> list[str]:
     for title, variables in groups:
         if len(groups) > 1:
             lines.append(dialect.commented(title))
-        alike: dict[tuple[str, str], list[Variable]] = {}
+        # Variables of one type and one comment share a line, unless they have a value.
+        alike: dict[tuple[str, ...], list[Variable]] = {}
         for each in variables:
-            alike.setdefault(_shared(each, dialect), []).append(each)
-        for (kind, about), entries in alike.items():
-            listed = f"{', '.join(entry.name for entry in entries)} : {kind};"
-            if kind:
-                *above, line = _commented(listed, about, dialect)
-                rows = textwrap.wrap(line, _WIDTH, subsequent_indent="  ")
-                # A comment to the end of the line cannot be wrapped with it.
-                lines += [*above, *([line] if about and dialect.line_comments else rows)]
-            else:
-                lines += [row for entry in entries for row in _declaration(entry, dialect)]
+            alone = each.initial or each.length
+            key = (each.name,) if alone else (_type(each, dialect), each.comment)
+            alike.setdefault(key, []).append(each)
+        for entries in alike.values():
+            names = ", ".join(entry.name for entry in entries)
+            lines += _declaration(names, entries[0], dialect)
     text = "\n".join(lines)
     bare = _COMMENT.sub("", text).split("\n")
     bare = [line.strip() for line in bare if line.strip()]
@@ -162,13 +149,7 @@ def _section(section: Section, dialect: Dialect) -> list[str]:
         # What is declared in one line stands in one with its section.
         about = " ".join(found[1] for found in _COMMENT.finditer(text))
         return commented(whole, " ".join(about.split()), "(*", "*)", _WIDTH)
-    return [head, *(f"  {line}" for line in lines), end] if lines else []
-
-
-def _shared(entry: Variable, dialect: Dialect) -> tuple[str, str]:
-    """Return type and comment of a variable without a value, which may stand in one line."""
-    alone = entry.initial or entry.length
-    return ("", entry.name) if alone else (_type(entry, dialect), entry.comment)
+    return [head, *indented(lines), end] if lines else []
 
 
 def _type(entry: Variable, dialect: Dialect) -> str:
@@ -176,14 +157,17 @@ def _type(entry: Variable, dialect: Dialect) -> str:
     return f"ARRAY[0..{entry.length - 1}] OF {kind}" if entry.length else kind
 
 
-def _declaration(entry: Variable, dialect: Dialect) -> list[str]:
-    head, values = f"{entry.name} : {_type(entry, dialect)}", ", ".join(entry.initial)
+def _declaration(names: str, entry: Variable, dialect: Dialect) -> list[str]:
+    head, values = f"{names} : {_type(entry, dialect)}", ", ".join(entry.initial)
     value = f" := {f'[{values}]' if entry.length else values}" if values else ""
     if len(entry.initial) > 1 and len(head + value) >= _WIDTH:
         rows = textwrap.wrap(values + "];", _WIDTH - 4, break_on_hyphens=False)
-        lines = [f"  {row}" for row in rows]
-        return [*_commented(f"{head} := [", entry.comment, dialect), *lines]
-    return _commented(f"{head}{value};", entry.comment, dialect)
+        return [*_commented(f"{head} := [", entry.comment, dialect), *indented(rows)]
+    *above, line = _commented(f"{head}{value};", entry.comment, dialect)
+    # A comment to the end of the line cannot be wrapped with it.
+    if value or (entry.comment and dialect.line_comments):
+        return [*above, line]
+    return [*above, *textwrap.wrap(line, _WIDTH, subsequent_indent="  ")]
 
 
 def _commented(line: str, text: str, dialect: Dialect) -> list[str]:

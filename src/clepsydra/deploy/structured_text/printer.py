@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from clepsydra.deploy.printing.declarations import Variable, declared, records_of
+from clepsydra.deploy.printing.expressions import Expression, variable
 from clepsydra.deploy.printing.heading import heading
+from clepsydra.deploy.printing.lines import dense
 from clepsydra.deploy.printing.origin import Origin
-from clepsydra.deploy.printing.printed_form import printed_form
-from clepsydra.deploy.structured_text.dialect import Dialect, dialect_of
+from clepsydra.deploy.printing.whole_numbers import printed_form
+from clepsydra.deploy.structured_text.dialect import OWN, Dialect, dialect_of
 from clepsydra.deploy.structured_text.function_block import ZEROS, block_type, function_block
-from clepsydra.deploy.structured_text.functions import called_functions
 from clepsydra.deploy.structured_text.instances import BEGUN, beginning, with_block_names
 from clepsydra.deploy.structured_text.pou import Section, Unit, comment_lines, unit_text
 from clepsydra.deploy.structured_text.statements import REAL, StructuredText
@@ -19,6 +20,16 @@ from clepsydra.program.called_blocks import called_blocks
 from clepsydra.program.precision import Precision, in_precision
 from clepsydra.program.program import Program
 
+# A double of this size or above is a whole number already, and so is a single-precision number.
+_WHOLE = {"double": 2.0**52, "single": 2.0**23}
+# Quotient and rest by this divisor fit a DINT for every smaller double, and both are exact.
+_SPLIT = 2.0**21
+_ABOUT = {
+    "maximum": "the larger of two numbers; b where they are equal or one is no number.",
+    "minimum": "the smaller of two numbers; b where they are equal or one is no number.",
+    "floor": "the largest whole number not above a number, with its zero's sign.",
+    "ceiling": "the smallest whole number not below a number, with its zero's sign.",
+}
 _NOTES = (
     "simulation in that precision. Call it once in every sampling period. Parameters are inputs",
     "with defaults.",
@@ -142,7 +153,7 @@ def function_blocks(
     blocks = (*library, function_block(main, dialect, precision, about, origin))
     return (
         *(_structure(name, members) for name, members in types.items()),
-        *called_functions(blocks, dialect, precision),
+        *_called_functions(blocks, dialect, precision),
         *blocks,
     )
 
@@ -172,3 +183,66 @@ def _told_once(section: Section, told: set[Variable]) -> Section:
         found.sort(key=lambda each: "" if each.comment else each.type)
         groups.append((title, tuple(found)))
     return replace(section, groups=tuple(groups))
+
+
+def _called_functions(
+    units: Iterable[Unit], dialect: Dialect, precision: Precision
+) -> tuple[Unit, ...]:
+    """Return the functions of `OWN` that units call."""
+    text = "\n".join(line for unit in units for line in unit.body)
+    return tuple(
+        _function(code, StructuredText(dialect, precision))
+        for code, name in OWN.items()
+        if f"{dialect.quoted(name)}(" in text
+    )
+
+
+def _function(code: str, wording: StructuredText) -> Unit:
+    name = OWN[code]
+    lines, inputs = _whole(code, wording), "a"
+    if code in ("maximum", "minimum"):
+        a, b = variable("a"), variable("b")
+        larger = Expression("less" if code == "minimum" else "greater", (a, b))
+        lines, inputs = wording.assign(name, Expression("select", (larger, a, b))), "ab"
+    variables = tuple(Variable(each, wording.real) for each in inputs)
+    return Unit(
+        "FUNCTION",
+        name,
+        (f"{name}: {_ABOUT[code]}",),
+        (Section("VAR_INPUT", "", (("", variables),)),),
+        tuple(dense([wording.marked(line, {*inputs, name.lower()}) for line in lines])),
+        wording.real,
+    )
+
+
+def _whole(code: str, wording: StructuredText) -> list[str]:
+    """Write a number cut off, and corrected.
+
+    The standard has a cut-off to a DINT only. A double is cut off in two parts that both fit; a
+    single-precision number that is not whole fits at once. The product with zero keeps the sign
+    of zero; not a number and infinity stay what they are.
+    """
+    name, (beyond, back) = OWN[code], (">", "-") if code == "floor" else ("<", "+")
+    one, zero, split = map(wording.literal, (1.0, 0.0, _SPLIT))
+
+    def cut(value: str) -> str:
+        return f"DINT_TO_{wording.real}({wording.dialect.truncate}({value}))"
+
+    parts = [f"  {name} := {cut('a')};"]
+    if wording.precision == "double":
+        parts = [
+            f"  {name} := {split} * {cut(f'a / {split}')};",
+            f"  {name} := {name} + {cut(f'a - {name}')};",
+        ]
+    return [
+        f"{name} := a;",
+        f"IF ABS(a) < {wording.literal(_WHOLE[wording.precision])} THEN",
+        *parts,
+        f"  IF {name} {beyond} a THEN",
+        f"    {name} := {name} {back} {one};",
+        "  END_IF;",
+        f"  IF {name} = {zero} THEN",
+        f"    {name} := a * {zero};",
+        "  END_IF;",
+        "END_IF;",
+    ]

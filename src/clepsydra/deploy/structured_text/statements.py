@@ -5,36 +5,18 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Collection, Iterable
-from dataclasses import replace
+from typing import ClassVar
 
 from clepsydra.base.errors import InputError
 from clepsydra.deploy.printing.decimal_text import decimal
-from clepsydra.deploy.printing.expressions import (
-    OPERATORS,
-    Expression,
-    Notation,
-    constant,
-    variable,
-)
-from clepsydra.deploy.printing.for_loop import IN_STRUCTURED_TEXT
+from clepsydra.deploy.printing.expressions import OPERATORS, Expression, constant, variable
 from clepsydra.deploy.printing.identifiers import Identifiers
 from clepsydra.deploy.printing.listing import BlockCall
-from clepsydra.deploy.printing.statements import Language, Syntax
+from clepsydra.deploy.printing.statements import Language
 from clepsydra.deploy.structured_text.dialect import OWN, Dialect
 from clepsydra.program.operation import COMPARISONS
 from clepsydra.program.precision import Precision
 
-_SYNTAX = Syntax(
-    comment="(* {} *)",
-    assignment="{} := {};",
-    opened="IF {} THEN",
-    another="ELSIF {} THEN",
-    otherwise="ELSE",
-    closed="END_IF;",
-    loop=IN_STRUCTURED_TEXT,
-    advanced="({0} + 1) MOD {1}",
-    told="{} => {}",
-)
 #: The largest power of two that every system reads as a number, whatever the type.
 _FACTOR_EXPONENT = 120
 _NAME = re.compile(r"(?<![\w.#])[A-Za-z]\w*")
@@ -51,31 +33,6 @@ _TYPED = {
     "limit": "LIMIT",
     "integer absolute": "ABS",
 }
-
-
-def notation_of(dialect: Dialect, precision: Precision) -> Notation:
-    """Return how a dialect writes operations on LREAL (double) or REAL (single).
-
-    Examples
-    --------
-    >>> from clepsydra.deploy.structured_text.dialect import dialect_of
-    >>> notation_of(dialect_of("codesys"), "double").operators["not_equal"]
-    '<>'
-    """
-    real = REAL[precision]
-    power = {"pow": "EXPT"} if dialect.power else {}
-    own = {code: dialect.quoted(name) for code, name in OWN.items()}
-    typed = {"integer to real": f"DINT_TO_{real}", "real to integer": f"{real}_TO_DINT", **_TYPED}
-    return Notation(
-        language="Structured Text",
-        operators={**OPERATORS, "equal": "=", "not_equal": "<>", "and": "AND", "or": "OR"},
-        # A power that is an operator is written by `StructuredText`; here it counts for its width.
-        functions={**dialect.functions, **power, **own, **typed},
-        negation="NOT ",
-        precision=precision,
-        formal=dialect.formal,
-        computes=True,
-    )
 
 
 def joined(name: str) -> str:
@@ -112,13 +69,37 @@ class StructuredText(Language):
     ('REAL', 'x * REAL#0.1')
     """
 
+    language = "Structured Text"
+    operators: ClassVar = {**OPERATORS, "equal": "=", "not_equal": "<>", "and": "AND", "or": "OR"}
+    negation = "NOT "
+    computes = True
+    comment = "(* {} *)"
+    assignment = "{} := {};"
+    opened = "IF {} THEN"
+    another = "ELSIF {} THEN"
+    otherwise = "ELSE"
+    closed = "END_IF;"
+    repeated = "FOR {} := {} TO {} DO"
+    repeated_end = "END_FOR;"
+    advanced = "({0} + 1) MOD {1}"
+    told = "{} => {}"
+
     def __init__(self, dialect: Dialect, precision: Precision, taken: Iterable[str] = ()) -> None:
-        self.dialect, self.precision, self.real = dialect, precision, REAL[precision]
-        super().__init__(
-            notation_of(dialect, precision),
-            replace(_SYNTAX, comment="// {}") if dialect.line_comments else _SYNTAX,
-            {"real": self.real, "integer": "DINT", "boolean": "BOOL"},
-        )
+        self.dialect, self.precision, self.formal = dialect, precision, dialect.formal
+        self.real = real = REAL[precision]
+        self.types = {"real": real, "integer": "DINT", "boolean": "BOOL"}
+        self.functions = {
+            **dialect.functions,
+            **_TYPED,
+            **{code: dialect.quoted(name) for code, name in OWN.items()},
+            "integer to real": f"DINT_TO_{real}",
+            "real to integer": f"{real}_TO_DINT",
+        }
+        if dialect.power:
+            # It is written as an operator, see `worded`; here it counts for its width.
+            self.functions["pow"] = "EXPT"
+        if dialect.line_comments:
+            self.comment = "// {}"
         #: Variable to a number that the system cannot read, and to the factors of the product
         #: that it is assigned at the start of a scan.
         self.products: dict[str, tuple[float, list[str]]] = {}
@@ -143,7 +124,7 @@ class StructuredText(Language):
             text = self.expression(value)
             text = f"({text})" if value.code in COMPARISONS else text
             given.append(f"{signal.identifier} := {text}")
-        given += [self.syntax.told.format(*each) for each in entry.told]
+        given += [self.told.format(*each) for each in entry.told]
         return [f"{entry.instance}({', '.join(given)});"]
 
     def number(self, value: float, place: str = "a number") -> str:
@@ -196,20 +177,20 @@ class StructuredText(Language):
         """Return an expression as the dialect writes it."""
         found = super().worded(expression, compared=compared)
         if found.code == "constant" and found.kind == "real":
-            return self._constant(found)
+            return self._typed(found)
         if expression.operation == "absolute" and not compared and not self.dialect.absolute_zero:
             # The sum of the two zeros is the positive one.
-            return Expression("add", (found, self._constant(constant())))
+            return Expression("add", (found, self._typed(constant())))
         if expression.code == "pow" and self.dialect.power:
             base, exponent = map(self._atom, found.operands)
             return variable(f"({base} {self.dialect.power} {exponent})")
         return found
 
     def _atom(self, operand: Expression) -> str:
-        text = self.notation.render(operand)
+        text = self.render(operand)
         return text if operand.is_atom and not text.startswith("-") else f"({text})"
 
-    def _constant(self, expression: Expression) -> Expression:
+    def _typed(self, expression: Expression) -> Expression:
         number = expression.number
         if not math.isfinite(number):
             return expression
