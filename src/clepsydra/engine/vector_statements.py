@@ -9,24 +9,9 @@ from clepsydra.engine.vector_turns import TurnPrinter
 from clepsydra.program.operation import LIBRARY, TO_SINGLE, Operation
 from clepsydra.program.program import Block, Conditional, ForLoop, Statement, read_by
 
-_ARITHMETIC = {
-    "add": "fadd",
-    "subtract": "fsub",
-    "multiply": "fmul",
-    "divide": "fdiv",
-}
-_COMPARE = {
-    "less": "olt",
-    "less_equal": "ole",
-    "equal": "oeq",
-    "not_equal": "une",
-}
-_INTRINSIC = {
-    "square_root": "sqrt",
-    "absolute": "fabs",
-    "floor": "floor",
-    "ceiling": "ceil",
-}
+_ARITHMETIC = {"add": "fadd", "subtract": "fsub", "multiply": "fmul", "divide": "fdiv"}
+_COMPARE = {"less": "olt", "less_equal": "ole", "equal": "oeq", "not_equal": "une"}
+_INTRINSIC = {"square_root": "sqrt", "absolute": "fabs", "floor": "floor", "ceiling": "ceil"}
 
 
 class StatementPrinter:

@@ -137,12 +137,7 @@ class BlockBuilder:
         self._statements.append(Conditional(targets, condition, body, start, held, name))
         return targets
 
-    def call(
-        self,
-        program: Program,
-        instance: str,
-        arguments: Sequence[int],
-    ) -> tuple[int, ...]:
+    def call(self, program: Program, instance: str, arguments: Sequence[int]) -> tuple[int, ...]:
         """Return next state and outputs of a block, which stays a block of its own."""
         given = self._numbers(arguments)
         targets = self._targets(len(program.state) + len(program.outputs))

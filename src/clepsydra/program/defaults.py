@@ -37,12 +37,9 @@ def with_defaults(program: Program, values: Mapping[str, float]) -> Program:
     known = {entry.name for entry in entries}
     for name, value in values.items():
         if name not in known:
-            raise InputError(
-                f"program {program.name}, {name}",
-                value,
-                f"a value for one of {sorted(known)}",
-                "use the name of a parameter, input or state of the law",
-            )
+            expected = f"a value for one of {sorted(known)}"
+            remedy = "use the name of a parameter, input or state of the law"
+            raise InputError(f"program {program.name}, {name}", value, expected, remedy)
 
     def started(signal: Signal) -> Signal:
         if signal.name not in values:

@@ -40,12 +40,9 @@ class DelayRing:
 
     def __post_init__(self) -> None:
         if self.length < 1:
-            raise InputError(
-                f"delay ring {self.signal.name}",
-                self.length,
-                "a length of at least 1 sample",
-                "give the dead time as a whole number of sampling periods",
-            )
+            place, expected = f"delay ring {self.signal.name}", "a length of at least 1 sample"
+            remedy = "give the dead time as a whole number of sampling periods"
+            raise InputError(place, self.length, expected, remedy)
 
     @property
     def name(self) -> str:

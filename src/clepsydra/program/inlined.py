@@ -39,10 +39,7 @@ def rewritten(program: Program, called: Called) -> Program:
 
 
 def append(
-    builder: BlockBuilder,
-    block: Block,
-    arguments: Sequence[int],
-    called: Called,
+    builder: BlockBuilder, block: Block, arguments: Sequence[int], called: Called
 ) -> tuple[list[int], dict[int, int]]:
     """Append the statements of a block to another one.
 

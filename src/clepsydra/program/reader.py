@@ -41,11 +41,7 @@ _CODES |= {
 
 
 def inline(
-    builder: BlockBuilder,
-    function: ca.Function,
-    arguments: Sequence[int],
-    *,
-    fused: bool = False,
+    builder: BlockBuilder, function: ca.Function, arguments: Sequence[int], *, fused: bool = False
 ) -> list[int]:
     """Append the instructions of an SX function and return the values of its outputs.
 

@@ -160,18 +160,8 @@ def step_law(
     state, outputs = tuple(state), tuple(outputs)
     function, written = function_of(name, (state, inputs, parameters), outputs, equations)
     intermediates = tuple(map(Signal, written.intermediates))
-    return StepLaw(
-        name,
-        inputs,
-        parameters,
-        state,
-        outputs,
-        intermediates,
-        function,
-        tuple(description),
-        tuple(blocks),
-        equations,
-    )
+    signals = (inputs, parameters, state, outputs, intermediates)
+    return StepLaw(name, *signals, function, tuple(description), tuple(blocks), equations)
 
 
 def function_of(

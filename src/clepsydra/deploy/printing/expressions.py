@@ -325,12 +325,9 @@ class Notation:
             if formal := self.formal.get(code):
                 texts = [f"{name} := {text}" for name, text in zip(formal, texts, strict=True)]
             return f"{function}({', '.join(texts)})", _ATOM
-        raise InputError(
-            f"program, operation {code}",
-            code,
-            f"an operation that {self.language} can write",
-            "write the law without this function",
-        )
+        expected = f"an operation that {self.language} can write"
+        remedy = "write the law without this function"
+        raise InputError(f"program, operation {code}", code, expected, remedy)
 
     def _constant(self, number: float, kind: Kind) -> str:
         if kind != "real":
@@ -338,12 +335,9 @@ class Notation:
         if math.isinf(number) and self.infinity:
             return ("-" if number < 0 else "") + self.infinity
         if not math.isfinite(number):
-            raise InputError(
-                "program, constant",
-                number,
-                f"a number that {self.language} can write",
-                "write the law with finite numbers, for example 1e300 for no limit",
-            )
+            expected = f"a number that {self.language} can write"
+            remedy = "write the law with finite numbers, for example 1e300 for no limit"
+            raise InputError("program, constant", number, expected, remedy)
         return decimal(number, single=self.precision == "single") + self.suffix
 
     def _operator(self, expression: Expression) -> tuple[str, int]:

@@ -7,12 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from clepsydra.base.signal import Kind
 from clepsydra.deploy.printing.computed_tables import read_tables
-from clepsydra.deploy.printing.expressions import (
-    Expression,
-    constant,
-    reading,
-    variable,
-)
+from clepsydra.deploy.printing.expressions import Expression, constant, reading, variable
 from clepsydra.deploy.printing.listing import (
     Assignment,
     BlockCall,
@@ -70,6 +65,7 @@ class FoldedBlock:
     A value that is read twice gets a variable, one that is read once is written in its place:
 
     >>> from clepsydra.deploy.c99.statements import C99
+    >>> from clepsydra.deploy.printing.identifiers import Identifiers
     >>> scope = Scope(C99("law", "double"), Identifiers([], ignore_case=False))
     >>> block = Block(1, (Operation(1, "multiply", (0, 0)), Operation(2, "add", (1, 1))), (2,))
     >>> folded = FoldedBlock(block, [variable("x")], scope, preferred={1: "square"})

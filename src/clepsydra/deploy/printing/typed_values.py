@@ -79,10 +79,7 @@ def in_own_type(
 
 
 def _quotient(
-    number: Expression,
-    divisor: Expression,
-    found: WholeRange | None,
-    integers: tuple[float, float],
+    number: Expression, divisor: Expression, found: WholeRange | None, integers: tuple[float, float]
 ) -> Expression | None:
     """Return a whole number, not negative, divided by a power of two and rounded down."""
     first, second = number.known_as("integer"), divisor.known_as("integer")

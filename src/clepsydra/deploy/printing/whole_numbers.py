@@ -92,21 +92,17 @@ def printed_form(program: Program, precision: Precision) -> Program:
     require_type(program, Program, "print", "a Program", remedy)
     for operation in program.block.operations():
         if operation.fused:
-            raise InputError(
-                f"program {program.name}, value {operation.target}",
-                f"a fused {operation.code}",
-                "a program without fused operations",
-                "print the controller's own program, or a process without fused operations",
-            )
+            place = f"program {program.name}, value {operation.target}"
+            expected = "a program without fused operations"
+            remedy = "print the controller's own program, or a process without fused operations"
+            raise InputError(place, f"a fused {operation.code}", expected, remedy)
     program = without_untold(with_owned_state(in_precision(program, precision)))
     check_whole_results(program, precision)
     return program
 
 
 def check_whole_results(
-    program: Program,
-    precision: Precision = "double",
-    given: Mapping[int, WholeRange] | None = None,
+    program: Program, precision: Precision = "double", given: Mapping[int, WholeRange] | None = None
 ) -> None:
     """Refuse a program whose integer or boolean results may be anything else.
 
@@ -192,9 +188,7 @@ def _shown(found: WholeRange | None) -> str:
 
 
 def whole_ranges(
-    program: Program,
-    precision: Precision = "double",
-    given: Mapping[int, WholeRange] | None = None,
+    program: Program, precision: Precision = "double", given: Mapping[int, WholeRange] | None = None
 ) -> dict[int, WholeRange]:
     """Return bounds of every value of a program that is certainly a whole number.
 

@@ -36,17 +36,7 @@ def _row(signal: Signal, direction: str) -> tuple[str, ...]:
         f"{from_si(end, signal.unit, signal.shown_unit):.6g}" if math.isfinite(end) else ""
         for end in (signal.low, signal.high)
     )
-    return (
-        signal.identifier,
-        direction,
-        signal.kind,
-        signal.shown_unit,
-        *ends,
-        signal.description,
-    )
+    return (signal.identifier, direction, signal.kind, signal.shown_unit, *ends, signal.description)
 
 
-TARGETS.add(
-    "signals",
-    Target(5, "the list of its signals, as CSV", _controller),
-)
+TARGETS.add("signals", Target(5, "the list of its signals, as CSV", _controller))

@@ -22,6 +22,5 @@ def _controller(delivery: Delivery, options: Options) -> ExportedFiles:
 
 
 TARGETS.add(
-    "tuning",
-    Target(4, "PID settings in the vendors' forms and units", _controller, shelled=False),
+    "tuning", Target(4, "PID settings in the vendors' forms and units", _controller, shelled=False)
 )
