@@ -57,12 +57,8 @@ def first_samples(
     Where an output moves, an override is active there, or a ratio asks for another value than
     the one at rest.
 
-    Parameters
-    ----------
-    inputs : mapping
-        sp, pv and tracking of the signals at the operating point, and the free inputs.
-    period : float
-        Of the samples [s].
+    `inputs`: sp, pv and tracking of the signals at the operating point, and the free inputs;
+    `period`: of the samples [s].
 
     Examples
     --------
@@ -111,13 +107,9 @@ def state_at_rest(
     In tracking every memory of a law follows: integrals, filters, the setpoints of inner loops.
     So a few scans with a very long time step bring it to rest, whatever blocks it is made of.
 
-    Parameters
-    ----------
-    values : mapping
-        Parameter name to value.
-    at : mapping
-        Of the operating point: inputs of the law by name, or process signals, of which each is
-        the pv, sp and tracking that belong to it. Any other input has its initial value.
+    `values`: parameter name to value; `at`: of the operating point: inputs of the law by name, or
+    process signals, of which each is the pv, sp and tracking that belong to it. Any other input has
+    its initial value.
 
     Examples
     --------

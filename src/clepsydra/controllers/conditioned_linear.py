@@ -133,22 +133,9 @@ def conditioned_linear_law(
     A fault of any sensor holds all outputs that are in automatic, and z with them, since each
     needs every error.
 
-    Parameters
-    ----------
-    measured, manipulated : sequence of Signal or str
-        The process signals: they lend their names, units and ranges. Each measured signal is
-        controlled.
-    matrices : ConditionedMatrices
-        Which numbers differ from zero; the values are parameters of the law.
-
-    Returns
-    -------
-    StepLaw
-        Inputs sp, pv and good of each measurement, mode, manual and tracking of each output,
-        and time_step [s]; parameters transition, error_effect and output_effect of each memory,
-        memory_gain, error_gain, bias, fading_time [s], low_limit and high_limit of each output;
-        state integral (b) and last_output of each output and memory.1, memory.2, … (z); outputs
-        out and status of each output.
+    `measured`, `manipulated`: the process signals: they lend their names, units and ranges. Each
+    measured signal is controlled; `matrices`: which numbers differ from zero; the values are
+    parameters of the law.
 
     References
     ----------

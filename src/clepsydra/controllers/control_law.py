@@ -17,10 +17,7 @@ from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 def inner_equations(law: StepLaw, symbols: Symbols) -> Equations:
     """Return what a law computes; the calls of its blocks are calls of the law around it.
 
-    Parameters
-    ----------
-    symbols : mapping
-        Its state, inputs and parameters by name, among others.
+    `symbols`: its state, inputs and parameters by name, among others.
 
     Raises ClepsydraError: the law is Python.
     """
@@ -48,15 +45,9 @@ def control_law(
 ) -> StepLaw:
     """Write the step law of a control system.
 
-    Parameters
-    ----------
-    name : str
-        An identifier.
-    equations : callable
-        Writes one `Sample`.
-    measured, controlled, manipulated : sequence of Signal
-        The process signals, for sp of each controlled one, pv and good of each measured one, mode,
-        manual, tracking, out and status of each manipulated one, and time_step.
+    `name`: an identifier; `equations`: writes one `Sample`; `measured`, `controlled`,
+    `manipulated`: the process signals, for sp of each controlled one, pv and good of each measured
+    one, mode, manual, tracking, out and status of each manipulated one, and time_step.
     """
 
     def written(symbols: Symbols) -> Equations:

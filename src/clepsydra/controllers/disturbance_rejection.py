@@ -54,17 +54,8 @@ def disturbance_rejection_law(
     measurement is not known it waits, and then goes on from the first value with the balance that
     it had.
 
-    Parameters
-    ----------
-    measured, manipulated : sequence of Signal or str
-        The process signals of each loop: they lend their names, units and ranges.
-
-    Returns
-    -------
-    StepLaw
-        Inputs sp, pv and good of each measurement, mode, manual and tracking of each output, and
-        time_step [s]; parameters bandwidth ωc and observer_bandwidth ωo [1/s] and model_gain b0 of
-        each measurement, low_limit and high_limit of each output; outputs out and status.
+    `measured`, `manipulated`: the process signals of each loop: they lend their names, units and
+    ranges.
 
     References
     ----------

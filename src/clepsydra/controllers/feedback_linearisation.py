@@ -112,14 +112,8 @@ class LinearisedProcess:
     def evaluated(self, symbols: Symbols, measured: Sequence[ca.SX], known: ca.SX) -> Evaluated:
         """Return derivatives and effects in this sample.
 
-        Parameters
-        ----------
-        symbols : mapping
-            model.*, estimates, correction and time_step.
-        measured : sequence of casadi.SX
-            In the order of `measurements`, as numbers.
-        known : casadi.SX
-            Whether they may be used.
+        `symbols`: model.*, estimates, correction and time_step; `measured`: in the order of
+        `measurements`, as numbers; `known`: whether they may be used.
         """
         equations, observer = self.linearised.equations, self.observer
         sample, shown = Sample(symbols), dict(zip(self.measurements, measured, strict=True))
@@ -177,23 +171,8 @@ def feedback_linearisation_law(
     the limit; with `alpha_on="input"` it takes back α times the excess of the input, in
     its unit, so that α depends on the units and on E.
 
-    Parameters
-    ----------
-    linearised : VectorRelativeDegree
-        Of a process at an operating point.
-    observer : ModelObserver, optional
-        Where not every state is measured that the law needs.
-
-    Returns
-    -------
-    StepLaw
-        Inputs sp of each output, pv and good of each measurement, mode, manual and tracking of
-        each input, and time_step [s]; parameters virtual_gain, virtual_integral_gain,
-        setpoint_weight, virtual_damping.K, saturation_rate [1/s] (or saturation_feedback, or
-        tracking_time [s]) and smallest_effect of each output, those of the model and of the
-        observer, low_limit and high_limit of each input; state virtual_integral, was_in_force
-        and the last gains of each output, last_output of each input, and the estimates; outputs
-        out and status of each input.
+    `linearised`: of a process at an operating point; `observer`: where not every state is measured
+    that the law needs.
 
     Raises InputError: A state that the law needs is neither measured nor estimated, or a name is
     unknown.

@@ -127,10 +127,8 @@ class Schedule:
     def followed(self, sample: Sample) -> ca.SX:
         """Write the filter of the scheduling variable, and return that of this sample.
 
-        Parameters
-        ----------
-        sample : Sample
-            With the input, its sensor, variable and filter_time of the schedule, and time_step.
+        `sample`: with the input, its sensor, variable and filter_time of the schedule, and
+        time_step.
         """
         given = {"asked": sample[self.variable]}
         if sensed := self._input.part == "pv":
@@ -143,12 +141,7 @@ class Schedule:
         At a point of the schedule it is the value of the table in every digit. Points that do
         not rise are passed over, so that nothing is divided by zero.
 
-        Parameters
-        ----------
-        sample : Sample
-            With the points and the tables.
-        names : iterable of str
-            Of the scheduled parameters.
+        `sample`: with the points and the tables; `names`: of the scheduled parameters.
 
         Examples
         --------
@@ -233,16 +226,7 @@ def scheduled_law(law: StepLaw, schedule: Schedule, names: Sequence[str]) -> Ste
     of these parameters without a bump, as a multiloop PID does: its integral stands behind the
     gain and takes a change of it up.
 
-    Parameters
-    ----------
-    names : sequence of str
-        The parameters that are scheduled.
-
-    Returns
-    -------
-    StepLaw
-        Its other parameters, the points and filter_time [s] of the schedule, and the tables;
-        its state and variable of the schedule.
+    `names`: the parameters that are scheduled.
 
     Raises InputError: A parameter or the scheduling input is none of the law's.
 
@@ -302,19 +286,8 @@ def scheduled_lqi_law(
     As `linear_quadratic_integral.lqi_law` without an observer; the integral takes up what a
     change of F makes (`linear_quadratic_integral.varying_lqi`).
 
-    Parameters
-    ----------
-    measured, manipulated : sequence of Signal or str
-        The measurements show the whole state.
-    controlled : sequence of str
-        The measurements that have setpoints.
-
-    Returns
-    -------
-    StepLaw
-        Parameters as for `lqi_law`, with tables in the place of feedback, integral_gain and
-        tracking_time of each output; state integral and last_output of each output, variable of
-        the schedule, and feedback, the gains of the last sample.
+    `measured`, `manipulated`: the measurements show the whole state; `controlled`: the measurements
+    that have setpoints.
 
     Raises InputError: A setpoint belongs to no measurement, or the anti-windup is unknown or
     clamping.

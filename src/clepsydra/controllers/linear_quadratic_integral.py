@@ -47,25 +47,9 @@ def lqi_law(
     outputs that are in automatic, since each needs the whole state; an observer goes on with
     the inputs that are held.
 
-    Parameters
-    ----------
-    measured, manipulated : sequence of Signal or str
-        The process signals: they lend their names, units and ranges; without an observer there
-        is a measurement for each state of the process.
-    controlled : sequence of str
-        The measurements that have setpoints.
-    observer : ObserverStructure, optional
-        Without it the measurements are the state.
-
-    Returns
-    -------
-    StepLaw
-        Inputs sp of each controlled measurement, pv and good of each one, mode, manual and
-        tracking of each output, and time_step [s]; parameters reference of each measurement,
-        feedback.STATE, integral_gain.MEASUREMENT [per second], bias, low_limit, high_limit and,
-        for back-calculation, tracking_time [s] of each output, and those of the observer
-        (`observers.current_observer`); state integral and last_output of each output, estimate
-        of each state; outputs out and status of each output.
+    `measured`, `manipulated`: the process signals: they lend their names, units and ranges; without
+    an observer there is a measurement for each state of the process; `controlled`: the measurements
+    that have setpoints; `observer`: without it the measurements are the state.
 
     Raises InputError: A setpoint belongs to no measurement, a signal is named twice, or the
     anti-windup is unknown or clamping: the integral is not the whole output here, so that the
@@ -136,18 +120,10 @@ def varying_lqi(
     This is the velocity form of a scheduled controller, whose linear model at each point is the
     one that was designed there, and which needs no table of the outputs at rest.
 
-    Parameters
-    ----------
-    name : str
-        An identifier.
-    parameters, state : sequence of Signal
-        All parameters, and what the gains keep.
-    gains : callable, optional
-        Writes the gains of a sample, from what is read and what is known of the state, and
-        returns F and G by name, where F of the last one is the law's state by that name; without
-        it they are the law's parameters.
-    words : sequence of str
-        For the reader of the law.
+    `name`: an identifier; `parameters`, `state`: all parameters, and what the gains keep; `gains`:
+    writes the gains of a sample, from what is read and what is known of the state, and returns F
+    and G by name, where F of the last one is the law's state by that name; without it they are the
+    law's parameters; `words`: for the reader of the law.
 
     Raises InputError: the anti-windup is unknown or clamping.
 

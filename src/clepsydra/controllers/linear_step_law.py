@@ -66,12 +66,8 @@ class StepLawDerivatives:
     ) -> LinearStepLaw:
         """Return the linear model in automatic with sound sensors and the limits far away.
 
-        Parameters
-        ----------
-        values : mapping
-            Parameter name to value.
-        state, inputs : mapping
-            State and input names to where the law is differentiated; zero for the others.
+        `values`: parameter name to value; `state`, `inputs`: state and input names to where the law
+        is differentiated; zero for the others.
 
         Returns
         -------

@@ -39,26 +39,11 @@ def multiloop_pid_law(
 
     The integral I is in the unit of the output and holds the bias.
 
-    Parameters
-    ----------
-    measured, manipulated : sequence of Signal or str
-        The process signals of each loop: they lend their names, units and ranges.
-    form : PidForm, optional
-        PI control in the isa form with back-calculation if omitted.
-    rate_limited : bool
-        Whether the outputs have rate limits.
-    decoupling : {"static", "dynamic"}, optional
-        Whether each output also answers to the last values of the others: inverted decoupling,
-        which heeds their limits and modes, see `structure.feedforward_block`.
-
-    Returns
-    -------
-    StepLaw
-        Inputs sp, pv and good of each measurement, mode, manual and tracking of each output, and
-        time_step [s]; parameters of each measurement as in `pid_parameters.pid_parameters`,
-        low_limit and high_limit of each output, with decoupling also feedforward.OTHER.gain and
-        feedforward.OTHER.reference for each other output, and lead and lag [s] where dynamic;
-        outputs out and status of each output.
+    `measured`, `manipulated`: the process signals of each loop: they lend their names, units and
+    ranges; `form`: PI control in the isa form with back-calculation if omitted; `rate_limited`:
+    whether the outputs have rate limits; `decoupling`: whether each output also answers to the last
+    values of the others: inverted decoupling, which heeds their limits and modes, see
+    `structure.feedforward_block`.
 
     References
     ----------

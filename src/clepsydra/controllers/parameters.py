@@ -15,12 +15,8 @@ from clepsydra.program.step_law import StepLaw
 def check_parameters(law: StepLaw, values: Mapping[str, float], place: str) -> None:
     """Refuse parameter values that a law cannot run with.
 
-    Parameters
-    ----------
-    values : mapping
-        Parameter name to value, in the law's units.
-    place : str
-        The controller's name, for the message.
+    `values`: parameter name to value, in the law's units; `place`: the controller's name, for the
+    message.
 
     Raises InputError: A parameter is missing, unknown, not a finite number or outside its range (an
     integral time at or below zero, say), or a low limit is not below its high limit.

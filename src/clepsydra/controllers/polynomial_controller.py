@@ -228,20 +228,8 @@ def polynomial_law(
     automatic goes on from there without a bump. In a sample without a usable measurement or
     setpoint the output is held, and the law then goes on as if that sample had not been.
 
-    Parameters
-    ----------
-    measured, manipulated : sequence of Signal or str
-        The process signals of each loop: they lend their names, units and ranges.
-    shapes : sequence of PolynomialShape
-        One for each loop.
-
-    Returns
-    -------
-    StepLaw
-        Inputs sp, pv and good of each measurement, mode, manual and tracking of each output, and
-        time_step; parameters reference_gain, measurement_gain.J, setpoint_gain.J and
-        increment_gain.J of each measurement, which hold for one sampling period, low_limit and
-        high_limit of each output; outputs out and status of each output.
+    `measured`, `manipulated`: the process signals of each loop: they lend their names, units and
+    ranges; `shapes`: one for each loop.
 
     References
     ----------

@@ -36,12 +36,8 @@ def evaluated(
 ) -> list[ca.SX]:
     """Return expressions of a process within a law, each operation that they share written once.
 
-    Parameters
-    ----------
-    symbols : mapping
-        The constants that they depend on, as parameters of the law (`model.*`).
-    state, moved : casadi.SX [n], [m], optional
-        x and u, where they depend on them.
+    `symbols`: the constants that they depend on, as parameters of the law (`model.*`); `state`,
+    `moved`: x and u, where they depend on them.
 
     Examples
     --------

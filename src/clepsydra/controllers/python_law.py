@@ -80,15 +80,9 @@ def python_law(
     measurement or setpoint is no number, or a sensor is bad, the function is not called: its state
     and the outputs stay.
 
-    Parameters
-    ----------
-    name : str
-        An identifier.
-    inputs, outputs, parameters, state : sequence of Signal
-        Inputs sp and pv of measurements, mode, manual and tracking of outputs; outputs: out of
-        what each moves.
-    file : Path, optional
-        In which the function stands, for messages.
+    `name`: an identifier; `inputs`, `outputs`, `parameters`, `state`: inputs sp and pv of
+    measurements, mode, manual and tracking of outputs; outputs: out of what each moves; `file`: in
+    which the function stands, for messages.
 
     Raises InputError: the signals are wrong; and in a run where the function fails, or returns
     something else.

@@ -55,23 +55,8 @@ def recomputed_lqi_law(
     number runs over. Levels count as 2 % of their height at least, since the slope of an outlet
     grows without bound as its tank empties.
 
-    Parameters
-    ----------
-    source : ProcessState
-        Sensors of every state, or an observer.
-    doublings : int
-        Of the power series that holds the model over a sample.
-    steps : int
-        Of the difference equation in a sample.
-
-    Returns
-    -------
-    StepLaw
-        Inputs and outputs as for `lqi_law`; parameters largest_error and horizon [s] of each
-        controlled measurement, largest_move of each output, input_filter_time [s], size and
-        reference of each state, model.*, bias, low_limit, high_limit and, for back-calculation,
-        tracking_time [s] of each output, and those of the observer; state integral, last_output,
-        filtered, feedback and integral_gain of each output, cost, and that of the observer.
+    `source`: sensors of every state, or an observer; `doublings`: of the power series that holds
+    the model over a sample; `steps`: of the difference equation in a sample.
 
     Raises InputError: the anti-windup is unknown or clamping.
 

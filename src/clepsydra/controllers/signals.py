@@ -209,10 +209,7 @@ def of_units(unit: str, shown: str) -> Signal:
 def gain(name: str, of: Signal | str, initial: float, description: str) -> Signal:
     """Return a parameter that may have either sign: a gain, a bias, a limit.
 
-    Parameters
-    ----------
-    of : Signal or str
-        What has its units, see `per`; or the unit.
+    `of`: what has its units, see `per`; or the unit.
 
     Examples
     --------

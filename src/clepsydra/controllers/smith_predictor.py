@@ -72,19 +72,8 @@ def smith_predictor_law(
     would drift away from its model with every load; κ e estimates that load, moves the model by
     it, and leaves no offset.
 
-    Parameters
-    ----------
-    measured, manipulated : sequence of Signal or str
-        The process signals of each loop: they lend their names, units and ranges.
-    shapes : sequence of PredictorShape
-        One for each loop.
-
-    Returns
-    -------
-    StepLaw
-        As of a polynomial controller, with the parameters model_gain = B(1), model_feedback.J =
-        a_j and model_share.J = β_j of each measurement and bias = u° of each output, with error
-        feedback also error_feedback = κ and reference = y° of the measurement.
+    `measured`, `manipulated`: the process signals of each loop: they lend their names, units and
+    ranges; `shapes`: one for each loop.
 
     References
     ----------

@@ -30,14 +30,8 @@ def pump_order(
     Those that run come first, so that no pump is stopped for another one; then they follow each
     other from the duty pump on, round and round. What is not ready is passed over.
 
-    Parameters
-    ----------
-    duty : casadi.SX
-        Number of the duty pump, from 1.
-    runs, ready : sequence of casadi.SX
-        Truth values of each pump.
-    demand : casadi.SX
-        How many are to run.
+    `duty`: number of the duty pump, from 1; `runs`, `ready`: truth values of each pump; `demand`:
+    how many are to run.
 
     Examples
     --------
@@ -98,21 +92,8 @@ def start_stop_law(
     the shortest rest, leaves its place to the next one. A fault of the level sensor leaves every
     pump as it is; an operator can still move it in manual.
 
-    Parameters
-    ----------
-    measured : sequence of Signal or str
-        The level.
-    manipulated : sequence of Signal or str
-        The pumps, which lend their names, units and ranges; there are as many stages.
-
-    Returns
-    -------
-    StepLaw
-        Inputs pv and good of the level, mode, manual and tracking of each pump, and time_step
-        [s]; parameters stage.J.start_level and stage.J.stop_level [unit of the level],
-        alternation (0 or 1), shortest_rest [s], and of each pump running_value, stopped_value,
-        low_limit, high_limit and in_service (0 or 1); state stage.J.on, duty (the place of a pump
-        in their order), rested [s] and last_output of each pump; outputs out and status of each.
+    `measured`: the level; `manipulated`: the pumps, which lend their names, units and ranges; there
+    are as many stages.
 
     References
     ----------
@@ -165,12 +146,7 @@ def start_stop_law(
 def check_levels(law: StepLaw, values: Mapping[str, float], place: str) -> None:
     """Refuse levels that do not follow each other as the pumps need them.
 
-    Parameters
-    ----------
-    values : mapping
-        start_level and stop_level of each stage [SI].
-    place : str
-        For the message.
+    `values`: start_level and stop_level of each stage [SI]; `place`: for the message.
 
     Raises InputError: A start level is its stop level or on its wrong side, or a stage starts
     before the one before it.

@@ -44,21 +44,9 @@ def state_feedback_law(
     A fault of any sensor holds all outputs that are in automatic, since each needs the whole
     state; an observer goes on with the inputs that are held.
 
-    Parameters
-    ----------
-    measured, manipulated : sequence of Signal or str
-        The process signals: they lend their names, units and ranges.
-    controlled : sequence of str
-        The measurements that have setpoints.
-    observer : ObserverStructure, optional
-        Without it the measurements are the state.
-
-    Returns
-    -------
-    StepLaw
-        Inputs, state and outputs as for `lqi_law`; parameters reference of each measurement,
-        feedback.STATE, precompensator.MEASUREMENT, bias, fading_time [s], low_limit and
-        high_limit of each output, and those of the observer (`observers.current_observer`).
+    `measured`, `manipulated`: the process signals: they lend their names, units and ranges;
+    `controlled`: the measurements that have setpoints; `observer`: without it the measurements are
+    the state.
 
     References
     ----------
@@ -118,10 +106,7 @@ def fading_output(sample: Sample, u: Signal, reading: Reading, asked: ca.SX) -> 
 
     b⁺ = b − min(Δt/Tf, 1) b, unless that pushes further into saturation.
 
-    Parameters
-    ----------
-    asked : casadi.SX
-        What the law asks for, with the bias.
+    `asked`: what the law asks for, with the bias.
     """
     time_step, _ = time_step_of(sample.symbols)
     integral, time = sample.of(u, "integral", "fading_time")

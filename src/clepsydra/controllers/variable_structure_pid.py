@@ -72,17 +72,8 @@ def variable_structure_pid_law(
     I = K_I η in the unit of the output, so that nothing is divided by K_I, and e counts with the
     sign of the gain, so that direct action serves too. α Δt is never taken above 1.
 
-    Parameters
-    ----------
-    measured, manipulated : sequence of Signal or str
-        The process signals of each loop: they lend their names, units and ranges.
-    form : PidForm, optional
-        PI control in the isa form if omitted; its own anti-windup does not count.
-
-    Returns
-    -------
-    StepLaw
-        As that of `multiloop_pid_law`, with saturation_rate [1/s] of each measurement.
+    `measured`, `manipulated`: the process signals of each loop: they lend their names, units and
+    ranges; `form`: PI control in the isa form if omitted; its own anti-windup does not count.
 
     Raises InputError: there is no loop, the signals are not one for each loop, or the form has no
     integral.

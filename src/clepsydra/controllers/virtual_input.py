@@ -136,12 +136,8 @@ class VirtualInput:
     ) -> tuple[ca.SX, ca.SX]:
         """Return Kp (b r − y) − Σ m_k dᵏy/dtᵏ, and the integral that makes no bump with it.
 
-        Parameters
-        ----------
-        derivatives : list of casadi.SX [r]
-            y, dy/dt, …, of the degrees below r.
-        standing : casadi.SX
-            L + E u with the inputs of the last sample: where automatic takes over.
+        `derivatives`: y, dy/dt, …, of the degrees below r; `standing`: L + E u with the inputs of
+        the last sample: where automatic takes over.
         """
         names = [signal.name for signal in self._adjusted]
         now, former = (
@@ -154,14 +150,11 @@ class VirtualInput:
     def integrate(self, sample: Sample, told: Symbols) -> None:
         """Write the state of the next sample.
 
-        Parameters
-        ----------
-        told : mapping
-            As for `next_in_force`: integral_used and proportional, the two parts of ν as asked;
-            low_limit and high_limit, L + E u with its own input at the limits that make it lowest
-            and highest, middle with all of them half-way, and cut; time_step. Also error, r − y;
-            applied, L + E u with the inputs that were applied; in_force, whether its own input is
-            in automatic; and input_excess, what was asked of that above what was applied.
+        `told`: as for `next_in_force`: integral_used and proportional, the two parts of ν as asked;
+        low_limit and high_limit, L + E u with its own input at the limits that make it lowest and
+        highest, middle with all of them half-way, and cut; time_step. Also error, r − y; applied, L
+        + E u with the inputs that were applied; in_force, whether its own input is in automatic;
+        and input_excess, what was asked of that above what was applied.
         """
         y = self.measurement
         kept, gain = sample.of(y, "virtual_integral", "virtual_integral_gain")

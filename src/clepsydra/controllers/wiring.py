@@ -50,16 +50,9 @@ def check_wiring(
 ) -> None:
     """Refuse names that are not one for each signal of a law.
 
-    Parameters
-    ----------
-    measurements, setpoints, manipulated : sequence of str
-        Names of process signals.
-    place : str
-        The controller's name, for the message.
-    free : collection of str
-        Inputs that nothing of the process drives.
-    free_outputs : collection of str
-        Outputs that nothing of the process takes.
+    `measurements`, `setpoints`, `manipulated`: names of process signals; `place`: the controller's
+    name, for the message; `free`: inputs that nothing of the process drives; `free_outputs`:
+    outputs that nothing of the process takes.
 
     Raises InputError: there are more or fewer names than the law has signals, an input is moved
     twice, or the law has a signal that nothing is wired to.

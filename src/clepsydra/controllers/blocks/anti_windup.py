@@ -20,10 +20,7 @@ _AT_LIMIT = 1e-5
 def cut_off(asked: ca.SX, applied: ca.SX, low: ca.SX, high: ca.SX) -> ca.SX:
     """Return whether an output is not what was asked for, or stands at a limit.
 
-    Parameters
-    ----------
-    asked, applied, low, high : casadi.SX
-        In the unit of the output.
+    `asked`, `applied`, `low`, `high`: in the unit of the output.
 
     Examples
     --------
@@ -42,12 +39,8 @@ def winds_up(increment: ca.SX, unlimited: ca.SX, cut: ca.SX, middle: ca.SX) -> c
     u_n ≠ u_s and e (u_n − ū) > 0, with ū half-way between the limits. The increment has the
     sign of the error times that of the gain, so that it holds for gains of either sign.
 
-    Parameters
-    ----------
-    increment, unlimited, middle : casadi.SX
-        Δt K/Ti e, u_n and ū, in one unit.
-    cut : casadi.SX
-        Whether u_n ≠ u_s, see `cut_off`.
+    `increment`, `unlimited`, `middle`: Δt K/Ti e, u_n and ū, in one unit; `cut`: whether u_n ≠ u_s,
+    see `cut_off`.
 
     Examples
     --------
@@ -74,14 +67,8 @@ def variable_structure(
     While it winds up (`winds_up`) the integral takes nothing of the error and gives back
     α Δt (u_n − u_s), so that the excess dies away with the rate α; else it integrates as ever.
 
-    Parameters
-    ----------
-    integral, increment, unlimited, limited, middle : casadi.SX
-        I, Δt K/Ti e, u_n, u_s and ū, in one unit.
-    cut : casadi.SX
-        Whether u_n ≠ u_s, see `cut_off`.
-    share : casadi.SX
-        α Δt, at most 1 [1].
+    `integral`, `increment`, `unlimited`, `limited`, `middle`: I, Δt K/Ti e, u_n, u_s and ū, in one
+    unit; `cut`: whether u_n ≠ u_s, see `cut_off`; `share`: α Δt, at most 1 [1].
 
     References
     ----------
@@ -101,10 +88,7 @@ def variable_structure(
 def share_of_excess(rate: ca.SX, time_step: ca.SX) -> ca.SX:
     """Return min(α Δt, 1): more than the excess would overshoot the limit.
 
-    Parameters
-    ----------
-    rate, time_step : casadi.SX
-        α [1/s] and Δt [s].
+    `rate`, `time_step`: α [1/s] and Δt [s].
 
     Examples
     --------
@@ -138,14 +122,8 @@ def next_integral(
     where the actuator moved without it, it follows, so that automatic continues from there;
     else it stays. It is always a number.
 
-    Parameters
-    ----------
-    s : mapping
-        As for `next_in_force`.
-    known : casadi.SX
-        Whether the rest was computed from valid signals.
-    last_applied : casadi.SX
-        What was applied in the last sample.
+    `s`: as for `next_in_force`; `known`: whether the rest was computed from valid signals;
+    `last_applied`: what was applied in the last sample.
     """
     before = s["integral_used"]
     followed = followed_integral(before, applied.applied, last_applied, s["proportional"], known)
@@ -177,12 +155,8 @@ def followed_integral(
     output less the proportional part. While that part is unknown (a failed sensor) the
     integral moves with the output, which leaves the last known proportional part in force.
 
-    Parameters
-    ----------
-    integral, output, last_output, proportional : casadi.SX
-        In the unit of the output.
-    known : casadi.SX
-        Whether `proportional` was computed from valid signals.
+    `integral`, `output`, `last_output`, `proportional`: in the unit of the output; `known`: whether
+    `proportional` was computed from valid signals.
 
     Examples
     --------
@@ -220,17 +194,11 @@ def check_anti_windup(anti_windup: str) -> None:
 def next_in_force(anti_windup: str, s: Symbols, limited: ca.SX) -> ca.SX:
     """Return the next integral of what had its say, under one way of anti-windup.
 
-    Parameters
-    ----------
-    anti_windup : str
-        One of `IN_WORDS`.
-    s : mapping
-        integral_used in this sample, proportional (the rest of what is asked for) and increment,
-        in the unit of the output; low_limit, high_limit, time_step [s], and tracking_time [s] or
-        saturation_rate [1/s], where the anti-windup needs them. For variable structure also cut,
-        whether something is cut off, and middle, where the limits alone do not tell.
-    limited : casadi.SX
-        What was applied.
+    `anti_windup`: one of `IN_WORDS`; `s`: integral_used in this sample, proportional (the rest of
+    what is asked for) and increment, in the unit of the output; low_limit, high_limit, time_step
+    [s], and tracking_time [s] or saturation_rate [1/s], where the anti-windup needs them. For
+    variable structure also cut, whether something is cut off, and middle, where the limits alone do
+    not tell; `limited`: what was applied.
 
     Examples
     --------
@@ -266,10 +234,7 @@ def conditional_integration(
     An increment that pushes further into saturation, (unlimited − limited)·increment > 0,
     is left out; all others are taken.
 
-    Parameters
-    ----------
-    integral, increment, unlimited, limited : casadi.SX
-        In the unit of the output.
+    `integral`, `increment`, `unlimited`, `limited`: in the unit of the output.
 
     References
     ----------
@@ -290,12 +255,8 @@ def back_calculation(
 ) -> ca.SX:
     """Return the next integral by back-calculation: I + ΔI + share·(limited − unlimited).
 
-    Parameters
-    ----------
-    integral, increment, unlimited, limited : casadi.SX
-        In the unit of the output.
-    share : casadi.SX
-        Share of the excess that is taken back in one sample, time step / tracking time, [1].
+    `integral`, `increment`, `unlimited`, `limited`: in the unit of the output; `share`: share of
+    the excess that is taken back in one sample, time step / tracking time, [1].
 
     References
     ----------
@@ -317,10 +278,7 @@ def clamping(integral: ca.SX, increment: ca.SX, low: ca.SX, high: ca.SX) -> ca.S
     integral that a change of mode or gain put beyond a limit only comes back from there, so
     that the change stays without a bump.
 
-    Parameters
-    ----------
-    integral, increment, low, high : casadi.SX
-        In the unit of the output.
+    `integral`, `increment`, `low`, `high`: in the unit of the output.
 
     References
     ----------
@@ -338,10 +296,8 @@ def clamping(integral: ca.SX, increment: ca.SX, low: ca.SX, high: ca.SX) -> ca.S
 def tracking_share(time_step: ca.SX, tracking_time: ca.SX) -> ca.SX:
     """Return min(time step / tracking time, 1): a share above one would overshoot the limit.
 
-    Parameters
-    ----------
-    time_step, tracking_time : casadi.SX
-        [s]; the time step is above zero, so that nothing is divided by zero.
+    `time_step`, `tracking_time`: [s]; the time step is above zero, so that nothing is divided by
+    zero.
 
     Examples
     --------

@@ -26,12 +26,8 @@ def lead_lag(signal: ca.SX, lagged: ca.SX, lead: ca.SX, lag: ca.SX, time_step: c
     z⁺ = z + Δt/(Tlag + Δt) (x − z), and the output is z⁺ + Tlead (x − z)/(Tlag + Δt). Times at
     or below zero count as zero; a lead without lag is the difference quotient.
 
-    Parameters
-    ----------
-    signal, lagged : casadi.SX
-        x, and z after the last sample [signal unit].
-    lead, lag, time_step : casadi.SX
-        [s], the time step above zero.
+    `signal`, `lagged`: x, and z after the last sample [signal unit]; `lead`, `lag`, `time_step`:
+    [s], the time step above zero.
 
     Examples
     --------
@@ -51,12 +47,7 @@ def gap_error(error: ca.SX, gap: ca.SX, gap_gain: ca.SX) -> ca.SX:
 
     g e for |e| ≤ γ, and e − (1 − g) γ sign(e) beyond, so that it has no jump.
 
-    Parameters
-    ----------
-    error, gap : casadi.SX
-        e and γ [measurement unit].
-    gap_gain : casadi.SX
-        g [1], 0 for a dead zone.
+    `error`, `gap`: e and γ [measurement unit]; `gap_gain`: g [1], 0 for a dead zone.
 
     References
     ----------
@@ -74,11 +65,8 @@ def gap_error(error: ca.SX, gap: ca.SX, gap_gain: ca.SX) -> ca.SX:
 def squared_error(error: ca.SX, scale: ca.SX) -> ca.SX:
     """Return e |e| / scale: the gain grows with the error.
 
-    Parameters
-    ----------
-    error, scale : casadi.SX
-        [measurement unit]; at |e| = scale the gain is the nominal one. A scale that is not
-        above zero leaves the error as it is.
+    `error`, `scale`: [measurement unit]; at |e| = scale the gain is the nominal one. A scale that
+    is not above zero leaves the error as it is.
 
     References
     ----------
@@ -116,12 +104,8 @@ def filtered_derivative(
     Backward differences: x_f⁺ = x_f + Δt/(Tf + Δt) (x − x_f), and the rate is
     (x − x_f)/(Tf + Δt), which is defined for a filter time of zero too.
 
-    Parameters
-    ----------
-    signal, filtered : casadi.SX
-        x, and x_f after the last sample [signal unit].
-    filter_time, time_step : casadi.SX
-        Tf at or above zero and Δt above zero [s].
+    `signal`, `filtered`: x, and x_f after the last sample [signal unit]; `filter_time`,
+    `time_step`: Tf at or above zero and Δt above zero [s].
 
     References
     ----------

@@ -44,15 +44,9 @@ def final_element(
 ) -> Applied:
     """Write one output of a law: an instance of `output_element` and its status word.
 
-    Parameters
-    ----------
-    sample : Sample
-        Of a law with last_output, mode, manual, tracking, low_limit, high_limit and rate_limit
-        (where limited) of the process input, and time_step.
-    moved : Signal
-        The process input.
-    asked : Asked
-        In automatic.
+    `sample`: of a law with last_output, mode, manual, tracking, low_limit, high_limit and
+    rate_limit (where limited) of the process input, and time_step; `moved`: the process input;
+    `asked`: in automatic.
 
     Examples
     --------
@@ -75,10 +69,7 @@ def final_element(
 def give_output(sample: Sample, moved: Signal, found: Symbols) -> None:
     """Give an output and its status word, and name the conditions told_BIT.
 
-    Parameters
-    ----------
-    found : mapping
-        manipulated, and the conditions; one that a block does not have does not hold.
+    `found`: manipulated, and the conditions; one that a block does not have does not hold.
     """
     told = {signal.name: found.get(signal.name, ca.SX(0)) for signal in STATUS_WORD.inputs}
     word = STATUS_WORD(path(moved, "status_word"), told, {}).outputs["status"]
@@ -137,10 +128,7 @@ def output_end(
     unusable, the output is held: a failed sensor holds automatic, but an operator can still
     move the output in manual. Limits hold in every mode, and so does the rate limit.
 
-    Parameters
-    ----------
-    s : mapping
-        The ports of the output by name.
+    `s`: the ports of the output by name.
     """
     last_output, low, high = s["last_output"], s["low_limit"], s["high_limit"]
     in_manual, in_automatic = s["mode"] == Mode.MANUAL, s["mode"] == Mode.AUTOMATIC

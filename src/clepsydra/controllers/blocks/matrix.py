@@ -75,14 +75,8 @@ class Matrix:
     ) -> list[ca.SX]:
         """Return the matrix times values, added to a start of each row.
 
-        Parameters
-        ----------
-        s : mapping
-            The numbers by name.
-        values : sequence of casadi.SX
-            For each column.
-        start : sequence of casadi.SX, optional
-            For each row; zero if left out.
+        `s`: the numbers by name; `values`: for each column; `start`: for each row; zero if left
+        out.
         """
         found = [ca.SX(0)] * len(self.rows) if start is None else list(start)
         for j, k in self.places:

@@ -40,21 +40,12 @@ def output_stage(
 ) -> ca.SX:
     """Write the output stage of one output, an instance of `output_stage_block`; return the output.
 
-    Parameters
-    ----------
-    sample : Sample
-        Of a law with integral, last_output, mode, manual, tracking, low_limit, high_limit and
-        tracking_time (back-calculation) of the process input, and time_step.
-    moved : Signal
-        The process input.
-    reading : Reading
-        Of the signals that it comes from.
-    proportional : casadi.SX
-        The part of the output that does not come from the integral, in its unit.
-    increment : casadi.SX
-        What the integral gains in this sample in automatic, in the unit of the output.
-    taken_up : casadi.SX, optional
-        What the integral takes up of a change of gains, where the signals are valid.
+    `sample`: of a law with integral, last_output, mode, manual, tracking, low_limit, high_limit and
+    tracking_time (back-calculation) of the process input, and time_step; `moved`: the process
+    input; `reading`: of the signals that it comes from; `proportional`: the part of the output that
+    does not come from the integral, in its unit; `increment`: what the integral gains in this
+    sample in automatic, in the unit of the output; `taken_up`: what the integral takes up of a
+    change of gains, where the signals are valid.
     """
     given = {"proportional": proportional, "increment": increment}
     if taken_up is not None:
@@ -78,10 +69,7 @@ def output_stage_block(anti_windup: AntiWindup, *, takes_up: bool = False) -> Bl
     The integral takes its increment under the anti-windup rule (`blocks.integral`). The other
     modes, limits and faults are those of every output (`blocks.final_element`).
 
-    Parameters
-    ----------
-    takes_up : bool
-        Whether it has the port taken_up.
+    `takes_up`: whether it has the port taken_up.
     """
 
     def equations(s: Symbols) -> Equations:

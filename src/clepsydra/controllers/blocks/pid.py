@@ -52,12 +52,9 @@ def pid_terms(form: PidForm, s: Symbols) -> dict[str, ca.SX]:
     gains may be scheduled in every sample. Where the source of the setpoint differs, the output
     goes on from what was applied.
 
-    Parameters
-    ----------
-    s : mapping
-        Parameters and state of the loop by name, and the time step; setpoint_used and
-        measurement_used, always numbers, and signals_known, whether they may be used; switched,
-        whether the setpoint comes from another source than in the last sample; last_applied.
+    `s`: parameters and state of the loop by name, and the time step; setpoint_used and
+    measurement_used, always numbers, and signals_known, whether they may be used; switched, whether
+    the setpoint comes from another source than in the last sample; last_applied.
 
     Returns
     -------
@@ -76,10 +73,7 @@ def pid_state(
 ) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
     """Return the next state of a loop, and names for values on the way there.
 
-    Parameters
-    ----------
-    s : mapping
-        As for `pid_terms`, with the terms.
+    `s`: as for `pid_terms`, with the terms.
     """
     known, good = s["signals_known"], is_time_step(s["time_step"])
     usable = ca.logic_and(known, good)

@@ -33,10 +33,7 @@ class SampledExpressions(NamedTuple):
 def doublings_for(norm: float) -> int:
     """Return how often a step is halved so that the power series has an argument of 1/4.
 
-    Parameters
-    ----------
-    norm : float
-        ‖[A B]‖ Δt, in scaled units.
+    `norm`: ‖[A B]‖ Δt, in scaled units.
 
     Examples
     --------
@@ -59,12 +56,7 @@ def sampled_expressions(
     W(2h) = W(h) + M(h)ᵀ W(h) M(h), M(2h) = M(h)². Only products and sums, so that a controller
     can compute it.
 
-    Parameters
-    ----------
-    weight : casadi.SX [n + m, n + m] or None
-        S, symmetric; None where no cost is asked for.
-    time : casadi.SX
-        [s]
+    `weight`: S, symmetric; None where no cost is asked for; `time` [s].
 
     References
     ----------
@@ -139,14 +131,7 @@ def riccati_step(held: ca.SX, moved: ca.SX, cost: ca.SX, to_go: ca.SX) -> Riccat
     in which rounding cannot make P negative. A pivot that is not above zero is replaced by one,
     so that nothing is divided by zero; the step then does not hold.
 
-    Parameters
-    ----------
-    held, moved : casadi.SX [n, n], [n, m]
-        Φ and Γ.
-    cost : casadi.SX [n + m, n + m]
-        W = [Q N; Nᵀ R]
-    to_go : casadi.SX [n, n]
-        P, symmetric.
+    `held`, `moved`: Φ and Γ; `cost`: W = [Q N; Nᵀ R]; `to_go`: P, symmetric.
 
     References
     ----------

@@ -64,12 +64,7 @@ def status_word(
 ) -> ca.SX:
     """Return the sum of the bits whose condition holds.
 
-    Parameters
-    ----------
-    conditions : mapping
-        Every name of a bit to a truth value.
-    bits : mapping
-        Name to bit.
+    `conditions`: every name of a bit to a truth value; `bits`: name to bit.
 
     Examples
     --------

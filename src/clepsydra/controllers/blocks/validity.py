@@ -13,10 +13,7 @@ def limit(value: ca.SX, low: ca.SX, high: ca.SX) -> ca.SX:
     The limit stands first in both comparisons, so that a limit which is not a number is
     passed over (``low > value ? low : value`` is the value); `value` must be a number.
 
-    Parameters
-    ----------
-    value, low, high : casadi.SX
-        Scalars of one unit.
+    `value`, `low`, `high`: scalars of one unit.
 
     Examples
     --------

@@ -196,12 +196,7 @@ class WiredFuzzy:
     def controller(self, point: OperatingPoint, name: str) -> Controller:
         """Return the controller, whose outputs start at the operating point.
 
-        Parameters
-        ----------
-        point : OperatingPoint
-            Of the process.
-        name : str
-            What the reader sees.
+        `point`: of the process; `name`: what the reader sees.
         """
         system = self.file.system
         return Controller(

@@ -216,10 +216,7 @@ def rule_base(system: FuzzySystem, name: str) -> Block:
     others add nothing to the largest, so no bit of the sums changes. The derivatives are those of
     `surface`.
 
-    Parameters
-    ----------
-    name : str
-        Of the block.
+    `name`: of the block.
 
     References
     ----------

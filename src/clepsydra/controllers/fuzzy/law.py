@@ -45,25 +45,9 @@ def fuzzy_law(
     Where no rule fires the output is held. A fault of a sensor, or a value that is no number,
     holds the outputs whose rules read it; the others go on.
 
-    Parameters
-    ----------
-    inputs : sequence of FuzzyInput
-        One for each input of the system, loop by loop.
-    outputs : sequence of FuzzyOutput
-        One for each output of the system, loop by loop.
-    loops : sequence of str
-        What the linguistic variables belong to, if there are several loops by the same rules.
-    name : str
-        An identifier.
-
-    Returns
-    -------
-    StepLaw
-        Inputs sp of each measurement whose error is used, pv and good of each measurement, mode,
-        manual and tracking of each output, and time_step [s]; parameters gain, dead_zone and, of
-        a rate, filter_time [s] of each linguistic input, output_gain, fading_time [s] of a
-        position, low_limit, high_limit and rate_limit of each output; state filtered of a rate,
-        offset of a position, and last_output; outputs out and status of each output.
+    `inputs`: one for each input of the system, loop by loop; `outputs`: one for each output of the
+    system, loop by loop; `loops`: what the linguistic variables belong to, if there are several
+    loops by the same rules; `name`: an identifier.
 
     References
     ----------

@@ -75,12 +75,8 @@ def firing(
 ) -> T:
     """Return how far a condition holds: AND by the smallest, OR by the largest degree.
 
-    Parameters
-    ----------
-    degrees : mapping
-        (variable, set) to its degree, of any type.
-    least, greatest : callable
-        The smaller and the larger of two degrees.
+    `degrees`: (variable, set) to its degree, of any type; `least`, `greatest`: the smaller and the
+    larger of two degrees.
 
     Examples
     --------

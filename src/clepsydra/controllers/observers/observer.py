@@ -98,12 +98,8 @@ class Observer(ABC):
     def correct(self, sample: Sample, measured: Iterable[ca.SX], known: ca.SX) -> list[ca.SX]:
         """Write an instance of its block of correction, and return x̂c.
 
-        Parameters
-        ----------
-        measured : iterable of casadi.SX [p]
-            What the measurements show; zero in the place of what is no number.
-        known : casadi.SX
-            Whether all are numbers from sound sensors.
+        `measured`: what the measurements show; zero in the place of what is no number; `known`:
+        whether all are numbers from sound sensors.
         """
         state, results = self.state(), (*self._estimates, *self._surprises)
 
@@ -123,12 +119,7 @@ class Observer(ABC):
     def predict(self, sample: Sample, estimate: Sequence[ca.SX], inputs: Sequence[ca.SX]) -> None:
         """Write an instance of its block of prediction.
 
-        Parameters
-        ----------
-        estimate : sequence of casadi.SX
-            x̂c
-        inputs : sequence of casadi.SX [m]
-            As they were applied.
+        `estimate`: x̂c; `inputs`: as they were applied.
         """
         state = tuple(self.state())
 

@@ -173,12 +173,8 @@ def shown_states(
 ) -> list[ca.SX]:
     """Return the states that sensors show.
 
-    Parameters
-    ----------
-    sensors : mapping
-        State to its sensor, as in `sensors_of_states`.
-    symbols, measured : mapping
-        model.* of the sensors, and what they show.
+    `sensors`: state to its sensor, as in `sensors_of_states`; `symbols`, `measured`: model.* of the
+    sensors, and what they show.
 
     Examples
     --------

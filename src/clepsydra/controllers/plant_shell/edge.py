@@ -48,10 +48,7 @@ def in_shown_units(controller: AnyController) -> AnyController:
     one operation; the law itself, and its state, stay as they are. A controller whose inputs and
     outputs are shown in SI stays in SI altogether.
 
-    Parameters
-    ----------
-    controller : Controller
-        With a law of expressions.
+    `controller`: with a law of expressions.
 
     Examples
     --------

@@ -35,10 +35,7 @@ def needed_by_outputs(law: StepLaw, parts: Iterable[str]) -> dict[str, tuple[str
     output depends on so, but by what is remembered of it, is needed by all outputs that this
     reaches in the end.
 
-    Parameters
-    ----------
-    parts : iterable of str
-        "pv" and "good", say.
+    `parts`: "pv" and "good", say.
 
     Examples
     --------

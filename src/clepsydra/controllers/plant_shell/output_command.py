@@ -72,10 +72,7 @@ def output_command(*, limited: bool, rate: Rate) -> Block:
     somebody else does, and a fail-safe value is not slowed. Limits win over the rate: an output
     beyond one is brought back at once.
 
-    Parameters
-    ----------
-    limited : bool
-        Whether the law has limits of the output.
+    `limited`: whether the law has limits of the output.
     """
     name = {"shell": "", "law": "_of_own_rate", "none": "_without_rate"}[rate]
     used = Signal("rate_used", description="rate limit that the law gets; 1e9 for none")

@@ -61,10 +61,8 @@ def scan_start(*, delays: bool) -> Block:
     a cold start. Nor does an acknowledgement act twice: held down, or stuck, it would take back
     every later fault by itself.
 
-    Parameters
-    ----------
-    delays : bool
-        Whether the law remembers past values: then scans are counted until all are overwritten.
+    `delays`: whether the law remembers past values: then scans are counted until all are
+    overwritten.
 
     Examples
     --------

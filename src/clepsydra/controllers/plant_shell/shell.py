@@ -72,10 +72,7 @@ def with_plant_shell(
     status words (`plant_shell.status`). With sound signals and without settings it is the law
     itself, in every bit.
 
-    Parameters
-    ----------
-    sampling_period : float
-        That the controller was designed for [s].
+    `sampling_period`: that the controller was designed for [s].
 
     Returns
     -------

@@ -52,10 +52,7 @@ def signal_check(*, ranged: bool) -> Block:
     as a fault. A fault first seen in scan k has failed in scan k + n, with n the delay in whole
     scans, rounded up; a start forgets how long it has lasted.
 
-    Parameters
-    ----------
-    ranged : bool
-        Whether the values at 4 and 20 mA are known, so that its current can be told.
+    `ranged`: whether the values at 4 and 20 mA are known, so that its current can be told.
 
     References
     ----------

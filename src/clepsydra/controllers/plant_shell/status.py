@@ -71,12 +71,8 @@ OF_LIMITS = ("at_low_limit", "at_high_limit")
 def output_end(told: tuple[str, ...], *, rated: bool) -> Block:
     """Return the block of what stands at the actuator.
 
-    Parameters
-    ----------
-    told : tuple of str
-        The bits that the law tells; without `OF_LIMITS` the output has limits.
-    rated : bool
-        Whether the shell limits its rate.
+    `told`: the bits that the law tells; without `OF_LIMITS` the output has limits; `rated`: whether
+    the shell limits its rate.
     """
     limited, slowed = "at_low_limit" not in told, "at_rate_limit" in told
     return Block(

@@ -34,14 +34,8 @@ def take_up_scans(controller: Controller, sampling_period: float, safe: Sequence
     is computed that automatic would make next, and that of the law when all has settled. The
     scans are counted until the two are within 1e-5 of the output's range, at most 20.
 
-    Parameters
-    ----------
-    controller : Controller
-        Without a shell.
-    sampling_period : float
-        [s]
-    safe : sequence of float
-        The fail-safe value of each output [unit].
+    `controller`: without a shell; `sampling_period` [s]; `safe`: the fail-safe value of each output
+    [unit].
 
     Examples
     --------

@@ -19,12 +19,7 @@ from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 def in_order(place: str, sources: Mapping[str, Collection[str]]) -> list[str]:
     """Return names so that each stands after all that it takes a value from.
 
-    Parameters
-    ----------
-    place : str
-        For the message.
-    sources : mapping
-        Name to those that it takes a value from.
+    `place`: for the message; `sources`: name to those that it takes a value from.
 
     Raises InputError: some take their values from each other in a circle; the first of them ends
     the place.
@@ -71,17 +66,10 @@ def structure_law(
 ) -> StepLaw:
     """Join blocks to the step law of a control scheme.
 
-    Parameters
-    ----------
-    name : str
-        An identifier.
-    blocks : sequence of Block
-        In any order. Every port is taken by one other block, and the ways of the signals form
-        no circle: they end in the outputs.
-    setpoints : mapping
-        What an input sp belongs to, to the measurement that it is a setpoint of.
-    measured : sequence of Signal
-        The measurements of the scheme.
+    `name`: an identifier; `blocks`: in any order. Every port is taken by one other block, and the
+    ways of the signals form no circle: they end in the outputs; `setpoints`: what an input sp
+    belongs to, to the measurement that it is a setpoint of; `measured`: the measurements of the
+    scheme.
 
     Raises InputError: the signals run in a circle, or a loop that waits for a selector would wind
     up.

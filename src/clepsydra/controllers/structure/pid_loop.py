@@ -52,16 +52,9 @@ def chosen_setpoint(
 ) -> Setpoint:
     """Return the setpoint of the chosen source; while that fails, the last one.
 
-    Parameters
-    ----------
-    local : casadi.SX
-        What the operator gives.
-    remote : Asked
-        What another block or the host computer gives.
-    source, last_source : casadi.SX
-        0 local, 1 remote; now and in the last sample.
-    working : casadi.SX
-        The setpoint of the last sample.
+    `local`: what the operator gives; `remote`: what another block or the host computer gives;
+    `source`, `last_source`: 0 local, 1 remote; now and in the last sample; `working`: the setpoint
+    of the last sample.
     """
     is_remote = source == 1
     value = ca.if_else(is_remote, remote.asked, local)
@@ -74,14 +67,8 @@ def chosen_setpoint(
 def ramped(value: ca.SX, working: ca.SX, largest_rate: ca.SX, time_step: ca.SX) -> ca.SX:
     """Return a setpoint that moves from the last one no faster than its largest rate.
 
-    Parameters
-    ----------
-    value, working : casadi.SX
-        The setpoint asked for, and that of the last sample [measurement unit].
-    largest_rate : casadi.SX
-        [measurement unit / s]
-    time_step : casadi.SX
-        [s]
+    `value`, `working`: the setpoint asked for, and that of the last sample [measurement unit];
+    `largest_rate` [measurement unit / s]; `time_step` [s].
 
     Examples
     --------
@@ -195,12 +182,8 @@ class PidLoop:
     def asks(self, s: Symbols, remote: Asked | None) -> tuple[Asked, dict[str, ca.SX]]:
         """Return what the loop asks for, and what `told` needs to know of that.
 
-        Parameters
-        ----------
-        s : mapping
-            The signals of the loop by their names in it, and last_applied.
-        remote : Asked or None
-            The setpoint that another block asks for.
+        `s`: the signals of the loop by their names in it, and last_applied; `remote`: the setpoint
+        that another block asks for.
         """
         time_step, time_step_good = time_step_of(s)
         sound, valid = s["good"], is_number(s["pv"])
@@ -231,11 +214,8 @@ class PidLoop:
     ) -> tuple[dict[str, ca.SX], Applied | None, dict[str, ca.SX]]:
         """Return the next state, which setpoint the block got that gives it, and names.
 
-        Parameters
-        ----------
-        s : mapping
-            The signals of the loop by their names in it, last_applied, the limits of what it
-            moves, and what `asks` carried on.
+        `s`: the signals of the loop by their names in it, last_applied, the limits of what it
+        moves, and what `asks` carried on.
         """
         state, named = pid_state(self.form, s, applied)
         if not self.direct:
