@@ -3,17 +3,15 @@
 import math
 
 import pytest
-from fuzzy_rig import DOCUMENT, plain_heights, summed_centroid
-from refusals import refused
+from fuzzy_rig import plain_heights, summed_centroid
 
 from clepsydra import Signal
 from clepsydra.controllers.blocks.status import read_status
-from clepsydra.controllers.fuzzy.fuzzy_input import FuzzyInput
-from clepsydra.controllers.fuzzy.fuzzy_output import FuzzyOutput
 from clepsydra.controllers.fuzzy.law import fuzzy_law
 from clepsydra.controllers.fuzzy.membership import left_shoulder, right_shoulder
 from clepsydra.controllers.fuzzy.rule import parse_rule
 from clepsydra.controllers.fuzzy.system import FuzzySystem, LinguisticVariable
+from clepsydra.controllers.fuzzy.variables import FuzzyInput, FuzzyOutput
 from clepsydra.controllers.linear_step_law import StepLawDerivatives
 
 HALVES = {"N": left_shoulder(-1, 1), "P": right_shoulder(-1, 1)}
@@ -202,17 +200,3 @@ def test_the_linear_model_has_the_slopes_of_the_surface():
     assert model.D_setpoint[0, 0] == pytest.approx(0.5 * slope, rel=1e-4)
     assert model.D_measurement[0, 0] == pytest.approx(-0.5 * slope, rel=1e-4)
     assert abs(slope) > 1.0
-
-
-def test_descriptions_that_do_not_match_are_refused():
-    inputs = [FuzzyInput("error", Signal("y"))] * 4
-    outputs = [FuzzyOutput(Signal(name)) for name in "uvw"]
-    right = {"system": DOCUMENT, "inputs": inputs, "outputs": outputs}
-    fuzzy_law(**right)
-    for wrong in (
-        {"inputs": inputs[:3]},
-        {"outputs": outputs[:2]},
-        {"outputs": [outputs[0]] * 3},
-    ):
-        with refused(place="fuzzy law"):
-            fuzzy_law(**right | wrong)

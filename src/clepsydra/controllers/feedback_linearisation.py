@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import islice
+from typing import get_args
 
 import casadi as ca
 
+from clepsydra.base.arguments import check_choice
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
@@ -26,10 +28,10 @@ from clepsydra.controllers.observers.state_source import (
 )
 from clepsydra.controllers.process_model import evaluated, model_parameter, used_in
 from clepsydra.controllers.virtual_input import (
+    ANTI_WINDUPS,
     AlphaOn,
     VirtualAntiWindup,
     VirtualInput,
-    check_virtual_anti_windup,
 )
 from clepsydra.linear.relative_degree import VectorRelativeDegree
 from clepsydra.program.step_law import StepLaw, Symbols
@@ -182,7 +184,8 @@ def feedback_linearisation_law(
     A. Isidori, Nonlinear Control Systems, 3rd ed., Springer 1995, section 5.3,
     doi 10.1007/978-1-84628-615-5.
     """
-    check_virtual_anti_windup(anti_windup, alpha_on)
+    check_choice("anti_windup", anti_windup, ANTI_WINDUPS)
+    check_choice("alpha_on", alpha_on, get_args(AlphaOn))
     equations = linearised.equations
     process, paired = equations.point.process, dict(linearised.order)
     law = _Law(

@@ -7,11 +7,12 @@ from typing import get_args
 
 import casadi as ca
 
+from clepsydra.base.arguments import check_choice
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.anti_windup import IN_WORDS, AntiWindup, check_anti_windup
-from clepsydra.controllers.blocks.output_stage import output_stage
+from clepsydra.controllers.blocks.anti_windup import IN_WORDS, AntiWindup
+from clepsydra.controllers.blocks.final_element import output_stage
 from clepsydra.controllers.blocks.sample import Reading, Sample
 from clepsydra.controllers.observers.linear_state import LinearState, ObserverStructure
 from clepsydra.controllers.observers.state_source import StateSource
@@ -96,11 +97,12 @@ def lqi_law_of(source: StateSource, anti_windup: AntiWindup = "back_calculation"
 
 def output_parameters(manipulated: Sequence[Signal], anti_windup: AntiWindup) -> list[Signal]:
     """Return bias, limits and, for back-calculation, tracking_time of each output."""
-    return [
-        each
-        for u in manipulated
-        for each in (signals.at_rest(u, "bias"), *signals.output_parameters(u, anti_windup))
-    ]
+    found = []
+    for u in manipulated:
+        found += [signals.at_rest(u, "bias"), *signals.limit_parameters(u)]
+        if anti_windup == "back_calculation":
+            found.append(signals.TRACKING_TIME.of(u))
+    return found
 
 
 def varying_lqi(
@@ -133,7 +135,7 @@ def varying_lqi(
     implementation of gain-scheduled controllers, Automatica 31(8), 1995, 1185-1191,
     doi 10.1016/0005-1098(95)00026-S.
     """
-    check_anti_windup(anti_windup)
+    check_choice("anti_windup", anti_windup, get_args(AntiWindup))
     if anti_windup == "clamping":
         known = [name for name in get_args(AntiWindup) if name != "clamping"]
         raise InputError(

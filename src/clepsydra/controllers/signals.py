@@ -8,7 +8,6 @@ from dataclasses import replace
 
 from clepsydra.base.key import Key, ratio_of_units
 from clepsydra.base.signal import Signal, effect, path
-from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.blocks.status import STATUS_BITS, Mode, status_port
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.entries import signal_of
@@ -59,6 +58,8 @@ HIGH_LIMIT = signed("high_limit", "{output}", "high limit of {output}")
 #: The largest number that it may have is none.
 _RATE = "largest rate of change of {output}"
 RATE_LIMIT = amount("rate_limit", "{output}/s", _RATE, LARGEST_PARAMETER)
+_FADES = "time in which a bumpless start of {output} fades"
+FADING_TIME = amount("fading_time", "s", _FADES, 60.0, low=SHORTEST_TIME)
 _TRACKING = "time in which back-calculation takes the integral out of saturation"
 TRACKING_TIME = amount("tracking_time", "s", _TRACKING, 60.0, low=SHORTEST_TIME)
 
@@ -135,14 +136,6 @@ def limit_parameters(signal: Signal, *, rate_limited: bool = False) -> list[Sign
     high = signal.high if math.isfinite(signal.high) else 100.0
     found = [LOW_LIMIT.of(signal, low, output=signal), HIGH_LIMIT.of(signal, high, output=signal)]
     return [*found, RATE_LIMIT.of(signal, output=signal)] if rate_limited else found
-
-
-def output_parameters(signal: Signal, anti_windup: AntiWindup) -> list[Signal]:
-    """Return low_limit and high_limit, and tracking_time for back-calculation."""
-    parameters = limit_parameters(signal)
-    if anti_windup == "back_calculation":
-        parameters.append(TRACKING_TIME.of(signal))
-    return parameters
 
 
 def last_output(signal: Signal) -> Signal:

@@ -9,8 +9,8 @@ import casadi as ca
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import tracking_share
+from clepsydra.controllers.blocks.final_element import output_stage
 from clepsydra.controllers.blocks.matrix import Matrix
-from clepsydra.controllers.blocks.output_stage import output_stage
 from clepsydra.controllers.blocks.sample import Reading, Sample
 from clepsydra.controllers.blocks.validity import time_step_of
 from clepsydra.controllers.observers.linear_state import LinearState, ObserverStructure
@@ -95,9 +95,8 @@ def fading_parameters(manipulated: Iterable[Signal]) -> list[Signal]:
     """Return bias, fading_time and limits of each output."""
     found = []
     for u in manipulated:
-        words = f"time in which a bumpless start of {u.name} fades"
-        fading_time = signals.duration(path(u, "fading_time"), words)
-        found += [signals.at_rest(u, "bias"), fading_time, *signals.limit_parameters(u)]
+        found += [signals.at_rest(u, "bias"), signals.FADING_TIME.of(u, output=u)]
+        found += signals.limit_parameters(u)
     return found
 
 

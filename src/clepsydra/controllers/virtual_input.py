@@ -7,7 +7,6 @@ from typing import Literal, get_args
 
 import casadi as ca
 
-from clepsydra.base.arguments import check_choice
 from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers import signals
@@ -37,17 +36,6 @@ _SMALLEST_EFFECT = signals.signed(
     "smallest_effect", "{quantity}/{moved}",
     "smallest effect of {moved} on {measurement} that is divided by", 1.0,
 )  # fmt: skip
-
-
-def check_virtual_anti_windup(anti_windup: str, alpha_on: str) -> None:
-    """Refuse names that stand for nothing.
-
-    Raises
-    ------
-    InputError
-    """
-    check_choice("anti_windup", anti_windup, ANTI_WINDUPS)
-    check_choice("alpha_on", alpha_on, get_args(AlphaOn))
 
 
 def rate_unit(unit: str, order: int) -> str:

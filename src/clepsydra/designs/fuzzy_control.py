@@ -10,8 +10,6 @@ import numpy as np
 
 from clepsydra.base.signal import path
 from clepsydra.controllers.controller import Complexity, Controller
-from clepsydra.controllers.fuzzy.fuzzy_input import FuzzyInput
-from clepsydra.controllers.fuzzy.fuzzy_output import FuzzyOutput
 from clepsydra.controllers.fuzzy.inference import surface
 from clepsydra.controllers.fuzzy.law import FAMILY, fuzzy_law
 from clepsydra.controllers.fuzzy.membership import (
@@ -22,6 +20,7 @@ from clepsydra.controllers.fuzzy.membership import (
 )
 from clepsydra.controllers.fuzzy.rule import All, Is, Rule
 from clepsydra.controllers.fuzzy.system import FuzzySystem, LinguisticVariable
+from clepsydra.controllers.fuzzy.variables import FuzzyInput, FuzzyOutput
 from clepsydra.designs.arguments.argument import number
 from clepsydra.designs.at_operating_point import controller_at, numbers_at
 from clepsydra.designs.design import Studied, design

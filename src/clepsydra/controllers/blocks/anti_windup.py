@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Literal, get_args
+from typing import Literal
 
 import casadi as ca
 
-from clepsydra.base.arguments import check_choice
 from clepsydra.controllers.blocks.ports import Applied
 from clepsydra.controllers.blocks.validity import is_number, limit, time_step_of
 from clepsydra.program.step_law import Symbols
@@ -179,16 +178,6 @@ IN_WORDS: dict[str, str] = {
     "integral lets the excess die away",
     "none": "none",
 }
-
-
-def check_anti_windup(anti_windup: str) -> None:
-    """Refuse a name that stands for no way of anti-windup.
-
-    Raises
-    ------
-    InputError
-    """
-    check_choice("anti_windup", anti_windup, get_args(AntiWindup))
 
 
 def next_in_force(anti_windup: str, s: Symbols, limited: ca.SX) -> ca.SX:

@@ -16,8 +16,6 @@ from clepsydra.controllers import signals
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Complexity, Controller
 from clepsydra.controllers.fuzzy import membership
-from clepsydra.controllers.fuzzy.fuzzy_input import FuzzyInput, Quantity
-from clepsydra.controllers.fuzzy.fuzzy_output import Action, FuzzyOutput
 from clepsydra.controllers.fuzzy.law import FAMILY, fuzzy_law
 from clepsydra.controllers.fuzzy.rule import parse_rule
 from clepsydra.controllers.fuzzy.system import (
@@ -26,6 +24,7 @@ from clepsydra.controllers.fuzzy.system import (
     FuzzySystem,
     LinguisticVariable,
 )
+from clepsydra.controllers.fuzzy.variables import Action, FuzzyInput, FuzzyOutput, Quantity
 from clepsydra.controllers.signals import owners
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.document import Document, parse

@@ -12,10 +12,9 @@ from clepsydra.controllers.blocks.final_element import give_output
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.validity import all_of
 from clepsydra.controllers.control_law import control_law
-from clepsydra.controllers.fuzzy.fuzzy_input import FuzzyInput
-from clepsydra.controllers.fuzzy.fuzzy_output import FuzzyOutput
 from clepsydra.controllers.fuzzy.inference import rule_base
 from clepsydra.controllers.fuzzy.system import FuzzySystem
+from clepsydra.controllers.fuzzy.variables import FuzzyInput, FuzzyOutput
 from clepsydra.program.step_law import StepLaw
 
 FAMILY = "fuzzy"

@@ -14,10 +14,10 @@ from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.blocks.status import Mode
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.plant_shell.edge import at_port
-from clepsydra.controllers.plant_shell.output_command import FAIL_SAFE, RATE_LIMIT, TAKE_UP_SCANS
 from clepsydra.controllers.plant_shell.scan import SAMPLING_PERIOD, SCAN_TOLERANCE
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.signal_check import RANGE, SENSOR_DELAY, SETPOINT_RATE
+from clepsydra.controllers.plant_shell.status import FAIL_SAFE, RATE_LIMIT, TAKE_UP_SCANS
 from clepsydra.controllers.plant_shell.take_up import take_up_scans
 from clepsydra.controllers.signals import owners
 from clepsydra.controllers.structure.pid_block import PidBlock

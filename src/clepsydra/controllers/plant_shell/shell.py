@@ -11,11 +11,11 @@ from clepsydra.base.signal import Signal, owned, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.plant_shell.members import Members
-from clepsydra.controllers.plant_shell.output_command import STATE as COMMAND_STATE
 from clepsydra.controllers.plant_shell.scan import ASKED, WATCHDOG, scan_start
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.signal_check import RAMP, signal_check
 from clepsydra.controllers.plant_shell.status import CONDITIONS, STATUS
+from clepsydra.controllers.plant_shell.status import STATE as COMMAND_STATE
 from clepsydra.controllers.plant_shell.step import ShellScan
 from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.controllers.signals import owners

@@ -1,14 +1,17 @@
-"""The end of an output: what stands at the actuator, and its status word of 15 bits."""
+"""An output in the plant shell: who moves it, what stands at the actuator, and its status word."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from typing import Literal
 
 import casadi as ca
 
+from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal, path
-from clepsydra.controllers.blocks.ports import truth
+from clepsydra.controllers import signals
+from clepsydra.controllers.blocks.ports import truth, words_for
 from clepsydra.controllers.blocks.status import (
     STATUS_BITS,
     Mode,
@@ -16,17 +19,168 @@ from clepsydra.controllers.blocks.status import (
     status_port,
     status_word,
 )
-from clepsydra.controllers.blocks.validity import is_number
-from clepsydra.controllers.plant_shell.output_command import (
-    LIMITS,
-    MODE,
-    REACH,
-    TOLD,
-    moved_by_hand,
-)
-from clepsydra.controllers.plant_shell.scan import ELAPSED
+from clepsydra.controllers.blocks.validity import is_number, limit
+from clepsydra.controllers.plant_shell.scan import ACKNOWLEDGED, ELAPSED, WARM, count
+from clepsydra.controllers.signals import LARGEST_PARAMETER
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
+
+_LARGEST_COUNT = 1e6
+_COUNTED = "scans to follow are counted no further"
+_MOST_SCANS = Signal("most_scans", initial=_LARGEST_COUNT, kind="integer", description=_COUNTED)
+_NO_MODE = float(max(Mode)) + 1.0
+TAKE_UP_SCANS = Key(
+    "take_up_scans", "1",
+    "scans for which the law follows its last output after a warm start or a fault",
+    1.0, _LARGEST_COUNT, kind="integer",
+)  # fmt: skip
+FAIL_SAFE = signals.signed("fail_safe", "{output}", "value of {output} after a sensor has failed")
+_RATE = f"{{output}}: largest rate, {LARGEST_PARAMETER:g} for none"
+RATE_LIMIT = signals.amount("rate_limit", "{output}/s", _RATE, LARGEST_PARAMETER)
+#: Who limits the rate of an output.
+Rate = Literal["shell", "law", "none"]
+
+MODE = signals.MODE.port
+LIMITS = (signals.LOW_LIMIT.port, signals.HIGH_LIMIT.port)
+#: Between which values an output may stand: given to a law as its own limits, so that its
+#: anti-windup heeds the rate limit.
+REACH = (
+    Signal("lowest", description="lowest value within reach"),
+    Signal("highest", description="highest value within reach"),
+)
+TRACKED = Signal("tracked", description="where the output goes if the law does not move it")
+#: What the end of the output needs to know of it.
+TOLD = (
+    TRACKED,
+    truth("latched", "a fault has outlasted its delay and was not acknowledged since"),
+    truth("follows", "the law follows its last output, to go on from it in the next scan"),
+    truth("waits", "a sensor fails, and the output is held until its delay is over"),
+)
+STATE = (
+    truth("failed_safe", "a sensor failed and was not acknowledged"),
+    count("scans_to_follow", _LARGEST_COUNT, "scans for which the law has yet to follow"),
+)
+
+
+@cache
+def output_command(*, limited: bool, rate: Rate) -> Block:
+    """Return the block that tells who moves an output.
+
+    Where a needed sensor has failed the output goes to its fail-safe value, and stays there until
+    good sensors are acknowledged, or the output is moved in manual while they are good; who
+    acknowledges bad sensors has to do it again. That holds in a mode that is none, too. An
+    operator who moves it in manual, or a controller that it tracks, always goes first.
+
+    Coming back, and after a warm start, the law follows the last output for as many scans as it
+    needs to take it up at the present measurements (`plant_shell.take_up`); scans without good
+    sensors do not count.
+
+    The rate counts where the controller moves the actuator, by the law or in manual: in tracking
+    somebody else does, and a fail-safe value is not slowed. Limits win over the rate: an output
+    beyond one is brought back at once.
+
+    `limited`: whether the law has limits of the output.
+    """
+    name = {"shell": "", "law": "_of_own_rate", "none": "_without_rate"}[rate]
+    used = Signal("rate_used", description="rate limit that the law gets; 1e9 for none")
+    return Block(
+        f"output_command{'' if limited else '_without_limits'}{name}",
+        (
+            MODE,
+            signals.TRACKING.port,
+            truth("good", "all sensors are good that the output needs"),
+            truth("failed", "one of them has been faulty for longer than its delay"),
+            ACKNOWLEDGED,
+            WARM,
+            ELAPSED,
+            TAKE_UP_SCANS.port,
+            signals.LAST_OUTPUT.port,
+            FAIL_SAFE.port,
+            *(LIMITS if limited else ()),
+            *(() if rate == "none" else (RATE_LIMIT.port,)),
+        ),
+        STATE,
+        (
+            count("mode_used", _NO_MODE, "the mode that the law gets", low=-1.0),
+            truth("in_force", "the law moves the output"),
+            truth("held", "it would, but for a sensor that is bad"),
+            *TOLD,
+            *{"shell": REACH, "law": (used,), "none": ()}[rate],
+        ),
+        lambda s: _commanded(s, limited, rate),
+        ("Who moves an output: mode, latched fail-safe, the way back into automatic, and reach.",),
+        (_MOST_SCANS,),
+    )
+
+
+def moved_by_hand(mode: ca.SX) -> ca.SX:
+    """Return whether somebody else than the law moves the output."""
+    return ca.logic_or(mode == Mode.MANUAL, mode == Mode.TRACKING)
+
+
+def _commanded(s: Symbols, limited: bool, rate: Rate) -> Equations:
+    mode, before, good = s["mode"], s["failed_safe"], s["good"]
+    automatic, by_hand = mode == Mode.AUTOMATIC, moved_by_hand(mode)
+    cleared = ca.logic_and(good, ca.logic_or(s["acknowledged"], by_hand))
+    latched = ca.logic_or(s["failed"], ca.logic_and(before, ca.logic_not(cleared)))
+    safe = ca.logic_and(latched, ca.logic_not(by_hand))
+    comes_back = ca.logic_and(before, ca.logic_not(latched))
+    begins = ca.logic_or(s["warm"], comes_back)
+    left = ca.if_else(begins, s["take_up_scans"], s["scans_to_follow"])
+    # Numbers set at run time may be any; single precision holds these as well.
+    left = ca.fmin(_LARGEST_COUNT, ca.fmax(0, left))
+    follows = ca.logic_and(ca.logic_and(left > 0, automatic), ca.logic_not(safe))
+    overruled = ca.logic_or(safe, follows)
+    in_force = ca.logic_and(automatic, ca.logic_not(overruled))
+    # One that is none stays none.
+    bounded = ca.fmin(_NO_MODE, ca.fmax(-1, mode))
+    counts = ca.logic_and(good, s["elapsed"] > 0)
+    following = ca.if_else(counts, ca.fmax(0, left - 1), left)
+    value, last = s["fail_safe"], s["last_output"]
+    if limited:
+        low, high = s["low_limit"], s["high_limit"]
+        value = limit(ca.if_else(is_number(value), value, low), low, high)
+    followed = ca.if_else(follows, last, s["tracking"])
+    reach, named = {}, {"by_hand": by_hand, "scans_left": left, "overruled": overruled}
+    moves = ca.logic_not(ca.logic_or(safe, mode == Mode.TRACKING))
+    if rate == "law":
+        reach["rate_used"] = ca.if_else(moves, s["rate_limit"], LARGEST_PARAMETER)
+    elif rate == "shell":
+        way = s["rate_limit"] * s["elapsed"]
+        acts = ca.logic_and(s["rate_limit"] < LARGEST_PARAMETER, moves)
+        # The last output first in the comparison: what is not a number is passed over.
+        reach["lowest"] = ca.if_else(acts, ca.fmin(high, ca.fmax(last - way, low)), low)
+        reach["highest"] = ca.if_else(acts, ca.fmax(low, ca.fmin(last + way, high)), high)
+        named |= {"way": way, "rate_acts": acts}
+    state = {"failed_safe": latched, "scans_to_follow": ca.if_else(latched, 0, following)}
+    told = {
+        "mode_used": ca.if_else(overruled, float(Mode.TRACKING), bounded),
+        "in_force": in_force,
+        "held": ca.logic_and(in_force, ca.logic_not(good)),
+        "tracked": ca.if_else(safe, value, followed),
+        "latched": latched,
+        "follows": follows,
+        "waits": ca.logic_not(ca.logic_or(good, latched)),
+        **reach,
+    }
+    return Equations(state, told, named, words_for(_WORDS, state, told, named))
+
+
+#: What a reader is told above the steps.
+_WORDS = {
+    "by_hand": "manual and tracking go before a fail-safe value",
+    "latched": "latch: a fault holds until good sensors are acknowledged, or moved in manual",
+    "scans_left": "how many scans the law is still to follow",
+    "follows": "before the law moves the output again, it follows what that was last",
+    "overruled": "what the law asks for does not count",
+    "mode_used": "a law that is overruled tracks",
+    "in_force": "the law moves the output",
+    "held": "a fault is ridden through: the law holds",
+    "tracked": "where the output goes if the law does not move it",
+    "rate_acts": "the rate limit acts in automatic and in manual",
+    "lowest": "limits, narrowed by the rate limit",
+    "scans_to_follow": "a scan counts where its sensors and its time step are good",
+}
 
 #: Name to bit. The first eight mean what they mean without the shell (`blocks.status`); the
 #: limits are those of the actuator, also while a rate limit holds the output within tighter ones.

@@ -12,10 +12,15 @@ from clepsydra.controllers.blocks.ports import truth
 from clepsydra.controllers.blocks.status import STATUS_BITS
 from clepsydra.controllers.blocks.validity import LARGEST_NUMBER, all_of, any_of
 from clepsydra.controllers.plant_shell.members import Members
-from clepsydra.controllers.plant_shell.output_command import Rate, output_command
 from clepsydra.controllers.plant_shell.scan import Scan
 from clepsydra.controllers.plant_shell.signal_check import RAMP, signal_check
-from clepsydra.controllers.plant_shell.status import OF_LAW, OF_LIMITS, output_end
+from clepsydra.controllers.plant_shell.status import (
+    OF_LAW,
+    OF_LIMITS,
+    Rate,
+    output_command,
+    output_end,
+)
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.program.block import Block
 from clepsydra.program.delay_ring import DelayRing

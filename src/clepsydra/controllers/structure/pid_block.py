@@ -32,7 +32,7 @@ from clepsydra.controllers.blocks.ports import (
 )
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.controllers.structure.block import Opened, WithoutSignals
+from clepsydra.controllers.structure.block import Opened
 from clepsydra.controllers.structure.pid_loop import PidLoop
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
@@ -57,7 +57,7 @@ def loop_with_output(loop: PidLoop, rate_limited: bool = False) -> Block:
 
     return Block(
         f"rate_limited_{loop.form.block}" if rate_limited else loop.form.block,
-        (*loop.ports, *output_ports(rate_limited)),
+        (*loop.takes, *output_ports(rate_limited)),
         (*loop.memory, LAST_OUTPUT),
         (*output_results(rate_limited), *loop.results),
         equations,
@@ -70,7 +70,7 @@ def loop_in_two_calls(loop: PidLoop) -> tuple[Block, Block]:
     """Return the block that asks, and the one that is told; the second has the state."""
     outer = prefixed(ASKED, "remote_") if loop.inner else ()
     last = (Signal("last_applied"),) if loop.direct else ()
-    given = (*outer, *loop.ports, Signal("time_step", "s"), *last)
+    given = (*outer, *loop.takes, Signal("time_step", "s"), *last)
 
     def asks(s: Symbols) -> Equations:
         wish, carried = loop.asks(s, Asked.read(s, "remote_") if outer else None)
@@ -102,74 +102,22 @@ def loop_in_two_calls(loop: PidLoop) -> tuple[Block, Block]:
 
 
 @dataclass(frozen=True)
-class PidBlock(WithoutSignals):
-    """A PID loop: it measures one signal and moves an output, or another loop's setpoint.
-
-    Parameters
-    ----------
-    name : str
-        What other blocks call it.
-    owner : str
-        What its parameters and its state belong to.
-    measurement : Signal
-        The process measurement.
-    moved : Signal
-        What it moves; lends unit and range.
-    setpoint : str
-        The law's input for it, or the port of the block that gives it.
-    inner : bool
-        Whether another block gives the setpoint (the outer loop of a cascade).
-    direct : bool
-        Whether it moves an output and nothing stands between.
+class PidBlock(PidLoop):
+    """A PID loop in a control scheme.
 
     Examples
     --------
-    >>> level, pump = Signal("level", "m"), Signal("pump", "V")
-    >>> block = PidBlock("loop", "level", PidForm(), level, pump, "level.sp")
-    >>> [signal.name for signal in block.state()]
-    ['level.integral', 'level.last_proportional_gain', 'level.last_setpoint_weight']
+    >>> level, pump = Signal("level_1", "m"), Signal("pump_1", "V")
+    >>> loop = PidBlock.of(level, PidForm(), pump)
+    >>> loop.setpoint, loop.parameters()[0].unit, loop.state()[0].name
+    ('level_1.sp', 'V/m', 'level_1.integral')
     """
-
-    name: str
-    owner: str
-    form: PidForm
-    measurement: Signal
-    moved: Signal
-    setpoint: str
-    inner: bool = False
-    direct: bool = True
 
     @classmethod
     def of(cls, measurement: Signal, form: PidForm, moved: Signal, *, direct: bool = True) -> Self:
         """Return the loop of a measurement whose setpoint the operator gives."""
         name, setpoint = measurement.name, path(measurement, "sp")
         return cls(f"loop {name}", name, form, measurement, moved, setpoint, direct=direct)
-
-    @property
-    def sources(self) -> tuple[str, ...]:
-        """The block that gives the setpoint, if one does."""
-        return (self.setpoint,) if self.inner else ()
-
-    @property
-    def loop(self) -> PidLoop:
-        """What it computes."""
-        return PidLoop(self.form, self.inner, self.direct)
-
-    def parameters(self) -> list[Signal]:
-        """Settings of the loop; of an inner one also the limits of its setpoint."""
-        return self.loop.parameters(self.owner, self.measurement, self.moved)
-
-    def state(self) -> list[Signal]:
-        """Integral, and what it remembers of the last sample."""
-        return self.loop.state(self.owner, self.measurement, self.moved)
-
-    def inputs(self) -> list[Signal]:
-        """Where the setpoint may be chosen: the other setpoint and the choice."""
-        return self.loop.inputs(self.owner, self.measurement)
-
-    def faceplate(self) -> list[Signal]:
-        """What an operator sees of the loop."""
-        return self.loop.faceplate(self.owner, self.measurement, self.moved)
 
     def limits(self, sample: Sample, after: Sequence[Limits]) -> tuple[Limits, ...]:
         """Those of its setpoint, if another block gives it."""
@@ -184,18 +132,18 @@ class PidBlock(WithoutSignals):
 
     def closed(self, sample: Sample, output: Signal, *, rate_limited: bool) -> None:
         """Run the whole sample of a loop that moves an output with nothing between."""
-        block, name = loop_with_output(self.loop, rate_limited), path(output, "loop")
+        block, name = loop_with_output(self.kind, rate_limited), path(output, "loop")
         found = sample.call(block, name, self.owner, output, **self._signals(sample))
         self._show(sample, found)
         give_output(sample, output, found)
 
     def _show(self, sample: Sample, found: Symbols) -> None:
         """Name what an operator sees, for who gives it."""
-        sample.name(self.owner, {each.name: found[each.name] for each in self.loop.results})
+        sample.name(self.owner, {each.name: found[each.name] for each in self.kind.results})
 
     def open(self, sample: Sample, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Compute what it asks for, and keep how its memory goes on."""
-        asking, telling = loop_in_two_calls(self.loop)
+        asking, telling = loop_in_two_calls(self.kind)
         own = self._signals(sample)
         own |= {"low_limit": limits[0].low, "high_limit": limits[0].high}
         if self.direct:

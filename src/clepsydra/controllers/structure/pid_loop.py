@@ -1,9 +1,10 @@
-"""What a PID loop computes, whatever it measures and moves."""
+"""What a PID loop computes, and the signals that it has."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import NamedTuple, Self
 
 import casadi as ca
 
@@ -16,52 +17,21 @@ from clepsydra.controllers.blocks.pid import PID_WORDS, pid_state, pid_terms
 from clepsydra.controllers.blocks.ports import GOOD, PV, SP, Applied, Asked
 from clepsydra.controllers.blocks.validity import is_number, limit, time_step_of, value_or_zero
 from clepsydra.controllers.pid_form import PidForm
+from clepsydra.controllers.structure.block import WithoutSignals
 from clepsydra.program.step_law import Symbols
 
 
-@dataclass(frozen=True)
-class Setpoint:
-    """The setpoint of a loop in this sample.
+class Setpoint(NamedTuple):
+    """The setpoint of a loop in this sample, always a number, and whether its source gave one.
 
-    Parameters
-    ----------
-    value : casadi.SX
-        Always a number.
-    valid : casadi.SX
-        Whether the chosen source gave one.
-    remote : casadi.SX
-        Whether another block or the host computer gives it.
-    switched : casadi.SX
-        Whether the source changed since the last sample.
+    It is remote where another block or the host computer gives it, and switched where the source
+    changed since the last sample.
     """
 
     value: ca.SX
     valid: ca.SX
     remote: ca.SX
     switched: ca.SX
-
-
-def operator_setpoint(raw: ca.SX) -> Setpoint:
-    """Return the one setpoint of a simple loop."""
-    valid = is_number(raw)
-    return Setpoint(value_or_zero(raw, valid), valid, ca.SX(0), ca.SX(0))
-
-
-def chosen_setpoint(
-    local: ca.SX, remote: Asked, source: ca.SX, last_source: ca.SX, working: ca.SX
-) -> Setpoint:
-    """Return the setpoint of the chosen source; while that fails, the last one.
-
-    `local`: what the operator gives; `remote`: what another block or the host computer gives;
-    `source`, `last_source`: 0 local, 1 remote; now and in the last sample; `working`: the setpoint
-    of the last sample.
-    """
-    is_remote = source == 1
-    value = ca.if_else(is_remote, remote.asked, local)
-    valid = ca.if_else(
-        is_remote, ca.logic_and(remote.usable, is_number(remote.asked)), is_number(local)
-    )
-    return Setpoint(ca.if_else(valid, value, working), valid, is_remote, source != last_source)
 
 
 def ramped(value: ca.SX, working: ca.SX, largest_rate: ca.SX, time_step: ca.SX) -> ca.SX:
@@ -79,48 +49,71 @@ def ramped(value: ca.SX, working: ca.SX, largest_rate: ca.SX, time_step: ca.SX) 
     return limit(value, working - step, working + step)
 
 
-_MEASUREMENT, _OUTPUT = Signal("measurement"), Signal("output")
-
-
 @dataclass(frozen=True)
-class PidLoop:
-    """A PID loop in one of its forms.
+class PidLoop(WithoutSignals):
+    """A PID loop: it measures one signal and moves an output, or another loop's setpoint.
 
     Parameters
     ----------
+    name : str
+        What other blocks call it.
+    owner : str
+        What its parameters and its state belong to.
+    measurement : Signal
+        The process measurement.
+    moved : Signal
+        What it moves; lends unit and range.
+    setpoint : str
+        The law's input for it, or the port of the block that gives it.
     inner : bool
         Whether another block gives the setpoint (the outer loop of a cascade).
     direct : bool
         Whether it moves an output and nothing stands between.
     """
 
+    name: str
+    owner: str
     form: PidForm
+    measurement: Signal
+    moved: Signal
+    setpoint: str
     inner: bool = False
     direct: bool = True
+
+    @property
+    def kind(self) -> Self:
+        """A loop of its kind without an owner, whose signals are the ports of its blocks."""
+        measurement, moved = Signal("measurement"), Signal("output")
+        return replace(self, name="", owner="", setpoint="", measurement=measurement, moved=moved)
+
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """The block that gives the setpoint, if one does."""
+        return (self.setpoint,) if self.inner else ()
 
     @property
     def chooses(self) -> bool:
         """Whether its setpoint has two sources."""
         return self.form.remote_setpoint or self.inner
 
-    def parameters(self, owner: str, measurement: Signal, moved: Signal) -> list[Signal]:
-        """Return its parameters for two signals; of an inner loop also the setpoint's limits."""
-        named = [keys.PARAMETERS[name] for name in self.form.parameters]
-        found = [key.of(owner, measurement=measurement, output=moved) for key in named]
-        if self.inner:
-            for end in signals.limit_parameters(measurement):
-                name = f"setpoint_{end.part}"
-                found.append(replace(end, name=path(owner, name) if owner else name))
-        return found
+    def _own(self, keys: Iterable[Key]) -> list[Signal]:
+        roles = {"measurement": self.measurement, "output": self.moved}
+        return [key.of(self.owner, **roles) for key in keys]
 
-    def state(self, owner: str, measurement: Signal, moved: Signal) -> list[Signal]:
-        """Return what it remembers, for two signals."""
-        found = [key.of(owner, measurement=measurement, output=moved) for key in self._kept()]
-        known = {each.part: each for each in self.parameters(owner, measurement, moved)}
-        for name in self.form.remembered:
-            last = f"last_{name}"
-            found.append(replace(known[name], name=path(owner, last) if owner else last))
-        return found
+    def _renamed(self, signal: Signal, name: str) -> Signal:
+        return replace(signal, name=path(self.owner, name) if self.owner else name)
+
+    def parameters(self) -> list[Signal]:
+        """Settings of the loop; of an inner one also the limits of its setpoint."""
+        found = self._own(keys.PARAMETERS[name] for name in self.form.parameters)
+        ends = signals.limit_parameters(self.measurement) if self.inner else []
+        return found + [self._renamed(end, f"setpoint_{end.part}") for end in ends]
+
+    def state(self) -> list[Signal]:
+        """Integral, and what it remembers of the last sample."""
+        known = {each.part: each for each in self.parameters()}
+        last = [self._renamed(known[name], f"last_{name}") for name in self.form.remembered]
+        return self._own(self._kept()) + last
 
     def _kept(self) -> Iterator[Key]:
         form = self.form
@@ -139,40 +132,38 @@ class PidLoop:
         if not self.direct:
             yield keys.LAST_APPLIED
 
-    def inputs(self, owner: str, measurement: Signal) -> list[Signal]:
-        """Return the other setpoint and the choice, where there is one."""
+    def inputs(self) -> list[Signal]:
+        """Where the setpoint may be chosen: the other setpoint and the choice."""
         if not self.chooses:
             return []
-        other = keys.LOCAL_SETPOINT if self.inner else keys.REMOTE_SETPOINT
-        source = keys.SETPOINT_SOURCE.of(owner, float(self.inner), measurement=measurement)
-        return [other.of(owner, measurement=measurement), source]
+        (other,) = self._own([keys.LOCAL_SETPOINT if self.inner else keys.REMOTE_SETPOINT])
+        source = keys.SETPOINT_SOURCE
+        return [other, source.of(self.owner, float(self.inner), measurement=self.measurement)]
 
-    @property
-    def ports(self) -> tuple[Signal, ...]:
-        """What it computes with, but for its state and the time step."""
-        given = () if self.inner else (SP,)
-        own = [*self.inputs("", _MEASUREMENT), *self.parameters("", _MEASUREMENT, _OUTPUT)]
-        return (*given, PV, GOOD, *(each.port for each in own))
-
-    @property
-    def memory(self) -> tuple[Signal, ...]:
-        """What it remembers, as the state of a block."""
-        return tuple(each.port for each in self.state("", _MEASUREMENT, _OUTPUT))
-
-    def faceplate(self, owner: str, measurement: Signal, moved: Signal) -> list[Signal]:
-        """Return what an operator sees of it, the members of a structure."""
+    def faceplate(self) -> list[Signal]:
+        """What an operator sees of the loop, the members of a structure."""
         shown, record = keys.FACEPLATE, "faceplate"
         if self.form.algorithm != "velocity":
             shown, record = (*shown, *keys.TERMS), "faceplate_pi"
             if self.form.has_derivative:
                 shown, record = (*shown, keys.D_PART), "faceplate_pid"
-        found = (key.of(owner, measurement=measurement, output=moved) for key in shown)
-        return [replace(each, record=record) for each in found]
+        return [replace(each, record=record) for each in self._own(shown)]
+
+    @property
+    def takes(self) -> tuple[Signal, ...]:
+        """What its block computes with, but for its state and the time step."""
+        given = () if self.inner else (SP,)
+        return (*given, PV, GOOD, *(each.port for each in (*self.inputs(), *self.parameters())))
+
+    @property
+    def memory(self) -> tuple[Signal, ...]:
+        """What it remembers, as the state of a block."""
+        return tuple(each.port for each in self.state())
 
     @property
     def results(self) -> tuple[Signal, ...]:
         """What its block tells an operator."""
-        return tuple(each.port for each in self.faceplate("", _MEASUREMENT, _OUTPUT))
+        return tuple(each.port for each in self.faceplate())
 
     @property
     def words(self) -> dict[str, str]:
@@ -245,18 +236,24 @@ class PidLoop:
 
     def _chosen(self, s: Symbols, remote: Asked | None) -> Setpoint:
         if not self.chooses:
-            return operator_setpoint(s["sp"])
+            valid = is_number(s["sp"])
+            return Setpoint(value_or_zero(s["sp"], valid), valid, ca.SX(0), ca.SX(0))
         if remote is not None:
             local = s["local_setpoint"]
-            held = ca.fmin(s["setpoint_high_limit"], ca.fmax(s["setpoint_low_limit"], remote.asked))
+            given = ca.fmin(
+                s["setpoint_high_limit"], ca.fmax(s["setpoint_low_limit"], remote.asked)
+            )
             usable = ca.logic_and(remote.usable, is_number(remote.asked))
-            remote = Asked(held, usable, remote.numbers, remote.sensors)
         else:
             local, given = s["sp"], s["remote_setpoint"]
-            remote = Asked(given, is_number(given), is_number(given), ca.SX(1))
-        return chosen_setpoint(
-            local, remote, _source(s), s["last_setpoint_source"], s["working_setpoint"]
-        )
+            usable = is_number(given)
+        source, last = _source(s), s["last_setpoint_source"]
+        is_remote = source == 1
+        value = ca.if_else(is_remote, given, local)
+        valid = ca.if_else(is_remote, ca.logic_and(usable, is_number(given)), is_number(local))
+        # While the source that was chosen fails, the setpoint is the last one.
+        held = ca.if_else(valid, value, s["working_setpoint"])
+        return Setpoint(held, valid, is_remote, source != last)
 
     def _working(self, s: Symbols, applied: Applied) -> ca.SX:
         """Return the setpoint to go on from; a ramp starts at the measurement."""
