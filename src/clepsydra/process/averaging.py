@@ -57,14 +57,9 @@ def read_averaging(
     if not contents:
         expected = "no such key, since no level or volume of a tank is controlled"
         raise table.wrong("averaging", expected, "remove it, or name a level in controlled")
-    names = known_names(
-        contents,
-        table,
-        "averaging",
-        expected="a list of controlled levels",
-        remedy=f'write as in averaging = ["{contents[0]}"]',
-        each="a controlled level or volume of a tank",
-    )
+    expected, each = "a list of controlled levels", "a controlled level or volume of a tank"
+    remedy = f'write as in averaging = ["{contents[0]}"]'
+    names = known_names(contents, table, "averaging", expected=expected, remedy=remedy, each=each)
     moved = {signal.name for signal in inputs}
     for name in names:
         tank = sensors[name].tank

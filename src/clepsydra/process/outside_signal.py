@@ -49,14 +49,9 @@ def read_manipulated_signal(table: TableReader) -> ManipulatedSignal:
     low, high = table.range("range", unit, at_least=0.0)
     nominal = None
     if table.has("nominal"):
-        nominal = table.quantity(
-            "nominal",
-            unit,
-            "a voltage" if unit == "V" else "a signal",
-            f"choose a {'voltage' if unit == 'V' else 'value'} within the range",
-            at_least=low,
-            at_most=high,
-        )
+        expected = "a voltage" if unit == "V" else "a signal"
+        remedy = f"choose a {'voltage' if unit == 'V' else 'value'} within the range"
+        nominal = table.quantity("nominal", unit, expected, remedy, at_least=low, at_most=high)
     return ManipulatedSignal(unit, low, high, nominal)
 
 

@@ -257,14 +257,8 @@ def _manipulated(general: TableReader, elements: Sequence[Element]) -> tuple[str
     if not general.has("manipulated"):
         return None
     known = [s.name for e in elements for s in (*e.inputs(), *e.disturbances())]
-    return known_names(
-        known,
-        general,
-        "manipulated",
-        expected="a list of pumps, valves or flows",
-        remedy=f'write as in ["{known[0]}"]',
-        each="the name of a signal from outside",
-    )
+    expected, each = "a list of pumps, valves or flows", "the name of a signal from outside"
+    return known_names(known, general, "manipulated", expected=expected, each=each)
 
 
 def _controlled(
@@ -272,13 +266,9 @@ def _controlled(
 ) -> tuple[str, ...]:
     """Read the measurements that follow setpoints."""
     known = [signal.name for signal in measurements]
+    remedy, each = f'write as in controlled = ["{known[0]}"]', "the name of a sensor"
     names = known_names(
-        known,
-        general,
-        "controlled",
-        expected="a list of sensors",
-        remedy=f'write as in controlled = ["{known[0]}"]',
-        each="the name of a sensor",
+        known, general, "controlled", expected="a list of sensors", remedy=remedy, each=each
     )
     if len(names) > inputs:
         expected = f"at most as many as signals are manipulated, {inputs}"

@@ -118,15 +118,10 @@ def read_scale(table: TableReader, quantity: str) -> SensorScale:
     if table.has("gain"):
         table.refuse(("span",), "either a gain or a span", "remove one of the two")
         unit = _signal(shown.get("range", ""), _SIGNALS)
-        gain = table.quantity(
-            "gain",
-            gain_unit(unit, quantity),
-            "a gain",
-            "give the volts that a metre of level makes"
-            if (unit, quantity) == ("V", "m")
-            else "give the signal over what is measured",
-            above=0.0,
-        )
+        remedy = "give the signal over what is measured"
+        if (unit, quantity) == ("V", "m"):
+            remedy = "give the volts that a metre of level makes"
+        gain = table.quantity("gain", gain_unit(unit, quantity), "a gain", remedy, above=0.0)
         low, high = table.range("range", unit)
         return SensorScale(unit, low, high, gain)
     if table.has("span"):

@@ -115,15 +115,12 @@ def read_suction(
         return None
     if not table.has(SUCTION_KEY):
         return Suction(source, vessel, harm=harm)
-    level = table.quantity(
-        SUCTION_KEY,
-        "m",
-        "a level",
+    remedy = (
         f"give the level of {source} at which its intake draws air; leave it out for that of 1 % "
-        "of its capacity",
-        above=0.0,
-        at_most=Suction(source, vessel)._level(1.0 - 2 * _REGAINED),
+        "of its capacity"
     )
+    most = Suction(source, vessel)._level(1.0 - 2 * _REGAINED)
+    level = table.quantity(SUCTION_KEY, "m", "a level", remedy, above=0.0, at_most=most)
     return Suction(source, vessel, level, table.display_units(SUCTION_KEY)[SUCTION_KEY], harm)
 
 
