@@ -203,12 +203,9 @@ def without_dead_time(model: LinearModel, order: int) -> LinearModel:
     matrix = np.hstack([matrix, matrix[:, at.z] @ shown])  # z by the approximation's states
     matrix = led_back(matrix, at.z, at.w, d * np.eye(r))
     if np.any(matrix[at.y, at.d]):
-        raise InputError(
-            "linear model, delays",
-            "a disturbance that reaches an output through dead time alone",
-            "a state between each disturbance and each output",
-            "name the disturbance as an input",
-        )
+        got = "a disturbance that reaches an output through dead time alone"
+        expected = "a state between each disturbance and each output"
+        raise InputError("linear model, delays", got, expected, "name the disturbance as an input")
     states = np.kron(rates, b) @ matrix[at.w]
     states[:, at.z.stop :] += np.kron(rates, a)
     matrix = np.vstack([matrix[at.x], states, matrix[at.y]])

@@ -35,12 +35,10 @@ def series(first: LinearModel, second: LinearModel) -> LinearModel:
     array([[4.]])
     """
     if len(first.outputs) != len(second.inputs):
-        raise InputError(
-            "series connection",
-            f"{len(first.outputs)} outputs ({', '.join(first.outputs)})",
-            f"{len(second.inputs)}, one for each of {', '.join(second.inputs)}",
-            "select as many outputs of the first model as the second has inputs",
-        )
+        got = f"{len(first.outputs)} outputs ({', '.join(first.outputs)})"
+        expected = f"{len(second.inputs)}, one for each of {', '.join(second.inputs)}"
+        remedy = "select as many outputs of the first model as the second has inputs"
+        raise InputError("series connection", got, expected, remedy)
     joined, m, q = parallel_channels(first, second), len(first.inputs), len(first.outputs)
     at = joined.ports
     passed = np.eye(len(joined.inputs), len(joined.outputs), k=-m)  # u₂ = y₁
@@ -122,10 +120,7 @@ def feedback(loop: LinearModel, channels: Sequence[int] | None = None) -> Linear
 def require_square(loop: LinearModel) -> int:
     """Return the number of channels of a loop; raise InputError where L is not square."""
     if len(loop.inputs) != len(loop.outputs):
-        raise InputError(
-            "loop",
-            f"{len(loop.outputs)} outputs and {len(loop.inputs)} inputs",
-            "as many outputs as inputs",
-            "give the loop transfer plant · controller or controller · plant",
-        )
+        got = f"{len(loop.outputs)} outputs and {len(loop.inputs)} inputs"
+        remedy = "give the loop transfer plant · controller or controller · plant"
+        raise InputError("loop", got, "as many outputs as inputs", remedy)
     return len(loop.inputs)

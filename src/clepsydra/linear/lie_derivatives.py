@@ -87,12 +87,10 @@ or leave all but one of them alone.
     point = operating_point_of(model)
     process = point.process
     if process.motion.delays:
-        raise NotLinearisable(
-            f"{process.name}, transport delays",
-            ", ".join(delay.name for delay in process.motion.delays),
-            "a process without dead time: no feedback undoes what comes later",
-            "control it by a method that holds for dead time",
-        )
+        got = ", ".join(delay.name for delay in process.motion.delays)
+        expected = "a process without dead time: no feedback undoes what comes later"
+        remedy = "control it by a method that holds for dead time"
+        raise NotLinearisable(f"{process.name}, transport delays", got, expected, remedy)
     whole = process_equations(model, every_state=True)
     drift, fields = _solved(whole.rates, whole.moved, point, model.inputs)
     return InputAffineEquations(**vars(whole), drift=drift, fields=fields)
@@ -108,12 +106,10 @@ def _solved(
     bent = ca.sparsify(ca.jacobian(ca.vec(ca.densify(fields)), moved))
     if bent.nnz():
         curved = sorted({column for _, column in zip(*bent.sparsity().get_triplet(), strict=True)})
-        raise NotLinearisable(
-            f"{point.process.name}, inputs",
-            ", ".join(inputs[column] for column in curved),
-            "inputs that act linearly, each alone",
-            "control them by another method, or leave all but one of them alone",
-        )
+        got = ", ".join(inputs[column] for column in curved)
+        expected = "inputs that act linearly, each alone"
+        remedy = "control them by another method, or leave all but one of them alone"
+        raise NotLinearisable(f"{point.process.name}, inputs", got, expected, remedy)
     at = point.as_dict()
     here = ca.SX([at[name] for name in inputs])
     piece = ca.substitute(fields, moved, here)

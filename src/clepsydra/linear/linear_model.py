@@ -81,12 +81,10 @@ def refuse_delays(delays: InternalDelays | None, what: str) -> None:
         What was asked for, a plural: "poles".
     """
     if delays is not None:
-        raise InputError(
-            "linear model, delays",
-            f"dead times of {', '.join(f'{time:.6g}' for time in delays.times)} s",
-            f"a model without dead time, for {what}",
-            "approximate it by clepsydra.linear.dead_time.without_dead_time(model, order)",
-        )
+        got = f"dead times of {', '.join(f'{time:.6g}' for time in delays.times)} s"
+        expected = f"a model without dead time, for {what}"
+        remedy = "approximate it by clepsydra.linear.dead_time.without_dead_time(model, order)"
+        raise InputError("linear model, delays", got, expected, remedy)
 
 
 class Ports(NamedTuple):

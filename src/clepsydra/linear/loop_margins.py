@@ -120,12 +120,9 @@ def loop_margins(loop: LinearModel) -> LoopMargins:
     32.61
     """
     if (len(loop.inputs), len(loop.outputs)) != (1, 1):
-        raise InputError(
-            "loop margins",
-            f"{len(loop.outputs)} outputs and {len(loop.inputs)} inputs",
-            "one input and one output",
-            "select the channel, the others closed by feedback",
-        )
+        got = f"{len(loop.outputs)} outputs and {len(loop.inputs)} inputs"
+        remedy = "select the channel, the others closed by feedback"
+        raise InputError("loop margins", got, "one input and one output", remedy)
     closed = feedback(loop)
     stable = asymptotically_stable(closed)
     grid = frequency_grid(loop, closed)

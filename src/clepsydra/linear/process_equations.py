@@ -177,12 +177,10 @@ def process_equations(model: LinearModel, *, every_state: bool = False) -> Proce
     point = operating_point_of(model)
     process, at = point.process, point.as_dict()
     if process.motion.delays:
-        raise InputError(
-            f"{process.name}, transport delays",
-            ", ".join(delay.name for delay in process.motion.delays),
-            "a process without dead time",
-            "control it by a method that holds for dead time",
-        )
+        got = ", ".join(delay.name for delay in process.motion.delays)
+        expected = "a process without dead time"
+        remedy = "control it by a method that holds for dead time"
+        raise InputError(f"{process.name}, transport delays", got, expected, remedy)
     alone = [signal for signal in process.inputs if signal.name not in model.inputs]
     held = [(signal, at[signal.name]) for signal in (*process.disturbances, *alone)]
     held += [(parameter, parameter.initial) for parameter in process.parameters]

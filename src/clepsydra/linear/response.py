@@ -152,9 +152,7 @@ def _solved(pencils: np.ndarray, driven: np.ndarray, points: np.ndarray) -> np.n
     try:
         return np.linalg.solve(pencils, driven)
     except np.linalg.LinAlgError:
-        raise InputError(
-            "frequency response, s",
-            complex(points[np.argmin(np.linalg.matrix_rank(pencils))]),
-            "a value that is no pole of the model",
-            "evaluate beside the pole; an integrating tank has no gain at frequency zero",
-        ) from None
+        got = complex(points[np.argmin(np.linalg.matrix_rank(pencils))])
+        expected = "a value that is no pole of the model"
+        remedy = "evaluate beside the pole; an integrating tank has no gain at frequency zero"
+        raise InputError("frequency response, s", got, expected, remedy) from None
