@@ -6,10 +6,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from refusals import refused
 
 import clepsydra as cl
-from clepsydra.report.analysis_page import analysis_page_text, write_analysis_page
+from clepsydra.report.analysis_page import analysis_page_text
 from clepsydra.report.analysis_pictures import (
     bode_figure,
     directionality_figure,
@@ -157,8 +156,3 @@ def test_tables(late):
 def test_an_integrator_is_named_among_the_hankel_values():
     grid = hankel_grid(cl.load("averaging-tank").analysis)
     assert "none for the pole at 0 rad/s" in grid.rows[-1][1]
-
-
-def test_what_is_no_analysis_is_refused(tmp_path):
-    with refused(expected="an Analysis"):
-        write_analysis_page("quadruple-tank", tmp_path / "a.html")

@@ -57,3 +57,25 @@ def test_settings_are_told_once(study):
     heads = [table.title for table in tables]
     assert len(heads) == len(set(heads)) or heads.count("") > 1
     assert sum("proportional_gain" in row for table in tables for row in table.rows) == 0
+
+
+def test_a_loop_whose_setpoint_is_fixed_is_told_where_it_rests(tmp_path):
+    """An override: the second loop of one level has a setpoint that no operator gives."""
+    loops = [
+        f'[controllers.override.loops.{name}]\nmeasurement = "level"\noutput = "highest"\n'
+        f'actions = "P"\naction = "direct"\ngain = "{gain}"\n{more}'
+        for name, gain, more in (
+            ("level", "0.5 %/%", ""),
+            ("flood", "10 %/%", 'setpoint = "80 %"\n'),
+        )
+    ]
+    select = '[controllers.override.selectors.highest]\nselect = "high"\noutput = "outflow"\n'
+    scenario = '[scenario]\nduration = "1 h"\nnoise = false\n[[scenario.load]]\n'
+    scenario += 'signal = "inflow"\nat = "10 min"\nby = "0.1 m^3/s"\n'
+    path = tmp_path / "study.toml"
+    path.write_text('process = "equalisation-tank"\n' + scenario + "".join(loops) + select)
+    study = cl.study(path)
+    tables = [*parts_of(controller_section(study, study["override"]), "rows")]
+    (wiring,) = (dict(table.rows) for table in tables if table.title == "Wiring")
+    assert wiring["level.sp"] == "setpoint of level"
+    assert wiring["flood.sp"] == "80.0 % at rest"

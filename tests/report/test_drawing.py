@@ -21,7 +21,7 @@ from clepsydra.report.drawing.flow_graph import FlowGraph, Instrument, Junction,
 from clepsydra.report.drawing.outline import TANK_HEIGHT
 from clepsydra.report.drawing.plant import process_drawing
 from clepsydra.report.drawing.routing import route
-from clepsydra.report.drawing.style import PAPER, PIPE
+from clepsydra.report.drawing.shapes import PAPER, PIPE
 
 SVG = "{http://www.w3.org/2000/svg}"
 

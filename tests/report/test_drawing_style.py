@@ -11,7 +11,7 @@ import clepsydra as cl
 from clepsydra.report.colours import INK, MUTED
 from clepsydra.report.drawing.block_picture import program_svg
 from clepsydra.report.drawing.plant import process_drawing
-from clepsydra.report.drawing.style import ALARM, FRAME, PAPER, PIPE, STEEL, TINTS, colour_style
+from clepsydra.report.drawing.shapes import ALARM, FRAME, PAPER, PIPE, STEEL, TINTS, colour_style
 
 TANK = """
 name = "tank"

@@ -16,8 +16,8 @@ from clepsydra.controllers.structure.ratio_block import RatioBlock
 from clepsydra.controllers.structure.selector_block import SelectorBlock
 from clepsydra.controllers.structure.split_range_block import Leg, SplitRangeBlock
 from clepsydra.report.law_tables import law_facts, law_grids, law_words
-from clepsydra.report.pid_tables import equation, loop_settings
-from clepsydra.report.scheme_tables import added_table, scheme_blocks, settings_table
+from clepsydra.report.pid_tables import equation, loop_settings, settings_table
+from clepsydra.report.scheme_tables import added_table, scheme_blocks
 
 
 @pytest.fixture(scope="module")

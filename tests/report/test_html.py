@@ -9,7 +9,7 @@ import pytest
 
 from clepsydra.process.reader import load_process
 from clepsydra.report import html
-from clepsydra.report.html import address_text, report_text, write_report
+from clepsydra.report.html import address_text, report_text
 from clepsydra.report.page import STILL_WORDS, PageAssets
 
 VOID = {"meta", "br", "link", "img", "hr", "input"}
@@ -183,7 +183,7 @@ def test_pictures_are_interactive_where_the_installation_has_the_script(
 
 def test_a_second_report_is_equal_and_written_whole(result, text, tmp_path):
     path = tmp_path / "report.html"
-    write_report(result, path)
+    result.report(path)
     assert path.read_text("utf-8") == text
     assert [entry.name for entry in tmp_path.iterdir()] == ["report.html"]
 
@@ -193,7 +193,7 @@ def test_a_failure_leaves_the_old_report_and_nothing_else(result, tmp_path, monk
     path.write_text("the old one")
     monkeypatch.setattr(html, "report_text", lambda _: "cut \ud800 off")  # cannot be encoded
     with pytest.raises(UnicodeEncodeError):
-        write_report(result, path)
+        result.report(path)
     assert path.read_text() == "the old one"
     assert [entry.name for entry in tmp_path.iterdir()] == ["report.html"]
 

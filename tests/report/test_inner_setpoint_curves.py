@@ -4,7 +4,7 @@ import pytest
 from flow_cascade import flow_cascade
 
 import clepsydra as cl
-from clepsydra.report.panels import all_panels
+from clepsydra.report.recording import all_panels
 from clepsydra.report.trends import plot
 
 FLOW = "duty_flow"

@@ -9,9 +9,8 @@ from clepsydra.loop.scenario import Scenario
 from clepsydra.report.analysis_pictures import nyquist_figure
 from clepsydra.report.analysis_tables import operating_point_grid
 from clepsydra.report.drawing.plant import process_drawing
-from clepsydra.report.panels import all_panels
 from clepsydra.report.quantities import percent_scale
-from clepsydra.report.recording import recording_of
+from clepsydra.report.recording import all_panels, recording_of
 from clepsydra.report.trends import plot
 
 PLANT = """

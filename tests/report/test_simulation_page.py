@@ -9,8 +9,8 @@ import pytest
 import clepsydra as cl
 from clepsydra.process.catalogue_names import catalogue_file
 from clepsydra.report.colours import INK, signal_colours
-from clepsydra.report.panels import all_panels
-from clepsydra.report.recording import event_marks
+from clepsydra.report.page import write_page
+from clepsydra.report.recording import all_panels, event_marks
 from clepsydra.report.simulation_page import (
     balances_grid,
     change_words,
@@ -18,7 +18,6 @@ from clepsydra.report.simulation_page import (
     simulation_text,
     trajectories_grid,
     trust_sentence,
-    write_simulation_page,
 )
 from clepsydra.report.trends import plot
 
@@ -130,7 +129,7 @@ def test_the_page_says_all_of_it(trips):
 @pytest.mark.thorough
 def test_two_pages_of_one_simulation_are_equal_and_load_nothing(step, tmp_path):
     page = simulation_text(step.plan, step)
-    write_simulation_page(step.plan, step.plan.run(), tmp_path / "page.html")
+    write_page(simulation_text(step.plan, step.plan.run()), tmp_path / "page.html")
     assert (tmp_path / "page.html").read_text("utf-8") == page
     assert "<script" not in page
     assert not re.search(r"(?:src|href)=\"(?!#)", page)

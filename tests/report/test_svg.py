@@ -4,7 +4,7 @@ from xml.etree import ElementTree
 import pytest
 
 from clepsydra.report.page import svg_text
-from clepsydra.report.panels import controlled_panels
+from clepsydra.report.recording import controlled_panels
 from clepsydra.report.trends import trend_figure
 
 

@@ -10,7 +10,7 @@ from written_plants import plant_of
 import clepsydra as cl
 from clepsydra.process.catalogue_names import catalogue_file
 from clepsydra.report.colours import INK, MUTED, signal_colours
-from clepsydra.report.panels import all_panels, controlled_panels
+from clepsydra.report.recording import all_panels, controlled_panels
 from clepsydra.report.trends import plot, segment_words, trend_figure
 
 

@@ -27,6 +27,7 @@ class Analysis(Answered, inner.Analysis):
 
     def report(self, path: str | Path) -> None:
         """Write a page with poles, Bode, Nyquist, step responses and relative gains."""
-        from clepsydra.report.analysis_page import write_analysis_page
+        from clepsydra.report.analysis_page import analysis_page_text
+        from clepsydra.report.page import write_page
 
-        write_analysis_page(self, Path(path))
+        write_page(analysis_page_text(self), path)

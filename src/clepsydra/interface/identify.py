@@ -30,9 +30,10 @@ class _Page(Answered):
 
     def report(self, path: str | Path) -> None:
         """Write a page with measured against simulated."""
-        from clepsydra.report.identification_page import write_identification_page
+        from clepsydra.report.identification_page import identification_text
+        from clepsydra.report.page import write_page
 
-        write_identification_page(self, Path(path))  # type: ignore[arg-type]
+        write_page(identification_text(self), path)  # type: ignore[arg-type]
 
 
 class Identification(_Page, inner.Identification):

@@ -115,9 +115,10 @@ class OpenLoopRun(_Drawn, Simulation):
 
     def report(self, path: str | Path) -> None:
         """Write the simulation as one HTML file."""
-        from clepsydra.report.simulation_page import write_simulation_page
+        from clepsydra.report.page import write_page
+        from clepsydra.report.simulation_page import simulation_text
 
-        write_simulation_page(self.plan, self, path)
+        write_page(simulation_text(self.plan, self), path)
 
     def as_dict(self) -> dict[str, Any]:
         """Return plan and result as values for JSON, in SI."""

@@ -111,9 +111,10 @@ class Study(Answered, results.StudyResult):
 
     def report(self, path: str | Path) -> None:
         """Write the study as one HTML file."""
-        from clepsydra.report.html import write_report
+        from clepsydra.report.html import report_text
+        from clepsydra.report.page import write_page
 
-        write_report(self, path)
+        write_page(report_text(self), path)
 
     def save(self, path: str | Path) -> None:
         """Write the trajectories of all runs as one Parquet file."""

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from clepsydra.base.arguments import require_type
 from clepsydra.base.section import Line, Mark, Picture, Section, Table, marked
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.operating_point import OperatingPoint
@@ -18,11 +16,16 @@ from clepsydra.report.analysis_pictures import (
     roots_figure,
     step_figure,
 )
-from clepsydra.report.analysis_tables import analysis_grids, further_grids, operating_point_grid
+from clepsydra.report.analysis_tables import (
+    analysis_grids,
+    further_grids,
+    operating_point_grid,
+    value_row,
+)
 from clepsydra.report.drawing.plant import process_drawing
 from clepsydra.report.facts import gain_text, told_table
-from clepsydra.report.page import page_text, svg_text, write_page
-from clepsydra.report.quantities import percent_text, quantity_text, time_cell
+from clepsydra.report.page import page_text, svg_text
+from clepsydra.report.quantities import time_cell
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -75,35 +78,6 @@ _FURTHER = (
 )
 
 
-def write_analysis_page(analysis: Analysis, path: str | Path) -> None:
-    """Write the page of an analysis; an existing file is replaced only by a whole one.
-
-    Parameters
-    ----------
-    analysis : Analysis
-    path : str or Path
-        An HTML file.
-
-    Raises
-    ------
-    InputError
-        It is no analysis, or the folder cannot be written to.
-
-    Examples
-    --------
-    >>> import clepsydra as cl, tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_analysis_page(cl.load("three-tanks").analysis, Path(folder, "a.html"))
-    ...     Path(folder, "a.html").read_text("utf-8").count("<svg")
-    6
-    """
-    require_type(
-        analysis, Analysis, "report, analysis", "an Analysis", "give what analyse returned"
-    )
-    require_type(path, (str, Path), "report, path", "a file name", 'write as in "analysis.html"')
-    write_page(analysis_page_text(analysis), path)
-
-
 def analysis_page_text(analysis: Analysis) -> str:
     """Return the page of an analysis as HTML.
 
@@ -139,7 +113,6 @@ def analysis_page_text(analysis: Analysis) -> str:
 
 #: Of the answer: sentences, signals, pairs and warnings.
 _SAID, _SIGNALS, _PAIRS, _WATCHED = 5, 6, 4, 3
-_DIGITS = 3
 _EMPTY = Line("")
 
 
@@ -148,7 +121,6 @@ def analysis_answer(analysis: Analysis, *, every: bool = False) -> Section:
 
     Parameters
     ----------
-    analysis : Analysis
     every : bool
         Whether with every signal, pole, zero, gain and sentence.
 
@@ -188,16 +160,12 @@ def _pairs(analysis: Analysis) -> Table | None:
     for output, name in analysis.pairing[:_PAIRS]:
         place = model.outputs.index(output), model.inputs.index(name)
         gain, late = float(analysis.static_gain[place]), float(analysis.dead_times[place])
-        rows.append(
-            (
-                f"{output} by {name}",
-                gain_text(gain, process.signal(name), process.signal(output), _DIGITS)
-                if math.isfinite(gain)
-                else "integrates",
-                f"{relative[place]:.2f}".replace("-", "−"),
-                "several" if math.isnan(late) else time_cell(late) if late else "",
-            )
-        )
+        words = "integrates"
+        if math.isfinite(gain):
+            words = gain_text(gain, process.signal(name), process.signal(output), 3)
+        delay = "several" if math.isnan(late) else time_cell(late) if late else ""
+        share = f"{relative[place]:.2f}".replace("-", "−")
+        rows.append((f"{output} by {name}", words, share, delay))
     head = ("pair", "static gain", "relative gain", "dead time")
     return told_table(head, rows)
 
@@ -210,12 +178,5 @@ def _at_rest(point: OperatingPoint) -> Table:
         *process.inputs,
         *(each for each in process.disturbances if values[each.name]),
     ]
-    rows = [
-        (
-            each.name,
-            quantity_text(each, values[each.name], _DIGITS),
-            percent_text(process, each.name, values[each.name]),
-        )
-        for each in signals[:_SIGNALS]
-    ]
-    return Table("", ("operating point", "value", "of range"), tuple(rows))
+    rows = tuple(value_row(process, each, values[each.name], 3) for each in signals[:_SIGNALS])
+    return Table("", ("operating point", "value", "of range"), rows)

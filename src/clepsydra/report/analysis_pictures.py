@@ -44,12 +44,6 @@ def bode_figure(analysis: Analysis) -> Figure:
 
     Magnitudes are in display units of output per input, phases continuous in degrees; the
     line has the colour of the output, dotted lines stand at the poles' frequencies.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> len(bode_figure(cl.load("quadruple-tank").analysis).axes)  # 2 × 2, two each
-    8
     """
     omegas = shown_frequencies(analysis)
     gains = frequency_response(analysis.model, omegas)
@@ -98,12 +92,6 @@ def nyquist_figure(analysis: Analysis) -> Figure:
     Gains are in % per %, so that the unit circle (dashed) and the cross at -1 mean a proportional
     controller of gain 1 %/%; dots mark the decades of the frequency. Without ranges they are in
     SI.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> len(nyquist_figure(cl.load("quadruple-tank").analysis).axes)
-    4
     """
     model, process = analysis.model, analysis.operating_point.process
     signals = [process.signal(name) for name in (*model.outputs, *model.inputs)]
@@ -209,13 +197,6 @@ def directionality_figure(analysis: Analysis) -> Figure:
 
     Where a signal has no range only the relative gains are drawn. These are magnitudes; the
     suggested pairs are solid, the others dashed.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> figure = directionality_figure(cl.load("quadruple-tank").analysis)
-    >>> [axes.get_ylabel() for axes in figure.axes]
-    ['singular values [% per %]', 'condition number', '|relative gain|']
     """
     omegas = shown_frequencies(analysis)
     found = directionality(analysis.model, omegas)

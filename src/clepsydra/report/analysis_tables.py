@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import chain
 
 import numpy as np
 
 from clepsydra.base.section import Table
+from clepsydra.base.signal import Signal
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.analysis_words import root_text
 from clepsydra.linear.controllability import NOT_AT_ALL
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.process.process import Process
 from clepsydra.report.quantities import (
     display_factor,
     number_text,
@@ -33,13 +36,15 @@ def operating_point_grid(point: OperatingPoint) -> Table:
     ('tank_1.level', '12.26 cm', '61.3 %')
     """
     process, values = point.process, point.as_dict()
-    rows = []
-    for group in (process.state, process.inputs, process.disturbances, process.measurements):
-        for signal in group:
-            value = values[signal.name]
-            percent = percent_text(process, signal.name, value)
-            rows.append((signal.name, quantity_text(signal, value, 4), percent))
-    return Table("Operating point", ("signal", "value", "of range"), tuple(rows))
+    groups = process.state, process.inputs, process.disturbances, process.measurements
+    rows = tuple(value_row(process, each, values[each.name], 4) for each in chain(*groups))
+    return Table("Operating point", ("signal", "value", "of range"), rows)
+
+
+def value_row(process: Process, signal: Signal, value: float, digits: int) -> tuple[str, str, str]:
+    """Return a signal's name, and its value in its display unit and in percent."""
+    percent = percent_text(process, signal.name, value)
+    return signal.name, quantity_text(signal, value, digits), percent
 
 
 def roots_grid(analysis: Analysis) -> Table:
@@ -53,17 +58,13 @@ def roots_grid(analysis: Analysis) -> Table:
     ('pole', '−0.0110', '90.6 s')
     """
     rows = [
-        ("pole" if root.imag == 0.0 else "poles", root_text(root), time_cell(float(time)))
+        ("poles" if root.imag else "pole", root_text(root), time_cell(float(time)))
         for root, time in zip(analysis.poles, analysis.time_constants, strict=True)
         if root.imag >= 0.0
     ]
-    rows += [
-        ("zero" if root.imag == 0.0 else "zeros", root_text(root), "")
-        for root in analysis.zeros
-        if root.imag >= 0.0
-    ]
-    if not len(analysis.zeros):
-        rows.append(("zero", "none", ""))
+    zeros = [root for root in analysis.zeros if root.imag >= 0.0]
+    rows += [("zeros" if root.imag else "zero", root_text(root), "") for root in zeros]
+    rows += [] if zeros else [("zero", "none", "")]
     return Table("Poles and zeros", ("", "rad/s", "time constant"), tuple(rows))
 
 
@@ -78,17 +79,18 @@ def static_gain_grid(analysis: Analysis) -> Table:
     ('', 'pump_1 [V]', 'pump_2 [V]')
     """
     process, model = analysis.operating_point.process, analysis.model
-    outputs = [process.signal(name) for name in model.outputs]
-    inputs = [process.signal(name) for name in model.inputs]
-    scale = np.outer(
-        [display_factor(signal) for signal in outputs],
-        [1.0 / display_factor(signal) for signal in inputs],
+    outputs, inputs = (
+        [process.signal(name) for name in names] for names in (model.outputs, model.inputs)
     )
-    rows = []
-    for place, signal in enumerate(outputs):
-        gains = analysis.static_gain[place] * scale[place]
-        rows.append((f"{signal.name} [{unit_text(signal.shown_unit)}]", *_numbers(gains)))
-    head = tuple(f"{signal.name} [{unit_text(signal.shown_unit)}]" for signal in inputs)
+    scale = np.outer(
+        [display_factor(each) for each in outputs], [1.0 / display_factor(each) for each in inputs]
+    )
+    left, head = (
+        [f"{each.name} [{unit_text(each.shown_unit)}]" for each in signals]
+        for signals in (outputs, inputs)
+    )
+    gains = (analysis.static_gain * scale).tolist()
+    rows = ((name, *map(number_text, row)) for name, row in zip(left, gains, strict=True))
     return Table("Static gain", ("", *head), tuple(rows))
 
 
@@ -107,37 +109,20 @@ def relative_gain_grid(analysis: Analysis) -> Table | None:
         return None
     rows = []
     for output, gains in zip(model.outputs, relative, strict=True):
-        marked = [
-            ("● " if (output, name) in analysis.pairing else "") + f"{gain:.3f}".replace("-", "−")
-            for name, gain in zip(model.inputs, gains, strict=True)
-        ]
-        rows.append((output, *marked))
+        dots = ["● " * ((output, name) in analysis.pairing) for name in model.inputs]
+        cells = (f"{dot}{gain:.3f}" for dot, gain in zip(dots, gains, strict=True))
+        rows.append((output, *(cell.replace("-", "−") for cell in cells)))
     return Table("Relative gains, ● pairing", ("", *model.inputs), tuple(rows))
 
 
 def analysis_grids(analysis: Analysis) -> list[Table]:
-    """Return every table of an analysis but the operating point.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> analysis = cl.load("quadruple-tank").analysis
-    >>> [grid.title for grid in analysis_grids(analysis)]
-    ['Poles and zeros', 'Static gain', 'Relative gains, ● pairing']
-    """
-    grids = [roots_grid(analysis), static_gain_grid(analysis), relative_gain_grid(analysis)]
-    return [grid for grid in grids if grid is not None]
+    """Return every table of an analysis but the operating point."""
+    makers = roots_grid, static_gain_grid, relative_gain_grid
+    return [grid for make in makers if (grid := make(analysis)) is not None]
 
 
 def dead_time_grid(analysis: Analysis) -> Table | None:
-    """Return the dead time of each pair; None where there is none.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> dead_time_grid(cl.load("quadruple-tank").analysis) is None
-    True
-    """
+    """Return the dead time of each pair; None where there is none."""
     if analysis.model.delays is None:
         return None
     rows = tuple(
@@ -148,14 +133,7 @@ def dead_time_grid(analysis: Analysis) -> Table | None:
 
 
 def frequency_grid_table(analysis: Analysis) -> Table:
-    """Return singular values, condition number and relative gains at a few frequencies.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> frequency_grid_table(cl.load("quadruple-tank").analysis).rows[0][0]
-    '0'
-    """
+    """Return singular values, condition number and relative gains at a few frequencies."""
     found, model = analysis.directionality, analysis.model
     head, columns = ["rad/s"], [[number_text(omega) for omega in found.frequencies]]
     if found.singular_values is not None and found.condition_numbers is not None:
@@ -185,29 +163,18 @@ def reach_grid(analysis: Analysis) -> Table | None:
     if analysis.reach is None:
         return None
     # The state that moves most in the mode, its right eigenvector, is that of observability.
+    found = zip(analysis.reach.controllability, analysis.reach.observability, strict=True)
     rows = tuple(
         (root_text(reached.pole), shown.state, _share(reached.share), _share(shown.share))
-        for reached, shown in zip(
-            analysis.reach.controllability, analysis.reach.observability, strict=True
-        )
+        for reached, shown in found
         if reached.pole.imag >= 0.0
     )
-    return Table(
-        "Modes: how well the inputs reach them and the outputs show them",
-        ("pole [rad/s]", "mainly", "reached", "shown"),
-        rows,
-    )
+    title = "Modes: how well the inputs reach them and the outputs show them"
+    return Table(title, ("pole [rad/s]", "mainly", "reached", "shown"), rows)
 
 
 def hankel_grid(analysis: Analysis) -> Table | None:
-    """Return the Hankel singular values, largest first; None where a range is missing.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> len(hankel_grid(cl.load("wet-well").analysis).rows)
-    2
-    """
+    """Return the Hankel singular values, largest first; None where a range is missing."""
     if analysis.reach is None:
         return None
     found = analysis.reach.hankel
@@ -219,42 +186,22 @@ def hankel_grid(analysis: Analysis) -> Table | None:
 
 
 def blocking_zeros_grid(analysis: Analysis) -> Table | None:
-    """Return zeros in the right half-plane with their directions; None where there are none.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> blocking_zeros_grid(cl.load("quadruple-tank").analysis) is None
-    True
-    """
+    """Return zeros in the right half-plane with their directions; None where there are none."""
     found, model = analysis.right_half_plane_zeros, analysis.model
     if not found:
         return None
-    rows = []
-    for each in found:
-        shares = [*each.input_direction, *each.output_direction]
-        rows.append((root_text(each.zero), *(_direction(share) for share in shares)))
+    rows = (
+        (root_text(each.zero), *map(_direction, (*each.input_direction, *each.output_direction)))
+        for each in found
+    )
     head = ("zero [rad/s]", *model.inputs, *model.outputs)
     return Table("Zeros in the right half-plane and their directions", head, tuple(rows))
 
 
 def further_grids(analysis: Analysis) -> list[Table]:
-    """Return the tables that a page of analysis shows besides those of a study's report.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> [grid.title.split()[0] for grid in further_grids(cl.load("wet-well").analysis)]
-    ['Over', 'Modes:', 'Hankel']
-    """
-    grids = [
-        dead_time_grid(analysis),
-        blocking_zeros_grid(analysis),
-        frequency_grid_table(analysis),
-        reach_grid(analysis),
-        hankel_grid(analysis),
-    ]
-    return [grid for grid in grids if grid is not None]
+    """Return the tables that a page of analysis shows besides those of a study's report."""
+    makers = dead_time_grid, blocking_zeros_grid, frequency_grid_table, reach_grid, hankel_grid
+    return [grid for make in makers if (grid := make(analysis)) is not None]
 
 
 def margin_grid(response: LoopResponse) -> Table:
@@ -264,44 +211,20 @@ def margin_grid(response: LoopResponse) -> Table:
     ----------
     response : LoopResponse
         Of the exact sampled loop.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.studies.warnings.loop_response import loop_response
-    >>> plant = cl.load("quadruple-tank")
-    >>> controller = cl.design.simc(plant)
-    >>> margin_grid(loop_response(controller, plant.linear)).rows[0][0]
-    'level_1'
     """
     rows = []
     for name, found in margin_table(response).items():
-        phase = found["phase margin [deg]"]
         inner = " (inner loop)" if name in response.at_inner else ""
-        rows.append(
-            (
-                f"{name}{inner}",
-                number_text(found["gain margin"]),
-                number_text(phase) + ("°" if math.isfinite(phase) else ""),
-                number_text(found["crossover [rad/s]"]),
-                time_cell(found["delay margin [s]"]),
-                number_text(found["max|S|"]),
-            )
-        )
-    head = (
-        "loop broken at", "gain margin", "phase margin", "crossover [rad/s]", "delay margin",
-        "max|S|",
-    )  # fmt: skip
-    return Table("Margins, the other loops closed", head, tuple(rows))
+        gain, phase, crossing, late, peak = found.values()
+        angle = f"{number_text(phase)}{'°' * math.isfinite(phase)}"
+        numbers = number_text(gain), angle, number_text(crossing), time_cell(late)
+        rows.append((f"{name}{inner}", *numbers, number_text(peak)))
+    margins = "gain margin", "phase margin", "crossover [rad/s]", "delay margin", "max|S|"
+    return Table("Margins, the other loops closed", ("loop broken at", *margins), tuple(rows))
 
 
 def margin_table(response: LoopResponse) -> dict[str, dict[str, float]]:
-    """Return the numbers of `margin_grid`: each channel to its margins.
-
-    Examples
-    --------
-    See `margin_grid`.
-    """
+    """Return the numbers of `margin_grid`: each channel to its margins."""
     found = {}
     for name, channel in response.channels.items():
         phase, crossing = channel.phase_margin

@@ -32,8 +32,6 @@ from clepsydra.studies.tuning.result import TuningResult
 #: So many points of a front are listed at most.
 _FRONT = 8
 
-_Part = Line | Table | Picture | Section
-
 
 def controller_section(
     result: StudyResult, candidate: Candidate, *, with_blocks: bool = False
@@ -42,65 +40,41 @@ def controller_section(
 
     Parameters
     ----------
-    result : StudyResult
-    candidate : Candidate
     with_blocks : bool
         Whether with a picture of the blocks that are exported.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> plant = cl.load("three-tanks")
-    >>> result = cl.study(plant, [cl.design.simc(plant)])
-    >>> section = controller_section(result, result.ranking[0])
-    >>> section.title, section.parts[0].text[:6]
-    ('1. PI, SIMC', 'Robust')
     """
-    controller = candidate.controller
-    parts: list[_Part] = [
-        Line(candidate.reason),
-        *marked(Mark.WATCH, candidate.warnings),
-        Line(controller.design),
-        *(Line(words) for words in (*controller.notes, *law_words(controller))),
-        Section("Settings", (*_settings(controller, result),)),
-        Section("How robust it is", _robustness(candidate)),
-        Section("How it behaved", _behaviour(result, candidate)),
-    ]
-    if with_blocks and (picture := _blocks(result, candidate)):
-        parts.append(Section("The blocks of its export", (picture,), folded=True))
-    return Section(f"{candidate.rank}. {controller.title}", tuple(parts), folded=True)
-
-
-def _settings(controller: Controller, result: StudyResult) -> list[Table]:
-    process = result.process
+    controller, process, tuning = candidate.controller, result.process, candidate.tuning
     grids = law_grids(controller, process)
     # What is told by the settings of loops or by matrices is not told again as parameters.
     rest = [] if grids or controller.law.blocks else parameter_tables(controller)
-    return [
+    settings = (
         *loop_settings(controller, result.point),
         *scheme_blocks(controller, process),
         *law_facts(controller, process),
         *grids,
         *rest,
         _wiring(controller),
-    ]
-
-
-def _robustness(candidate: Candidate) -> tuple[_Part, ...]:
-    response = candidate.response
-    if response is None:
-        return (Line("There is no linear loop, and so no margin."),)
-    return (margin_grid(response),)
-
-
-def _behaviour(result: StudyResult, candidate: Candidate) -> tuple[_Part, ...]:
-    process, tuning = result.process, candidate.tuning
-    parts: list[_Part] = [*score_tables(process, candidate)]
-    parts += [Line(f"Status of {words}.") for words in status_words(candidate.run)]
+    )
+    robust: Line | Table = Line("There is no linear loop, and so no margin.")
+    if candidate.response is not None:
+        robust = margin_grid(candidate.response)
+    behaved: list[Line | Table] = [*score_tables(process, candidate)]
+    behaved += [Line(f"Status of {words}.") for words in status_words(candidate.run)]
     if tuning is not None:
-        parts.append(tuning_grid(tuning, process, result.scenario.duration))
-        parts += [_front(tuning)] if len(tuning.front.objective) > 1 else []
-    return tuple(parts)
+        behaved.append(tuning_grid(tuning, process, result.scenario.duration))
+        behaved += [_front(tuning)] if len(tuning.front.objective) > 1 else []
+    parts: list[Line | Section] = [
+        Line(candidate.reason),
+        *marked(Mark.WATCH, candidate.warnings),
+        Line(controller.design),
+        *(Line(words) for words in (*controller.notes, *law_words(controller))),
+        Section("Settings", settings),
+        Section("How robust it is", (robust,)),
+        Section("How it behaved", tuple(behaved)),
+    ]
+    if with_blocks and (picture := _blocks(result, candidate)):
+        parts.append(Section("The blocks of its export", (picture,), folded=True))
+    return Section(f"{candidate.rank}. {controller.title}", tuple(parts), folded=True)
 
 
 def _front(tuning: TuningResult) -> Table:
@@ -132,17 +106,16 @@ def _blocks(result: StudyResult, candidate: Candidate) -> Picture | None:
 
 def _wiring(controller: Controller) -> Table:
     """Return what is connected to what."""
-    facts = []
-    law = controller.law
+    law, free = controller.law, controller.free_inputs
+    facts: list[tuple[str, str]] = []
     for part, ports, words, names in (
         ("pv", law.inputs, "", controller.measurements),
         ("sp", law.inputs, "setpoint of ", controller.setpoints),
         ("out", law.outputs, "", controller.manipulated),
     ):
-        for owner, name in zip(owners(ports, part), names, strict=True):
-            facts.append((path(owner, part), f"{words}{name}"))
+        given = [port for owner in owners(ports, part) if (port := path(owner, part)) not in free]
+        facts += zip(given, (f"{words}{name}" for name in names), strict=True)
     for entry in law.inputs:
-        if entry.name in controller.free_inputs:
-            value = quantity_text(entry, controller.free_inputs[entry.name])
-            facts.append((entry.name, f"{value} at rest"))
+        if entry.name in free:
+            facts.append((entry.name, f"{quantity_text(entry, free[entry.name])} at rest"))
     return facts_table("Wiring", facts)

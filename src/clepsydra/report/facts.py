@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from clepsydra.base.section import Table
 from clepsydra.base.signal import Signal
+from clepsydra.controllers.controller import Controller
 from clepsydra.process.process import Process
 from clepsydra.report.quantities import (
     display_factor,
@@ -34,8 +35,6 @@ def told_table(head: Sequence[str], rows: Iterable[Sequence[str]], **how: int) -
 
     Parameters
     ----------
-    head : sequence of str
-    rows : iterable of sequence of str
     **how
         Of `Table`.
 
@@ -61,6 +60,11 @@ def known_signal(process: Process, signal: Signal) -> Signal:
     """
     own = (process.state, process.inputs, process.disturbances, process.measurements)
     return next((s for group in own for s in group if s.name == signal.name), signal)
+
+
+def own_values(parameters: Iterable[Signal], controller: Controller) -> dict[str, float]:
+    """Return the settings of a part of a law by their names in it."""
+    return {each.part: controller.values[each.name] for each in parameters}
 
 
 def range_text(signal: Signal) -> str:

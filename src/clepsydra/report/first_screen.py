@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from clepsydra.base.section import Line, Section, Table
@@ -10,10 +11,10 @@ from clepsydra.base.words import time_text
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT
 from clepsydra.process.process import Process
 from clepsydra.report.analysis_tables import margin_table
-from clepsydra.report.performance import figures_of, performance_words
+from clepsydra.report.pid_tables import settings_table
 from clepsydra.report.quantities import number_text, time_cell
-from clepsydra.report.scheme_tables import added_table, settings_table
-from clepsydra.report.score_tables import standing_word
+from clepsydra.report.scheme_tables import added_table
+from clepsydra.report.score_tables import figures_of, performance_words, standing_word
 from clepsydra.report.study_answer import better_words, watch_lines
 from clepsydra.studies.ranking import QUIET
 from clepsydra.studies.recommendation import Recommendation
@@ -43,17 +44,7 @@ class RankingColumn:
 
 
 def headline(result: StudyResult, advice: Recommendation | None) -> str:
-    """Return what to use and what it does in one sentence, or why nothing is recommended.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.studies.recommendation import recommend
-    >>> plant = cl.load("three-tanks")
-    >>> result = cl.study(plant, [cl.design.simc(plant)])
-    >>> headline(result, recommend(result.ranking))[:39]
-    'Use PI, SIMC: it settles in 5.10 min, d'
-    """
+    """Return what to use and what it does in one sentence, or why nothing is recommended."""
     if advice is None:
         return result.verdict
     words = performance_words(result.process, advice.simplest)
@@ -61,17 +52,7 @@ def headline(result: StudyResult, advice: Recommendation | None) -> str:
 
 
 def lead(result: StudyResult, advice: Recommendation | None) -> str:
-    """Return why this one, and what the best would need and gain; empty where nothing is used.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.studies.recommendation import recommend
-    >>> plant = cl.load("three-tanks")
-    >>> result = cl.study(plant, [cl.design.simc(plant)])
-    >>> lead(result, recommend(result.ranking))
-    'The best that was tried.'
-    """
+    """Return why this one, and what the best would need and gain; empty where nothing is used."""
     if advice is None:
         return ""
     why = advice.why or f"the {result.verdict.partition(': the ')[2].rstrip('.')}"
@@ -82,15 +63,7 @@ def lead(result: StudyResult, advice: Recommendation | None) -> str:
 
 
 def counted_words(result: StudyResult) -> str:
-    """Return how many controllers ran, and how many of them are within all limits.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> plant = cl.load("three-tanks")
-    >>> counted_words(cl.study(plant, [cl.design.simc(plant)]))
-    '1 controller ran, 1 within all limits'
-    """
+    """Return how many controllers ran, and how many of them are within all limits."""
     ran = len(result.ranking)
     good = sum(each.standing is Standing.ROBUST for each in result.ranking)
     refused = len(result.not_applicable)
@@ -98,30 +71,10 @@ def counted_words(result: StudyResult) -> str:
     return f"{words}, {refused} not applicable" if refused else words
 
 
-def cards(result: StudyResult, first: Candidate, rival: Candidate | None) -> list[Section]:
-    """Return settings, how good, how sure and what to watch, a section each.
-
-    Parameters
-    ----------
-    result : StudyResult
-    first : Candidate
-        The recommended one, or the first of the ranking.
-    rival : Candidate or None
-        With which it is compared.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> plant = cl.load("three-tanks")
-    >>> result = cl.study(plant, [cl.design.simc(plant)])
-    >>> [section.title for section in cards(result, result.ranking[0], None)]
-    ['Settings', 'How good', 'How sure']
-    """
-    found = [
-        _settings(result, first),
-        _how_good(result.process, first, rival),
-        _how_sure(result.process, first),
-    ]
+def cards(result: StudyResult, compared: Sequence[Candidate]) -> list[Section]:
+    """Return of the first candidate settings, how good, how sure and what to watch."""
+    process, first = result.process, compared[0]
+    found = [_settings(result, first), _how_good(process, compared), _how_sure(process, first)]
     lines = watch_lines(result, first)
     return [*found, Section("Watch", lines)] if lines else found
 
@@ -131,10 +84,8 @@ def _settings(result: StudyResult, first: Candidate) -> Section:
     period = time_text(result.scenario.sampling_period)
     table = settings_table(controller, result.process)
     if table is None:
-        words = (
-            f"{controller.design} It runs every {period}; its numbers stand with the controller."
-        )
-        return Section("Settings", (Line(words),))
+        words = f"It runs every {period}; its numbers stand with the controller."
+        return Section("Settings", (Line(f"{controller.design} {words}"),))
     if len(table.rows) <= _SIDE_BY_SIDE:
         loops = ["", *(row[0] for row in table.rows)]
         rows = zip(table.head[1:], *(row[1:] for row in table.rows), strict=True)
@@ -148,13 +99,12 @@ def _settings(result: StudyResult, first: Candidate) -> Section:
     return Section("Settings", (*tables, Line(f"ISA form, every {period}.")))
 
 
-def _how_good(process: Process, first: Candidate, rival: Candidate | None) -> Section:
-    compared = [first, *([] if rival is None else [rival])]
+def _how_good(process: Process, compared: Sequence[Candidate]) -> Section:
     rows = []
     for figure in figures_of(process):
         cells = [figure.cell(process, each) for each in compared]
         if figure.score != "noise_movement" and set(cells) != {"–"}:
-            worst = figure.worst(process, first)
+            worst = figure.worst(process, compared[0])
             of = f" ({worst[0]})" if worst and len(process.controlled) > 1 else ""
             rows.append((f"{figure.title}{of}", *cells))
     rows.append(("relative error", *(f"{each.relative_error:.2f}" for each in compared)))
@@ -164,15 +114,11 @@ def _how_good(process: Process, first: Candidate, rival: Candidate | None) -> Se
 
 def _how_sure(process: Process, first: Candidate) -> Section:
     rows = [("standing", standing_word(first), "")]
-    if not math.isnan(first.maximum_sensitivity):
-        limit = f"limit {SENSITIVITY_LIMIT:g}"
-        rows.append(("max|S|", f"{first.maximum_sensitivity:.2f}", limit))
+    if not math.isnan(peak := first.maximum_sensitivity):
+        rows.append(("max|S|", f"{peak:.2f}", f"limit {SENSITIVITY_LIMIT:g}"))
     if first.response is not None:
-        margins = margin_table(first.response).values()
-        delay, gain, phase = (
-            min(each[what] for each in margins)
-            for what in ("delay margin [s]", "gain margin", "phase margin [deg]")
-        )
+        margins = [tuple(each.values()) for each in margin_table(first.response).values()]
+        gain, phase, _, delay, _ = map(min, zip(*margins, strict=True))
         rows.append(("extra delay bearable", time_cell(delay), ""))
         times = f"{number_text(gain, 2)} times" if gain < _MANY else f"over {_MANY:g} times"
         rows.append(("gain may rise", times, ""))
@@ -184,24 +130,14 @@ def _how_sure(process: Process, first: Candidate) -> Section:
 
 
 def ranking_columns(result: StudyResult) -> list[RankingColumn]:
-    """Return the ranking's columns behind the controllers' names: physical numbers lead.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> plant = cl.load("three-tanks")
-    >>> result = cl.study(plant, [cl.design.simc(plant), cl.design.amigo(plant)])
-    >>> [column.title for column in ranking_columns(result)][:3]
-    ['settles', 'deviates', 'noise']
-    """
+    """Return the ranking's columns behind the controllers' names: physical numbers lead."""
     process, ranking = result.process, result.ranking
     columns = []
     for figure in figures_of(process):
-        cells = []
-        for each in ranking:
-            worst = figure.worst(process, each)
-            cells.append((figure.cell(process, each), math.inf if worst is None else worst[1]))
-        columns.append(RankingColumn(figure.title, tuple(cells)))
+        worst = [figure.worst(process, each) for each in ranking]
+        numbers = [math.inf if each is None else each[1] for each in worst]
+        texts = [figure.cell(process, each) for each in ranking]
+        columns.append(RankingColumn(figure.title, tuple(zip(texts, numbers, strict=True))))
     criteria = ranking[0].criteria if ranking and len(ranking[0].criteria) > 1 else ()
     for title, values in (
         *((f"{name}, × best", [each.criteria[name] for each in ranking]) for name in criteria),

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import json
 import platform
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from importlib import metadata
-from pathlib import Path
 
-from clepsydra.base.arguments import require_type
 from clepsydra.base.section import Line, Mark, Section, Table, marked
 from clepsydra.base.words import time_text
 from clepsydra.controllers.blocks.status import STATUS_BITS
@@ -19,12 +17,11 @@ from clepsydra.report.drawing.plant import process_drawing
 from clepsydra.report.facts import facts_table
 from clepsydra.report.first_screen import cards, counted_words, headline, lead, ranking_columns
 from clepsydra.report.html_section import html
-from clepsydra.report.overlay import event_windows, overlay_data, shown_signals
+from clepsydra.report.overlay import event_windows, overlay_data, sensitivity_data, shown_signals
 from clepsydra.report.overlay_picture import overlay_figure
-from clepsydra.report.page import STILL_WORDS, page_assets, rendered, svg_text, write_page
+from clepsydra.report.page import STILL_WORDS, page_assets, rendered, svg_text
 from clepsydra.report.quantities import RESOLUTION_WORDS
 from clepsydra.report.score_tables import glossary, ranking_note, standing_word
-from clepsydra.report.sensitivities import sensitivity_data
 from clepsydra.report.trends import segment_words
 from clepsydra.studies.recommendation import Recommendation, recommend
 from clepsydra.studies.result import Candidate, StudyResult
@@ -38,50 +35,11 @@ _PID_WORDS = (
 )
 
 
-def write_report(result: StudyResult, path: str | Path) -> None:
-    """Write the report of a study; an existing file is replaced only by a whole one.
-
-    Parameters
-    ----------
-    result : StudyResult
-    path : str or Path
-        An HTML file. Two reports of one result are equal byte for byte.
-
-    Raises
-    ------
-    InputError
-        The result is none of a study, or the folder cannot be written to.
-
-    Examples
-    --------
-    >>> import clepsydra as cl, tempfile
-    >>> plant = cl.load("three-tanks")
-    >>> result = cl.study(plant, [cl.design.simc(plant)], duration="1 min")
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_report(result, Path(folder, "study.html"))
-    ...     Path(folder, "study.html").read_text("utf-8")[:15]
-    '<!DOCTYPE html>'
-    """
-    require_type(
-        result, StudyResult, "report, result", "a StudyResult", "give what run_study returned"
-    )
-    require_type(path, (str, Path), "report, path", "a file name", 'write as in "report.html"')
-    write_page(report_text(result), path)
-
-
 def report_text(result: StudyResult) -> str:
     """Return the report of a study as HTML.
 
     Everything from the user's files is escaped by the template; only pictures, which escape
     their own words, are put in as they are.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> plant = cl.load("three-tanks")
-    >>> result = cl.study(plant, [cl.design.simc(plant)], duration="1 min")
-    >>> "<h1>Use PI, SIMC" in report_text(result)
-    True
     """
     from markupsafe import Markup
 
@@ -97,33 +55,30 @@ def report_text(result: StudyResult) -> str:
         overlay = overlay_data(result, signals, windows, first)
         data = json_text({**overlay, "sensitivity": sensitivity_data(result.ranking)})
 
-    def shown(section: Section, depth: int = 2) -> Markup:
-        return html(section, depth, scripted=assets is not None)
+    def shown(sections: Iterable[Section]) -> list[Markup]:
+        return [html(each, scripted=assets is not None) for each in sections]
 
+    controllers = [
+        controller_section(result, each, with_blocks=each in first[:1]) for each in result.ranking
+    ]
+    closing = first[0].controller if first else None
+    name = result.title or result.process.title
     return rendered(
         "report.html.jinja",
-        title=f"{result.title or result.process.title} – control study",
-        name=result.title or result.process.title,
+        title=f"{name} – control study",
+        name=name,
         counted=counted_words(result),
         headline=headline(result, advice),
         lead=lead(result, advice),
-        cards=[shown(each) for each in cards(result, first[0], next(iter(first[1:]), None))]
-        if first
-        else [],
+        cards=shown(cards(result, first)) if first else [],
         still=Markup(still),
         columns=ranking_columns(result),
         ranking=result.ranking,
         standing_word=standing_word,
         first=first,
         recommended=None if advice is None else advice.simplest,
-        drawing=Markup(
-            process_drawing(result.process, result.point, first[0].controller if first else None)
-        ),
-        controllers=[
-            shown(controller_section(result, each, with_blocks=each in first[:1]))
-            for each in result.ranking
-        ],
-        more=[shown(each) for each in _more(result)],
+        drawing=Markup(process_drawing(result.process, result.point, closing)),
+        details=shown([*controllers, *_more(result)]),
         assets=assets,
         still_words=STILL_WORDS,
         data=Markup(data),
@@ -180,8 +135,9 @@ def _more(result: StudyResult) -> list[Section]:
 def _computation(result: StudyResult) -> list[tuple[str, str]]:
     """Return how the numbers came about, as (what, how)."""
     scenario = result.scenario
+    file = [] if result.path is None else [("study file", str(result.path))]
     rows = [
-        *([] if result.path is None else [("study file", str(result.path))]),
+        *file,
         ("process file", address_text(result.process)),
         ("source of the numbers", result.process.source),
         ("sampling period", time_text(scenario.sampling_period, 4)),

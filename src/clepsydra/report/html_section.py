@@ -20,8 +20,6 @@ def html(section: Section, depth: int = 2, *, scripted: bool = True) -> Markup:
 
     Parameters
     ----------
-    section : Section
-    depth : int
     scripted : bool
         Whether a script fills what is folded when it is opened; else it is there from the start.
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
@@ -23,7 +22,7 @@ from clepsydra.report.identification_picture import (
     comparison_figure,
     correlations_figure,
 )
-from clepsydra.report.page import page_text, svg_text, write_page
+from clepsydra.report.page import page_text, svg_text
 from clepsydra.report.quantities import number_text, unit_text
 
 #: Of the answer: parameters of a process, and warnings.
@@ -48,11 +47,6 @@ _FIT_WORDS = (
     "The fit is 100 % − the error in percent of the error of a constant, the mean of the first "
     "two thirds."
 )
-
-
-def write_identification_page(found: Identification | ProcessFit, path: str | Path) -> None:
-    """Write the page of an identification; an existing file is replaced only by a whole one."""
-    write_page(identification_text(found), path)
 
 
 def identification_text(found: Identification | ProcessFit) -> str:

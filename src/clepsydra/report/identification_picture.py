@@ -37,11 +37,6 @@ class ComparedSignal:
         SI
     models : tuple of (name, ndarray [N])
         SI; none for an input, which is held between samples.
-
-    Examples
-    --------
-    >>> ComparedSignal(Signal("pump", "V"), np.zeros(3)).models
-    ()
     """
 
     signal: Signal
@@ -62,13 +57,6 @@ def comparison_figure(
         First sample that no fit saw.
     signals : sequence of ComparedSignal
         Outputs first.
-
-    Examples
-    --------
-    >>> level = ComparedSignal(Signal("level", "m"), np.zeros(9), (("FOPDT", np.zeros(9)),))
-    >>> (axes,) = comparison_figure(np.arange(9.0), 6, [level]).axes
-    >>> [text.get_text() for text in axes.get_legend().get_texts()]
-    ['level', 'FOPDT']
     """
     import matplotlib
     from matplotlib.figure import Figure
@@ -134,13 +122,6 @@ def correlations_figure(residuals: np.ndarray, inputs: Sequence[tuple[str, np.nd
     residuals : ndarray [N]
     inputs : sequence of (name, ndarray [N])
         At most two are drawn.
-
-    Examples
-    --------
-    >>> noise = np.random.default_rng(1).standard_normal(99)
-    >>> figure = correlations_figure(noise, [("pump", np.sign(noise))])
-    >>> [axes.get_title(loc="left") for axes in figure.axes]
-    ['with themselves', 'with pump, earlier']
     """
     import matplotlib
     from matplotlib.figure import Figure

@@ -75,7 +75,6 @@ def law_grids(controller: Controller, process: Process) -> list[Table]:
 
     Parameters
     ----------
-    controller : Controller
     process : Process
         Lends display units.
 
@@ -121,16 +120,7 @@ def law_grids(controller: Controller, process: Process) -> list[Table]:
 
 
 def law_facts(controller: Controller, process: Process) -> list[Table]:
-    """Return operating point, limits and anti-windup of a controller that is no scheme of blocks.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> plant = cl.load("quadruple-tank")
-    >>> facts = law_facts(cl.design.lqi(plant), plant.process)
-    >>> [part.title for part in facts]
-    ['Operating point', 'Output pump_1', 'Output pump_2']
-    """
+    """Return operating point, limits and anti-windup of a controller without blocks."""
     if controller.law.blocks:
         return []
     values, found = controller.values, []
@@ -256,13 +246,6 @@ def parameter_tables(controller: Controller) -> list[Table]:
     "level_1.integral_time" and "level_2.integral_time" become the row "integral_time" with columns
     level_1 and level_2; "pump_1.feedback.level_3" stands in the row "pump_1.feedback", column
     level_3.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> controller = cl.design.simc(cl.load("quadruple-tank"))
-    >>> [table.head[1:-1] for table in parameter_tables(controller)]
-    [('level_1', 'level_2'), ('pump_1', 'pump_2')]
     """
     units = {signal.name: signal.unit for signal in controller.law.parameters}
     grouped: dict[tuple[str, str], dict[str, float]] = {}
@@ -285,14 +268,6 @@ def status_words(run: Run) -> list[str]:
     list of str
         "pump_1, pump_2: the mode is automatic (14 min); the output stands at its high
         limit (12 s)"
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> plant = cl.load("quadruple-tank")
-    >>> run = cl.simulate(plant, cl.design.simc(plant), duration="1 min")
-    >>> status_words(run)[0].split(" (")[0]
-    'pump_1, pump_2: the mode is automatic'
     """
     outputs: dict[str, list[str]] = {}
     for name in run.controller.manipulated:

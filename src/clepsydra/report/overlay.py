@@ -23,6 +23,7 @@ from clepsydra.report.quantities import display_factor, sensor_scale, short_text
 from clepsydra.report.score_tables import standing_word
 from clepsydra.scores.plant_flows import forced_flows
 from clepsydra.studies.result import Candidate, StudyResult
+from clepsydra.studies.warnings.loop_response import LoopResponse
 
 #: So many numbers a page holds in all, and so many points a window has at least and at most.
 _NUMBERS, _FEWEST, _MOST = 110_000, 60, 300
@@ -127,16 +128,7 @@ def _seen(process: Process, measurement: str) -> Signal:
 
 
 def shown_signals(result: StudyResult) -> list[ShownSignal]:
-    """Return the rows of charts: what is controlled, what inner loops measure, what is moved.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> plant = cl.load("quadruple-tank")
-    >>> rows = shown_signals(cl.study(plant, [cl.design.simc(plant)]))
-    >>> [row.signal.name for row in rows]
-    ['tank_1.level', 'tank_2.level', 'pump_1', 'pump_2']
-    """
+    """Return the rows of charts: what is controlled, what inner loops measure, what is moved."""
     process = result.process
     held = [ShownSignal(_seen(process, name), name) for name in process.controlled]
     measured = [name for each in result.ranking for _, name in inner_loops(each.controller)]
@@ -157,19 +149,8 @@ def event_windows(
 
     Parameters
     ----------
-    result : StudyResult
-    signals : sequence of ShownSignal
     first : sequence of Candidate
         Shown before any other is asked for.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> plant = cl.load("quadruple-tank")
-    >>> result = cl.study(plant, [cl.design.simc(plant)])
-    >>> windows = event_windows(result, shown_signals(result), result.ranking)
-    >>> len(windows), windows[0].view
-    (7, (-4.8, 80.0))
     """
     scenario = result.scenario
     period, segments = scenario.sampling_period, scenario.segments
@@ -362,3 +343,37 @@ def _described(shown: ShownSignal, process: Process) -> dict[str, Any]:
 
 def _finite(value: float) -> float | None:
     return float(f"{value:.6g}") if math.isfinite(value) else None
+
+
+#: Frequencies to the decade, and decades below the highest frequency.
+_PER_DECADE, _DECADES = 40, 4.0
+
+
+def sensitivity_data(ranking: Sequence[Candidate]) -> dict[str, Any] | None:
+    """Return frequencies [rad/s] and each controller's S at the measurements; None without any.
+
+    Returns
+    -------
+    dict or None
+        "frequencies", and in "curves" a list for each controller with null where its loop has no
+        such frequency, or null for one without a linear loop.
+    """
+    responses = [each.response for each in ranking]
+    ends = [float(each.frequencies[-1]) for each in responses if each is not None]
+    if not ends:
+        return None
+    highest = np.log10(max(ends))
+    grid = np.logspace(highest - _DECADES, highest, round(_DECADES * _PER_DECADE) + 1)
+    return {
+        "frequencies": [float(f"{each:.4g}") for each in grid],
+        "curves": [None if each is None else _curve(each, grid) for each in responses],
+    }
+
+
+def _curve(response: LoopResponse, grid: np.ndarray) -> list[float | None]:
+    sizes = np.linalg.svd(response.at_output, compute_uv=False)[:, 0]
+    known = np.isfinite(sizes)
+    found = np.interp(
+        np.log(grid), np.log(response.frequencies[known]), sizes[known], left=np.nan, right=np.nan
+    )
+    return [float(f"{each:.3g}") if np.isfinite(each) else None for each in found]

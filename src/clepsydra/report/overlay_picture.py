@@ -32,21 +32,8 @@ def overlay_figure(
 
     Parameters
     ----------
-    windows : sequence of EventWindow
-    signals : sequence of ShownSignal
     first : sequence of Candidate
         In the order of their colours.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.report.overlay import event_windows, shown_signals
-    >>> plant = cl.load("three-tanks")
-    >>> result = cl.study(plant, [cl.design.simc(plant)])
-    >>> signals = shown_signals(result)
-    >>> windows = event_windows(result, signals, result.ranking)
-    >>> len(overlay_figure(windows, signals, result.ranking).axes)  # 3 events, a level and a pump
-    6
     """
     import matplotlib
     from matplotlib.figure import Figure

@@ -10,6 +10,7 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from clepsydra.base.arguments import require_type
 from clepsydra.base.files import whole_file
 from clepsydra.base.section import Section
 from clepsydra.report.html_section import html
@@ -44,16 +45,9 @@ def write_page(text: str, path: str | Path) -> None:
     Raises
     ------
     InputError
-        The folder cannot be written to.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_page("<!DOCTYPE html>", Path(folder, "page.html"))
-    ...     Path(folder, "page.html").read_text("utf-8")
-    '<!DOCTYPE html>'
+        The path is no file name, or the folder cannot be written to.
     """
+    require_type(path, (str, Path), "report, path", "a file name", 'write as in "report.html"')
     with whole_file(Path(path)) as part:
         part.write_text(text, encoding="utf-8", newline="\n")
 
@@ -73,11 +67,6 @@ class PageAssets:
     ----------
     script, style : str
         JavaScript and CSS, whole: they fetch nothing.
-
-    Examples
-    --------
-    >>> PageAssets("drawTrends();", ".interactive { margin: 0 }").script
-    'drawTrends();'
     """
 
     script: str
@@ -89,12 +78,6 @@ def page_assets() -> PageAssets | None:
 
     They are built from `page/`, which needs Node and its packages once, when Clepsydra is
     installed from its sources; a wheel has them. Without them pictures are still.
-
-    Examples
-    --------
-    >>> assets = page_assets()
-    >>> assets is None or "uPlot" in assets.script
-    True
     """
     folder = resources.files("clepsydra.report") / "page"
     try:
@@ -116,11 +99,6 @@ def rendered(template: str, **values: Any) -> str:
         Name of its file.
     **values
         What it shows; it refuses a name that it is not given.
-
-    Examples
-    --------
-    >>> "max-width" in rendered("page_style.css.jinja")
-    True
     """
     import jinja2
 
@@ -146,7 +124,6 @@ def svg_text(figure: Figure, title: str, prefix: str) -> str:
 
     Parameters
     ----------
-    figure : matplotlib.figure.Figure
     title : str
         What the picture shows, for readers who do not see it.
     prefix : str

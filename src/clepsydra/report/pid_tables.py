@@ -6,12 +6,11 @@ import math
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.section import Table
-from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.anti_windup import IN_WORDS
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.pid_block import PidBlock
-from clepsydra.designs.gain_units import GainUnits, gain_units
+from clepsydra.designs.gain_units import gain_units
 from clepsydra.designs.loops.pid_settings import (
     ParallelSettings,
     PidSettings,
@@ -20,6 +19,7 @@ from clepsydra.designs.loops.pid_settings import (
     from_series,
 )
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.process.process import Process
 from clepsydra.report.facts import (
     DIGITS,
     facts_table,
@@ -28,7 +28,9 @@ from clepsydra.report.facts import (
     gain_unit,
     known_signal,
     level_words,
+    own_values,
     range_text,
+    told_table,
 )
 from clepsydra.report.law_tables import output_facts
 from clepsydra.report.quantities import (
@@ -36,6 +38,7 @@ from clepsydra.report.quantities import (
     number_text,
     quantity_text,
     setting_time,
+    time_cell,
     unit_text,
 )
 
@@ -45,21 +48,26 @@ _ALGORITHMS = {
     "parallel": "parallel (independent gains)",
     "velocity": "velocity (incremental, ISA)",
 }
+_Facts = list[tuple[str, str]]
+
+
+def settings_table(controller: Controller, process: Process) -> Table | None:
+    """Return gain, times and setpoint weight of each loop in ISA form; None where it has no loop.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> settings_table(cl.design.simc(plant), plant.process).rows[0]
+    ('level_1 by pump_1', '3.00 V/V', '3.00', '32.0 s', '1')
+    """
+    loops = _loops(controller, process)
+    head = ("settings, ISA form", "K", "K [%/%]", "Ti", "Td", "b")
+    return told_table(head, [loop.row() for loop in loops]) if loops else None
 
 
 def loop_settings(controller: Controller, point: OperatingPoint) -> list[Table]:
     """Return the settings of every PID loop of a controller, in every unit and form in use.
-
-    Parameters
-    ----------
-    controller : Controller
-    point : OperatingPoint
-        Where it rests; its process lends ranges and display units.
-
-    Returns
-    -------
-    list of Table
-        Empty for a controller without PID loops.
 
     Examples
     --------
@@ -70,9 +78,8 @@ def loop_settings(controller: Controller, point: OperatingPoint) -> list[Table]:
     (('measures', 'level_1 (0 to 10 V)'), ('moves', 'pump_1 (0 to 10 V)'))
     """
     return [
-        _loop(block, controller, point)
-        for block in controller.law.blocks
-        if isinstance(block, PidBlock)
+        facts_table(f"{loop.measurement.name} by {loop.moved.name}", loop.facts(point))
+        for loop in _loops(controller, point.process)
     ]
 
 
@@ -104,170 +111,174 @@ def equation(form: PidForm) -> str:
     return words + (", computed as increments of u" if form.algorithm == "velocity" else "")
 
 
-def _loop(block: PidBlock, controller: Controller, point: OperatingPoint) -> Table:
-    form, values = block.form, _values(block, controller)
-    process = point.process
-    measurement = known_signal(process, block.measurement)
-    moved = known_signal(process, block.moved)
-    facts = [
-        ("measures", range_text(measurement)),
-        ("moves", range_text(moved) if block.direct else _moves(block, moved, controller)),
-        ("setpoint", _setpoint(block, controller, measurement, point)),
-        ("algorithm", f"{_ALGORITHMS[form.algorithm]}: {equation(form)}"),
-        *_gains(block, controller, measurement, moved),
-        *_options(block, controller, measurement),
-    ]
-    if form.has_integral:
-        facts.append(("anti-windup", IN_WORDS[form.winding]))
-    if form.tracks_back:
-        facts.append(("tracking time", setting_time(values["tracking_time"])))
-    if block.direct:
-        facts += output_facts(moved, controller)
-    return facts_table(f"{measurement.name} by {moved.name}", facts)
+def _loops(controller: Controller, process: Process) -> list[_Loop]:
+    blocks = controller.law.blocks
+    return [_Loop(each, controller, process) for each in blocks if isinstance(each, PidBlock)]
 
 
-def _values(block: PidBlock, controller: Controller) -> dict[str, float]:
-    """Return the settings of a loop by their names in it."""
-    return {each.part: controller.values[each.name] for each in block.parameters()}
+class _Loop:
+    """A loop with its settings [SI], and with its signals as the process shows them."""
 
+    def __init__(self, block: PidBlock, controller: Controller, process: Process) -> None:
+        self.block, self.form, self.controller = block, block.form, controller
+        self.values = own_values(block.parameters(), controller)
+        self.measurement = known_signal(process, block.measurement)
+        self.moved = known_signal(process, block.moved)
+        self.ranged = self.measurement.has_range and self.moved.has_range
+        self.settings = self._isa()
 
-def _moves(block: PidBlock, moved: Signal, controller: Controller) -> str:
-    for other in controller.law.blocks:
-        if isinstance(other, PidBlock) and other.setpoint == block.name:
-            return f"the setpoint of {range_text(moved)}"
-    return f"{range_text(moved)}, through the blocks below ({block.name})"
-
-
-def _setpoint(
-    block: PidBlock, controller: Controller, measurement: Signal, point: OperatingPoint
-) -> str:
-    if block.inner:
-        values = _values(block, controller)
-        low, high = (
-            quantity_text(measurement, values[f"setpoint_{end}_limit"], 4)
-            for end in ("low", "high")
-        )
-        return f"from {block.setpoint} (cascade), kept from {low} to {high}"
-    fixed = controller.free_inputs.get(block.setpoint)
-    if fixed is not None:
-        return f"fixed at {level_words(point.process, measurement, fixed)}"
-    rest = level_words(point.process, measurement, point.as_dict()[measurement.name])
-    words = f"from the operator, {rest} at rest"
-    return words + (", or from a remote source" if block.form.remote_setpoint else "")
-
-
-def isa_settings(block: PidBlock, controller: Controller) -> PidSettings | None:
-    """Return the settings in ISA form; None where there is none."""
-    form, values = block.form, _values(block, controller)
-    gain = values["proportional_gain"]
-    if gain == 0.0:
-        return None
-    if form.algorithm == "parallel":
-        integral = values.get("integral_gain", 0.0)
-        derivative = values.get("derivative_gain", 0.0)
-        try:
-            return from_parallel(ParallelSettings(gain, integral, derivative))
-        except InputError:
+    def _isa(self) -> PidSettings | None:
+        """Return the settings in ISA form; None where there is none."""
+        values, gain = self.values, self.values["proportional_gain"]
+        if gain == 0.0:
             return None
-    integral_time = values.get("integral_time", 0.0) or math.inf
-    derivative_time = values.get("derivative_time", 0.0)
-    if form.algorithm == "series":
-        return from_series(SeriesSettings(gain, integral_time, derivative_time))
-    return PidSettings(gain, integral_time, derivative_time)
+        if self.form.algorithm == "parallel":
+            others = (values.get(f"{part}_gain", 0.0) for part in ("integral", "derivative"))
+            try:
+                return from_parallel(ParallelSettings(gain, *others))
+            except InputError:
+                return None
+        times = values.get("integral_time", 0.0) or math.inf, values.get("derivative_time", 0.0)
+        if self.form.algorithm == "series":
+            return from_series(SeriesSettings(gain, *times))
+        return PidSettings(gain, *times)
+
+    def row(self) -> tuple[str, ...]:
+        """Return name, gain, gain in percent, times and setpoint weight, in three digits."""
+        name, found = f"{self.measurement.name} by {self.moved.name}", self.settings
+        if found is None:
+            return name, "no ISA form", "", "", "", ""
+        percent = (
+            gain_units(found, self.measurement, self.moved).percent_gain if self.ranged else 0.0
+        )
+        direct = ", direct" if found.gain < 0.0 else ""
+        weight = self.values.get("setpoint_weight")
+        return (
+            name,
+            gain_text(found.gain, self.measurement, self.moved, 3),
+            f"{number_text(percent)}{direct}" if percent else "",
+            time_cell(found.integral_time) if math.isfinite(found.integral_time) else "none",
+            time_cell(found.derivative_time) if found.derivative_time else "",
+            "" if weight is None else f"{weight:.2g}",
+        )
+
+    def facts(self, point: OperatingPoint) -> _Facts:
+        """Return everything about it."""
+        form = self.form
+        facts = [
+            ("measures", range_text(self.measurement)),
+            ("moves", self._moves()),
+            ("setpoint", self._setpoint(point)),
+            ("algorithm", f"{_ALGORITHMS[form.algorithm]}: {equation(form)}"),
+            *self._gains(),
+            *self._options(),
+        ]
+        if form.has_integral:
+            facts.append(("anti-windup", IN_WORDS[form.winding]))
+        if form.tracks_back:
+            facts.append(("tracking time", setting_time(self.values["tracking_time"])))
+        return facts + (output_facts(self.moved, self.controller) if self.block.direct else [])
+
+    def _moves(self) -> str:
+        block, moved = self.block, range_text(self.moved)
+        if block.direct:
+            return moved
+        for other in self.controller.law.blocks:
+            if isinstance(other, PidBlock) and other.setpoint == block.name:
+                return f"the setpoint of {moved}"
+        return f"{moved}, through the blocks below ({block.name})"
+
+    def _setpoint(self, point: OperatingPoint) -> str:
+        block, measurement = self.block, self.measurement
+        if block.inner:
+            ends = (self.values[f"setpoint_{end}_limit"] for end in ("low", "high"))
+            low, high = (quantity_text(measurement, end, DIGITS) for end in ends)
+            return f"from {block.setpoint} (cascade), kept from {low} to {high}"
+        fixed = self.controller.free_inputs.get(block.setpoint)
+        if fixed is not None:
+            return f"fixed at {level_words(point.process, measurement, fixed)}"
+        rest = level_words(point.process, measurement, point.as_dict()[measurement.name])
+        remote = ", or from a remote source" if block.form.remote_setpoint else ""
+        return f"from the operator, {rest} at rest{remote}"
+
+    def _gains(self) -> _Facts:
+        settings, form, signals = self.settings, self.form, (self.measurement, self.moved)
+        if settings is None:
+            proportional = self.values["proportional_gain"]
+            if proportional == 0.0:
+                return [("gain K", "0: no proportional action")]
+            words = "none: its gains have different signs"
+            return [("gain K", gain_text(proportional, *signals)), ("the ISA form", words)]
+        rises = settings.gain > 0.0
+        action = "reverse: the output rises" if rises else "direct: the output falls"
+        gain, times = gain_text(settings.gain, *signals), _times(settings, form)
+        facts = [("action", f"{action} when the measurement falls")]
+        if not self.ranged:
+            return [*facts, ("gain K", gain), *times]
+        shown = gain_units(settings, *signals)
+        percent = f"{number_text(shown.percent_gain, DIGITS)} %/%"
+        if percent != gain:
+            gain += f", that is {percent}{'' if rises else ' with direct action'}"
+        band = f"{number_text(shown.proportional_band, DIGITS)} %"
+        facts += [("gain K", gain), ("proportional band", band), *times]
+        factor, unit = gain_factor(*signals), gain_unit(*signals)
+        if form.has_derivative:
+            words, series = "none, since Ti < 4 Td", shown.series
+            if series is not None:
+                words = _symbols(
+                    ("K", series.gain * factor, unit),
+                    ("Ti", series.integral_time, "s"),
+                    ("Td", series.derivative_time, "s"),
+                )
+            facts.append(("the same in series form", words))
+        if form.has_integral or form.has_derivative:
+            found, unit = shown.parallel, unit or "1"
+            parts = [("Kp", found.gain * factor, unit)]
+            if form.has_integral:
+                parts.append(("Ki", found.integral_gain * factor, f"{unit} per s"))
+            if form.has_derivative:
+                parts.append(("Kd", found.derivative_gain * factor, f"{unit} × s"))
+            facts.append(("the same in parallel form", _symbols(*parts)))
+        return facts
+
+    def _options(self) -> _Facts:
+        """Return filter, setpoint weight, shape of the error and ramp, each where there is one."""
+        values, facts = self.values, []
+        factor, unit = display_factor(self.measurement), unit_text(self.measurement.shown_unit)
+        if self.form.has_derivative:
+            seconds, words = values.get("filter_time"), ""
+            if seconds is None:
+                ratio = values["derivative_filter"]
+                seconds, words = values["derivative_time"] / ratio, f" (Td/{ratio:g})"
+            facts.append(("derivative of", f"the {self.form.derivative_on}"))
+            facts.append(("derivative filter", f"{setting_time(seconds)}{words}"))
+        for name, what, scale, of in (
+            ("setpoint_weight", "setpoint weight b", 1.0, ""),
+            ("gap", "gap, to each side", factor, unit),
+            ("gap_gain", "share of the error within the gap", 1.0, ""),
+            ("squared_error_scale", "error with the nominal gain", factor, unit),
+            ("setpoint_ramp", "setpoint moves at most", factor, f"{unit}/s"),
+        ):
+            if name in values:
+                facts.append((what, f"{number_text(values[name] * scale, DIGITS)} {of}".strip()))
+        return facts
 
 
-def _gains(
-    block: PidBlock, controller: Controller, measurement: Signal, moved: Signal
-) -> list[tuple[str, str]]:
-    settings, form = isa_settings(block, controller), block.form
-    if settings is None:
-        proportional = _values(block, controller)["proportional_gain"]
-        if proportional == 0.0:
-            return [("gain K", "0: no proportional action")]
-        words = "none: its gains have different signs"
-        return [("gain K", gain_text(proportional, measurement, moved)), ("the ISA form", words)]
-    rises = settings.gain > 0.0
-    action = "reverse: the output rises" if rises else "direct: the output falls"
-    facts = [("action", f"{action} when the measurement falls")]
-    gain = gain_text(settings.gain, measurement, moved)
-    if not (measurement.has_range and moved.has_range):
-        return [*facts, ("gain K", gain), *_times(settings, form)]
-    shown = gain_units(settings, measurement, moved)
-    percent = f"{number_text(shown.percent_gain, DIGITS)} %/%"
-    if percent != gain:
-        gain += f", that is {percent}{'' if rises else ' with direct action'}"
-    facts += [
-        ("gain K", gain),
-        ("proportional band", f"{number_text(shown.proportional_band, DIGITS)} %"),
-        *_times(settings, form),
-    ]
-    factor, unit = gain_factor(measurement, moved), gain_unit(measurement, moved)
-    if form.has_derivative:
-        facts.append(("the same in series form", _series(shown, factor, unit)))
-    if form.has_integral or form.has_derivative:
-        facts.append(("the same in parallel form", _parallel(shown, form, factor, unit)))
-    return facts
-
-
-def _times(settings: PidSettings, form: PidForm) -> list[tuple[str, str]]:
+def _times(settings: PidSettings, form: PidForm) -> _Facts:
     facts = []
     if form.has_integral:
         minutes = settings.integral_time / 60.0
-        words = (
-            f"{setting_time(settings.integral_time)} = {number_text(minutes, DIGITS)} min/repeat = "
-            f"{number_text(1.0 / minutes, DIGITS)} repeats/min"
-        )
-        facts.append(("integral time Ti", words))
+        shown, repeats = (number_text(each, DIGITS) for each in (minutes, 1.0 / minutes))
+        words = f"{setting_time(settings.integral_time)} = {shown} min/repeat"
+        facts.append(("integral time Ti", f"{words} = {repeats} repeats/min"))
     if form.has_derivative:
-        time = settings.derivative_time
-        words = f"{number_text(time, DIGITS)} s = {number_text(time / 60.0, DIGITS)} min"
+        seconds, minutes = settings.derivative_time, settings.derivative_time / 60.0
+        words = f"{number_text(seconds, DIGITS)} s = {number_text(minutes, DIGITS)} min"
         facts.append(("derivative time Td", words))
     return facts
 
 
-def _series(shown: GainUnits, factor: float, unit: str) -> str:
-    if shown.series is None:
-        return "none, since Ti < 4 Td"
-    series = shown.series
-    return (
-        f"K = {number_text(series.gain * factor, DIGITS)} {unit}, "
-        f"Ti = {number_text(series.integral_time, DIGITS)} s, "
-        f"Td = {number_text(series.derivative_time, DIGITS)} s"
+def _symbols(*numbers: tuple[str, float, str]) -> str:
+    return ", ".join(
+        f"{name} = {number_text(value, DIGITS)} {unit}" for name, value, unit in numbers
     )
-
-
-def _parallel(shown: GainUnits, form: PidForm, factor: float, unit: str) -> str:
-    parallel, unit = shown.parallel, unit or "1"
-    words = f"Kp = {number_text(parallel.gain * factor, DIGITS)} {unit}"
-    if form.has_integral:
-        words += f", Ki = {number_text(parallel.integral_gain * factor, DIGITS)} {unit} per s"
-    if form.has_derivative:
-        words += f", Kd = {number_text(parallel.derivative_gain * factor, DIGITS)} {unit} × s"
-    return words
-
-
-def _options(block: PidBlock, controller: Controller, measurement: Signal) -> list[tuple[str, str]]:
-    """Return filter, setpoint weight, shape of the error and ramp, each where there is one."""
-    values, form = _values(block, controller), block.form
-    factor, unit = display_factor(measurement), unit_text(measurement.shown_unit)
-    facts = []
-    if form.has_derivative:
-        seconds = values.get("filter_time")
-        words = ""
-        if seconds is None:
-            ratio = values["derivative_filter"]
-            seconds = values["derivative_time"] / ratio
-            words = f" (Td/{ratio:g})"
-        facts.append(("derivative of", f"the {form.derivative_on}"))
-        facts.append(("derivative filter", f"{setting_time(seconds)}{words}"))
-    for name, what, scale, of in (
-        ("setpoint_weight", "setpoint weight b", 1.0, ""),
-        ("gap", "gap, to each side", factor, unit),
-        ("gap_gain", "share of the error within the gap", 1.0, ""),
-        ("squared_error_scale", "error with the nominal gain", factor, unit),
-        ("setpoint_ramp", "setpoint moves at most", factor, f"{unit}/s"),
-    ):
-        if name in values:
-            shown = number_text(values[name] * scale, DIGITS)
-            facts.append((what, f"{shown} {of}".strip()))
-    return facts

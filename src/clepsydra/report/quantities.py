@@ -172,7 +172,6 @@ def percent_scale(process: Process, name: str) -> tuple[float, float] | None:
 
     Parameters
     ----------
-    process : Process
     name : str
         A state, input, disturbance or measurement.
 
@@ -220,7 +219,6 @@ def sensor_scale(process: Process, measurement: str) -> SensorScale:
 
     Parameters
     ----------
-    process : Process
     measurement : str
         A name in ``process.measured_state``.
 
@@ -298,7 +296,6 @@ def settled_gains(
     Parameters
     ----------
     gains : ndarray [rows, columns]
-    rows, columns : sequence of Signal
 
     Examples
     --------

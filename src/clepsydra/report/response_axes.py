@@ -58,15 +58,7 @@ def shown_frequencies(analysis: Analysis) -> np.ndarray:
 
 
 def in_shares(analysis: Analysis, gains: np.ndarray) -> np.ndarray:
-    """Return responses [l, q, m] in SI in % per %; of a signal without a range in its unit.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> analysis = cl.load("quadruple-tank").analysis  # 0 to 10 V on both sides
-    >>> in_shares(analysis, np.ones((1, 2, 2))).tolist()
-    [[[1.0, 1.0], [1.0, 1.0]]]
-    """
+    """Return responses [l, q, m] in SI in % per %; of a signal without a range in its unit."""
     model, process = analysis.model, analysis.operating_point.process
     spans = [
         np.array(
@@ -113,14 +105,7 @@ class Channel:
 def picture(
     rows: int, columns: int, height: float, **options: Any
 ) -> Iterator[tuple[Figure, np.ndarray]]:
-    """Give a figure with a grid of axes [rows, columns], each row of a height [inch].
-
-    Examples
-    --------
-    >>> with picture(2, 1, 1.0) as (figure, grid):
-    ...     len(figure.axes), grid.shape
-    (2, (2, 1))
-    """
+    """Give a figure with a grid of axes [rows, columns], each row of a height [inch]."""
     import matplotlib
     from matplotlib.figure import Figure
 
@@ -145,7 +130,6 @@ def channel_picture(
 
     Parameters
     ----------
-    analysis : Analysis
     shares : ndarray [points, outputs, inputs]
         What is drawn, in ranges.
     height : float
@@ -156,14 +140,6 @@ def channel_picture(
         What is done, of what is moved.
     **options
         Of Matplotlib's ``subplots``.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> analysis = cl.load("quadruple-tank").analysis
-    >>> with channel_picture(analysis, np.ones((1, 2, 2)), 1.0, each=2) as (figure, _, channels):
-    ...     len(channels), channels[0].axes[0].get_title(loc="left")
-    (4, 'level_1 by pump_1')
     """
     model, process = analysis.model, analysis.operating_point.process
     largest = np.abs(shares).max(axis=0)
@@ -184,16 +160,7 @@ def channel_picture(
 
 
 def title(axes: Axes, output: str, cause: str, columns: int) -> None:
-    """Write what axes show above them: in two lines, each shortened, where one is too narrow.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> axes = Figure().add_subplot()
-    >>> title(axes, "level_1", "by pump_1", 1)
-    >>> axes.get_title(loc="left")
-    'level_1 by pump_1'
-    """
+    """Write what axes show above them: in two lines, each shortened, where one is too narrow."""
     letters = max(int(WIDTH / columns * _LETTERS_AN_INCH) - 8, 12)
     words = f"{output} {cause}"
     if len(words) > letters:
@@ -202,16 +169,7 @@ def title(axes: Axes, output: str, cause: str, columns: int) -> None:
 
 
 def mark_frequencies(axes: Sequence[Axes] | np.ndarray) -> None:
-    """Give axes a logarithmic frequency axis, named below the last of them.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> axes = [Figure().add_subplot()]
-    >>> mark_frequencies(axes)
-    >>> axes[0].get_xlabel()
-    'frequency [rad/s]'
-    """
+    """Give axes a logarithmic frequency axis, named below the last of them."""
     for entry in axes:
         entry.set_xscale("log")
         entry.tick_params(which="minor", color=MUTED)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from clepsydra.base.section import Table
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
@@ -13,11 +11,17 @@ from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.controllers.structure.ratio_block import RatioBlock
 from clepsydra.controllers.structure.selector_block import SelectorBlock
 from clepsydra.controllers.structure.split_range_block import SplitRangeBlock
-from clepsydra.designs.gain_units import gain_units, percent_gain
+from clepsydra.designs.gain_units import percent_gain
 from clepsydra.process.process import Process
-from clepsydra.report.facts import DIGITS, facts_table, gain_text, known_signal, told_table
+from clepsydra.report.facts import (
+    DIGITS,
+    facts_table,
+    gain_text,
+    known_signal,
+    own_values,
+    told_table,
+)
 from clepsydra.report.law_tables import output_facts
-from clepsydra.report.pid_tables import isa_settings
 from clepsydra.report.quantities import number_text, quantity_text, time_cell
 
 
@@ -26,7 +30,6 @@ def scheme_blocks(controller: Controller, process: Process) -> list[Table]:
 
     Parameters
     ----------
-    controller : Controller
     process : Process
         Lends display units.
 
@@ -69,16 +72,17 @@ def scheme_blocks(controller: Controller, process: Process) -> list[Table]:
 def _feedforward(block: FeedforwardBlock, controller: Controller, process: Process) -> Table:
     moved = known_signal(process, block.moved)
     decouples = not any(term.measured for term in block.terms)
-    facts = [("adds to", block.source)]
-    facts += [_term(term, moved, controller, process) for term in block.terms]
+    terms = [_term(term, moved, controller, process) for term in block.terms]
     what = "Decoupling" if decouples else "Feedforward"
-    return facts_table(f"{what} of {moved.name} ({block.name})", facts)
+    return facts_table(
+        f"{what} of {moved.name} ({block.name})", [("adds to", block.source), *terms]
+    )
 
 
 def _term(
     term: FeedforwardTerm, moved: Signal, controller: Controller, process: Process
 ) -> tuple[str, str]:
-    values = {each.part: controller.values[each.name] for each in term.parameters()}
+    values = own_values(term.parameters(), controller)
     signal = known_signal(process, term.signal)
     gain = gain_text(values["gain"], signal, moved)
     reference = quantity_text(signal, values["reference"], DIGITS)
@@ -95,7 +99,7 @@ def _term(
 
 def _ratio(block: RatioBlock, controller: Controller, process: Process) -> Table:
     moved, wild = known_signal(process, block.moved), known_signal(process, block.wild)
-    values = {each.part: controller.values[each.name] for each in block.parameters()}
+    values = own_values(block.parameters(), controller)
     facts = [("asks for", f"ratio × {wild.name}")]
     if block.source is None:
         facts.append(("ratio", gain_text(values["ratio"], wild, moved)))
@@ -120,7 +124,7 @@ def _split_range(block: SplitRangeBlock, controller: Controller, process: Proces
     facts = [("splits", f"{block.source}, 0 to 100 %")]
     for leg in block.legs:
         signal = known_signal(process, leg.moved)
-        values = {each.part: controller.values[each.name] for each in leg.parameters()}
+        values = own_values(leg.parameters(), controller)
         start, end = (number_text(values[what], DIGITS) for what in ("start", "end"))
         first, last = (
             quantity_text(signal, values[what], DIGITS) for what in ("at_start", "at_end")
@@ -128,34 +132,6 @@ def _split_range(block: SplitRangeBlock, controller: Controller, process: Proces
         words = f"from {first} at {start} % to {last} at {end} %, level beyond"
         facts.append((signal.name, words))
     return facts_table(f"Split range ({block.name})", facts)
-
-
-_DIGITS = 3
-
-
-def settings_table(controller: Controller, process: Process) -> Table | None:
-    """Return gain, times and setpoint weight of each loop in ISA form; None where it has no loop.
-
-    The gain K stands in the units of the process file and in % of the output's range per % of the
-    measurement's, positive, with "direct" where the output rises with the measurement; the times
-    stand in the unit that suits them.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> plant = cl.load("quadruple-tank")
-    >>> table = settings_table(cl.design.simc(plant), plant.process)
-    >>> table.head
-    ('settings, ISA form', 'K', 'K [%/%]', 'Ti', 'b')
-    >>> table.rows[0]
-    ('level_1 by pump_1', '3.00 V/V', '3.00', '32.0 s', '1')
-    """
-    loops = [block for block in controller.law.blocks if isinstance(block, PidBlock)]
-    if not loops:
-        return None
-    rows = [_loop_row(block, controller, process) for block in loops]
-    head = ("settings, ISA form", "K", "K [%/%]", "Ti", "Td", "b")
-    return told_table(head, rows)
 
 
 def added_table(controller: Controller, process: Process) -> Table | None:
@@ -172,40 +148,18 @@ def added_table(controller: Controller, process: Process) -> Table | None:
     ('pump_1 from pump_2', '−0.575 V/V', '−0.575')
     """
     sums = (block for block in controller.law.blocks if isinstance(block, FeedforwardBlock))
-    rows = [_added(term, controller, process) for block in sums for term in block.terms]
+    rows = []
+    for term in (term for block in sums for term in block.terms):
+        signal, moved = (known_signal(process, each) for each in (term.signal, term.moved))
+        values = own_values(term.parameters(), controller)
+        ranged = signal.has_range and moved.has_range
+        rows.append(
+            (
+                f"{moved.name} from {signal.name}",
+                gain_text(values["gain"], signal, moved, 3),
+                number_text(percent_gain(values["gain"], signal, moved)) if ranged else "",
+                *(time_cell(values[what]) if values.get(what) else "" for what in ("lead", "lag")),
+            )
+        )
     head = ("added to", "gain", "gain [%/%]", "lead", "lag")
     return told_table(head, rows) if rows else None
-
-
-def _loop_row(block: PidBlock, controller: Controller, process: Process) -> tuple[str, ...]:
-    measurement, moved = (known_signal(process, each) for each in (block.measurement, block.moved))
-    name = f"{measurement.name} by {moved.name}"
-    settings = isa_settings(block, controller)
-    if settings is None:
-        return name, "no ISA form", "", "", "", ""
-    ranged = measurement.has_range and moved.has_range
-    percent = gain_units(settings, measurement, moved).percent_gain if ranged else 0.0
-    weight = controller.values.get(f"{block.owner}.setpoint_weight")
-    return (
-        name,
-        gain_text(settings.gain, measurement, moved, _DIGITS),
-        number_text(percent, _DIGITS) + (", direct" if settings.gain < 0.0 else "")
-        if percent
-        else "",
-        time_cell(settings.integral_time) if math.isfinite(settings.integral_time) else "none",
-        time_cell(settings.derivative_time) if settings.derivative_time else "",
-        "" if weight is None else f"{weight:.2g}",
-    )
-
-
-def _added(term: FeedforwardTerm, controller: Controller, process: Process) -> tuple[str, ...]:
-    signal, moved = (known_signal(process, each) for each in (term.signal, term.moved))
-    gain = controller.values[f"{term.owner}.gain"]
-    ranged = signal.has_range and moved.has_range
-    times = (controller.values.get(f"{term.owner}.{what}", 0.0) for what in ("lead", "lag"))
-    return (
-        f"{moved.name} from {signal.name}",
-        gain_text(gain, signal, moved, _DIGITS),
-        number_text(percent_gain(gain, signal, moved), _DIGITS) if ranged else "",
-        *(time_cell(time) if time else "" for time in times),
-    )

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
 
 from clepsydra.base.section import Table
+from clepsydra.base.words import listed
+from clepsydra.process.averaging import band_text
 from clepsydra.process.process import Process
 from clepsydra.report.facts import DIGITS
 from clepsydra.report.quantities import (
@@ -13,12 +18,15 @@ from clepsydra.report.quantities import (
     INTEGRAND,
     display_factor,
     number_text,
+    sensor_scale,
     settled,
     time_cell,
     unit_text,
 )
+from clepsydra.scores.band import TIME_OUTSIDE
 from clepsydra.scores.score import SCORES, Of, Score
-from clepsydra.scores.score_key import score_key
+from clepsydra.scores.score_key import by_signal, score_key
+from clepsydra.studies.departure import departures
 from clepsydra.studies.ranking import RULE
 from clepsydra.studies.ranking_words import IDLE
 from clepsydra.studies.result import Candidate, Standing, StudyResult
@@ -45,16 +53,7 @@ _NUMBERS_END, _NUMBERS_BEGIN = "total variation. ", ", most of all by "
 
 
 def standing_word(candidate: Candidate) -> str:
-    """Return how far a controller can be trusted, in a word.
-
-    Examples
-    --------
-    A law that switches has no margins, and is no more than safe:
-
-    >>> from types import SimpleNamespace
-    >>> standing_word(SimpleNamespace(standing=Standing.ROBUST, maximum_sensitivity=math.nan))
-    'safe'
-    """
+    """Return how far a controller can be trusted, in a word."""
     if candidate.standing is Standing.ROBUST and math.isnan(candidate.maximum_sensitivity):
         return "safe"
     return STANDING_WORDS[candidate.standing]
@@ -72,14 +71,7 @@ _COLUMNS_NOTE = (
 
 
 def ranking_note(result: StudyResult) -> str:
-    """Return what stands below a ranking: its columns and its rule in words.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> ranking_note(SimpleNamespace(rule="safe ones first."))[-23:]
-    'Order: safe ones first.'
-    """
+    """Return what stands below a ranking: its columns and its rule in words."""
     return f"{_COLUMNS_NOTE} Order: {result.rule or RULE}"
 
 
@@ -87,14 +79,6 @@ def reasons(ranking: Sequence[Candidate]) -> list[str]:
     """Return why each controller stands where it stands.
 
     Of the first three in full, of the others what puts them behind another.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> plant = cl.load("three-tanks")
-    >>> result = cl.study(plant, [cl.design.simc(plant), cl.design.amigo(plant)])
-    >>> [words.split(" ")[0] for words in reasons(result.ranking)]
-    ['Robust', 'Robust']
     """
     return [
         each.reason if place < _FULL_REASONS else _short(each.reason)
@@ -112,15 +96,6 @@ def score_tables(process: Process, candidate: Candidate) -> list[Table]:
     """Return the scores of a controller: of outputs, of inputs, and of pumps and tanks.
 
     Values and units are those that the reader sees of each signal; what no signal has is left out.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> plant = cl.load("three-tanks")
-    >>> result = cl.study(plant, [cl.design.simc(plant)])
-    >>> outputs, inputs = score_tables(result.process, result.ranking[0])
-    >>> [row[0] for row in inputs.rows][:3]
-    ['Total variation', 'Noise movement', 'Travel']
     """
     of_plant = [key for key, s in SCORES.items() if s.of in (Of.PUMP, Of.TANK, Of.INNER_LOOP)]
     of_signals = [key for key in SCORES if key not in of_plant]
@@ -161,11 +136,8 @@ def score_text(
 
     Parameters
     ----------
-    process : Process
     name : str
         Of the signal.
-    value : float
-    score : Score
     duration : float
         Of the run [s]: integrals over more than three hours are shown in hours.
 
@@ -206,15 +178,7 @@ def _powered(unit: str, power: int) -> str:
 
 
 def glossary(result: StudyResult) -> list[tuple[str, str]]:
-    """Return title and definition of every score that a study has.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> candidate = SimpleNamespace(scores={"iae[level]": 1.0})
-    >>> glossary(SimpleNamespace(ranking=(candidate,)))
-    [('IAE', 'Integral of the absolute error over the whole run.')]
-    """
+    """Return title and definition of every score that a study has."""
     present = {score_key(key).score for entry in result.ranking for key in entry.scores}
     return [(s.title, s.description) for key, s in SCORES.items() if key in present]
 
@@ -224,21 +188,10 @@ def tuning_grid(tuning: TuningResult, process: Process, duration: float = 0.0) -
 
     Parameters
     ----------
-    tuning : TuningResult
     process : Process
         Lends display units.
     duration : float
         Of the runs that were compared [s], as `clepsydra.report.score_tables.score_text` takes it.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> from clepsydra.process.reader import load_process
-    >>> found = SimpleNamespace(objective=0.6, start_objective=1.0, maximum_sensitivity=1.8,
-    ...     start_maximum_sensitivity=1.2, scores={"iae[level_1]": 30.0},
-    ...     start_scores={"iae[level_1]": 50.0})
-    >>> tuning_grid(found, load_process("quadruple-tank")).rows[2]
-    ('IAE of level_1', '50.0 V s', '30.0 V s')
     """
     peaks = tuning.start_maximum_sensitivity, tuning.maximum_sensitivity
     errors = tuning.start_objective, tuning.objective
@@ -258,3 +211,146 @@ def tuning_grid(tuning: TuningResult, process: Process, duration: float = 0.0) -
         else:
             rows.append((key, number_text(before), number_text(value)))
     return Table("Tuned by simulation", ("", "start", "tuned"), tuple(rows))
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One number that says how good a controller is.
+
+    Parameters
+    ----------
+    score : str
+        The key of the score, of which the worst signal counts.
+    title : str
+        Of a column.
+    sentence : str
+        With the number in braces, and the signal.
+    text : callable
+        Process, signal and value [SI] to the number with its unit.
+    endless : str
+        What is said in the place of the sentence where the value has no end.
+    """
+
+    score: str
+    title: str
+    sentence: str
+    text: Callable[[Process, str, float], str]
+    endless: str = ""
+
+    def worst(self, process: Process, candidate: Candidate) -> tuple[str, float] | None:
+        """Return the signal that is worst beside its range, and its value [SI]; None for none."""
+        told = by_signal(candidate.scores, self.score)
+        found = {name: value for name, value in told.items() if not math.isnan(value)}
+        if not found or (self.score in _OF_SWITCHES and candidate.controller.setpoints):
+            return None
+        if self.score == TIME_OUTSIDE.key and not departures(process, candidate.scores):
+            return None
+        in_its_unit = SCORES[self.score].powers == (1, 0)
+        share = {
+            name: value / process.signal(name).span if in_its_unit else value
+            for name, value in found.items()
+        }
+        name = max(share, key=lambda each: share[each])
+        return name, found[name]
+
+    def cell(self, process: Process, candidate: Candidate) -> str:
+        """Return the number with its unit; a dash for none, or for nothing."""
+        worst = self.worst(process, candidate)
+        return "–" if worst is None or not worst[1] else self.text(process, *worst)
+
+    def words(self, process: Process, candidate: Candidate) -> str:
+        """Return the number in a clause; empty for none, and where it is nothing."""
+        worst = self.worst(process, candidate)
+        if worst is None or not worst[1]:
+            return ""
+        if math.isinf(worst[1]):
+            return self.endless
+        return self.sentence.format(self.text(process, *worst), signal=worst[0])
+
+
+def _time(process: Process, name: str, value: float) -> str:
+    return "never" if math.isinf(value) else time_cell(value)
+
+
+def _level(process: Process, name: str, value: float) -> str:
+    """Return a deviation of a measurement as one of the level that it measures."""
+    signal = process.signal(name)
+    value = settled(value, DEVIATION * signal.span)
+    state = process.measured_state.get(name)
+    if state is not None:
+        signal, value = process.signal(state), value / abs(sensor_scale(process, name).gain)
+    unit = unit_text(signal.shown_unit)
+    return f"{number_text(value * display_factor(signal), 2)} {unit}".strip()
+
+
+def _of_range(process: Process, name: str, value: float) -> str:
+    return f"{number_text(100.0 * value / process.signal(name).span, 2)} %"
+
+
+def _percent(process: Process, name: str, value: float) -> str:
+    return f"{settled(value, 100.0 * DEVIATION):.0f} %".replace("-0 %", "0 %").replace("-", "−")
+
+
+def _plain(unit: str) -> Callable[[Process, str, float], str]:
+    return lambda process, name, value: f"{number_text(value, 2)} {unit}".strip()
+
+
+#: What says something of controllers that switch, and have no setpoint.
+_OF_SWITCHES = ("starts_per_hour",)
+#: What an engineer asks first.
+_FIGURES = (
+    Figure(
+        "settling_time", "settles", "settles in {}", _time, "does not settle within the run"
+    ),
+    Figure("peak_deviation", "deviates", "deviates by at most {} under load", _level),
+    Figure(
+        "outflow_rate", "outflow changes", "changes the outflow by at most {}",
+        _plain("m³/h per h"),
+    ),
+    Figure("volume_used", "tank used", "uses {} of the tank", _percent),
+    Figure(TIME_OUTSIDE.key, "outside band", "", _time),
+    Figure("starts_per_hour", "starts", "starts {signal} {}", _plain("times/h")),
+    Figure("noise_movement", "noise", "lets noise move {signal} by {} of its range", _of_range),
+    Figure("overshoot", "overshoot", "", _percent),
+)  # fmt: skip
+
+
+def figures_of(process: Process) -> list[Figure]:
+    """Return what counts for a process: of one whose levels average, what they do to the outflow.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> [figure.title for figure in figures_of(load_process("equalisation-tank"))]
+    ['outflow changes', 'tank used', 'starts', 'noise', 'overshoot']
+    """
+    unasked = {"settling_time", "peak_deviation"} if process.averaging else set()
+    unasked |= set() if process.bands else {TIME_OUTSIDE.key}
+    return [figure for figure in _FIGURES if figure.score not in unasked]
+
+
+def _within_bands(candidate: Candidate) -> list[str]:
+    """Return between which values loads move each level that has a band."""
+    run, said = candidate.run, []
+    for name in run.process.bands:
+        level, period = run.true_measurement(name), run.scenario.sampling_period
+        parts = [
+            level[round(part.start / period) : round(part.stop / period) + 1]
+            for part in run.scenario.segments
+            if part.kind == "load"
+        ]
+        if parts:
+            ends = [float(find(np.concatenate(parts))) for find in (np.min, np.max)]
+            signal = run.process.signal(name)
+            used, allowed = band_text(signal, ends, 2), band_text(signal, run.process.bands[name])
+            said.append(f"holds {name} within {used} (band {allowed})")
+    return said
+
+
+def performance_words(process: Process, candidate: Candidate) -> str:
+    """Return how good a controller is, as what follows its name in a sentence."""
+    said = []
+    for figure in figures_of(process):
+        within = _within_bands(candidate) if figure.score == "volume_used" else []
+        said += within or [figure.words(process, candidate)]
+    return listed([words for words in said if words])

@@ -1,10 +1,9 @@
-"""The report of an open-loop simulation: one HTML file, without a network or a script."""
+"""What a simulation without a controller did: its answer, its tables, and its page."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
@@ -19,11 +18,10 @@ from clepsydra.process.process import Process
 from clepsydra.report.drawing.plant import process_drawing
 from clepsydra.report.facts import facts_table
 from clepsydra.report.html import address_text, integration_words, versions_text
-from clepsydra.report.page import page_text, svg_text, write_page
-from clepsydra.report.panels import all_panels
+from clepsydra.report.page import page_text, svg_text
 from clepsydra.report.quantities import number_text, quantity_text, short_text, unit_text
 from clepsydra.report.recording import event_marks
-from clepsydra.report.trends import trend_figure
+from clepsydra.report.trends import plot
 
 #: Events and changes that the page lists one by one.
 _ON_PAGE = 40
@@ -38,93 +36,19 @@ _BALANCED = (
 )
 
 
-def write_simulation_page(plan: Plan, run: Simulation, path: str | Path) -> None:
-    """Write the report of a simulation; an existing file is replaced only by a whole one.
-
-    Parameters
-    ----------
-    plan : Plan
-    run : Simulation
-        Of that plan.
-    path : str or Path
-        An HTML file. Two reports of one simulation are equal byte for byte.
-
-    Raises
-    ------
-    InputError
-        The file cannot be written.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from clepsydra.loop.open_loop_plan import plan_simulation
-    >>> from clepsydra.process.reader import load_process
-    >>> plan = plan_simulation(load_process("equalisation-tank"), duration="1 h")
-    >>> run = plan.run()
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_simulation_page(plan, run, Path(folder, "page.html"))
-    ...     simulation_sentence(plan, run) in Path(folder, "page.html").read_text("utf-8")
-    True
-    """
-    write_page(simulation_text(plan, run), path)
-
-
 def simulation_text(plan: Plan, run: Simulation) -> str:
-    """Return the report of a simulation as HTML.
-
-    Examples
-    --------
-    See `write_simulation_page`.
-    """
+    """Return the report of a simulation as HTML."""
     process = plan.process
-    figure = trend_figure(run, all_panels(run))
     words = f"States, manipulated variables and disturbances of {process.title}"
-    return page_text(
-        Section(
-            f"{process.title} – simulation without a controller",
-            (
-                Line(simulation_sentence(plan, run), Mark.ANSWER),
-                Line(trust_sentence(run)),
-                *marked(Mark.WATCH, plan.point.warnings),
-                Picture(svg_text(figure, words, "trends"), _LEGEND),
-                Section("What happened", _what_happened(plan, run)),
-                Section(
-                    "The process at the start",
-                    (
-                        Picture(process_drawing(process, plan.first)),
-                        Line(f"The values are those with which it begins: {plan.begins}."),
-                    ),
-                ),
-                Section("How this was computed", (facts_table("", _computation(plan, run)),)),
-            ),
-        )
-    )
-
-
-def _what_happened(plan: Plan, run: Simulation) -> tuple[Line | Table, ...]:
-    changes, events, balances = _changes_grid(plan), events_grid(run, _ON_PAGE), balances_grid(run)
-    return (
-        changes
-        if changes.rows
-        else Line("No signal was given a change: each stayed at its value at the start."),
+    events, balances = events_grid(run, _ON_PAGE), balances_grid(run)
+    happened = (
+        _changes_grid(plan),
         trajectories_grid(run),
         events if events.rows else Line("No event happened."),
         *((balances, Line(_BALANCED)) if balances.rows else ()),
     )
-
-
-def _changes_grid(plan: Plan) -> Table:
-    changes = sorted(plan.changes, key=lambda change: (change.start, change.signal))
-    rows = [(change_words(plan.process, change),) for change in changes[:_ON_PAGE]]
-    if len(changes) > _ON_PAGE:
-        rows.append((f"and {len(changes) - _ON_PAGE} more",))
-    return Table("What was done", ("change",), tuple(rows))
-
-
-def _computation(plan: Plan, run: Simulation) -> list[tuple[str, str]]:
-    """Return how the numbers came about, as (what, how)."""
-    process = plan.process
-    return [
+    begins = Line(f"The values are those with which it begins: {plan.begins}.")
+    facts = [
         ("process file", address_text(process)),
         ("source of the numbers", process.source),
         ("start", plan.begins),
@@ -133,11 +57,31 @@ def _computation(plan: Plan, run: Simulation) -> list[tuple[str, str]]:
         ("integration", integration_words(run.substeps, [run.error_estimate])),
         ("versions", versions_text()),
     ]
+    drawing = Picture(process_drawing(process, plan.first))
+    parts: tuple[Line | Picture | Section, ...] = (
+        Line(simulation_sentence(plan, run), Mark.ANSWER),
+        Line(trust_sentence(run)),
+        *marked(Mark.WATCH, plan.point.warnings),
+        Picture(svg_text(plot(run), words, "trends"), _LEGEND),
+        Section("What happened", happened),
+        Section("The process at the start", (drawing, begins)),
+        Section("How this was computed", (facts_table("", facts),)),
+    )
+    return page_text(Section(f"{process.title} – simulation without a controller", parts))
+
+
+def _changes_grid(plan: Plan) -> Table | Line:
+    changes = sorted(plan.changes, key=lambda change: (change.start, change.signal))
+    if not changes:
+        return Line("No signal was given a change: each stayed at its value at the start.")
+    rows = [(change_words(plan.process, change),) for change in changes[:_ON_PAGE]]
+    if len(changes) > _ON_PAGE:
+        rows.append((f"and {len(changes) - _ON_PAGE} more",))
+    return Table("What was done", ("change",), tuple(rows))
 
 
 #: Of the answer: signals, events and warnings; and events of the whole.
 _SIGNALS, _EVENTS, _WATCHED, _LISTED = 6, 3, 2, 12
-_EMPTY = Line("")
 
 
 def simulation_answer(plan: Plan, run: Simulation, *, every: bool = False) -> Section:
@@ -145,49 +89,31 @@ def simulation_answer(plan: Plan, run: Simulation, *, every: bool = False) -> Se
 
     Parameters
     ----------
-    plan : Plan
     run : Simulation
         Of that plan.
     every : bool
         Whether with every signal and balance, and when it was smallest and largest.
-
-    Examples
-    --------
-    >>> from clepsydra.loop.open_loop_plan import plan_simulation
-    >>> from clepsydra.process.reader import load_process
-    >>> plan = plan_simulation(load_process("quadruple-tank"), duration="60 s", start="empty")
-    >>> simulation_answer(plan, plan.run()).parts[2].head
-    ('what moved', 'start', 'end', 'smallest', 'largest')
     """
-    process = plan.process
-    parts: list[Line | Table | Section] = [Line(simulation_sentence(plan, run), Mark.ANSWER)]
-    warnings = plan.point.warnings
+    process, warnings = plan.process, plan.point.warnings
+    parts: list[Line | Table] = [Line(simulation_sentence(plan, run), Mark.ANSWER)]
     if every:
-        parts += [trajectories_grid(run)]
-        parts += [events_grid(run, _LISTED)] if run.events else []
-        parts += [balances_grid(run)] if run.balances else []
+        tables = trajectories_grid(run), events_grid(run, _LISTED), balances_grid(run)
+        parts += [table for table in tables if table.rows]
         parts += [Line(trust_sentence(run)), *marked(Mark.WATCH, warnings)]
     else:
-        moved, still = _moved(run)
-        parts += [_EMPTY, moved] if moved.rows else []
-        if run.events:
-            parts += [_EMPTY, replace(events_grid(run, _EVENTS), title="", names=3)]
+        shown = shown_signals(run)
+        moving = [signal for signal in shown if not is_still(run.values[signal.name])][:_SIGNALS]
+        rows = tuple((signal.name, *trajectory_cells(run, signal)) for signal in moving)
+        moved = Table("", ("what moved", "start", "end", "smallest", "largest"), rows)
+        for table in (moved, replace(events_grid(run, _EVENTS), title="", names=3)):
+            parts += [Line(""), table] if table.rows else []
         parts += [Line(trust_sentence(run)), *marked(Mark.WATCH, warnings[:_WATCHED])]
+        still = len(shown) - len(rows)
         more = f"{still} more signals, times" if still else "Times"
         parts.append(Line(f"{more} and balances: --all"))
     unmoved = not plan.changes and plan.begins == "at rest"
     following = _example(plan) if unmoved else "Next: open the report and look at the trends."
-    parts += [_EMPTY, Line(following)]
-    return Section(f"{process.title} ({process.name})", tuple(parts))
-
-
-def _moved(run: Simulation) -> tuple[Table, int]:
-    """Return the range of what moved, and how many signals are left out."""
-    shown = shown_signals(run)
-    moving = [signal for signal in shown if not is_still(run.values[signal.name])][:_SIGNALS]
-    rows = tuple((signal.name, *trajectory_cells(run, signal)) for signal in moving)
-    head = ("what moved", "start", "end", "smallest", "largest")
-    return Table("", head, rows), len(shown) - len(rows)
+    return Section(f"{process.title} ({process.name})", (*parts, Line(""), Line(following)))
 
 
 def _example(plan: Plan) -> str:
@@ -223,10 +149,8 @@ def simulation_sentence(plan: Plan, run: Simulation) -> str:
     events = "1 event" if count == 1 else f"{count or 'no'} events"
     if run.end is not None:
         events += f"; it ended at {time_text(run.end.time, 4)}: {run.end.words.partition(':')[0]}"
-    return (
-        f"Starts {plan.begins} and runs for {time_text(plan.duration, 4)} {_changes_text(plan)}; "
-        f"{events}."
-    )
+    runs = f"Starts {plan.begins} and runs for {time_text(plan.duration, 4)}"
+    return f"{runs} {_changes_text(plan)}; {events}."
 
 
 def trust_sentence(run: Simulation) -> str:
@@ -247,9 +171,9 @@ def trust_sentence(run: Simulation) -> str:
             sure = "The simulation broke down: a state became not a number"
         elif run.error_estimate > TOLERANCE:
             sure += f", more than the {number_text(100.0 * TOLERANCE)} % that was aimed at"
-    closed = max((balance.error for balance in run.balances), default=0.0)
     if not run.balances:
         return f"{sure}."
+    closed = max(balance.error for balance in run.balances)
     names = " and ".join(balance.name for balance in run.balances)
     return f"{sure}; the balance of {names} closes to {number_text(closed, 2)} of the throughput."
 
@@ -320,15 +244,7 @@ def is_still(values: np.ndarray) -> bool:
 
 
 def shown_signals(run: Simulation) -> list[Signal]:
-    """Return the signals of a simulation that a reader is told about.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> run = cl.simulate(cl.load("quadruple-tank"), duration="60 s")
-    >>> [signal.name for signal in shown_signals(run)][-2:]
-    ['pump_1', 'pump_2']
-    """
+    """Return the signals of a simulation that a reader is told about."""
     process = run.process
     moving = [
         signal
@@ -369,18 +285,12 @@ def balances_grid(run: Simulation) -> Table:
     >>> balances_grid(cl.simulate(cl.load("quadruple-tank"), duration="60 s")).rows[0][:2]
     ('liquid', '0.00120 m³')
     """
-    rows = tuple(
-        (
-            balance.name,
-            *(
-                f"{number_text(amount)} {unit_text(balance.unit)}".strip()
-                for amount in (balance.entered, balance.left, balance.gained)
-            ),
-            number_text(balance.error, 2),
-        )
-        for balance in run.balances
-    )
-    return Table("Balance", ("", "entered", "left", "gained", "error"), rows)
+    rows = []
+    for each in run.balances:
+        amounts = map(number_text, (each.entered, each.left, each.gained))
+        cells = (f"{amount} {unit_text(each.unit)}".strip() for amount in amounts)
+        rows.append((each.name, *cells, number_text(each.error, 2)))
+    return Table("Balance", ("", "entered", "left", "gained", "error"), tuple(rows))
 
 
 def _changes_text(plan: Plan) -> str:

@@ -10,9 +10,15 @@ from dataclasses import replace
 from clepsydra.base.section import Line, Mark, Section, Table, marked
 from clepsydra.base.words import listed
 from clepsydra.report.facts import told_table
-from clepsydra.report.performance import figures_of, performance_words
-from clepsydra.report.scheme_tables import added_table, settings_table
-from clepsydra.report.score_tables import ranking_note, reasons, standing_word
+from clepsydra.report.pid_tables import settings_table
+from clepsydra.report.scheme_tables import added_table
+from clepsydra.report.score_tables import (
+    figures_of,
+    performance_words,
+    ranking_note,
+    reasons,
+    standing_word,
+)
 from clepsydra.scores.score import in_sentence
 from clepsydra.studies.ranking_words import TIE, trust_sentence
 from clepsydra.studies.recommendation import Recommendation, first_clause, recommend, watched
@@ -30,7 +36,6 @@ def study_answer(
 
     Parameters
     ----------
-    result : StudyResult
     every : bool
         Whether the whole ranking is shown.
     why : bool
@@ -66,16 +71,7 @@ def study_answer(
 
 
 def ranking_glance(shown: Sequence[Candidate]) -> Table:
-    """Return candidates of a ranking in physical numbers, then beside the first of it.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> plant = cl.load("three-tanks")
-    >>> result = cl.study(plant, [cl.design.simc(plant), cl.design.amigo(plant)])
-    >>> ranking_glance(result.ranking).rows[0][:2]
-    ('1', 'PI, AMIGO')
-    """
+    """Return candidates of a ranking in physical numbers, then beside the first of it."""
     process = shown[0].run.process
     figures = figures_of(process)
     standings = [standing_word(each) for each in shown]
@@ -97,16 +93,7 @@ def ranking_glance(shown: Sequence[Candidate]) -> Table:
 
 
 def advised(result: StudyResult, advice: Recommendation) -> list[Line | Table | Section]:
-    """Return how good the recommended controller is, its settings, and what to watch.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> plant = cl.load("three-tanks")
-    >>> result = cl.study(plant, [cl.design.simc(plant)])
-    >>> advised(result, recommend(result.ranking))[0].text[:22]
-    'It settles in 5.10 min'
-    """
+    """Return how good the recommended controller is, its settings, and what to watch."""
     process, simplest, best = result.process, advice.simplest, advice.best
     parts: list[Line | Table | Section] = []
     words = performance_words(process, simplest)

@@ -35,11 +35,6 @@ class Port:
         What it is connected to by name.
     computed : bool
         Operations stand before it.
-
-    Examples
-    --------
-    >>> Port("good", 2, real=False).wires
-    []
     """
 
     name: str
@@ -52,13 +47,7 @@ class Port:
 
 @dataclass(eq=False)
 class Box:
-    """A call of a block, or an output of the program that operations compute: that has no kind.
-
-    Examples
-    --------
-    >>> Box("level_1_check", "signal_check").inputs
-    []
-    """
+    """A call of a block, or an output of the program that operations compute: that has no kind."""
 
     title: str
     kind: str = ""
@@ -79,7 +68,6 @@ def block_box(block: Program, settings: Iterable[str] = ()) -> Box:
 
     Parameters
     ----------
-    block : Program
     settings : iterable of str
         Inputs that are only counted.
 
@@ -104,7 +92,6 @@ def diagram(program: Program, settings: Iterable[str] = ()) -> list[Box]:
 
     Parameters
     ----------
-    program : Program
     settings : iterable of str
         Inputs that are parameters where the program is called itself.
 

@@ -9,9 +9,17 @@ from collections.abc import Iterable, Iterator
 from clepsydra.program.program import Program
 from clepsydra.report.colours import INK, MUTED
 from clepsydra.report.drawing.block_diagram import Box, Port, block_box, diagram
-from clepsydra.report.drawing.lettering import width
-from clepsydra.report.drawing.shapes import box, circle, path, picture, text
-from clepsydra.report.drawing.style import FRAME, PAPER, STEEL
+from clepsydra.report.drawing.shapes import (
+    FRAME,
+    PAPER,
+    STEEL,
+    box,
+    circle,
+    path,
+    picture,
+    text,
+    width,
+)
 from clepsydra.report.quantities import fitted
 
 #: Rows of ports [pt]. Outputs stand half a row below inputs, and wires that pass a column a
@@ -41,14 +49,6 @@ def program_svg(program: Program, title: str, settings: Iterable[str] = ()) -> s
         What it shows, for readers who do not see it.
     settings : iterable of str
         As for `diagram`.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.program.owned_state import with_owned_state
-    >>> program = with_owned_state(cl.design.simc(cl.load("quadruple-tank")).program())
-    >>> "pump_2_loop" in program_svg(program, "two loops")
-    True
     """
     return _drawn(diagram(program, settings), title)
 
@@ -58,19 +58,10 @@ def block_svg(block: Program, title: str, settings: Iterable[str] = ()) -> str:
 
     Parameters
     ----------
-    block : Program
     title : str
         What it shows, for readers who do not see it.
     settings : iterable of str
         As for `block_box`.
-
-    Examples
-    --------
-    >>> from clepsydra.base.signal import Signal
-    >>> from clepsydra.program.program import Block
-    >>> total = Program("total", (), (Signal("u"),), (), (), Block(1, (), ()))
-    >>> ">u<" in block_svg(total, "a block")
-    True
     """
     return _drawn([block_box(block, settings)], title)
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
-from clepsydra.report.drawing.lettering import width
+from clepsydra.report.drawing.shapes import width
 
 #: Distance of two lines of the grid [px].
 PITCH = 16.0
@@ -33,11 +33,6 @@ class Pin:
         Of liquid "in", "out", "side" or "both"; "signal" or "tap", or "line" for either.
     cost : float
         How much longer another way may be before this pin is taken.
-
-    Examples
-    --------
-    >>> Pin([(0, -1), (0, -2)], UP, "out").end
-    (0, -2)
     """
 
     lead: list[Point]
@@ -262,13 +257,7 @@ def falling_body(
 
 
 def splitter_body(name: str, words: str, x: int, y: int, ports: int, side: int) -> Body:
-    """Return a splitter: four ports, or a header with as many as needed.
-
-    Examples
-    --------
-    >>> [len(splitter_body("s", "s", 0, 5, ports, 1).pins) for ports in (3, 7)]
-    [4, 18]
-    """
+    """Return a splitter: four ports, or a header with as many as needed."""
     label = (x + 1, y + 1, x + 2 + lines_of([words], SMALL), y + 1)
     if ports <= 4:
         pins = [_pin(x, y, way, 2 + bool(way[0]), "both") for way in (UP, DOWN, LEFT, RIGHT)]
@@ -284,13 +273,7 @@ def splitter_body(name: str, words: str, x: int, y: int, ports: int, side: int) 
 
 
 def delay_body(name: str, y: int, way_out: int, words: tuple[str, ...], feeds: int) -> Body:
-    """Return a stretch of channel: it fills from one end and from above, and gives at the other.
-
-    Examples
-    --------
-    >>> [pin.end for pin in delay_body("channel", 5, 1, ("channel",), feeds=1).free("out")]
-    [(4, 5)]
-    """
+    """Return a stretch of channel: it fills from one end and from above, and gives at the other."""
     half = max(3, math.ceil(lines_of(words, SMALL) / 2), math.ceil(feeds / 2))
     pins = [
         _pin(0, y, (way_out, 0), half + 1, "out"),
@@ -302,13 +285,7 @@ def delay_body(name: str, y: int, way_out: int, words: tuple[str, ...], feeds: i
 
 
 def stub_body(name: str, x: int, y: int, label: tuple[str, ...], side: int, rim: int) -> Body:
-    """Return an arrow from outside into a tank, from its words down to the rim.
-
-    Examples
-    --------
-    >>> stub_body("rain", 0, 5, ("rain", "2 l/s"), 1, 8).areas
-    [(0, 3, 2, 4), (0, 5, 0, 8)]
-    """
+    """Return an arrow from outside into a tank, from its words down to the rim."""
     words = math.ceil(lines_of(label, SMALL) / 2)
     # Words stand above the arrow, a little away from the pipes of pumps.
     areas = [(x + 1 - words, y - 2, x + 1 + words, y - 1), (x, y, x, rim)]
@@ -332,13 +309,7 @@ def instrument_body(name: str, y: int, label: tuple[str, ...]) -> Body:
 
 
 def controller_body(name: str, y: int, label: str, ports: int) -> Body:
-    """Return a controller, as wide as its signals need, with its setpoint above where it has one.
-
-    Examples
-    --------
-    >>> len(controller_body("loop", 10, "SP 6.20 V", 2).pins), controller_body("u", 1, "", 6).areas
-    (7, [(-2, 0, 2, 2)])
-    """
+    """Return a controller, as wide as its signals need, with its setpoint, if any, above."""
     half, above = 2 + max(0, ports - 8) // 4, 3 if label else 1
     words = max(half, math.ceil(lines_of([label], SMALL) / 2))
     spread = range(1 - half, half) if ports > 4 else range(1)
@@ -353,12 +324,6 @@ def controller_body(name: str, y: int, label: str, ports: int) -> Body:
 
 
 def relay_body(name: str, y: int) -> Body:
-    """Return a relay that computes something between controllers and actuators.
-
-    Examples
-    --------
-    >>> len(relay_body("sum", 10).pins)
-    4
-    """
+    """Return a relay that computes something between controllers and actuators."""
     pins = _lines(0, y, (UP, 2), (DOWN, 2), (LEFT, 2), (RIGHT, 2))
     return Body(name, "relay", 0, y, [(-1, y - 1, 1, y + 1)], pins)

@@ -32,11 +32,6 @@ class ControlFunction:
         Measurements and functions; manipulated variables.
     setpoint : str
         The input of the law by which an operator gives its setpoint; empty where none does.
-
-    Examples
-    --------
-    >>> ControlFunction("pump_1 decoupled", "Σ", "", ("loop 1", "loop 2"), ("pump_1",)).gives
-    ('pump_1',)
     """
 
     name: str

@@ -13,8 +13,7 @@ from clepsydra.report.drawing.bodies import (
 )
 from clepsydra.report.drawing.control_functions import ControlFunction
 from clepsydra.report.drawing.flow_graph import Instrument
-from clepsydra.report.drawing.frame import Frame, Gap
-from clepsydra.report.drawing.gaps import Gaps
+from clepsydra.report.drawing.frame import Frame, Gap, Gaps
 
 #: From a transmitter up to its controller, in lines of the grid.
 _ABOVE = 4
@@ -30,17 +29,6 @@ class ControlPlacement:
     ----------
     signals : list of (from, to)
         Of instruments, functions and actuators.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.report.drawing.control_functions import control_functions
-    >>> from clepsydra.report.drawing.flow_graph import flow_graph
-    >>> plant = cl.load("quadruple-tank")
-    >>> frame = Frame(flow_graph(plant.process), {}, 0)
-    >>> functions = control_functions(cl.design.simc(plant))
-    >>> ControlPlacement(frame, Gaps(frame, 0), functions).signals[:2]
-    [('level_1', 'loop level_1'), ('loop level_1', 'pump_1')]
     """
 
     def __init__(self, frame: Frame, gaps: Gaps, functions: Sequence[ControlFunction]) -> None:

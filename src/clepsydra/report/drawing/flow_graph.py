@@ -28,11 +28,6 @@ class Link:
         It joins tanks below their surfaces.
     by_weight : bool
         What leaves its tank falls, so that it stands below the tank.
-
-    Examples
-    --------
-    >>> Link("outlet_3", "orifice", ("tank_3",), ("tank_1",), by_weight=True).targets
-    ('tank_1',)
     """
 
     name: str
@@ -51,11 +46,6 @@ class Junction:
     ----------
     name, symbol : str
     branches : tuple of (share or None, element)
-
-    Examples
-    --------
-    >>> Junction("valve", "splitter", ((0.7, "tank_1"), (0.3, "tank_4"))).branches[0]
-    (0.7, 'tank_1')
     """
 
     name: str
@@ -65,13 +55,7 @@ class Junction:
 
 @dataclass(frozen=True)
 class Instrument:
-    """A sensor, the first letter of what it measures after ISA-5.1, and where it sits.
-
-    Examples
-    --------
-    >>> Instrument("level_1", "L", "tank_1", "101").letter
-    'L'
-    """
+    """A sensor, the first letter of what it measures after ISA-5.1, and where it sits."""
 
     name: str
     letter: str

@@ -22,16 +22,6 @@ class GridRouter:
     Pipes may cross at right angles. They never lie on each other, and none bends on another. The
     best way is the shortest path in a graph with two nodes a point, one for level pipes and one
     for upright ones, joined where a pipe may bend.
-
-    Examples
-    --------
-    >>> router = GridRouter(10, 5)
-    >>> start, goal = Pin([(0, 2)], (1, 0), "out"), Pin([(9, 2)], (-1, 0), "in")
-    >>> router.find([start], [goal])
-    [(0, 2), (9, 2)]
-    >>> router.block((4, 1, 4, 3))
-    >>> len(router.find([start], [goal]))  # around it
-    4
     """
 
     def __init__(self, width: int, height: int) -> None:
@@ -58,7 +48,6 @@ class GridRouter:
 
         Parameters
         ----------
-        starts, goals : sequence of Pin
         through : bool
             Run through obstacles and along other pipes where there is no other way.
         """

@@ -8,10 +8,8 @@ from itertools import pairwise
 from clepsydra.report.colours import INK
 from clepsydra.report.drawing import symbols
 from clepsydra.report.drawing.bodies import NAME, PITCH, direction
-from clepsydra.report.drawing.lettering import width
 from clepsydra.report.drawing.routing import ORDER, Pipe, Routes
-from clepsydra.report.drawing.shapes import element, path, polygon, titled
-from clepsydra.report.drawing.style import PIPE
+from clepsydra.report.drawing.shapes import PIPE, element, path, polygon, titled, width
 
 _HOP = 6.0
 
@@ -30,12 +28,6 @@ def draw_lines(ways: Mapping[Pipe, Points], still: set[str]) -> list[str]:
         Pipe to its corner points [px].
     still : set of str
         Elements and junctions through which nothing flows: their pipes are thin.
-
-    Examples
-    --------
-    >>> pipe = Pipe("outlet", "outlet", "basin", [(0, 0), (0, 2)])
-    >>> draw_lines({pipe: [(0.0, 0.0), (0.0, 32.0)]}, set())[0].count("<path")
-    1
     """
     parts = []
     for pipe, points in ways.items():
@@ -101,22 +93,12 @@ def draw_basins(
 
     Parameters
     ----------
-    routes : Routes
     ways : mapping
         Pipe to its corner points [px].
     edge : float
         Width of the drawing [px].
     tint : callable
         Reservoir to the colour of what is in it.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> from clepsydra.report.drawing.flow_graph import flow_graph
-    >>> from clepsydra.report.drawing.routing import route
-    >>> routes = route(flow_graph(load_process("quadruple-tank")), {})
-    >>> len(draw_basins(routes, {}, 500.0, lambda name: "#d3e2ee"))
-    1
     """
     parts = []
     for shelf, row in enumerate(routes.placement.basin_rows):

@@ -82,14 +82,6 @@ def outline_of(element: Element) -> Outline:
     """Return how a vessel is drawn: as wide at each height as the root of its area there.
 
     Anything that is no tank is a rectangle.
-
-    Examples
-    --------
-    >>> from clepsydra.process.elements.tank import Tank
-    >>> from clepsydra.process.vessels.cone import Cone
-    >>> funnel = Cone(height=1.0, floor_diameter=0.5, rim_diameter=1.0)
-    >>> round(outline_of(Tank("a", vessel=funnel)).share(0.5), 3)
-    0.75
     """
     vessel = getattr(element, "vessel", None)
     if vessel is None or vessel.uniform:

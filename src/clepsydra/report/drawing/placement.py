@@ -23,8 +23,7 @@ from clepsydra.report.drawing.bodies import (
 from clepsydra.report.drawing.control_functions import ControlFunction
 from clepsydra.report.drawing.control_placement import ControlPlacement
 from clepsydra.report.drawing.flow_graph import FlowGraph, Junction, Link
-from clepsydra.report.drawing.frame import Frame, Gap, Labels
-from clepsydra.report.drawing.gaps import Gaps
+from clepsydra.report.drawing.frame import Frame, Gap, Gaps, Labels
 
 
 class Placement:
@@ -54,14 +53,6 @@ class Placement:
         Of each shelf, the line of the surface of its reservoirs.
     width, height : int
         In lines of the grid.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> from clepsydra.report.drawing.flow_graph import flow_graph
-    >>> bodies = Placement(flow_graph(load_process("quadruple-tank")), {}).bodies
-    >>> bodies["tank_1"].x == bodies["tank_3"].x, bodies["tank_3"].y < bodies["tank_1"].y
-    (True, True)
     """
 
     def __init__(

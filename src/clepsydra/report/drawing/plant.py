@@ -9,15 +9,12 @@ from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
 from clepsydra.report.drawing import symbols
 from clepsydra.report.drawing.bodies import NAME, PITCH, SMALL, WORDS, Body
-from clepsydra.report.drawing.fittings import draw_fitting
-from clepsydra.report.drawing.instruments import draw_function, draw_instrument
 from clepsydra.report.drawing.lines import Points, draw_basins, draw_lines
 from clepsydra.report.drawing.outline import TANK_HEIGHT
+from clepsydra.report.drawing.parts import draw_fitting, draw_function, draw_instrument, draw_vessel
 from clepsydra.report.drawing.routing import Pipe
 from clepsydra.report.drawing.scene import Scene
-from clepsydra.report.drawing.shapes import picture
-from clepsydra.report.drawing.style import DARK_PAPER, PAPER
-from clepsydra.report.drawing.vessels import draw_vessel
+from clepsydra.report.drawing.shapes import DARK_PAPER, PAPER, picture
 
 #: Of the drawing alone: in a page, a style holds for every picture. Words have a rim of paper,
 #: so that a line under them does not strike them through.
@@ -58,7 +55,6 @@ def process_drawing(
 
     Parameters
     ----------
-    process : Process
     point : OperatingPoint or None
         None draws the plant without values.
     controller : Controller, optional

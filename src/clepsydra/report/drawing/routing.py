@@ -37,11 +37,6 @@ class Pipe:
         It ends in an arrow.
     kind : {"pipe", "signal", "tap"}
         A tap joins a transmitter to what it measures.
-
-    Examples
-    --------
-    >>> Pipe("outlet_3", "outlet_3", "tank_1", [(0, 0), (0, 4)]).points[-1]
-    (0, 4)
     """
 
     line: str
@@ -61,14 +56,6 @@ class Routes:
     placement : Placement
     pipes : list of Pipe
     basin_uses : list of (x, shelf, reservoir)
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> from clepsydra.report.drawing.flow_graph import flow_graph
-    >>> routes = route(flow_graph(load_process("quadruple-tank")), {})
-    >>> sorted({use[2] for use in routes.basin_uses})
-    ['basin']
     """
 
     placement: Placement
@@ -81,7 +68,6 @@ def route(graph: FlowGraph, labels: Labels, functions: Sequence[ControlFunction]
 
     Parameters
     ----------
-    graph : FlowGraph
     labels : dict
         Element to the lines written beside it.
     functions : sequence of ControlFunction

@@ -17,10 +17,9 @@ from clepsydra.process.process import Process
 from clepsydra.report.drawing.bodies import NAME, SMALL
 from clepsydra.report.drawing.control_functions import ControlFunction, control_functions
 from clepsydra.report.drawing.flow_graph import FlowGraph, flow_graph
-from clepsydra.report.drawing.lettering import shortened, wrapped
 from clepsydra.report.drawing.outline import TANK_WIDTH, Outline, outline_of
 from clepsydra.report.drawing.routing import Routes, route
-from clepsydra.report.drawing.style import TINTS
+from clepsydra.report.drawing.shapes import TINTS, shortened, wrapped
 from clepsydra.report.quantities import percent_text, quantity_text, short_text, unit_text
 
 #: Room for a line beside a pump, a flow or a splitter, at an instrument, and in a tank [px].
@@ -40,12 +39,6 @@ class Scene:
         None where nothing is known of its values.
     controller : Controller or None
         None where nothing controls it.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> Scene(load_process("quadruple-tank"), None, None).labels["pump_1"]
-    ('pump_1',)
     """
 
     process: Process

@@ -5,8 +5,93 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from html import escape
 
-from clepsydra.report.colours import INK
-from clepsydra.report.drawing.style import FONT, PAPER, colour_style
+from clepsydra.report.colours import INK, MUTED
+
+PAPER, DARK_PAPER = "#ffffff", "#14181d"
+#: Bodies of plant equipment, pipes, frames of boxes.
+STEEL, PIPE, FRAME = "#e9edf1", "#6e7781", "#7d868f"
+#: What is abnormal.
+ALARM = "#9c3708"
+#: Liquid, and what is dissolved in it: one tint a component, in the order of the file.
+TINTS = ("#d3e2ee", "#eadcc0", "#d5e6cf", "#e4d6e9", "#f1d5cb", "#cfe6e4")
+#: Each colour in the dark.
+_DARK = {
+    PAPER: DARK_PAPER,
+    INK: "#e6edf3",
+    MUTED: "#9aa7b4",
+    STEEL: "#2a313a",
+    PIPE: "#8b949e",
+    FRAME: "#7d868f",
+    ALARM: "#ffa06b",
+    **dict(
+        zip(TINTS, ("#1c3a52", "#4b3d1c", "#274128", "#41304a", "#56301f", "#1a4340"), strict=True)
+    ),
+}
+FONT = "system-ui,-apple-system,'Segoe UI',Roboto,'Liberation Sans','DejaVu Sans',sans-serif"
+
+
+def colour_style(scope: str) -> str:
+    """Return the rules by which the drawings of a class turn dark on a dark page.
+
+    A picture of its own follows the reader's system, one in a page the page. Where a viewer knows
+    no such rules, the colours stay those of a light page, and they have paper of their own.
+    """
+    rules = [f"svg.{scope}:root{{color-scheme:light dark}}"]
+    for light, dark in _DARK.items():
+        for what in ("fill", "stroke"):
+            rules.append(f'.{scope} [{what}="{light}"]{{{what}:light-dark({light},{dark})}}')
+    return "".join(rules)
+
+
+#: Letters by their width in DejaVu Sans, the widest of the fonts that a viewer may take [em].
+_WIDTHS = {
+    0.42: " !'\"()*,-./:;I[\\]fijlrt|°²³·",
+    0.65: "?_`abcdeghknopqsuvxyz$0123456789{}µτFJLP",
+    0.8: "ABCDEGHKNOQRSTUVXYZ&",
+}
+_WIDTH = {letter: width for width, letters in _WIDTHS.items() for letter in letters}
+_WIDEST, _BOLD = 1.0, 1.13
+
+
+def width(words: str, size: float, bold: bool = False) -> float:
+    """Return how wide words are at most, in the unit of the size of their letters.
+
+    Examples
+    --------
+    >>> round(width("pump_1", 10.0), 1), round(width("pump_1", 10.0, bold=True), 1)
+    (42.5, 48.0)
+    """
+    return size * (_BOLD if bold else 1.0) * sum(_WIDTH.get(letter, _WIDEST) for letter in words)
+
+
+def shortened(words: str, room: float, size: float, bold: bool = False) -> str:
+    """Return words with their middle left out where they are wider than their room.
+
+    Examples
+    --------
+    >>> shortened("a_rather_long_tank_name", 100.0, 10.0)
+    'a_rathe…nk_name'
+    """
+    shown, kept = words, len(words)
+    while width(shown, size, bold) > room and kept > 2:
+        kept -= 1
+        shown = f"{words[: (kept + 1) // 2]}…{words[len(words) - kept // 2 :]}"
+    return shown
+
+
+def wrapped(name: str, room: float, size: float, bold: bool = False) -> list[str]:
+    """Return a name in one line, or in two, parted where its words are.
+
+    Examples
+    --------
+    >>> wrapped("level_1", 80.0, 10.0), wrapped("outlet_temperature", 80.0, 10.0)
+    (['level_1'], ['outlet_', 'temperature'])
+    """
+    fitting = [k for k in range(1, len(name) + 1) if width(name[:k], size, bold) <= room]
+    place = name.rfind("_", 0, len(fitting)) + 1
+    if len(fitting) == len(name) or not place:
+        return [shortened(name, room, size, bold)]
+    return [name[:place], shortened(name[place:], room, size, bold)]
 
 
 def element(tag: str, content: str = "", /, **attributes: object) -> str:
@@ -126,21 +211,14 @@ def picture(
 
     Parameters
     ----------
-    kind : str
     size : (float, float)
         Width and height.
     title : str
         What it shows, for readers who do not see it.
     rules : str
         Of style, beside those of colours and letters.
-    shapes : iterable of str
     **more
         Attributes of the picture.
-
-    Examples
-    --------
-    >>> picture("plant", (30.0, 20.0), "no < one", "", []).count("no &lt; one")
-    1
     """
     width, height = size
     rules = f".{kind} text{{font-family:{FONT}}}{rules}{colour_style(kind)}"

@@ -19,13 +19,7 @@ _MOST_COLUMNS, _MOST_NEIGHBOURS = 5, 3
 
 @dataclass(frozen=True)
 class Seat:
-    """Where a tank stands: shelf from the top, column from the left, row from the top.
-
-    Examples
-    --------
-    >>> Seat(0, 1, 0).column
-    1
-    """
+    """Where a tank stands: shelf from the top, column from the left, row from the top."""
 
     shelf: int
     column: int

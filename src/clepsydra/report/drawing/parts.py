@@ -1,0 +1,237 @@
+"""What stands in the pipes of the process drawing: pumps, valves, splitters, delays, flows."""
+
+from __future__ import annotations
+
+from clepsydra.base.signal import Signal
+from clepsydra.report.colours import INK, MUTED
+from clepsydra.report.drawing import symbols
+from clepsydra.report.drawing.bodies import NAME, PITCH, SMALL, Body, direction
+from clepsydra.report.drawing.control_functions import ControlFunction
+from clepsydra.report.drawing.flow_graph import Instrument
+from clepsydra.report.drawing.outline import TANK_HEIGHT
+from clepsydra.report.drawing.scene import INSIDE, Scene
+from clepsydra.report.drawing.shapes import ALARM, shortened, text, width, wrapped
+from clepsydra.report.quantities import percent_text, quantity_text, short_text
+
+#: Where the share of a branch is written, from the middle of its splitter.
+_SHARE = {(1, 0): (16, -7), (-1, 0): (-16, -7), (0, -1): (6, -22), (0, 1): (8, 30)}
+
+#: What has a symbol of its own; all else, such as a user's element, is a box.
+_OWN_SYMBOLS = ("pump", "valve", "flow", "orifice", "stub")
+
+
+def draw_fitting(scene: Scene, body: Body) -> list[str]:
+    """Return the symbol of a body that stands in pipes, and its words; empty for others."""
+    x, y, name = PITCH * body.x, PITCH * body.y, body.name
+    if body.symbol in ("tank", "instrument", "controller", "relay"):
+        return []
+    title = scene.title(name)
+    if body.symbol in ("splitter", "header"):
+        return _splitter(scene, body, x, y)
+    half = PITCH * (body.areas[0][2] - body.areas[0][0]) / 2
+    if body.symbol == "delay":
+        below = text(x, y + 27, scene.labels[name][0], style="small", colour=MUTED)
+        return [symbols.channel(x, y, half, scene.delay_time(name), title), below]
+    if body.symbol not in _OWN_SYMBOLS:
+        words = "" if body.across else scene.elements[name].kind
+        shape = symbols.plain(x, y, max(half, 20.0), words, title)
+    else:
+        ends = not any(pin.role in ("in", "out", "both") for pin in body.pins)
+        symbol = "end" if body.symbol == "flow" and ends else body.symbol
+        shape = symbols.fitting(symbol, x, y, _way(scene, body), name in scene.still, title)
+    return [shape, *_words(scene, body, x, y)]
+
+
+def _colour(scene: Scene, words: str) -> str:
+    return ALARM if words.startswith("at its ") else INK
+
+
+def _way(scene: Scene, body: Body) -> symbols.Way:
+    """Return where liquid runs through a body: of a pump, along the pipe that leaves it."""
+    for pipe in scene.routes.pipes if body.symbol == "pump" else ():
+        if pipe.source == body.name != pipe.end and pipe.points[0] == (body.x, body.y):
+            return direction(*pipe.points[:2])
+    if body.symbol == "valve":
+        return (-1, 0) if body.across else (0, body.side)
+    return (1, 0) if body.across and body.symbol == "orifice" else (0, -1)
+
+
+def _words(scene: Scene, body: Body, x: float, y: float) -> list[str]:
+    """Return the lines beside a body, or below it where liquid runs through it sideways."""
+    lines = scene.labels[body.name]
+    quiet, stub = body.symbol == "orifice", body.symbol == "stub"
+    area = body.areas[1] if len(body.areas) > 1 else body.areas[0]
+    anchor = "middle" if body.across or stub else "end" if body.side < 0 else "start"
+    near = PITCH * (area[2] if body.side < 0 else area[0])
+    if stub:
+        left, first, step = x + PITCH * body.side, y - 8 - 14 * (len(lines) - 1), 14
+    elif body.across:
+        left, first, step = x, y + 26, 16
+    elif quiet:
+        left, first, step = near - 2 * body.side, y + 4, 14
+    else:
+        first = y + 8 if area[1] == body.y else y + 4 if len(lines) == 1 else y - 10
+        left, step = near - 8 * body.side, 17
+    return [
+        text(
+            left, first + step * place, words, anchor,
+            "small" if body.across or quiet or stub else "" if place else "name",
+            MUTED if quiet else _colour(scene, words),
+        )
+        for place, words in enumerate(lines)
+    ]  # fmt: skip
+
+
+def _splitter(scene: Scene, body: Body, x: float, y: float) -> list[str]:
+    junction = scene.graph.junction(body.name)
+    shares = {} if junction is None else {name: share for share, name in junction.branches}
+    ways, parts = set(), []
+    for pipe in scene.routes.pipes:
+        for place, inner in ((0, 1), (-1, -2)):
+            here, there = pipe.points[place], pipe.points[inner]
+            if here != (body.x, body.y):
+                continue
+            way = direction(here, there)
+            ways.add(way)
+            share = shares.get(pipe.end)
+            if place == 0 and pipe.line == body.name and share is not None:
+                dx, dy = _SHARE[way]
+                # Beside the words of the splitter, or on the other side of an upright pipe.
+                dx = -dx if way == (0, body.side) else dx
+                words = f"{short_text(100 * share)} %"
+                parts.append(text(x + dx, y + dy, words, "start" if dx > 0 else "end", "small"))
+    words = ", ".join(f"{100 * share:g} %" for share in shares.values() if share is not None)
+    title = f"{scene.elements[body.name].kind} {body.name}: {words}"
+    label = scene.labels[body.name][0]
+    if body.symbol == "header":
+        half = PITCH * (body.areas[0][2] - body.areas[0][0]) / 2
+        below = text(x + half + 5, y + 4, label, "start", "small", MUTED)
+        return [symbols.header(x, y, half, title), below]
+    anchor = "end" if body.side < 0 else "start"
+    below = text(x + 17 * body.side, y + 18, label, anchor, "small", MUTED)
+    return [symbols.splitter(x, y, ways, title), below, *parts]
+
+
+_QUANTITIES = {"L": "the level", "A": "a concentration", "F": "the flow"}
+_RELAYS = {
+    "Σ": "sum", "×": "ratio", "<": "lowest of its inputs", ">": "highest of its inputs",
+    "÷": "split range",
+}  # fmt: skip
+
+
+def draw_instrument(scene: Scene, instrument: Instrument) -> list[str]:
+    """Return a transmitter with its words."""
+    body, name, letter = (
+        scene.routes.placement.bodies[instrument.name], instrument.name, instrument.letter,
+    )  # fmt: skip
+    x, y = PITCH * body.x, PITCH * body.y
+    quantity = _QUANTITIES.get(letter, "a quantity")
+    title = f"{letter}T-{instrument.number}: {name} measures {quantity} of {instrument.seat}"
+    reading = scene.value(name)
+    title = f"{title}, {reading}" if reading else title
+    parts = [symbols.balloon(x, y, f"{letter}T", instrument.number, title)]
+    for place, words in enumerate(scene.labels[name]):
+        colour = ALARM if words and words == scene.warning(name) else INK
+        parts.append(text(x, y + 33 + 15 * place, words, style="small", colour=colour))
+    return parts
+
+
+def draw_function(scene: Scene, function: ControlFunction) -> list[str]:
+    """Return a controller with its setpoint, or a relay."""
+    body = scene.routes.placement.bodies[function.name]
+    x, y = PITCH * body.x, PITCH * body.y
+    if function.sign:
+        return [symbols.relay(x, y, function.sign, f"{function.name}: {_RELAYS[function.sign]}")]
+    seats = {scene.graph.owner(name): name for name in function.reads}
+    number = next(i.number for i in scene.graph.instruments if i.name in seats)
+    letters, title = "UIC", f"moves {' and '.join(function.gives)}"
+    if function.at:
+        own = scene.graph.owner(function.at)
+        seat = next(i for i in scene.graph.instruments if i.name == own)
+        alike = [name for name, other in scene.functions.items() if other.at == function.at]
+        letter = "ABCDEFGH"[alike.index(function.name) % 8] if len(alike) > 1 else ""
+        letters, number = f"{seat.letter}IC", f"{seat.number}{letter}"
+        setpoint = scene.setpoint(function)
+        title = f"controls {function.at}" + (f", setpoint {setpoint}" if setpoint else "")
+    left, _, right, _ = body.areas[0]
+    half = PITCH * (right - left) / 2 - 32.0 + symbols.BALLOON
+    found = [symbols.controller(x, y, half, letters, number, f"{letters}-{number}: {title}")]
+    for words in scene.labels.get(function.name, ()):
+        found.append(text(x, y - 25, words, style="small"))
+    return found
+
+
+#: Where the lowest line inside a tank may stand below its rim [px].
+_LOWEST = TANK_HEIGHT - 6.0
+
+
+def draw_vessel(scene: Scene, name: str) -> list[str]:
+    """Return a vessel with its level to the scale of its height, and the values of its states."""
+    body, element, outline = (
+        scene.routes.placement.bodies[name], scene.elements[name], scene.outlines[name],
+    )  # fmt: skip
+    x, y = PITCH * body.x, PITCH * body.y
+    states = scene.states(name)
+    level = next((signal for signal in states if signal.name == f"{name}.level"), None)
+    words, title = wrapped(name, INSIDE, NAME, bold=True), f"{element.kind} {name}"
+    share, warning, names = None, "", len(words)
+    if level is not None:
+        share = 0.5
+        title = f"{name}: {element.kind}"
+        if scene.values:
+            value = scene.values[level.name]
+            share = (value - level.low) / level.span
+            warning = "full" if share >= 1.0 else "empty" if share <= 0.0 else ""
+            words += [scene.value(level.name), percent_text(scene.process, level.name, value)]
+            words += filter(None, [warning])
+            title = (
+                f"{name}: level {words[names]} of {quantity_text(level, level.high)},"
+                f" {words[names + 1]}"
+            )
+    surface = TANK_HEIGHT * (1.0 - (share or 0.0))
+    others = [signal for signal in states if signal is not level and scene.values]
+    others = others[: 2 if level is not None else 4]
+    whole = [row for signal in others for row in _in_lines(scene, signal)]
+    if _clear_of(surface, len(words) + len(whole))[-1] < _LOWEST:
+        words += whole
+    else:
+        words += [_in_a_line(scene, signal) for signal in others]
+    parts = [symbols.tank(x, y, outline, share, scene.tint(name), title)]
+    for place, (row, line) in enumerate(zip(_clear_of(surface, len(words)), words, strict=True)):
+        style = "name inside" if place < names else "inside" if place == names else "small inside"
+        parts.append(text(x, y + row, line, style=style, colour=ALARM if line == warning else INK))
+    if getattr(element, "weir", 0.0):
+        seats = [i.name for i in scene.graph.instruments if i.seat == name]
+        right = not seats or scene.routes.placement.bodies[seats[0]].x > body.x
+        side = -1 if right else 1
+        parts.append(symbols.weir(x + side * outline.wall(0.0), y, side, f"weir of {name}"))
+    return parts
+
+
+def _in_lines(scene: Scene, signal: Signal) -> list[str]:
+    """Return name and value of a state inside a tank, in two lines if one is too narrow."""
+    short, value = signal.name.split(".", 1)[1], scene.value(signal.name)
+    words = f"{short} {value}"
+    fits = width(words, SMALL) <= INSIDE
+    return [words] if fits else [shortened(short, INSIDE, SMALL), value]
+
+
+def _in_a_line(scene: Scene, signal: Signal) -> str:
+    value = scene.value(signal.name)
+    room = INSIDE - width(f" {value}", SMALL)
+    return f"{shortened(signal.name.split('.', 1)[1], room, SMALL)} {value}"
+
+
+def _clear_of(surface: float, count: int) -> list[float]:
+    """Return the rows of the words in a tank, below its rim, so that the surface strikes none."""
+    rows: list[float] = []
+    for first in (46.0, 38.0, 30.0, 22.0, 15.0):
+        rows, y = [], first
+        for place in range(count):
+            if y - 13.0 < surface < y + 5.0:
+                y = surface + 16.0
+            rows.append(y)
+            y += 18.0 if place == 0 else 16.0
+        if rows[-1] < _LOWEST:
+            return rows
+    return rows
