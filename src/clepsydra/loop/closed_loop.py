@@ -126,7 +126,95 @@ def closed_loop(
         process if statuses else None,
         adjustable,
     )
-    return _Join(process, controller, dict(constant or {}), motion, scores, law).program()
+    constant, own = constant or {}, controller.law
+    told, summed = (scores.inputs, scores.state) if scores else ((), ())
+    every = (*loop_inputs(process), *free_inputs(controller), *told)
+    inputs = tuple(signal for signal in every if signal.name not in constant)
+    state = (*motion.state, *map(_renamed, own.state), *summed)
+    tuned = (replace(p, name=controller_name(p.name)) for p in own.parameters)
+    parameters = (*process.parameters, *tuned, *motion.parameters)
+    names = [entry.name for entry in (*state, *inputs, *parameters)]
+    builder = BlockBuilder(len(names))
+    value = {name: index for index, name in enumerate(names)}
+    value |= {name: builder.constant(number) for name, number in constant.items()}
+    time_step = builder.constant(process.sampling_period)
+    of_process = [value[p.name] for p in process.parameters]
+    moving = [value[x.name] for x in motion.state]
+    readings = _measure(builder, process, value, moving[: len(process.motion.contents)])
+    for u in process.inputs:
+        value[u.name] = value[f"{u.name}.manual"]  # where the law does not move it
+    next_law = _control(builder, process, controller, value, time_step, law)
+    place = {entry.name: index for index, entry in enumerate(own.state)}
+    inner = inner_setpoints(controller, process)
+    value |= {each.name: next_law[place[each.state]] for each in inner}
+    held = [value[s.name] for s in (*process.inputs, *process.disturbances)]
+    lengths = [value[p.name] for p in motion.parameters]
+    next_state = motion.move(builder, moving, [*held, *of_process, *lengths])
+    recorded = (
+        *process.state,
+        *process.measurements,
+        *process.inputs,
+        *(Signal(f"{u}.status", kind="integer") for u in controller.manipulated),
+        *(each.signal for each in inner),
+        *motion.state[len(process.motion.contents) :],
+    )
+    added = scores.append(builder, value | readings) if scores else []
+    shown = [value[signal.name] for signal in recorded]
+    block = builder.finish([*next_state, *next_law, *added, *shown])
+    name = f"{process.name} with {controller.name}"
+    return Program(name, state, inputs, parameters, recorded, block)
+
+
+def _measure(
+    builder: BlockBuilder, process: Process, value: dict[str, int], contents: list[int]
+) -> dict[str, int]:
+    """Read the sensors: name states and what is shown; return what they read without noise."""
+    parameters = [value[p.name] for p in process.parameters]
+    state = inline(builder, process.motion.to_state, [*contents, *parameters], fused=True)
+    value |= {x.name: v for x, v in zip(process.state, state, strict=True)}
+    true = inline(builder, process.measure, [*state, *parameters], fused=True)
+    noisy = [
+        builder.operation("add", reading, value[f"{y.name}.noise"])
+        for y, reading in zip(process.measurements, true, strict=True)
+    ]
+    shown = inline(builder, process.display, noisy)
+    value |= {y.name: v for y, v in zip(process.measurements, shown, strict=True)}
+    return {y.name: v for y, v in zip(process.measurements, true, strict=True)}
+
+
+def _control(
+    builder: BlockBuilder,
+    process: Process,
+    controller: Controller,
+    value: dict[str, int],
+    time_step: int,
+    in_single: Program | None,
+) -> list[int]:
+    """Compute the step law in place, name its outputs in the loop, and return its next state."""
+    law, ways = controller.law, wire_conversions(controller, process)
+
+    def passed(name: str, number: int) -> int:
+        if name not in ways:
+            return number
+        return builder.operation(ways[name].code, number, builder.constant(ways[name].number))
+
+    wires = controller.input_wires
+    given = {name: passed(name, value[wire]) for name, wire in wires.items()}
+    given["time_step"] = time_step
+    arguments = [
+        *(value[controller_name(entry.name)] for entry in law.state),
+        *(given[signal.name] for signal in law.inputs),
+        *(value[controller_name(signal.name)] for signal in law.parameters),
+    ]
+    if in_single is None:
+        results = inline(builder, law.function, arguments)
+    else:
+        for place in in_single.input_arguments:
+            arguments[place] = builder.operation(TO_SINGLE, arguments[place])
+        results = append_in_place(builder, in_single.block, arguments)
+    outputs = zip(law.outputs, results[len(law.state) :], strict=False)
+    value |= {controller.output_wires[s.name]: passed(s.name, n) for s, n in outputs}
+    return results[: len(law.state)]
 
 
 def loop_inputs(process: Process) -> tuple[Signal, ...]:
@@ -168,124 +256,6 @@ def free_inputs(controller: Controller) -> tuple[Signal, ...]:
 def controller_name(signal: str) -> str:
     """Return the name that a state or parameter of a step law has in the closed loop."""
     return f"controller.{signal}"
-
-
-class _Join:
-    def __init__(
-        self,
-        process: Process,
-        controller: Controller,
-        constant: dict[str, float],
-        motion: MotionBlock,
-        scores: RunningScores | None,
-        in_single: Program | None,
-    ) -> None:
-        self.process, self.controller, self.motion = process, controller, motion
-        self.in_single = in_single
-        law = controller.law
-        self.scores = scores
-        told, summed = (scores.inputs, scores.state) if scores else ((), ())
-        every = (*loop_inputs(process), *free_inputs(controller), *told)
-        self.inputs = tuple(s for s in every if s.name not in constant)
-        self.state = (
-            *self.motion.state,
-            *(_renamed(entry) for entry in law.state),
-            *summed,
-        )
-        self.parameters = (
-            *process.parameters,
-            *(replace(p, name=controller_name(p.name)) for p in law.parameters),
-            *motion.parameters,
-        )
-        names = [s.name for s in (*self.state, *self.inputs, *self.parameters)]
-        self.builder = BlockBuilder(len(names))
-        self.value = {name: index for index, name in enumerate(names)}
-        for name, number in constant.items():
-            self.value[name] = self.builder.constant(number)
-
-    def program(self) -> Program:
-        process, controller, value = self.process, self.controller, self.value
-        builder = self.builder
-        time_step = builder.constant(process.sampling_period)
-        parameters = [value[p.name] for p in process.parameters]
-        moving = [value[x.name] for x in self.motion.state]
-        contents = moving[: len(process.motion.contents)]
-        state = inline(builder, process.motion.to_state, [*contents, *parameters], fused=True)
-        value |= {x.name: v for x, v in zip(process.state, state, strict=True)}
-        true = inline(builder, process.measure, [*state, *parameters], fused=True)
-        for y, reading in zip(process.measurements, true, strict=True):
-            noise = value[f"{y.name}.noise"]
-            value[y.name] = builder.operation("add", reading, noise)
-        noisy = [value[y.name] for y in process.measurements]
-        shown = inline(builder, process.display, noisy)
-        value |= {y.name: v for y, v in zip(process.measurements, shown, strict=True)}
-        for u in process.inputs:
-            value[u.name] = value[f"{u.name}.manual"]  # where the law does not move it
-        next_law = self._control(time_step)
-        place = {entry.name: index for index, entry in enumerate(controller.law.state)}
-        inner = inner_setpoints(controller, process)
-        value |= {each.name: next_law[place[each.state]] for each in inner}
-        moved = [value[u.name] for u in process.inputs]
-        disturbed = [value[d.name] for d in process.disturbances]
-        told = [value[p.name] for p in self.motion.parameters]
-        next_state = self.motion.move(builder, moving, [*moved, *disturbed, *parameters, *told])
-        readings = {y.name: v for y, v in zip(process.measurements, true, strict=True)}
-        recorded = (
-            *process.state,
-            *process.measurements,
-            *process.inputs,
-            *(Signal(f"{u}.status", kind="integer") for u in controller.manipulated),
-            *(each.signal for each in inner),
-            *self.motion.state[len(process.motion.contents) :],
-        )
-        block = builder.finish(
-            [
-                *next_state,
-                *next_law,
-                *(self.scores.append(builder, value | readings) if self.scores else ()),
-                *(value[signal.name] for signal in recorded),
-            ]
-        )
-        return Program(
-            f"{process.name} with {controller.name}",
-            self.state,
-            self.inputs,
-            self.parameters,
-            recorded,
-            block,
-        )
-
-    def _control(self, time_step: int) -> list[int]:
-        """Inline the step law, name its outputs in the loop, and return its next state."""
-        law, value = self.controller.law, self.value
-        ways, builder = wire_conversions(self.controller, self.process), self.builder
-
-        def passed(name: str, number: int) -> int:
-            if name not in ways:
-                return number
-            return builder.operation(ways[name].code, number, builder.constant(ways[name].number))
-
-        wires = self.controller.input_wires
-        given = {name: passed(name, value[wire]) for name, wire in wires.items()}
-        given["time_step"] = time_step
-        arguments = [
-            *(value[controller_name(entry.name)] for entry in law.state),
-            *(given[signal.name] for signal in law.inputs),
-            *(value[controller_name(signal.name)] for signal in law.parameters),
-        ]
-        results = self._step(arguments)
-        outputs = zip(law.outputs, results[len(law.state) :], strict=False)
-        value |= {self.controller.output_wires[s.name]: passed(s.name, n) for s, n in outputs}
-        return results[: len(law.state)]
-
-    def _step(self, arguments: list[int]) -> list[int]:
-        """Compute the law in place; return its next state, then its outputs."""
-        law, builder, program = self.controller.law, self.builder, self.in_single
-        if program is None:
-            return inline(builder, law.function, arguments)
-        for place in program.input_arguments:
-            arguments[place] = builder.operation(TO_SINGLE, arguments[place])
-        return append_in_place(builder, program.block, arguments)
 
 
 def _renamed(entry: Signal | DelayRing) -> Signal | DelayRing:

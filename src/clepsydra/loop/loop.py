@@ -82,22 +82,18 @@ class Loop(WiredLoop):
         check_solver(solver)
         count = self.substeps if substeps is None else substeps
         if precision == "single":
-            return self._in_single(scenario, count)
-        if solver == "reference":
+            law = in_single_arithmetic(self.controller.program())
+            told, begun = (
+                {controller_name(signal.name): signal.initial for signal in signals}
+                for signals in (law.parameters, map(signal_of, law.state))
+            )
+            return self._by_kernel(
+                scenario, self._kernel(scenario, count, law=law), count, told, begun
+            )
+        if solver == "reference" or isinstance(self.controller.law, PythonLaw):
             found = stepped_loop(self, scenario, count, solver)
-            return self._collect(scenario, found, substeps=0)
-        if isinstance(self.controller.law, PythonLaw):
-            return self._collect(scenario, stepped_loop(self, scenario, count), substeps=count)
+            return self._collect(scenario, found, substeps=0 if solver == "reference" else count)
         return self._by_kernel(scenario, self._kernel(scenario, count), count, {})
-
-    def _in_single(self, scenario: Scenario, substeps: int) -> Run:
-        law = in_single_arithmetic(self.controller.program())
-        told, begun = (
-            {controller_name(signal.name): signal.initial for signal in signals}
-            for signals in (law.parameters, map(signal_of, law.state))
-        )
-        kernel = self._kernel(scenario, substeps, law=law)
-        return self._by_kernel(scenario, kernel, substeps, told, begun)
 
     def run_checked(self, scenario: Scenario, largest: int = LARGEST_REFINEMENT) -> Run:
         """Simulate, estimate the error by halving the step, and refine until it is small.

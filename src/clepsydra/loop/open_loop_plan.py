@@ -10,7 +10,6 @@ import numpy as np
 
 from clepsydra.base.arguments import check_choice
 from clepsydra.base.errors import InputError
-from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import to_si
 from clepsydra.base.words import listed, time_text
 from clepsydra.linear.dead_time import at_rest
@@ -23,6 +22,7 @@ from clepsydra.loop.open_loop import Simulation, simulate, simulations, state_fr
 from clepsydra.loop.profile import (
     Change,
     check_range,
+    named_signal,
     pretty_duration,
     profiles_of,
     read_duration,
@@ -135,17 +135,10 @@ def read_state(name: str, value: object, process: Process, place: str) -> float:
     >>> read_state("tank_1.level", "5 cm", load_process("quadruple-tank"), "--state")
     0.05
     """
-    known = {signal.name: signal for signal in process.state}
-    if name not in known:
-        raise InputError(
-            place,
-            name[:60],
-            f"a state of {process.name} ({', '.join(known)})",
-            suggestion(name, known, "choose one of them"),
-        )
+    signal = named_signal(name, process.state, f"a state of {process.name}", place)
     where = f"{place}, {name}"
-    number = to_si(value, known[name].unit, where)
-    check_range(known[name], number, where)
+    number = to_si(value, signal.unit, where)
+    check_range(signal, number, where)
     return number
 
 

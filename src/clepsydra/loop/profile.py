@@ -95,21 +95,17 @@ def read_assignment(text: str, process: Process, place: str) -> Change:
 
 
 def outside_signal(name: str, process: Process, place: str) -> Signal:
-    """Return an input or a disturbance by its name.
+    """Return an input or a disturbance by its name, or refuse the name."""
+    outside = (*process.inputs, *process.disturbances)
+    return named_signal(name, outside, f"an input or a disturbance of {process.name}", place)
 
-    Raises
-    ------
-    InputError
-        There is none.
-    """
-    known = {signal.name: signal for signal in (*process.inputs, *process.disturbances)}
+
+def named_signal(name: str, signals: Iterable[Signal], what: str, place: str) -> Signal:
+    """Return a signal by its name, or refuse the name and say which there are."""
+    known = {signal.name: signal for signal in signals}
     if name not in known:
-        raise InputError(
-            place,
-            name[:60],
-            f"an input or a disturbance of {process.name} ({', '.join(known)})",
-            suggestion(name, known, "choose one of them"),
-        )
+        remedy = suggestion(name, known, "choose one of them")
+        raise InputError(place, name[:60], f"{what} ({', '.join(known)})", remedy)
     return known[name]
 
 

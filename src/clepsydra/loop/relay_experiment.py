@@ -21,7 +21,7 @@ from clepsydra.designs.models.ultimate_point import ultimate_point
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.loop import Loop
-from clepsydra.loop.scenario import Scenario
+from clepsydra.loop.scenario import scenario_of_changes
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 
 #: The relay takes this share of the way from the operating point to the nearer limit.
@@ -186,15 +186,7 @@ def relay_experiment(
         setpoints=(output,),
         manipulated=(input_name,),
     )
-    steady = Scenario(
-        sampling_period=period,
-        setpoints=np.tile([at[name] for name in process.controlled], (samples, 1)),
-        disturbances=np.tile(point.disturbances, (samples, 1)),
-        noise=np.zeros((samples, len(process.measurements))),
-        segments=(),
-        seed=0,
-    )
-    run = Loop(controller, model).run(steady)
+    run = Loop(controller, model).run(scenario_of_changes(point, (), samples))
     return RelayRecord(
         time=run.time,
         manipulated=run.values[input_name],

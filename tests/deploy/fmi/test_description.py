@@ -209,12 +209,6 @@ def test_two_variables_of_one_name_are_refused():
         controller_model(same, origin("p", 1.0))
 
 
-@pytest.mark.parametrize("period", [0.0, -1.0, float("nan"), float("inf")])
-def test_a_sampling_period_that_is_none_is_refused(period):
-    with refused(place="sampling period"):
-        controller_model(pi_program(), origin("p", period))
-
-
 def test_what_xml_cannot_hold_is_left_out(tmp_path):
     signal = Signal("u", description='a <b> & "c"\n\x01 μ', low=0.0, high=float("inf"))
     program = Program("law", (), (signal,), (Signal("k", initial=float("inf")),),

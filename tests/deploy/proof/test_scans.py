@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from clepsydra import InputError, Signal
+from clepsydra import Signal
 from clepsydra.deploy.proof.scans import random_scans
 from clepsydra.program.program import Block, Program
 
@@ -127,11 +127,3 @@ def test_scans_depend_on_nothing_but_seed_and_name():
     # A start depends on the sensors too.
     same = set(alone) - {"start"}
     assert all(np.array_equal(alone[n], first[n], equal_nan=True) for n in same)
-
-
-@pytest.mark.parametrize(("scans", "seed"), [(0, 1), (-3, 1), (10, -1)])
-def test_too_few_scans_and_a_negative_seed_are_refused(scans, seed):
-    with pytest.raises(InputError) as caught:
-        random_scans(PROGRAM, scans, seed, 1.0)
-    expected = ("seed", seed, "at least 0") if seed < 0 else ("scans", scans, "at least 1")
-    assert (caught.value.place, caught.value.value, caught.value.expected) == expected

@@ -175,7 +175,7 @@ REFUSED = {
     "m := LIMIT(MN := 0, MX := 9, IN := n);": "is no argument 2 of LIMIT",
     "y := z;": "z is not declared",
     "a := 1.0;": "a may not be written",
-    "IF a THEN y := 1.0; END_IF;": "a condition of type LREAL",
+    "IF a THEN y := 1.0; END_IF;": "a condition is BOOL, the value LREAL",
     "y := NOT a;": "NOT of LREAL",
     "y := MAX(a, b);": "MAX of LREAL, LREAL is unknown",
     "y := SQRT(n);": "SQRT of DINT is unknown",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from clepsydra.base.errors import InputError
 from clepsydra.deploy.fmi.model import FmuModel, FmuVariable, output_dependencies, variables_of
 from clepsydra.deploy.fmi.model_header import call_step
 from clepsydra.deploy.printing.origin import Origin
@@ -35,7 +34,7 @@ def controller_model(program: Program, origin: Origin) -> FmuModel:
     Raises
     ------
     InputError
-        The sampling period is no finite number above zero, or two variables have one name.
+        Two variables have one name.
 
     Examples
     --------
@@ -45,12 +44,6 @@ def controller_model(program: Program, origin: Origin) -> FmuModel:
     >>> model.variables[0].name, model.outputs[0].name, model.reference("time_step")
     ('level_1.proportional_gain', 'pump_1.out', 25)
     """
-    period = origin.sampling_period
-    if not 0.0 < period < float("inf"):
-        raise InputError(
-            f"program {program.name}, sampling period", f"{period!r} s", "a time above 0 s",
-            "give the period that the controller was designed for",
-        )  # fmt: skip
     paths, named = state_paths(with_owned_state(program)), state_names(program)
     states = [
         FmuVariable(
@@ -76,7 +69,7 @@ def controller_model(program: Program, origin: Origin) -> FmuModel:
             *variables_of(program.outputs, "outputs", "output", "discrete", depends_on),
         ),
         functions="\n".join([show, call_step("model_advance", "One scan.", program)]),
-        step=period,
+        step=origin.sampling_period,
         scans=True,
         title=f"{origin.subject} for {origin.process}",
         origin=origin,

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
-from clepsydra.base.signal import Signal
+from clepsydra.deploy.c99.statements import C99
 from clepsydra.deploy.fmi.model import FmuModel, FmuVariable
 from clepsydra.deploy.printing.decimal_text import decimal
 from clepsydra.program.program import Program
@@ -72,31 +71,27 @@ def _references(model: FmuModel) -> list[str]:
 
     An array of C has at least one element.
     """
-    states = model.states
+
+    def count(name: str, values: Sequence[str]) -> str:
+        return f"static const size_t model_{name}_count = {len(values)};"
 
     def array(kind: str, name: str, values: Sequence[str]) -> str:
-        return f"static const {kind} {name}[] = {{{', '.join(values or ['0'])}}};"
+        return f"static const {kind} model_{name}[] = {{{', '.join(values or ['0'])}}};"
 
-    def numbers(variables: Sequence[FmuVariable]) -> list[str]:
-        return [str(model.reference(variable.signal.name)) for variable in variables]
+    def references(names: Iterable[str]) -> list[str]:
+        return [str(model.reference(name)) for name in names]
 
+    derivatives, states = model.derivatives, references(v.derivative_of for v in model.derivatives)
+    indicators, memories = references(model.indicators), references(model.followed)
     return [
-        f"static const size_t model_state_count = {len(states)};",
-        array("uint32_t", "model_states", numbers(states)),
-        array("uint32_t", "model_derivatives", numbers(model.derivatives)),
-        array("double", "model_nominals", [decimal(s.nominal) for s in states]),
-        f"static const size_t model_indicator_count = {len(model.indicators)};",
-        array(
-            "uint32_t",
-            "model_indicators",
-            [str(model.reference(indicator)) for indicator in model.indicators],
-        ),
-        f"static const size_t model_memory_count = {len(model.followed)};",
-        array(
-            "uint32_t",
-            "model_memories",
-            [str(model.reference(memory)) for memory in model.followed],
-        ),
+        count("state", states),
+        array("uint32_t", "states", states),
+        array("uint32_t", "derivatives", references(v.signal.name for v in derivatives)),
+        array("double", "nominals", [decimal(state.nominal) for state in model.states]),
+        count("indicator", indicators),
+        array("uint32_t", "indicators", indicators),
+        count("memory", memories),
+        array("uint32_t", "memories", memories),
         "",
     ]
 
@@ -109,21 +104,11 @@ def _start(model: FmuModel) -> list[str]:
         f"  {name}_default_parameters(&memory->parameters);",
         f"  {name}_initialise(&memory->state);",
     ]
+    in_c = C99(name, "double")
     for variable in model.variables:
         if variable.settable and variable.member.startswith("inputs."):
-            lines.append(f"  memory->{variable.member} = {_literal(variable.signal)};")
+            lines.append(f"  memory->{variable.member} = {in_c.initial(variable.signal)};")
     return [*lines, "}", ""]
-
-
-def _literal(signal: Signal) -> str:
-    value = signal.initial
-    if signal.kind == "integer":
-        return "INT32_MIN" if value == -(2**31) else str(int(value))
-    if signal.kind == "boolean":
-        return "true" if value else "false"
-    if math.isnan(value):
-        return "NAN"
-    return decimal(value) if math.isfinite(value) else f"{'-' if value < 0 else ''}HUGE_VAL"
 
 
 def call_step(function: str, comment: str, program: Program, *, keeps_state: bool = False) -> str:

@@ -8,7 +8,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
 from clepsydra.deploy.proof.instance import Array
 from clepsydra.program.program import Program
@@ -60,11 +59,6 @@ def random_scans(
         Whether anything goes wrong or changes; without it all inputs stay in their ranges and
         there are no parameters, for the simulation of a process.
 
-    Raises
-    ------
-    InputError
-        No scan at all, or a seed below zero.
-
     Examples
     --------
     >>> from clepsydra.program.program import Block
@@ -73,9 +67,6 @@ def random_scans(
     >>> sorted(set(random_scans(program, 10_000, 1, 1.0)["pump.mode"].tolist()))
     [-1.0, 0.0, 1.0, 2.0, 3.0]
     """
-    for what, value, least in (("scans", scans, 1), ("seed", seed, 0)):
-        if value < least:
-            raise InputError(what, value, f"at least {least}", "choose another number")
     plant = _Plant(program, scans, seed, sampling_period, broken)
     found = {signal.name: plant.values(signal) for signal in program.inputs}
     if broken:

@@ -29,11 +29,6 @@ if TYPE_CHECKING:
 _LOAD, _STORE = ast.Load(), ast.Store()
 
 
-def entry(values: list[Any], place: int) -> Any:
-    """Return an entry of an array; an index outside of it is an error."""
-    return values[checked(values, place)]
-
-
 def checked(values: list[Any], place: int) -> int:
     """Return an index that lies inside an array."""
     if not 0 <= place < len(values):
@@ -79,7 +74,7 @@ class Expressions:
         #: What the translated code calls.
         self.namespace: dict[str, Any] = {
             "quotient": quotient, "remainder": remainder,
-            "whole_quotient": whole_quotient, "in_range": in_range, "entry": entry,
+            "whole_quotient": whole_quotient, "in_range": in_range,
             "checked": checked, "single": rounding(),
         }  # fmt: skip
         self._divisors = 0
@@ -100,13 +95,6 @@ class Expressions:
     def is_record(self, declared: Declared) -> bool:
         """Whether a variable is a structure."""
         return declared.type in self._units and self._units[declared.type].kind == "STRUCT"
-
-    def condition(self, node: Node) -> ast.expr:
-        """Translate an expression that must be BOOL."""
-        found = self.expression(node)
-        if found.type != "BOOL":
-            raise wrong(node, f"a condition of type {found.type}")
-        return found.code
 
     def of_type(self, node: Node, type_name: str, what: str) -> ast.expr:
         """Translate an expression that must be of a type."""
@@ -149,6 +137,11 @@ class Expressions:
         self.read.add(name)
         return ast.Name(f"v_{name}", _LOAD)
 
+    def place_in(self, array: str, index: ast.expr) -> tuple[ast.expr, ast.expr]:
+        """Return an array and an index that is checked to lie inside of it."""
+        values = self.variable(array)
+        return values, self.called("checked", values, index)
+
     def called(self, function: str, *arguments: ast.expr) -> ast.expr:
         """Return what calls a function of the namespace."""
         return ast.Call(ast.Name(function, _LOAD), list(arguments), [])
@@ -171,7 +164,7 @@ class Expressions:
     def _entry(self, node: Node) -> Typed:
         name = content(part(node, "object")).lower()
         declared, index = self.index(node, name)
-        return Typed(declared.type, self.called("entry", self.variable(name), index))
+        return Typed(declared.type, ast.Subscript(*self.place_in(name, index), _LOAD))
 
     def _member(self, node: Node) -> Typed:
         held, member = part(node, "object"), content(part(node, "member")).lower()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from clepsydra.deploy.proof.text.tree import StructuredTextError
 from clepsydra.deploy.proof.text.values import ZEROS
@@ -68,9 +68,9 @@ def standard_text(text: str) -> str:
     """
     tokens = list(_tokens(text))
     told = [token for token in tokens if token.kind not in ("comment", "space")]
-    place = 0
-    while place < len(told):
-        place = _Block(told).read(place)
+    reader = _Reader(told)
+    while reader.place < len(told):
+        reader.read_block()
     return "".join(token.text for token in tokens)
 
 
@@ -85,65 +85,77 @@ def _wrong(token: _Token, message: str) -> StructuredTextError:
     return StructuredTextError(f"line {token.line}: {message}")
 
 
-@dataclass
-class _Block:
-    """Reads one block, and writes what the standard knows into its tokens."""
+class _Reader:
+    """Reads blocks, one after the other, and writes what the standard knows into the tokens."""
 
-    tokens: list[_Token]
-    local: set[str] = field(default_factory=set)
-    kind: str = ""
+    def __init__(self, tokens: list[_Token]) -> None:
+        self.tokens, self.place = tokens, 0
+        self.local: set[str] = set()
 
-    def read(self, place: int) -> int:
-        """Read a block from its first word; returns the place behind its last one."""
-        first = self._at(place)
-        self.kind = first.text.upper()
-        if self.kind not in ("FUNCTION_BLOCK", "FUNCTION", "TYPE"):
+    def _next(self) -> _Token:
+        """Return the token that is read next."""
+        if self.place >= len(self.tokens):
+            raise _wrong(self.tokens[-1], "the text ends within a block")
+        return self.tokens[self.place]
+
+    def _take(self) -> _Token:
+        token = self._next()
+        self.place += 1
+        return token
+
+    def _next_is(self, *words: str) -> bool:
+        return self._next().text.upper() in words
+
+    def _until(self, word: str) -> Iterator[_Token]:
+        """Take tokens up to a word, and that word."""
+        while not self._next_is(word):
+            yield self._take()
+        self.place += 1
+
+    def read_block(self) -> None:
+        first = self._take()
+        kind = first.text.upper()
+        if kind not in ("FUNCTION_BLOCK", "FUNCTION", "TYPE"):
             raise _wrong(first, f"{first.text} outside of a block")
-        name = self._at(place + 1)
+        name = self._take()
         if name.kind != "quoted":
             raise _wrong(name, f"the name {name.text} of a block is not in quotes")
         name.text = name.text.strip('"')
-        place += 2
-        if self.kind == "TYPE":
+        self.local = {name.text.lower()} if kind == "FUNCTION" else set()
+        if kind == "TYPE":
             name.text += " :"
-            return self._members(place)
-        if self.kind == "FUNCTION":
-            self.local.add(name.text.lower())
-            place += 2  # a colon and its type
-        place = self._header(place)
-        while self._at(place).text.upper() in _SECTIONS:
-            place = self._section(place + 1)
-        begin = self._at(place)
+            for token in self._until("END_TYPE"):
+                if token.kind in ("marked", "quoted", "attribute"):
+                    raise _wrong(token, f"no meaning for {token.text} in a structure")
+            return
+        if kind == "FUNCTION":
+            self.place += 2  # a colon and its type
+        self._header()
+        while self._next_is(*_SECTIONS):
+            self._section()
+        begin = self._take()
         if begin.text.upper() != "BEGIN":
             raise _wrong(begin, f"{begin.text} where BEGIN has to stand")
         begin.text = ""
-        return self._statements(place + 1)
+        self._statements(f"END_{kind}")
 
-    def _at(self, place: int) -> _Token:
-        if place < 0 or place >= len(self.tokens):
-            raise _wrong(self.tokens[-1], "the text ends within a block")
-        return self.tokens[place]
-
-    def _header(self, place: int) -> int:
+    def _header(self) -> None:
         """Read attributes and at most one version."""
-        while self._at(place).kind == "attribute":
-            self._at(place).text = ""
-            place += 1
-        if self._at(place).text.upper() == "VERSION":
-            colon, number = self._at(place + 1), self._at(place + 2)
+        while self._next().kind == "attribute":
+            self._take().text = ""
+        if self._next_is("VERSION"):
+            version, colon, number = (self._take() for _ in range(3))
             if colon.text != ":" or number.kind != "literal":
                 raise _wrong(colon, "a version is a number behind a colon")
-            for token in self.tokens[place : place + 3]:
-                token.text = ""
-            place += 3
-        return place
+            version.text = colon.text = number.text = ""
 
-    def _section(self, place: int) -> int:
-        """Read declarations up to END_VAR, behind the word of their section."""
-        while self._at(place).text.upper() in ("RETAIN", "CONSTANT"):
-            place += 1
+    def _section(self) -> None:
+        """Read declarations, from the word of their section to END_VAR."""
+        self.place += 1
+        while self._next_is("RETAIN", "CONSTANT"):
+            self.place += 1
         named = True
-        while (token := self._at(place)).text.upper() != "END_VAR":
+        for token in self._until("END_VAR"):
             if token.kind == "marked":
                 raise _wrong(token, f"a mark in a declaration, before {token.text[1:]}")
             if named and token.kind == "word":
@@ -153,39 +165,26 @@ class _Block:
             elif token.kind == "quoted":
                 token.text = token.text.strip('"')
             named = token.text == ";" or (named and token.text != ":")
-            place += 1
-        return place + 1
 
-    def _members(self, place: int) -> int:
-        """Read the members of a structure up to the end of its type."""
-        while (token := self._at(place)).text.upper() != "END_TYPE":
-            if token.kind in ("marked", "quoted", "attribute"):
-                raise _wrong(token, f"no meaning for {token.text} in a structure")
-            place += 1
-        return place + 1
-
-    def _statements(self, place: int) -> int:
-        """Read statements up to the end of the block."""
+    def _statements(self, end: str) -> None:
         calls: list[bool] = []  # whether an open parenthesis is that of a call
-        while (token := self._at(place)).text.upper() != f"END_{self.kind}":
-            before = self._at(place - 1)
+        for token in self._until(end):
+            before = self.tokens[self.place - 2]
             if token.text == "(":
                 calls.append(before.kind in ("marked", "word", "quoted"))
             elif token.text == ")" and calls:
                 calls.pop()
             elif token.text.upper() == "BEGIN":
                 raise _wrong(token, "a second BEGIN")
-            elif token.kind == "quoted" and self._at(place + 1).text == "(":
+            elif token.kind == "quoted" and self._next().text == "(":
                 token.text = token.text.strip('"')
             elif token.kind in ("quoted", "attribute") or token.text in ("#", '"'):
                 raise _wrong(token, f"no meaning for {token.text} in a statement")
             elif token.kind in ("marked", "word"):
                 foreign = before.text == "." or (
-                    bool(calls) and calls[-1] and self._at(place + 1).kind == "assigned"
+                    bool(calls) and calls[-1] and self._next().kind == "assigned"
                 )
                 self._name(token, foreign=foreign)
-            place += 1
-        return place + 1
 
     def _name(self, token: _Token, *, foreign: bool) -> None:
         """Check the mark of a name; that of another block's variable has none."""

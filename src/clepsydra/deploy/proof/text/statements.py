@@ -56,29 +56,25 @@ class _Body(Expressions):
         self._controls: list[str] = []
 
     def function(self) -> Callable[..., Any]:
-        body = self._sequence(self._unit.body)
-        kept = [n for n, d in self._unit.declared.items() if d.section != "VAR_TEMP"]
-        memory = ast.Name("memory", _LOAD)
-        loads, stores = list[ast.stmt](), list[ast.stmt]()
-        for name in kept:
-            local, member = f"v_{name}", ast.Constant(name)
-            if name in self.read | self._written:
-                value = ast.Subscript(memory, member, _LOAD)
-                loads.append(ast.Assign([ast.Name(local, _STORE)], value))
-            if name in self._written:
-                place = ast.Subscript(memory, member, _STORE)
-                stores.append(ast.Assign([place], ast.Name(local, _LOAD)))
-        given = ["memory"]
-        whole = [*loads, *body, *stores] or [ast.Pass()]
-        if self._unit.kind == "FUNCTION":
-            given = [f"v_{name}" for name in kept]
-            whole = [*body, ast.Return(ast.Name(f"v_{self._unit.name.lower()}", _LOAD))]
-        arguments = ast.arguments([], [ast.arg(name) for name in given], None, [], [], None, [])
-        module = ast.parse("")
-        module.body = [ast.FunctionDef("run", arguments, whole, [])]
-        namespace = self.namespace
-        exec(compile(ast.fix_missing_locations(module), f"<{self._unit.name}>", "exec"), namespace)
-        run: Callable[..., Any] = namespace["run"]
+        unit = self._unit
+        body = self._sequence(unit.body)
+        kept = [n for n, d in unit.declared.items() if d.section != "VAR_TEMP"]
+        if unit.kind == "FUNCTION":
+            given = ", ".join(f"v_{name}" for name in kept)
+            heading, returned = f"def run({given}): pass", f"v_{unit.name.lower()}"
+            whole = [*body, ast.Return(ast.Name(returned, _LOAD))]
+        else:
+            heading, used = "def run(memory): pass", self.read | self._written
+            loads = [f"v_{name} = memory['{name}']" for name in kept if name in used]
+            stores = [f"memory['{name}'] = v_{name}" for name in kept if name in self._written]
+            first, last = (ast.parse("\n".join(lines)).body for lines in (loads, stores))
+            whole = [*first, *body, *last] or [ast.Pass()]
+        module = ast.parse(heading)
+        (definition,) = module.body
+        assert isinstance(definition, ast.FunctionDef)
+        definition.body = whole
+        exec(compile(ast.fix_missing_locations(module), f"<{unit.name}>", "exec"), self.namespace)
+        run: Callable[..., Any] = self.namespace["run"]
         return run
 
     def _sequence(self, nodes: Sequence[Node]) -> list[ast.stmt]:
@@ -110,9 +106,7 @@ class _Body(Expressions):
         if single:
             return self._to_variable(node, name, declared, value)
         _, index = self.index(left, name)
-        array = self.variable(name)
-        place = self.called("checked", array, index)
-        return [ast.Assign([ast.Subscript(array, place, _STORE)], value)]
+        return [ast.Assign([ast.Subscript(*self.place_in(name, index), _STORE)], value)]
 
     def _to_variable(
         self, node: Node, name: str, declared: Declared, value: ast.expr
@@ -150,7 +144,7 @@ class _Body(Expressions):
             elif child.type == "else_clause":
                 otherwise = self._sequence(child.children_by_field_name("body"))
         for clause, nodes in reversed(branches):
-            condition = self.condition(part(clause, "condition"))
+            condition = self.of_type(part(clause, "condition"), "BOOL", "a condition")
             body = self._sequence(nodes) or [ast.Pass()]
             otherwise = [ast.If(condition, body, otherwise)]
         return otherwise
