@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
 from itertools import pairwise
 from typing import Any, Literal
 
@@ -29,32 +28,102 @@ _STEPS = "add a step, as in [[scenario.setpoint]], or leave [scenario] out for t
 _KINDS: tuple[Literal["setpoint", "load"], ...] = ("setpoint", "load")
 
 
+def _instant(
+    table: TableReader, key: str, known: Mapping[str, Any], of: str, remedy: str, **bounds: float
+) -> int:
+    """Return the later one of the two samples around a time, one before an end."""
+    period, samples = known["process"].sampling_period, known["samples"]
+    sample = samples_before(table.quantity(key, "s", "a time", remedy, **bounds), period)
+    if sample >= samples:
+        late = "let the noise begin earlier" if key == "noise" else "let it step earlier"
+        raise table.wrong(
+            key,
+            f"a time before the end of the {of} at {time_text(samples * period, 4)}",
+            f"lengthen the duration, or {late}",
+        )
+    return sample
+
+
+def _signal(row: TableReader, key: str, known: Mapping[str, Any]) -> Signal:
+    process: Process = known["process"]
+    words, names = "a disturbance", [signal.name for signal in process.disturbances]
+    if known["kind"] == "setpoint":
+        words, names = "a controlled measurement", [*process.controlled]
+    name = row.name(key, f"the name of {words}")
+    return process.signal(known_name(row, key, name, names, f"{words} of {process.name}"))
+
+
 @dataclass(frozen=True)
 class Step:
-    """A step of a signal: at which sample, and to which value [SI] from the one before."""
+    """A step of a signal: at which sample, and what its table says of the value after it."""
 
-    table: TableReader
     kind: Literal["setpoint", "load"]
     signal: Signal = part(
-        lambda table, key, known: _signal(table, known["kind"], known["process"]),
-        required=(OWN,),
-        **told.text("a controlled measurement, or a disturbance"),
+        _signal, required=(OWN,), **told.text("a controlled measurement, or a disturbance")
     )
     sample: int = part(
-        lambda table, key, known: _sample(table, known["period"], known["samples"]),
+        lambda row, key, known: _instant(
+            row, "at", known, "steps", "say when it steps", at_least=0.0
+        ),
         {"at": told.quantity("when, at the later one of two samples", "s")},
         required=("at",),
     )
-    value: Callable[[float], float] = part(
-        lambda table, key, known: partial(
-            _value, table, known["signal"], known["kind"], known["process"].bands
-        ),
+    table: TableReader = part(
+        lambda row, key, known: row,
         {
             "to": told.quantity("the value after the step"),
             "by": told.quantity("the size of the step"),
         },
         checks=({"oneOf": [{"required": ["to"]}, {"required": ["by"]}]},),
     )
+
+
+def _samples(table: TableReader, name: str, known: Mapping[str, Any]) -> int:
+    """Return how many samples a scenario has."""
+    duration = table.quantity(
+        "duration", "s", "a length of time", "say how long the scenario lasts", above=0.0
+    )
+    period = known["process"].sampling_period
+    samples = samples_before(duration, period)
+    if samples > MOST_SAMPLES:
+        raise table.wrong(
+            "duration",
+            f"at most {time_text(MOST_SAMPLES * period, 4)}, {MOST_SAMPLES:,} sampling periods",
+            "shorten it, or lengthen the sampling period of the process",
+        )
+    return samples
+
+
+def _noise_begins(table: TableReader, name: str, known: Mapping[str, Any]) -> int | None:
+    """Return the sample from which on there is noise and nothing else; None without such a time."""
+    if not table.has("noise") or isinstance(table.raw("noise"), bool):
+        return None
+    remedy = 'write true, false, or when a stretch of noise without steps begins, as in "5 h"'
+    return _instant(table, "noise", known, "scenario", remedy, above=0.0)
+
+
+def _steps(table: TableReader, name: str, known: Mapping[str, Any]) -> list[Step]:
+    """Return the steps in order of time, all of them before the noise."""
+    last = known["samples"] if known["quiet"] is None else known["quiet"]
+    steps = [
+        Step(kind, **read_fields(Step, row, kind=kind, process=known["process"], samples=last))
+        for kind in _KINDS
+        for row in table.tables(
+            kind, "a list of steps", f"write each as [[scenario.{kind}]]", keys_of(Step)
+        )
+    ]
+    if not steps:
+        raise InputError(table.place(), "no step", "at least one step", _STEPS)
+    steps.sort(key=lambda step: step.sample)
+    for first, second in pairwise(steps):
+        if first.sample == second.sample:
+            raise second.table.wrong(
+                "at",
+                f"a time at which {first.signal.name} does not step as well, so that it is known "
+                "what the response is to",
+                "let one step follow the other",
+            )
+    return steps
 
 
 @dataclass(frozen=True)
@@ -70,12 +139,10 @@ class ScenarioTable:
     """
 
     samples: int = part(
-        lambda table, key, known: _samples(table, known["period"]),
-        {"duration": told.quantity("its length", "s")},
-        required=("duration",),
+        _samples, {"duration": told.quantity("its length", "s")}, required=("duration",)
     )
     quiet: int | None = part(
-        lambda table, key, known: _noise_begins(table, known["period"], known["samples"]),
+        _noise_begins,
         {
             "noise": {
                 "description": "`true`, `false`, or a time: then there is noise from that time on, "
@@ -86,7 +153,7 @@ class ScenarioTable:
         },
     )
     steps: list[Step] = part(
-        lambda table, key, known: _steps(table, known),
+        _steps,
         {
             "setpoint": told.listed(
                 "list of steps of controlled measurements, each as `[[scenario.setpoint]]`",
@@ -106,15 +173,6 @@ def read_scenario(table: TableReader | None, analysis: Analysis, seed: int) -> S
     signal, so that every score knows what it is of. A step between two samples acts from the
     later one on. Noise is that of the process, over the whole scenario, or in a stretch of its
     own after the last step, by which it is judged how quiet a controller is.
-
-    Parameters
-    ----------
-    table : TableReader or None
-        With the keys of `ScenarioTable`.
-    analysis : Analysis
-        Of the process at the operating point where the scenario begins.
-    seed : int
-        Of the noise.
 
     Raises
     ------
@@ -141,8 +199,8 @@ def read_scenario(table: TableReader | None, analysis: Analysis, seed: int) -> S
         return default_scenario(analysis.model, seed)
     process = analysis.operating_point.process
     period = process.sampling_period
-    known = ScenarioTable(**read_fields(ScenarioTable, table, process=process, period=period))
-    samples, quiet, steps = known.samples, known.quiet, known.steps
+    read = ScenarioTable(**read_fields(ScenarioTable, table, process=process))
+    samples, quiet, steps = read.samples, read.quiet, read.steps
     at = analysis.operating_point.as_dict()
     check_at_rest(process, at)
     setpoints = np.tile([at[name] for name in process.controlled], (samples, 1))
@@ -157,7 +215,7 @@ def read_scenario(table: TableReader | None, analysis: Analysis, seed: int) -> S
             place = [signal.name for signal in process.disturbances].index(step.signal.name)
             column = disturbances[:, place]
         before = float(column[step.sample])
-        value = step.value(before)
+        value = _value(step, process.bands, before)
         column[step.sample :] = value
         start, stop = step.sample * period, end * period
         segments.append(Segment(step.kind, step.signal.name, start, stop, value - before))
@@ -168,92 +226,9 @@ def read_scenario(table: TableReader | None, analysis: Analysis, seed: int) -> S
     return Scenario(period, setpoints, disturbances, noise, tuple(segments), seed)
 
 
-def _samples(table: TableReader, period: float) -> int:
-    """Return how many samples a scenario has."""
-    duration = table.quantity(
-        "duration", "s", "a length of time", "say how long the scenario lasts", above=0.0
-    )
-    samples = samples_before(duration, period)
-    if samples > MOST_SAMPLES:
-        raise table.wrong(
-            "duration",
-            f"at most {time_text(MOST_SAMPLES * period, 4)}, {MOST_SAMPLES:,} sampling periods",
-            "shorten it, or lengthen the sampling period of the process",
-        )
-    return samples
-
-
-def _noise_begins(table: TableReader, period: float, samples: int) -> int | None:
-    """Return the sample from which on there is noise and nothing else; None without such a time."""
-    if not table.has("noise") or isinstance(table.raw("noise"), bool):
-        return None
-    remedy = 'write true, false, or when a stretch of noise without steps begins, as in "5 h"'
-    time = table.quantity("noise", "s", "a time", remedy, above=0.0)
-    sample = samples_before(time, period)
-    if sample >= samples:
-        raise table.wrong(
-            "noise",
-            f"a time before the end of the scenario at {time_text(samples * period, 4)}",
-            "lengthen the duration, or let the noise begin earlier",
-        )
-    return sample
-
-
-def _steps(table: TableReader, known: Mapping[str, Any]) -> list[Step]:
-    """Return the steps in order of time, all of them before the noise."""
-    last = known["samples"] if known["quiet"] is None else known["quiet"]
-    context = {"process": known["process"], "period": known["period"], "samples": last}
-    steps = [
-        Step(row, kind, **read_fields(Step, row, kind=kind, **context))
-        for kind in _KINDS
-        for row in table.tables(
-            kind, "a list of steps", f"write each as [[scenario.{kind}]]", keys_of(Step)
-        )
-    ]
-    if not steps:
-        raise InputError(table.place(), "no step", "at least one step", _STEPS)
-    steps.sort(key=lambda step: step.sample)
-    for first, second in pairwise(steps):
-        if first.sample == second.sample:
-            raise second.table.wrong(
-                "at",
-                f"a time at which {first.signal.name} does not step as well, so that it is known "
-                "what the response is to",
-                "let one step follow the other",
-            )
-    return steps
-
-
-def _signal(row: TableReader, kind: str, process: Process) -> Signal:
-    words = "a controlled measurement" if kind == "setpoint" else "a disturbance"
-    signals = process.disturbances
-    if kind == "setpoint":
-        signals = tuple(process.signal(name) for name in process.controlled)
-    by_name = {signal.name: signal for signal in signals}
-    name = row.name("signal", f"the name of {words}")
-    return by_name[known_name(row, "signal", name, by_name, f"{words} of {process.name}")]
-
-
-def _sample(row: TableReader, period: float, samples: int) -> int:
-    time = row.quantity("at", "s", "a time", "say when it steps", at_least=0.0)
-    sample = samples_before(time, period)
-    if sample >= samples:
-        raise row.wrong(
-            "at",
-            f"a time before the end of the steps at {time_text(samples * period, 4)}",
-            "lengthen the duration, or let it step earlier",
-        )
-    return sample
-
-
-def _value(
-    table: TableReader,
-    signal: Signal,
-    kind: str,
-    bands: Mapping[str, tuple[float, float]],
-    before: float,
-) -> float:
+def _value(step: Step, bands: Mapping[str, tuple[float, float]], before: float) -> float:
     """Return the value after a step [SI]."""
+    table, signal = step.table, step.signal
     if table.has("to") == table.has("by"):
         raise table.refused(
             "by" if table.has("by") else "to",
@@ -269,7 +244,7 @@ def _value(
             table, "by", signal, "a change", "give the size of the step", change=True
         )
         value, key = before + change, "by"
-    check_in_range(table, key, signal, value, "a setpoint" if kind == "setpoint" else "a load")
+    check_in_range(table, key, signal, value, "a setpoint" if step.kind == "setpoint" else "a load")
     band = bands.get(signal.name, (value, value))
     if not band[0] <= value <= band[1]:
         raise table.refused(key, table.written(key), *within_band(signal, band))
