@@ -5,17 +5,18 @@ from __future__ import annotations
 import json
 import re
 import textwrap
+from collections.abc import Iterable, Iterator
 from string import Template
 from typing import Any
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal, path
-from clepsydra.base.units import from_si
+from clepsydra.base.signal import path
 from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.design import DESIGNS
 from clepsydra.designs.gain_units import percent_gain
+from clepsydra.designs.request import in_shown_unit
 from clepsydra.linear.analysis import Analysis, analyse
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.scenario import Scenario
@@ -118,14 +119,12 @@ def _comment(words: str) -> str:
 
 def _first(analysis: Analysis) -> tuple[str, Controller]:
     """Return a design of single loops that applies, and its controller."""
-    reasons = []
-    averages = bool(analysis.operating_point.process.averaging)
-    for name in sorted(_LOOPS, key=lambda name: averages and name != "arrest_time"):
-        try:
-            return name, _designed(name, analysis)
-        except NotApplicable as refusal:
-            reasons.append(str(refusal).rstrip("."))
-    process = analysis.operating_point.process
+    process, reasons = analysis.operating_point.process, list[str]()
+    averages = bool(process.averaging)
+    names = sorted(_LOOPS, key=lambda name: averages and name != "arrest_time")
+    found = next(_applicable(analysis, names, reasons), None)
+    if found is not None:
+        return found
     raise InputError(
         "--process",
         process.name,
@@ -135,15 +134,20 @@ def _first(analysis: Analysis) -> tuple[str, Controller]:
 
 
 def _second(analysis: Analysis, first: str) -> str:
-    for name in _OTHERS:
-        if name == first:
-            continue
+    names = [name for name in _OTHERS if name != first]
+    found = (name for name, _ in _applicable(analysis, names, []))
+    return next(found, next(name for name in _LOOPS if name != first))
+
+
+def _applicable(
+    analysis: Analysis, names: Iterable[str], reasons: list[str]
+) -> Iterator[tuple[str, Controller]]:
+    """Yield the designs that apply, with their controllers; the others add their reasons."""
+    for name in names:
         try:
-            _designed(name, analysis)
-        except NotApplicable:
-            continue
-        return name
-    return next(name for name in _LOOPS if name != first)
+            yield name, _designed(name, analysis)
+        except NotApplicable as refusal:
+            reasons.append(str(refusal).rstrip("."))
 
 
 def _designed(name: str, analysis: Analysis) -> Controller:
@@ -174,7 +178,7 @@ def _steps(process: Process, scenario: Scenario) -> str:
             f"[[scenario.{segment.kind}]]",
             f'signal = "{segment.signal}"',
             f'at = "{time_text(segment.start, 4)}"',
-            f'by = "{_shown(segment.size, signal)}"',
+            f'by = "{in_shown_unit(signal, segment.size, digits=6)}"',
         ]
     lines += ["# Or to a value: to = ..., in place of by."]
     return "\n".join(lines) + "\n"
@@ -187,17 +191,13 @@ def _written_out(process: Process, designed: Controller) -> str:
         gain, time = _settings(designed, output)
         shown = percent_gain(gain, process.signal(output), process.signal(moved))
         loops.append(
-            "\n".join(
-                (
-                    f"[controllers.by-hand.loops.{output}]",
-                    f'measurement = "{output}"',
-                    f'output = "{moved}"',
-                    'actions = "PI"',
-                    f'action = "{"reverse" if gain > 0.0 else "direct"}"',
-                    f'gain = "{abs(shown):.4g} %/%"',
-                    f'integral_time = "{time_text(time, 4)}"',
-                )
-            )
+            f"[controllers.by-hand.loops.{output}]\n"
+            f'measurement = "{output}"\n'
+            f'output = "{moved}"\n'
+            'actions = "PI"\n'
+            f'action = "{"reverse" if gain > 0.0 else "direct"}"\n'
+            f'gain = "{abs(shown):.4g} %/%"\n'
+            f'integral_time = "{time_text(time, 4)}"'
         )
     return "\n\n".join(loops)
 
@@ -215,11 +215,6 @@ def _bounds(process: Process, designed: Controller) -> dict[str, str]:
     gains = [f"{shown * factor:.2g} %/%" for factor in (1.0 / _WIDTH, _WIDTH)]
     times = [time_text(time * factor, 4) for factor in (1.0 / _WIDTH, _WIDTH)]
     return {"gain_bounds": json.dumps(gains), "time_bounds": json.dumps(times)}
-
-
-def _shown(value: float, signal: Signal) -> str:
-    unit = "" if signal.shown_unit == "1" else f" {signal.shown_unit}"
-    return f"{from_si(value, signal.unit, signal.shown_unit):.6g}{unit}"
 
 
 def _quoted(text: str) -> str:

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from clepsydra.base.signal import Signal, path
-from clepsydra.base.units import from_si
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.pid_keys import PARAMETERS
 from clepsydra.controllers.structure.pid_block import PidBlock
+from clepsydra.designs.request import in_shown_unit
 from clepsydra.process import told
 from clepsydra.process.declared import read_fields
 from clepsydra.process.errors_at import errors_at
@@ -232,9 +232,7 @@ class PidTable:
         return math.sqrt(integral_time * derivative_time) if derivative_time else integral_time
 
     def _taken(self, key: str, value: float, signal: Signal) -> float:
-        shown = from_si(value, signal.unit, signal.shown_unit)
-        unit = "" if signal.shown_unit == "1" else f" {signal.shown_unit}"
-        self.assumed.append(f"{key} = {shown:.4g}{unit}")
+        self.assumed.append(f"{key} = {in_shown_unit(signal, value, digits=4)}")
         return value
 
 

@@ -27,12 +27,13 @@ from clepsydra.studies.file.law_parameters import check_law_range
 from clepsydra.studies.file.written import Written, WrittenMaker
 
 
-def _pumps(table: TableReader, process: Process) -> tuple[Signal, ...]:
+def _pumps(table: TableReader, key: str, known: Mapping[str, Any]) -> tuple[Signal, ...]:
+    process: Process = known["process"]
     inputs = [signal.name for signal in process.inputs]
     names = known_names(
         inputs,
         table,
-        "pumps",
+        key,
         expected="a list of manipulated variables",
         remedy=f'write as in pumps = ["{inputs[0]}"]',
         each="the name of a manipulated variable",
@@ -71,9 +72,7 @@ class StartStop:
 
     measured: Signal = sensor("the sensor of the level", "the sensor of the level")
     pumps: tuple[Signal, ...] = part(
-        lambda table, key, known: _pumps(table, known["process"]),
-        required=(OWN,),
-        **told.names("list of manipulated variables"),
+        _pumps, required=(OWN,), **told.names("list of manipulated variables")
     )
     start: list[float] = part(_levels, required=(OWN,), **told.quantities(_LEVELS))
     stop: list[float] = part(_levels, required=(OWN,), **told.quantities(_LEVELS))
