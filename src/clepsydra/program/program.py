@@ -224,12 +224,7 @@ class Block:
         return replace(self, statements=tuple(kept), truths=self.truths & needed)
 
     def with_statements(self, change: Callable[[Statement], Statement]) -> Block:
-        """Return the block with its statements changed, behind those of their own bodies.
-
-        >>> block = Block(1, (Operation(1, "multiply", (0, 0), fused=True),), (1,))
-        >>> block.with_statements(lambda each: replace(each, fused=False)).statements[0].fused
-        False
-        """
+        """Return the block with its statements changed, behind those of their own bodies."""
 
         def changed(each: Statement) -> Statement:
             if isinstance(each, (ForLoop, Conditional)):
@@ -250,13 +245,7 @@ class Block:
 
 
 def read_by(statement: Statement) -> tuple[int, ...]:
-    """Return the values that a statement reads.
-
-    Examples
-    --------
-    >>> read_by(Operation(2, "add", (0, 1)))
-    (0, 1)
-    """
+    """Return the values that a statement reads."""
     if isinstance(statement, Operation):
         return statement.arguments
     if isinstance(statement, ForLoop):
@@ -267,13 +256,7 @@ def read_by(statement: Statement) -> tuple[int, ...]:
 
 
 def written_by(statement: Statement) -> tuple[int, ...]:
-    """Return the values that a statement assigns.
-
-    Examples
-    --------
-    >>> written_by(Operation(2, "add", (0, 1)))
-    (2,)
-    """
+    """Return the values that a statement assigns."""
     return (statement.target,) if isinstance(statement, Operation) else statement.targets
 
 

@@ -24,7 +24,6 @@ from clepsydra.deploy.printing.listing import (
 from clepsydra.deploy.printing.statements import Language, ring_place
 from clepsydra.deploy.printing.whole_numbers import whole_ranges
 from clepsydra.program.entries import is_ring, signal_of
-from clepsydra.program.operation import Operation
 from clepsydra.program.owned_state import owned_by_calls
 from clepsydra.program.program import Program
 
@@ -72,7 +71,7 @@ class Body:
     Examples
     --------
     >>> from clepsydra.deploy.c99.statements import C99
-    >>> from clepsydra.program.program import Block
+    >>> from clepsydra.program.program import Block, Operation
     >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
     >>> program = Program("double_it", (), (Signal("x"),), (), (Signal("y"),), double)
     >>> names, places = Identifiers([], ignore_case=False), places_of(program)
@@ -88,6 +87,7 @@ class Body:
         places: Mapping[str, Sequence[str]],
     ) -> None:
         self._program, self._names, self._places = program, names, places
+        self._made, self._uses = program.block.made, program.block.uses()
         constants = {names.new(each.identifier): each for each in program.constants}
         language = self._language = language.naming(constants)
         owned, state = owned_by_calls(program), places["state"]
@@ -151,11 +151,9 @@ class Body:
 
     def _labels(self, ranges: Container[int]) -> tuple[dict[int, str], dict[int, str]]:
         """Return the names of values that have one: the law's own, outputs, next states."""
-        program, used = self._program, self._program.block.uses()
-        first = program.block.arguments
-        made = program.block.made
+        program, first = self._program, self._program.block.arguments
         instances = {call.identifier for call in program.calls}
-        labels = self._begun(made, used)
+        labels = self._begun()
         results = dict(zip(program.output_values, program.outputs, strict=True))
         for output, place, value in zip(
             program.outputs, self._places["outputs"], program.output_values, strict=True
@@ -163,15 +161,15 @@ class Body:
             # An output variable may be read back: the value needs no other name. What is whole
             # may have a variable of another type than a number.
             unnamed = program.names.get(value, output.name) == output.name
-            whole = value in made and value in ranges
+            whole = value in self._made and value in ranges
             if output.kind == "real" and value >= first and unnamed and not whole:
                 labels.setdefault(value, place)
-        scaled = self._scaled_for_a_call(made, used)
+        scaled = self._scaled_for_a_call()
         for value, name in program.names.items():
             if value in scaled and name not in program.words:
                 continue
             own = value in results and results[value].name == name
-            if value >= first and value in used and value not in labels and not own:
+            if value >= first and value in self._uses and value not in labels and not own:
                 clashes = name.replace(".", "_") in instances
                 labels[value] = self._names.new(f"{name}_value" if clashes else name)
         preferred = {
@@ -181,25 +179,23 @@ class Body:
         }
         return labels, preferred
 
-    def _scaled_for_a_call(
-        self, made: Mapping[int, Operation], uses: Mapping[int, int]
-    ) -> set[int]:
+    def _scaled_for_a_call(self) -> set[int]:
         """Return what is given, in another unit, to ports alone: these name it."""
-        program = self._program
+        program, made = self._program, self._made
         given = Counter(value for call in program.calls for value in call.arguments)
         codes = {1: ("multiply", "divide", "select"), 2: ("multiply", "divide")}
         return {
             value
             for value, ports in given.items()
-            if uses[value] == ports
+            if self._uses[value] == ports
             and value in made
             and made[value].code in codes.get(ports, ())
             and min(made[value].arguments) < program.block.arguments
         }
 
-    def _begun(self, made: Mapping[int, Operation], uses: Mapping[int, int]) -> dict[int, str]:
+    def _begun(self) -> dict[int, str]:
         """Return the values that a state is set to where it begins anew, before it is read."""
-        entries = self._program.given
+        made, uses, entries = self._made, self._uses, self._program.given
         held = {
             value: (place, signal.kind) for value, signal, place, ring in self._held if not ring
         }
