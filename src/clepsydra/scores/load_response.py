@@ -3,8 +3,7 @@
 K. J. Åström and T. Hägglund, Advanced PID Control, ISA, 2006, chapter 4.
 
 The functions take the start of each sample from the step on [s], and setpoint and output without
-measurement noise [signal unit], [n] each. They are infinite where a value is not finite, and raise
-an `InputError` where a band is not above 0, time does not increase, or lengths differ.
+measurement noise [signal unit], [n] each. They are infinite where a value is not finite.
 """
 
 from __future__ import annotations

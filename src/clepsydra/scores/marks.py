@@ -78,21 +78,7 @@ def marks(time: FloatArray, segments: Sequence[Segment]) -> dict[str, FloatArray
 def elapsed(time: FloatArray, steps: ArrayLike) -> FloatArray:
     """Return the time from the last step, or from the first instant, to the start of each sample.
 
-    Parameters
-    ----------
-    time : ndarray [n]
-    steps : array_like
-        When something steps [s].
-
-    Returns
-    -------
-    ndarray [n]
-        [s] at the start of the sample that ends at each instant; 0 at the first.
-
-    Raises
-    ------
-    InputError
-        A step is no finite time.
+    In s, of the sample that ends at each instant [n]; 0 at the first. The steps are instants [s].
     """
     instants = np.sort(np.asarray(steps, dtype=np.float64).ravel())
     # The step of a sample may have been rounded to just after its start.

@@ -149,24 +149,9 @@ class Score:
     def along(self, time: ArrayLike, *signals: ArrayLike, steps: ArrayLike = ()) -> float:
         """Return the score of one response, without segments.
 
-        Parameters
-        ----------
-        time : array_like [n]
-            Start of each sample [s].
-        *signals : array_like [n]
-            Setpoint and output without measurement noise, or a manipulated variable [signal unit].
-        steps : array_like
-            When time begins to count anew [s].
-
-        Returns
-        -------
-        float
-            Infinite where a value is not finite.
-
-        Raises
-        ------
-        InputError
-            Time does not increase, lengths differ, or a step is no finite time.
+        The signals are setpoint and output without measurement noise, or a manipulated variable
+        [n] [signal unit], of samples that start at `time` [s]; time begins to count anew at the
+        `steps` [s]. The score is infinite where a value is not finite.
 
         Examples
         --------

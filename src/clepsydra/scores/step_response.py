@@ -8,8 +8,7 @@ chapter 2; rise time as in K. J. Åström and T. Hägglund, Advanced PID Control
 
 The functions take the start of each sample from the step on [s], the output without measurement
 noise [n], and the setpoint before and after the step [signal unit]. They are infinite where a value
-is not finite, and raise an `InputError` where the step has no size, a band is none, time does not
-increase, or lengths differ.
+is not finite, and raise an `InputError` where the step has no size.
 """
 
 from __future__ import annotations

@@ -141,17 +141,8 @@ def study_schema() -> dict[str, Any]:
 def read_study(path: str | Path, *, seed: int | None = None) -> StudyRequest:
     """Read a study file: process, scenario, controllers and what they are ranked by.
 
-    Parameters
-    ----------
-    path : str or Path
-        Of a TOML file; docs/study-files.md describes it.
-    seed : int, optional
-        In the place of the file's.
-
-    Returns
-    -------
-    StudyRequest
-        Its controllers are not made yet: `make` designs them.
+    docs/study-files.md describes the file. A seed stands in the place of the file's. The
+    controllers are not made yet: `ControllerRequest.make` designs them.
 
     Raises
     ------
@@ -159,20 +150,6 @@ def read_study(path: str | Path, *, seed: int | None = None) -> StudyRequest:
         The file cannot be used: the message names line and key.
     NoEquilibrium
         The process has no operating point.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> text = '''process = "quadruple-tank"
-    ... [controllers.tight]
-    ... design = "simc"
-    ... '''
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     file = Path(folder) / "compare.toml"
-    ...     _ = file.write_text(text)
-    ...     study = read_study(file)
-    >>> [request.name for request in study.controllers], study.file_stem
-    (['tight'], 'compare')
     """
     require_type(path, (str, Path), "study", "the path of a study file", "give it as text or Path")
     path = Path(path)

@@ -179,21 +179,6 @@ def read_scenario(table: TableReader | None, analysis: Analysis, seed: int) -> S
     InputError
         There is no step; a signal is unknown; a step changes nothing, leaves the range of its
         signal, comes after the end, or together with another one.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.process.document import parse
-    >>> text = b'''duration = "6 h"
-    ... [[setpoint]]
-    ... signal = "level"
-    ... at = "10 min"
-    ... to = "60 %"
-    ... '''
-    >>> table = TableReader(parse(text, "study.toml"), (), None)
-    >>> scenario = read_scenario(table, cl.load("equalisation-tank").analysis, seed=1)
-    >>> [(s.start, s.stop, round(s.size, 9)) for s in scenario.segments]
-    [(600.0, 21600.0, 0.1)]
     """
     if table is None:
         return default_scenario(analysis.model, seed)

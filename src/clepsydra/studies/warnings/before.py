@@ -37,20 +37,11 @@ def warnings_before(
     """Return the warnings of a controller in a scenario, from linear models only.
 
     The most grave stand first: instability, units, what zeros and dead times forbid, margins,
-    sampling, wind-up. A law that does not answer to small
-    deviations, as a switch or a gap without gain, has no linear loop, so that stability to
-    sampling are left out.
+    sampling, wind-up. A law that does not answer to small deviations, as a switch or a gap without
+    gain, has no linear loop, so that stability to sampling are left out.
 
-    Parameters
-    ----------
-    analysis : Analysis
-        Of the process.
-    model : LinearModel
-        Of the same operating point, with all measurements that the controller reads.
-    scenario : Scenario
-        That begins at the operating point.
-    response : LoopResponse, optional
-        Of this controller on this model, where it is known already.
+    The model is that of the operating point of the analysis, with all measurements that the
+    controller reads; the scenario begins there. The response is given where it is known already.
 
     Raises
     ------
@@ -60,16 +51,11 @@ def warnings_before(
     Examples
     --------
     >>> import clepsydra as cl
-    >>> from dataclasses import replace
-    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> analysis = cl.load("quadruple-tank").analysis
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> scenario = default_scenario(analysis.model)
-    >>> warnings_before(analysis, analysis.model, controller, scenario)
-    ()
-    >>> wrong = replace(controller, values=controller.values | {"level_1.proportional_gain": -3.0})
-    >>> print(warnings_before(analysis, analysis.model, wrong, scenario)[0].partition(":")[0])
+    >>> plant = cl.load("quadruple-tank")
+    >>> fast = cl.design.simc(plant).with_values({"level_1": {"K": 300.0}})
+    >>> scenario = default_scenario(plant.linear)
+    >>> print(warnings_before(plant.analysis, plant.linear, fast, scenario)[0].partition(":")[0])
     The closed loop of level_1 and level_2 is unstable by its linear model
     """
     point = operating_point_of(model)
