@@ -27,32 +27,12 @@ def choose_arx(signal: np.ndarray, output: np.ndarray, period: float) -> ArxFit:
     """Fit ARX models with an offset, and keep the best by Schwarz's criterion.
 
     They are of order 1 to 3 with every delay. All are compared on the same samples, those that
-    the longest delay leaves; the one that is kept is fitted again on all that its own leaves.
-
-    Parameters
-    ----------
-    signal, output : ndarray [N]
-        u, held between the samples, and y, as they were measured.
-    period : float
-        [s]
-
-    Raises
-    ------
-    InputError
-        No order has regressors that the record tells apart.
+    the longest delay leaves; the one that is kept is fitted again on all that its own leaves. A
+    record that tells the parameters of none apart is an InputError.
 
     References
     ----------
     L. Ljung, System Identification, 2nd ed., 1999, sections 4.2, 10.1 and 16.4.
-
-    Examples
-    --------
-    >>> from clepsydra.designs.polynomial.sampled_model import SampledModel
-    >>> u = 3.0 + np.sign(np.sin(1.7 * np.arange(90) ** 1.3))
-    >>> y = 12.0 + SampledModel((0.2,), (-0.9,), 4, 1.0).output(u - 3.0)
-    >>> fit = choose_arx(u, y, 1.0)
-    >>> fit.model.in_words(), round(fit.offset, 6)
-    ('(0.2 z^-1) / (1 − 0.9 z^-1) z^-4', 0.6)
     """
     longest = longest_delay(len(signal))
     first = max(_ORDERS) + longest
@@ -80,30 +60,13 @@ def choose_arx(signal: np.ndarray, output: np.ndarray, period: float) -> ArxFit:
 
 
 def longest_delay(samples: int) -> int:
-    """Return the longest delay that is tried on a record of so many samples [samples].
-
-    Examples
-    --------
-    >>> longest_delay(120), longest_delay(5000)
-    (24, 60)
-    """
+    """Return the longest delay that is tried on a record of so many samples [samples]."""
     return min(_MOST, int(_LATEST * samples))
 
 
 @dataclass(frozen=True, eq=False)
 class DelayChoice:
-    """Fits with several delays, and the one that explains the record best.
-
-    Parameters
-    ----------
-    delays : tuple of int
-        [samples]
-    fits : tuple of ArxFit
-
-    Examples
-    --------
-    See `choose_delay`.
-    """
+    """Fits with several delays [samples], and the one that explains the record best."""
 
     delays: tuple[int, ...]
     fits: tuple[ArxFit, ...]
@@ -125,32 +88,12 @@ class DelayChoice:
 
 
 def choose_delay(
-    signal: np.ndarray,
-    output: np.ndarray,
-    *,
-    order: int,
-    delays: Iterable[int],
-    period: float,
+    signal: np.ndarray, output: np.ndarray, *, order: int, delays: Iterable[int], period: float
 ) -> DelayChoice:
     """Fit an ARX model with each delay and choose the one of the smallest J(d).
 
     The longer the delay the fewer samples can be fitted; so that every J is a sum over the same
-    samples, those that the longest delay leaves.
-
-    Parameters
-    ----------
-    signal, output : ndarray [N]
-        As for `identification.arx.fit_arx`.
-    order : int
-    delays : iterable of int
-        [samples]
-    period : float
-        [s]
-
-    Raises
-    ------
-    InputError
-        There is no delay to try, one is no whole number of samples, or as for `fit_arx`.
+    samples, those that the longest delay leaves. Refused as by `fit_arx`, and without a delay.
 
     References
     ----------

@@ -13,7 +13,7 @@ from clepsydra.identification.noise_model import NoiseModel
 from clepsydra.identification.record import Record
 from clepsydra.identification.residual_tests import basis_of, chance_of_no_effect, residual_tests
 from clepsydra.identification.uncertainty import uncertainty
-from clepsydra.identification.validation import fit_percent
+from clepsydra.identification.validation import fits
 
 
 def arx_model(record: Record, manipulated: str, output: str) -> FittedModel:
@@ -21,11 +21,6 @@ def arx_model(record: Record, manipulated: str, output: str) -> FittedModel:
 
     Its residuals are errors of one-step predictions. Where they are coloured the estimates
     themselves are biased, which no interval shows: that is a remark.
-
-    Raises
-    ------
-    InputError
-        Input or output stand still, or the record does not tell the parameters apart.
 
     Examples
     --------
@@ -63,13 +58,8 @@ def arx_model(record: Record, manipulated: str, output: str) -> FittedModel:
         estimates.append(around(gain, model.static_gain, sure.reach_of(gradient)))
     with np.errstate(all="ignore"):
         simulated = fit.simulated(u, y)
-    rest = float(np.mean(y[:count]))
-    remarks = []
-    if not tests.white:
-        remarks.append(
-            "its residuals are coloured, which biases its coefficients: take a transfer function"
-        )
-    validated = fit_percent(y[count:], simulated[count:], rest)
+    coloured = "its residuals are coloured, which biases its coefficients: take a transfer function"
+    fitted, validated = fits(y, simulated, count)
     return FittedModel(
         name="ARX",
         title=f"ARX of order {order} with {model.delay} samples of delay",
@@ -80,12 +70,12 @@ def arx_model(record: Record, manipulated: str, output: str) -> FittedModel:
         residuals=fit.residuals,
         tests=tests,
         widening=sure.widening,
-        fit=fit_percent(y[:count], simulated[:count], rest),
+        fit=fitted,
         validated=validated,
         beyond=validated,  # by itself it would stay at its mean
         chance=_chance(fit, y[count - rows : count], tests.noise, longest_delay(count) + 1),
         settings=None,
-        remarks=tuple(remarks),
+        remarks=() if tests.white else (coloured,),
     )
 
 

@@ -19,42 +19,16 @@ SIMC = "SIMC (S. Skogestad, 2003, doi 10.1016/S0959-1524(02)00062-8)"
 
 @dataclass(frozen=True)
 class ControlSettings:
-    """Settings by SIMC, for a controller that is sampled as the record was.
-
-    Parameters
-    ----------
-    settings : PidSettings
-        In ISA form, SI.
-    gain : Signal
-        Unit of its gain.
-    delay : float
-        θ, dead time and half a sampling period [s].
-    closed_loop_time_constant : float
-        τc [s]
-    tightest : ControlSettings or None
-        Those with τc = θ, where these are calmer.
-
-    Examples
-    --------
-    >>> unit = Signal("gain", "V/m", display_unit="V/cm")
-    >>> ControlSettings(PidSettings(50.0, 30.0), unit, 3.5, 3.5).words
-    'PI with a gain of 0.5 V/cm and an integral time of 30 s'
-    """
+    """Settings by SIMC in ISA form, for a controller that is sampled as the record was."""
 
     settings: PidSettings
-    gain: Signal
-    delay: float
-    closed_loop_time_constant: float
-    tightest: ControlSettings | None = None
+    gain: Signal  # unit of the gain
+    delay: float  # θ, dead time and half a sampling period [s]
+    closed_loop_time_constant: float  # τc [s]
+    tightest: ControlSettings | None = None  # those with τc = θ, where these are calmer
 
     def as_values(self) -> dict[str, str]:
-        """Return them as a loop's table takes them, with units: K without its sign, Ti and Td.
-
-        Examples
-        --------
-        >>> ControlSettings(PidSettings(-50.0, 30.0), Signal("gain", "V/m"), 3.5, 3.5).as_values()
-        {'K': '50.0 V/m', 'Ti': '30.0 s'}
-        """
+        """Return them as a loop's table takes them, with units: K without its sign, Ti and Td."""
         gain, integral, derivative = self.settings
         values = {
             "K": f"{abs(gain)!r} {self.gain.unit}".removesuffix(" 1"),
@@ -100,17 +74,8 @@ def control_settings(
 
     The closed-loop time constant is the shortest from θ on with a proportional gain of at most
     Δu/Δy, so that a setpoint step over all that the output moved asks the input for no more than
-    it moved: beyond that the model has not been seen to hold.
-
-    Parameters
-    ----------
-    model : FirstOrderDelay or SecondOrderDelay
-        With the dead time of the process alone: half a sampling period is added here.
-    output, manipulated : Signal
-    period : float
-        Sampling period of record and controller [s].
-    reach : (float, float)
-        Δy and Δu, how far output and input moved in the record.
+    it moved: beyond that the model has not been seen to hold. The reach is (Δy, Δu); half a
+    sampling period [s] is added to the dead time of the model.
 
     Examples
     --------

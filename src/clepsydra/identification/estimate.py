@@ -16,23 +16,7 @@ _WIDE = 100.0
 
 @dataclass(frozen=True)
 class Estimate:
-    """A parameter as it was found.
-
-    Parameters
-    ----------
-    signal : Signal
-        Its name and unit, and in `description` what it is.
-    value : float
-        [SI]
-    low, high : float
-        95 % confidence interval [SI]; not a number where there is none.
-
-    Examples
-    --------
-    >>> gain = Estimate(Signal("K", "m/V", display_unit="cm/V"), 0.04, 0.038, 0.042)
-    >>> gain.shown, gain.is_told
-    ((4.0, 3.8, 4.2), True)
-    """
+    """A parameter as it was found [SI], with its 95 % confidence interval or none: not a number."""
 
     signal: Signal
     value: float
@@ -71,25 +55,12 @@ class Estimate:
 
 
 def around(signal: Signal, value: float, reach: float) -> Estimate:
-    """Return an estimate whose interval reaches as far to both sides.
-
-    Examples
-    --------
-    >>> around(Signal("K", "m/V"), 2.0, 0.5).high
-    2.5
-    """
+    """Return an estimate whose interval reaches as far to both sides."""
     return Estimate(signal, value, value - reach, value + reach)
 
 
 def by_logarithm(signal: Signal, value: float, reach: float) -> Estimate:
     """Return an estimate above zero, whose interval is that of its logarithm.
-
-    Parameters
-    ----------
-    signal : Signal
-    value : float
-    reach : float
-        Half the width of the interval of ln(value).
 
     Examples
     --------
@@ -106,27 +77,13 @@ def ratio_signal(
 ) -> Signal:
     """Return the signal of a gain from an input to an output, with both its units.
 
-    Parameters
-    ----------
-    name : str
-    output, manipulated : Signal
-    what : str
-        Its description.
-    per : str
-        "/s" for a gain by second.
-
     Examples
     --------
     >>> level = Signal("level", "m", display_unit="cm")
-    >>> found = ratio_signal("K", level, Signal("pump", "V"), "gain")
+    >>> found = ratio_signal("slope", level, Signal("pump", "V"), "slope per input", per="/s")
     >>> found.unit, found.display_unit
-    ('m/V', 'cm/V')
+    ('m/V/s', 'cm/V/s')
     """
     shown = (replace(each, unit=each.shown_unit) for each in (manipulated, output))
     unit, display = unit_of_gain(manipulated, output), unit_of_gain(*shown)
-    return Signal(
-        name,
-        (unit or "1") + per,
-        display_unit=(display or "1") + per,
-        description=what,
-    )
+    return Signal(name, (unit or "1") + per, display_unit=(display or "1") + per, description=what)

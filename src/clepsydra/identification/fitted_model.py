@@ -47,10 +47,6 @@ class FittedModel:
     outweighed : bool
         Whether something else moves the output more than ten times as strongly as all that the
         input did.
-
-    Examples
-    --------
-    See `clepsydra.identification.transfer_model.transfer_model`.
     """
 
     name: str

@@ -39,10 +39,6 @@ class Identification:
         Models that could not be fitted.
     warnings : tuple of str
         What to watch.
-
-    Examples
-    --------
-    See `identify_model`.
     """
 
     record: Record

@@ -13,21 +13,7 @@ _LARGEST, _SHARE = 12, 0.1
 
 @dataclass(frozen=True, eq=False)
 class NoiseModel:
-    """e(k) + c1 e(k−1) + … + cp e(k−p) = w(k), w white.
-
-    Parameters
-    ----------
-    coefficients : ndarray [p + 1]
-        1, c1 … cp.
-    variance : float
-        Of w.
-
-    Examples
-    --------
-    >>> rough = NoiseModel(np.array([1.0, -0.5]), 1.0)
-    >>> rough.coloured(np.array([[1.0], [0.0], [0.0]])).ravel()
-    array([1.  , 0.5 , 0.25])
-    """
+    """e(k) + c1 e(k−1) + … + cp e(k−p) = w(k), w white: the coefficients are 1, c1 … cp."""
 
     coefficients: np.ndarray
     variance: float
@@ -46,14 +32,10 @@ class NoiseModel:
 
 
 def noise_model(residuals: np.ndarray) -> NoiseModel:
-    """Fit an autoregressive model to residuals, of the order that Schwarz's criterion chooses.
+    """Fit an autoregressive model to residuals [N], of the order that Schwarz's criterion chooses.
 
     By the Yule-Walker equations, solved by the recursion of Levinson and Durbin, whose models
     are stable.
-
-    Parameters
-    ----------
-    residuals : ndarray [N]
 
     References
     ----------

@@ -18,24 +18,18 @@ _WEAKEST = 1e-9
 def orifice_areas_at_rest(
     process: Process, records: Sequence[Mapping[str, float]]
 ) -> dict[str, float]:
-    """Return the areas with which a process rests at recorded levels.
+    """Return the areas with which a process rests at recorded levels [m²], by orifice.
 
     The balance of each tank is linear in the areas: what flows in by the pumps and out of the
     tanks above equals a √(2 g h). With more records than needed the areas are those of least
-    squares of the rates of the levels.
+    squares of the rates of the levels. All other parameters are those of the process.
 
     Parameters
     ----------
     process : Process
-        With orifices, all of whose other parameters are known.
     records : sequence of mapping
         Every state and input by name to its value at rest [SI], "tank_1.level" and "pump_1";
         disturbances that are left out stand at their nominal values.
-
-    Returns
-    -------
-    dict
-        Orifice to its area [m²], "outlet_1".
 
     Raises
     ------
@@ -45,13 +39,11 @@ def orifice_areas_at_rest(
 
     Examples
     --------
-    Levels of a process at rest give its own areas back:
-
     >>> from clepsydra.linear.equilibrium import find_equilibrium
     >>> from clepsydra.process.reader import load_process
     >>> process = load_process("quadruple-tank")
     >>> found = orifice_areas_at_rest(process, [find_equilibrium(process).as_dict()])
-    >>> round(1e4 * found["outlet_1"], 6)  # [cm²]
+    >>> round(1e4 * found["outlet_1"], 6)  # [cm²], its own
     0.071
     """
     place = "orifice areas at rest"

@@ -26,25 +26,11 @@ _EPSILON = float(np.finfo(float).eps)
 
 
 class HeldResponse:
-    """Responses to one input, for any system that is given by its step response.
+    """Responses to one input [N], for any system that is given by its step response.
 
     With u held from sample to sample, y(kT) = Σ Δu(j) S(kT − jT − θ): a convolution of the
     changes of u with the step response S, read off between the samples where the dead time θ is
     no multiple of T. Nothing is approximated. Before the record u stood at its first value.
-
-    Parameters
-    ----------
-    signal : ndarray [N]
-        u
-
-    Examples
-    --------
-    A lag of one sample and a gain of one, half a sample late:
-
-    >>> held = HeldResponse(np.array([0.0, 0.0, 1.0, 1.0]))
-    >>> since = np.maximum(np.arange(4) - 0.5, 0.0)
-    >>> abs(held.to((1 - np.exp(-since))[:, None]).ravel()).round(6)
-    array([0.      , 0.      , 0.      , 0.393469])
     """
 
     def __init__(self, signal: np.ndarray) -> None:
@@ -71,27 +57,10 @@ def fit_starts(
     low: np.ndarray,
     high: np.ndarray,
 ) -> list[np.ndarray]:
-    """Return starts for a search over ln lags and θ/T, the most promising first.
+    """Return starts for a search over ln lags and θ/T between bounds, the most promising first.
 
     The error is computed on a grid of lags and dead times; the starts are the lowest places that
     are lower than their neighbours in dead time.
-
-    Parameters
-    ----------
-    structure : Structure
-    signal, output : ndarray [N]
-    period : float
-        [s]
-    low, high : ndarray [lags + 1]
-        Bounds of the search.
-
-    Examples
-    --------
-    >>> from clepsydra.identification.structures import IPDT
-    >>> u = np.repeat([0.0, 1.0, -1.0], 20)
-    >>> y = np.cumsum(np.roll(u, 4))
-    >>> fit_starts(IPDT, u, y, 1.0, np.array([0.0]), np.array([30.0]))[0]
-    array([3.])
     """
     block = max(1, len(signal) // _SAMPLES)
     count = len(signal) // block
@@ -149,44 +118,18 @@ def _delays(latest: float, count: int) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class OutputErrorFit:
-    """The model y = K G(θ, lags) u + free response whose simulation leaves the least error.
-
-    Parameters
-    ----------
-    structure : Structure
-    gain : float
-        [output unit / input unit], for an integrating structure by second.
-    lags : ndarray
-        Falling [s].
-    delay : float
-        θ [s]
-    free : ndarray
-        Amounts of the free responses [output unit].
-    residuals : ndarray [N]
-    jacobian : ndarray [N, p]
-        Of the simulated output by gain, free amounts, logarithms of the lags, and θ.
-    period : float
-        [s]
-    at_bound : bool
-        Whether a lag or the dead time ran into the longest or shortest that is sought.
-    rounding : float
-        How far the arithmetic may be off in a sample of the simulated output.
-
-    Examples
-    --------
-    See `fit_output_error`.
-    """
+    """The model y = K G(θ, lags) u + free response whose simulation leaves the least error."""
 
     structure: Structure
-    gain: float
-    lags: np.ndarray
-    delay: float
-    free: np.ndarray
-    residuals: np.ndarray
-    jacobian: np.ndarray
+    gain: float  # [output unit / input unit], of an integrating structure by second
+    lags: np.ndarray  # falling [s]
+    delay: float  # θ [s]
+    free: np.ndarray  # amounts of the free responses
+    residuals: np.ndarray  # [N]
+    jacobian: np.ndarray  # [N, p] by gain, free amounts, logarithms of the lags, and θ
     period: float
-    at_bound: bool
-    rounding: float
+    at_bound: bool  # whether a time ran into the longest or shortest that is sought
+    rounding: float  # how far the arithmetic may be off in a simulated sample
 
     @property
     def has_equal_lags(self) -> bool:
@@ -212,15 +155,8 @@ def fit_output_error(
     is searched: by SciPy's trust-region reflective method from the best places of a grid, since
     the error has a minimum between any two samples of dead time. The dead time is any number;
     the discretisation is exact. The input before the record is taken to have stood at its first
-    value; whatever moved the output before is in the free response.
-
-    Parameters
-    ----------
-    structure : Structure
-    signal, output : ndarray [N]
-        u, held between the samples, and y; one that stands still leaves the free response.
-    period : float
-        T [s]
+    value; whatever moved the output before is in the free response, which is all where the input
+    stands still. The period is in s.
 
     References
     ----------

@@ -16,29 +16,10 @@ from clepsydra.process.process import Process
 
 
 class ProcessBatch:
-    """Simulations of the measurements of a process under one set of recorded inputs.
+    """Simulations of the measurements of a process under one set of recorded inputs [SI].
 
-    Parameters
-    ----------
-    process : Process
-        Its sampling period is that of the record.
-    given : mapping
-        Inputs and disturbances to their values [samples], SI; the others stay nominal.
-
-    Raises
-    ------
-    InputError
-        The sampling period is too long for the process, or no multiple of its delays fits it.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> batch = ProcessBatch(load_process("quadruple-tank"), {"pump_1": np.full(60, 3.2)})
-    >>> areas = np.array([7.1e-6, 7.5e-6])
-    >>> start = np.tile([[0.12], [0.13], [0.02], [0.01]], (1, 2))
-    >>> found = batch.measured({"outlet_1.area": areas}, start)
-    >>> found.shape, bool(found[1, 0, -1] < found[0, 0, -1])
-    ((2, 4, 60), True)
+    Its sampling period is that of the record; inputs and disturbances that are not given stay
+    nominal. A period that is too long, or that no delay of the process fits, is an InputError.
     """
 
     def __init__(self, process: Process, given: Mapping[str, np.ndarray]) -> None:
@@ -70,21 +51,11 @@ class ProcessBatch:
         return point.state.copy()
 
     def measured(
-        self,
-        parameters: Mapping[str, np.ndarray],
-        start: np.ndarray,
-        samples: int | None = None,
+        self, parameters: Mapping[str, np.ndarray], start: np.ndarray, samples: int | None = None
     ) -> np.ndarray:
-        """Return the measurements [lanes, q, samples], without noise.
+        """Return the measurements [lanes, q, samples], without noise, from a start [n, lanes].
 
-        Parameters
-        ----------
-        parameters : mapping
-            Those that differ from the process's own, to [lanes] values.
-        start : ndarray [n, lanes]
-            State at the first sample.
-        samples : int, optional
-            So many from the first on; all if left out.
+        The parameters are those that differ from the process's own, each [lanes].
         """
         process, motion = self.process, self.process.motion
         lanes = start.shape[1]

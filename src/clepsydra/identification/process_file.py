@@ -35,10 +35,6 @@ def write_fitted_process(fit: ProcessFit, path: Path) -> None:
     InputError
         A parameter is no key of the file, the file has elements of its own and is to be written
         to another folder, or it cannot be written.
-
-    Examples
-    --------
-    See `fitted_process_text`.
     """
     if path.suffix.lower() != ".toml":
         raise InputError("fitted process file", str(path), "a file that ends in .toml", "rename it")
@@ -62,12 +58,7 @@ def write_fitted_process(fit: ProcessFit, path: Path) -> None:
 
 
 def fitted_process_text(fit: ProcessFit) -> str:
-    """Return the process file with the fitted parameters in force, as text.
-
-    Raises
-    ------
-    InputError
-        A parameter is no key of the file.
+    r"""Return the process file with the fitted parameters in force, as text.
 
     Examples
     --------
@@ -79,7 +70,7 @@ def fitted_process_text(fit: ProcessFit) -> str:
     >>> run = cl.simulate(cl.Plant(tanks), None, steps, duration="10 min")
     >>> record = Record("by hand", run.signals, run.values, tanks.sampling_period)
     >>> text = fitted_process_text(fit_process(tanks, record, ["splitter_1.tank_1"]))
-    >>> print("\\n".join(text.splitlines()[-3:]))
+    >>> print("\n".join(text.splitlines()[-3:]))
     [variants.identified]
     description = "Parameters identified from by hand"
     splitters.splitter_1.fractions = { tank_1 = 0.7, tank_4 = 0.3 }

@@ -16,7 +16,7 @@ from clepsydra.identification.process_search import ProcessSearch
 from clepsydra.identification.record import Record
 from clepsydra.identification.residual_tests import ResidualTests, residual_tests
 from clepsydra.identification.uncertainty import Uncertainty, uncertainty
-from clepsydra.identification.validation import USEFUL, fit_percent
+from clepsydra.identification.validation import USEFUL, fits
 from clepsydra.process.process import Process
 
 #: Correlation of two estimates from which on it is said.
@@ -27,28 +27,14 @@ _ROUNDS = 4
 
 @dataclass(frozen=True, eq=False)
 class OutputFit:
-    """How one measurement of a fitted process compares with the record.
-
-    Parameters
-    ----------
-    signal : Signal
-    measured, simulated : ndarray [N]
-        Over the whole record, SI.
-    tests : ResidualTests
-    fit, validated : float
-        Fit to the first two thirds and to the held-back third [%].
-
-    Examples
-    --------
-    See `fit_process`.
-    """
+    """How one measurement of a fitted process compares with the record [SI], fits in %."""
 
     signal: Signal
     measured: np.ndarray
     simulated: np.ndarray
     tests: ResidualTests
-    fit: float
-    validated: float
+    fit: float  # to the first two thirds
+    validated: float  # to the held-back third
 
     @property
     def is_still(self) -> bool:
@@ -59,38 +45,16 @@ class OutputFit:
 
 @dataclass(frozen=True, eq=False)
 class ProcessFit:
-    """A process with the parameters that explain a record best.
+    """A process with the parameters that explain a record best."""
 
-    Parameters
-    ----------
-    process : Process
-        With the fitted parameters.
-    record : Record
-    estimates : tuple of Estimate
-        Of the parameters.
-    start : tuple of Estimate
-        Of the states at the first row.
-    before : tuple of float
-        The parameters' values in the file.
-    outputs : tuple of OutputFit
-    sure : Uncertainty
-        Of the scaled unknowns, the parameters first.
-    notes : tuple of str
-        What was taken for granted.
-
-    Examples
-    --------
-    See `fit_process`.
-    """
-
-    process: Process
+    process: Process  # with the fitted parameters
     record: Record
     estimates: tuple[Estimate, ...]
-    start: tuple[Estimate, ...]
-    before: tuple[float, ...]
+    start: tuple[Estimate, ...]  # the states at the first row
+    before: tuple[float, ...]  # the parameters' values in the file
     outputs: tuple[OutputFit, ...]
-    sure: Uncertainty
-    notes: tuple[str, ...]
+    sure: Uncertainty  # of the scaled unknowns, the parameters first
+    notes: tuple[str, ...]  # what was taken for granted
 
     @property
     def values(self) -> dict[str, float]:
@@ -175,22 +139,14 @@ class ProcessFit:
 
 
 def fit_process(process: Process, record: Record, parameters: Sequence[str]) -> ProcessFit:
-    """Fit parameters of a process to the first two thirds of a record.
+    """Fit parameters of a process to the first two thirds of a record that was read for it.
 
     The process is simulated from the recorded inputs and compared with every measurement that
     the record has, each weighed by the size of its own residuals; the states at the first row
     are fitted as well. Parameters from 0 on are searched by their logarithm, so that they stay
     above zero. SciPy's trust-region reflective method, with the sensitivities by central
-    differences, all in one batch of the engine.
-
-    Parameters
-    ----------
-    process : Process
-        Where the search begins. Inputs and disturbances that the record lacks stay nominal.
-    record : Record
-        Read for this process, so that its columns have the process's units.
-    parameters : sequence of str
-        "outlet_1.area", "pump_1.gain", "splitter_1.tank_1", …
+    differences, all in one batch of the engine. Inputs and disturbances that the record lacks stay
+    nominal.
 
     Raises
     ------
@@ -250,15 +206,8 @@ def _result(search: ProcessSearch, x: np.ndarray, sizes: np.ndarray) -> ProcessF
     for signal, test, measured, found in zip(
         search.outputs, tests, search.measured, simulated, strict=True
     ):
-        seen, held = measured[: search.count], measured[search.count :]
-        mean = float(np.mean(seen))
-        outputs.append(
-            OutputFit(
-                signal, measured, found, test,
-                fit=fit_percent(seen, found[: search.count], mean),
-                validated=fit_percent(held, found[search.count :], mean),
-            )
-        )  # fmt: skip
+        of_both = fits(measured, found, search.count)
+        outputs.append(OutputFit(signal, measured, found, test, *of_both))
     searched = zip(search.unknowns, x, sure.reach, strict=True)
     every = tuple(unknown.estimate(value, reach) for unknown, value, reach in searched)
     estimates, start = every[: len(search.parameters)], every[len(search.parameters) :]

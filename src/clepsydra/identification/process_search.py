@@ -29,25 +29,11 @@ _TOLERANCE = 1e-10
 
 @dataclass(frozen=True)
 class Unknown:
-    """A number that is searched, scaled to about one.
-
-    Parameters
-    ----------
-    signal : Signal
-    start : float
-        Where the search begins [SI].
-    scale : float or None
-        What it is divided by [SI]; None where its logarithm, from zero on, is searched.
-
-    Examples
-    --------
-    >>> Unknown(Signal("tank.level", "m", low=0.0, high=0.2), 0.1, 0.2).guess
-    0.5
-    """
+    """A number that is searched, scaled to about one."""
 
     signal: Signal
-    start: float
-    scale: float | None
+    start: float  # where the search begins [SI]
+    scale: float | None  # what it is divided by; None where its logarithm is searched
 
     @property
     def guess(self) -> float:
@@ -83,22 +69,6 @@ class ProcessSearch:
 
     The unknowns are scaled: parameters above zero by their logarithm, fractions as they are,
     states by their range.
-
-    Parameters
-    ----------
-    process : Process
-        Where it begins.
-    record : Record
-    parameters : sequence of str
-
-    Raises
-    ------
-    InputError
-        There is no such parameter, or the record has no input or no measurement.
-
-    Examples
-    --------
-    See `clepsydra.identification.process_fit.fit_process`.
     """
 
     def __init__(self, process: Process, record: Record, parameters: Sequence[str]) -> None:
@@ -268,29 +238,12 @@ class ProcessSearch:
 
 
 def is_positive(signal: Signal) -> bool:
-    """Return whether a parameter is searched by its logarithm.
-
-    Examples
-    --------
-    >>> is_positive(Signal("outlet.area", "m^2", low=0.0, initial=1e-5))
-    True
-    """
+    """Return whether a parameter is searched by its logarithm."""
     return signal.low == 0.0 and not math.isfinite(signal.high) and signal.initial > 0.0
 
 
 def checked_parameters(process: Process, names: Sequence[str]) -> list[Signal]:
-    """Return parameters of a process by their names, at least one and each once.
-
-    Raises
-    ------
-    InputError
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> [p.unit for p in checked_parameters(load_process("quadruple-tank"), ["pump_1.gain"])]
-    ['m^3/(s V)']
-    """
+    """Return parameters of a process by their names, at least one and each once, or refuse them."""
     known = {signal.name: signal for signal in process.parameters}
     if not names:
         raise InputError(

@@ -16,13 +16,7 @@ _FEWEST = 3
 
 @dataclass(frozen=True)
 class IntervalEstimate:
-    """A number found from data, and the interval that covers the truth 95 times out of 100.
-
-    Examples
-    --------
-    >>> IntervalEstimate(4.32, 0.01, 4.30, 4.34).value
-    4.32
-    """
+    """A number found from data, and the interval that covers the truth 95 times out of 100."""
 
     value: float
     standard_error: float
@@ -31,12 +25,7 @@ class IntervalEstimate:
 
 
 def pump_gain(
-    time: ArrayLike,
-    level: ArrayLike,
-    signal: ArrayLike,
-    area: float,
-    *,
-    dead_band: float = 0.0,
+    time: ArrayLike, level: ArrayLike, signal: ArrayLike, area: float, *, dead_band: float = 0.0
 ) -> IntervalEstimate:
     """Return the gain k of a pump whose whole flow q = k max(v − v₀, 0) stays in one tank.
 
@@ -48,21 +37,12 @@ def pump_gain(
 
     Parameters
     ----------
-    time : array_like [n]
-        Start of each sample [s], rising.
-    level : array_like [n]
-        h at these times [m].
+    time, level : array_like [n]
+        Start of each sample [s], rising, and the level there [m].
     signal : array_like [n]
         v, held from each time to the next, in its unit; the last one does not count.
-    area : float
-        A, cross-section of the tank [m²].
-    dead_band : float
-        v₀, the signal below which nothing flows.
-
-    Returns
-    -------
-    IntervalEstimate
-        k [m³/s per unit of the signal].
+    area, dead_band : float
+        Cross-section of the tank [m²], and v₀, below which nothing flows.
 
     Raises
     ------
@@ -99,13 +79,7 @@ def pump_gain(
 
 
 def interval(value: float, error: float, freedom: int) -> IntervalEstimate:
-    """Return the interval of a value with a standard error, by Student's distribution.
-
-    Examples
-    --------
-    >>> round(interval(1.0, 0.1, 10).high, 3)
-    1.223
-    """
+    """Return the interval of a value with a standard error, by Student's distribution."""
     from scipy.stats import t
 
     reach = float(t.ppf(0.5 + 0.5 * CONFIDENCE, freedom)) * error

@@ -25,12 +25,7 @@ RANKING_RULE = (
 
 
 def ranked(models: Sequence[FittedModel]) -> tuple[FittedModel, ...]:
-    """Return the models, the one to use first.
-
-    Examples
-    --------
-    See `clepsydra.identification.identification.identify_model`.
-    """
+    """Return the models, the one to use first."""
     useful = [model for model in models if model.doubt is None]
     told = [model for model in useful if model.is_told] or useful
     fitting = [m for m in useful if _fit(m) >= max(map(_fit, told)) - USEFUL]

@@ -23,25 +23,9 @@ _JITTER = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """Signals over time, sampled regularly.
+    """Signals over time [SI], sampled regularly with a period [s]; at least 30 samples.
 
-    Parameters
-    ----------
-    place : str
-        Where it was read from, for messages.
-    signals : tuple of Signal
-        In the order of the columns.
-    values : mapping
-        Signal to its values [samples], SI. An input is held from its sample to the next.
-    period : float
-        Sampling period [s].
-    start : float
-        Time of the first sample [s].
-
-    Raises
-    ------
-    InputError
-        There are fewer than 30 samples.
+    An input is held from its sample to the next. `place` tells messages where it was read from.
 
     Examples
     --------
@@ -81,13 +65,7 @@ class Record:
         return -(-2 * self.samples // 3)
 
     def signal(self, name: str, place: str) -> Signal:
-        """Return one of the signals.
-
-        Raises
-        ------
-        InputError
-            There is none of that name.
-        """
+        """Return one of the signals; an unknown name is an InputError."""
         known = {signal.name: signal for signal in self.signals}
         if name not in known:
             raise InputError(
@@ -101,13 +79,7 @@ class Record:
         return f"{self.place}, column '{name}'"
 
     def moving(self, name: str) -> np.ndarray:
-        """Return the values of a signal that moves before the held-back third.
-
-        Raises
-        ------
-        InputError
-            It stands still.
-        """
+        """Return the values of a signal that moves before the held-back third, or refuse it."""
         values = np.asarray(self.values[name], float)
         fitted = values[: self.held_back]
         if np.ptp(fitted) <= 1e-12 * np.max(np.abs(fitted)):
@@ -123,28 +95,16 @@ class Record:
 def sampling_period(time: np.ndarray, place_of: Callable[[int], str]) -> float:
     """Return the period of times that follow each other regularly [s].
 
-    Parameters
-    ----------
-    time : ndarray [samples]
-        [s]
-    place_of : callable
-        Number of a sample to its place, for messages.
-
-    Raises
-    ------
-    InputError
-        Time stands or goes back, rows are missing, or the steps differ by more than 5 %.
+    Times that stand or go back, missing rows, and steps that differ by more than 5 % are an
+    InputError at the place of their row.
 
     Examples
     --------
-    >>> sampling_period(np.array([0.0, 0.5, 1.0, 1.5]), str)
-    0.5
     >>> sampling_period(np.array([0.0, 1.0, 2.0, 5.0, 6.0]), "run.csv, line {}".format)
     Traceback (most recent call last):
         ...
-    clepsydra.base.errors.InputError: run.csv, line 3: got '3 s after the row before', expected a \
-row each 1 s; fill in the missing rows, or cut the record at the gap.
-    """
+    clepsydra.base.errors.InputError: run.csv, line 3: got '3 s after the row before', expected a row each 1 s; fill in the missing rows, or cut the record at the gap.
+    """  # noqa: E501
     steps = np.diff(time)
     back = np.flatnonzero(steps <= 0.0)
     if back.size:
@@ -179,15 +139,11 @@ def record_of(
     Parameters
     ----------
     run : Simulation
+        Of at least 30 samples.
     noise : mapping, optional
         Signal to the standard deviation of its noise [SI].
     seed : int
         Of the noise.
-
-    Raises
-    ------
-    InputError
-        It has fewer than 30 samples.
 
     Examples
     --------

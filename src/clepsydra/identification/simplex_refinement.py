@@ -23,22 +23,7 @@ _USELESS = 1e300
 
 @dataclass(frozen=True, eq=False)
 class SimplexFit:
-    """What the search found.
-
-    Parameters
-    ----------
-    model : SampledModel
-    parameters : ndarray
-        That the model was made from.
-    cost : float
-        Sum of squared differences between record and simulated output.
-    evaluations : int
-        How often the model was simulated.
-
-    Examples
-    --------
-    See `refined_coefficients`.
-    """
+    """What the search found, from which parameters, with its sum of squares and simulations."""
 
     model: SampledModel
     parameters: np.ndarray
@@ -55,37 +40,13 @@ def simplex_fit(
     """Fit the simulated output of a model to a record, from a start on, without derivatives.
 
     Other than least squares, which predicts one sample ahead from what was measured, the model
-    runs by itself over the whole record, so that its static gain counts.
-
-    Parameters
-    ----------
-    model_at : callable
-        Parameters to a model.
-    start : ndarray
-        Parameters to begin with, scaled so that changes of 5 % are reasonable.
-    signal, output : ndarray [N]
-        u and y as deviations from rest.
-
-    Raises
-    ------
-    InputError
-        The records are not usable (`identification.arx.checked_records`), or the search does not
-        end.
+    runs by itself over the whole record, so that its static gain counts. The parameters are scaled
+    so that changes of 5 % are reasonable; a search without an end is an InputError.
 
     References
     ----------
     J. C. Lagarias, J. A. Reeds, M. H. Wright, P. E. Wright, Convergence properties of the
     Nelder-Mead simplex method in low dimensions, SIAM Journal on Optimization 9, 1998, 112-147.
-
-    Examples
-    --------
-    A gain of 2, from a guess of 1:
-
-    >>> u = np.array([0.0, 1.0, 1.0, -1.0, 0.0, 1.0])
-    >>> fit = simplex_fit(lambda p: SampledModel((p[0],), (), 0, 1.0), np.array([1.0]),
-    ...                   u, SampledModel((2.0,), (), 0, 1.0).output(u))
-    >>> round(float(fit.parameters[0]), 6)
-    2.0
     """
     from scipy.optimize import minimize
 
@@ -117,17 +78,6 @@ def simplex_fit(
 def refined_coefficients(model: SampledModel, signal: np.ndarray, output: np.ndarray) -> SimplexFit:
     """Refine all coefficients of a model, with its delay, so that its simulated output fits.
 
-    Parameters
-    ----------
-    model : SampledModel
-        By least squares, say (`identification.arx`).
-    signal, output : ndarray [N]
-
-    Raises
-    ------
-    InputError
-        As for `simplex_fit`.
-
     Examples
     --------
     >>> u = np.sign(np.sin(1.7 * np.arange(60) ** 1.3))
@@ -158,39 +108,13 @@ def second_order_of_gain(
 ) -> SimplexFit:
     """Fit k ω²/(s² + 2 ζ ω s + ω²), without zeros and with a known static gain, held and delayed.
 
-    Parameters
-    ----------
-    signal, output : ndarray [N]
-    gain : float
-        k, from a step that was waited for, say.
-    delay : int
-        d [samples]
-    period : float
-        [s]
-    start : (float, float)
-        ω [rad/s] and ζ to begin with, above zero.
-
-    Returns
-    -------
-    SimplexFit
-        Its parameters are ln ω and ln ζ.
-
-    Raises
-    ------
-    InputError
-        A number is out of its range, or as for `simplex_fit`.
+    It starts from ω [rad/s] and ζ, and its parameters are their logarithms; the delay is in
+    samples and the period in s. A number out of its range is an InputError.
 
     Examples
     --------
-    >>> u = np.ones(60)
+    >>> u = np.append([0.0, 0.0], np.ones(58))
     >>> right = sampled_transfer([2 * 0.04], [1.0, 0.32, 0.04], 3.0, 1.0)
-    >>> fit = second_order_of_gain(u, right.output(u) + 0.0 * u, gain=2.0, delay=3, period=1.0,
-    ...                            start=(0.1, 1.2))
-    Traceback (most recent call last):
-        ...
-    clepsydra.base.errors.InputError: record of the input: got '1 in all 60 samples', expected a \
-signal that moves; record while the input moves the process.
-    >>> u[:2] = 0.0
     >>> fit = second_order_of_gain(u, right.output(u), gain=2.0, delay=3, period=1.0,
     ...                            start=(0.1, 1.2))
     >>> [round(float(value), 6) for value in np.exp(fit.parameters)]

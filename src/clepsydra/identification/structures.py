@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,122 +14,80 @@ _SIGNS = np.array([1.0, -1.0])
 
 
 class Responses(NamedTuple):
-    """Responses of a structure at given lags.
+    """Responses of a structure at given lags, and their slopes by the logarithm of each lag."""
 
-    Parameters
-    ----------
-    step : ndarray [N]
-        To a unit step at time zero, for a gain of one.
-    impulse : ndarray [N]
-        Its slope in time.
-    step_slopes : ndarray [N, lags]
-        By the logarithm of each lag.
-    free : ndarray [N, f]
-        What the output may do by itself: its rest, and what is left of earlier motion.
-    free_slopes : ndarray [N, f, lags]
-        By the logarithm of each lag.
-
-    Examples
-    --------
-    >>> FOPDT.responses(np.zeros(2), np.array([0.0, 1.0]), np.array([2.0])).free.shape
-    (2, 2)
-    """
-
-    step: np.ndarray
-    impulse: np.ndarray
-    step_slopes: np.ndarray
-    free: np.ndarray
-    free_slopes: np.ndarray
+    step: np.ndarray  # [N], to a unit step at time zero, for a gain of one
+    impulse: np.ndarray  # [N]
+    step_slopes: np.ndarray  # [N, lags]
+    free: np.ndarray  # [N, f]: its rest, and what is left of earlier motion
+    free_slopes: np.ndarray  # [N, f, lags]
 
 
-class Structure(Protocol):
+class Structure(NamedTuple):
     """A transfer function up to its gain.
 
-    Examples
-    --------
-    >>> [structure.name for structure in STRUCTURES]
-    ['FOPDT', 'SOPDT', 'IPDT']
+    Its responses follow from the times since the end of the dead time, before which they are zero,
+    the times since the start of the record, and the lags [s].
     """
 
     name: str
     title: str
     formula: str
     lags: int
-
-    def responses(self, since: np.ndarray, time: np.ndarray, lags: np.ndarray) -> Responses:
-        """Return the step response at times since the end of the dead time, and free responses.
-
-        Parameters
-        ----------
-        since : ndarray [N]
-            [s], all from 0 on; what is before the end of the dead time counts as 0.
-        time : ndarray [N]
-            Since the start of the record [s].
-        lags : ndarray
-            [s]
-        """
+    responses: Callable[[np.ndarray, np.ndarray, np.ndarray], Responses]
 
 
-class _FirstOrder:
-    name, lags = "FOPDT", 1
-    title = "first order plus dead time"
-    formula = "K e^(−θ s) / (τ s + 1)"
-
-    def responses(self, since: np.ndarray, time: np.ndarray, lags: np.ndarray) -> Responses:
-        lag = lags[0]
-        decay, fading = np.exp(-since / lag), np.exp(-time / lag)
-        free_slopes = np.zeros((len(time), 2, 1))
-        free_slopes[:, 1, 0] = time / lag * fading
-        return Responses(
-            step=1.0 - decay,
-            impulse=decay / lag,
-            step_slopes=(-since / lag * decay)[:, None],
-            free=np.stack([np.ones_like(time), fading], axis=1),
-            free_slopes=free_slopes,
-        )
+def _first_order(since: np.ndarray, time: np.ndarray, lags: np.ndarray) -> Responses:
+    lag = lags[0]
+    decay, fading = np.exp(-since / lag), np.exp(-time / lag)
+    free_slopes = np.zeros((len(time), 2, 1))
+    free_slopes[:, 1, 0] = time / lag * fading
+    return Responses(
+        step=1.0 - decay,
+        impulse=decay / lag,
+        step_slopes=(-since / lag * decay)[:, None],
+        free=np.stack([np.ones_like(time), fading], axis=1),
+        free_slopes=free_slopes,
+    )
 
 
-class _SecondOrder:
+def _second_order(since: np.ndarray, time: np.ndarray, lags: np.ndarray) -> Responses:
     """Two real lags; every response is symmetric in them and smooth where they are equal."""
-
-    name, lags = "SOPDT", 2
-    title = "second order plus dead time"
-    formula = "K e^(−θ s) / ((τ₁ s + 1)(τ₂ s + 1))"
-
-    def responses(self, since: np.ndarray, time: np.ndarray, lags: np.ndarray) -> Responses:
-        settled, by_settled, impulse, _ = _divided(since, lags)
-        still, by_still, moving, by_moving = _divided(time, lags)
-        scale = float(np.mean(lags))
-        # d(scale · g)/d ln τ = scale · dg/d ln τ + τ/2 · g
-        by_moving = scale * by_moving + moving[:, None] * (0.5 * lags)
-        return Responses(
-            step=1.0 - settled,
-            impulse=impulse,
-            step_slopes=-by_settled,
-            free=np.stack([np.ones_like(time), still, scale * moving], axis=1),
-            free_slopes=np.stack([np.zeros_like(by_still), by_still, by_moving], axis=1),
-        )
+    settled, by_settled, impulse, _ = _divided(since, lags)
+    still, by_still, moving, by_moving = _divided(time, lags)
+    scale = float(np.mean(lags))
+    # d(scale · g)/d ln τ = scale · dg/d ln τ + τ/2 · g
+    by_moving = scale * by_moving + moving[:, None] * (0.5 * lags)
+    return Responses(
+        step=1.0 - settled,
+        impulse=impulse,
+        step_slopes=-by_settled,
+        free=np.stack([np.ones_like(time), still, scale * moving], axis=1),
+        free_slopes=np.stack([np.zeros_like(by_still), by_still, by_moving], axis=1),
+    )
 
 
-class _Integrating:
-    name, lags = "IPDT", 0
-    title = "integrating plus dead time"
-    formula = "k' e^(−θ s) / s"
-
-    def responses(self, since: np.ndarray, time: np.ndarray, lags: np.ndarray) -> Responses:
-        return Responses(
-            step=since,
-            impulse=np.ones_like(since),
-            step_slopes=np.zeros((len(since), 0)),
-            free=np.stack([np.ones_like(time), time], axis=1),
-            free_slopes=np.zeros((len(time), 2, 0)),
-        )
+def _integrating(since: np.ndarray, time: np.ndarray, lags: np.ndarray) -> Responses:
+    return Responses(
+        step=since,
+        impulse=np.ones_like(since),
+        step_slopes=np.zeros((len(since), 0)),
+        free=np.stack([np.ones_like(time), time], axis=1),
+        free_slopes=np.zeros((len(time), 2, 0)),
+    )
 
 
-FOPDT: Structure = _FirstOrder()
-SOPDT: Structure = _SecondOrder()
-IPDT: Structure = _Integrating()
-STRUCTURES = (FOPDT, SOPDT, IPDT)
+FOPDT, SOPDT, IPDT = STRUCTURES = (
+    Structure("FOPDT", "first order plus dead time", "K e^(−θ s) / (τ s + 1)", 1, _first_order),
+    Structure(
+        "SOPDT",
+        "second order plus dead time",
+        "K e^(−θ s) / ((τ₁ s + 1)(τ₂ s + 1))",
+        2,
+        _second_order,
+    ),
+    Structure("IPDT", "integrating plus dead time", "k' e^(−θ s) / s", 0, _integrating),
+)
 
 
 def _divided(time: np.ndarray, lags: np.ndarray) -> tuple[np.ndarray, ...]:

@@ -17,7 +17,7 @@ from clepsydra.identification.record import Record
 from clepsydra.identification.residual_tests import chance_of_no_effect, residual_tests
 from clepsydra.identification.structures import IPDT, SOPDT, Structure
 from clepsydra.identification.uncertainty import Uncertainty, uncertainty
-from clepsydra.identification.validation import USEFUL, fit_percent
+from clepsydra.identification.validation import USEFUL, fit_percent, fits
 
 #: A dead time of a smaller share of the sampling period is none.
 _PROMPT = 1e-6
@@ -27,18 +27,6 @@ def transfer_model(
     structure: Structure, record: Record, manipulated: str, output: str
 ) -> FittedModel:
     """Fit a transfer function with dead time to the first two thirds of a record.
-
-    Parameters
-    ----------
-    structure : Structure
-    record : Record
-    manipulated, output : str
-        The input, held between samples, and the output.
-
-    Raises
-    ------
-    InputError
-        Input or output stand still, or the record does not tell the parameters apart.
 
     Examples
     --------
@@ -68,9 +56,9 @@ def transfer_model(
     sure = uncertainty(_apart(fit), fit.residuals, [tests.noise])
     signals = record.signal(manipulated, "input"), record.signal(output, "output")
     estimates = _estimates(fit, sure, *signals, float(u[0]))
+    reach = float(np.ptp(y[:count])), float(np.ptp(u[:count]))
     simulated, by_itself = fit.simulated(u), alone[0].simulated(np.zeros(len(u)))
-    rest = float(np.mean(y[:count]))
-    element = _element(fit)
+    fitted, validated = fits(y, simulated, count)
     return FittedModel(
         name=structure.name,
         title=structure.title,
@@ -81,17 +69,11 @@ def transfer_model(
         residuals=fit.residuals,
         tests=tests,
         widening=sure.widening,
-        fit=fit_percent(y[:count], simulated[:count], rest),
-        validated=fit_percent(y[count:], simulated[count:], rest),
+        fit=fitted,
+        validated=validated,
         beyond=fit_percent(y[count:], simulated[count:], by_itself[count:]),
         chance=chance,
-        settings=control_settings(
-            element,
-            signals[1],
-            signals[0],
-            record.period,
-            reach=(float(np.ptp(y[:count])), float(np.ptp(u[:count]))),
-        ),
+        settings=control_settings(_element(fit), signals[1], signals[0], record.period, reach),
         remarks=_remarks(fit, estimates),
         outweighed=_outweighed(estimates, u[:count]),
     )

@@ -18,28 +18,11 @@ _RANK = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Uncertainty:
-    """How far estimates may be from the truth.
+    """How far estimates may be from the truth."""
 
-    Parameters
-    ----------
-    covariance : ndarray [p, p]
-        Of the estimates: that of white residuals or, where they are coloured and it is larger,
-        that of coloured ones.
-    freedom : int
-        Residuals less parameters.
-    widening : float
-        Largest factor by which the colour widens an interval; 1 for white residuals.
-
-    Examples
-    --------
-    >>> found = Uncertainty(np.array([[0.25]]), 60, 1.0)
-    >>> round(float(found.reach[0]), 4)
-    1.0001
-    """
-
-    covariance: np.ndarray
-    freedom: int
-    widening: float
+    covariance: np.ndarray  # [p, p], that of coloured residuals where they are and it is larger
+    freedom: int  # residuals less parameters
+    widening: float  # largest factor by which the colour widens an interval
 
     @property
     def deviations(self) -> np.ndarray:
@@ -125,18 +108,7 @@ def uncertainty(
 
 
 def inverse_information(jacobian: np.ndarray) -> np.ndarray:
-    """Return (J'J)⁻¹ by the singular values of J.
-
-    Raises
-    ------
-    InputError
-        The columns of J depend on each other.
-
-    Examples
-    --------
-    >>> inverse_information(np.array([[2.0, 0.0], [0.0, 4.0]])).tolist()
-    [[0.25, 0.0], [0.0, 0.0625]]
-    """
+    """Return (J'J)⁻¹ by the singular values of J, or refuse columns that depend on each other."""
     sizes = np.linalg.norm(jacobian, axis=0)
     sizes[sizes == 0.0] = 1.0
     _, strengths, directions = np.linalg.svd(jacobian / sizes, full_matrices=False)

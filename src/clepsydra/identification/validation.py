@@ -21,12 +21,6 @@ def fit_percent(output: np.ndarray, simulated: np.ndarray, other: np.ndarray | f
     one; minus infinity where the simulation ran away, not a number where the output never left
     the other.
 
-    Parameters
-    ----------
-    output, simulated : ndarray [N]
-    other : float or ndarray [N]
-        The mean of what was fitted, say.
-
     Examples
     --------
     >>> fit_percent(np.array([1.0, 3.0]), np.array([1.0, 2.0]), 1.0)
@@ -39,3 +33,10 @@ def fit_percent(output: np.ndarray, simulated: np.ndarray, other: np.ndarray | f
     if size <= _STILL * float(np.linalg.norm(output)):
         return math.nan
     return 100.0 * (1.0 - error / size)
+
+
+def fits(output: np.ndarray, simulated: np.ndarray, count: int) -> tuple[float, float]:
+    """Return the fit to the first samples and to those held back, beside the mean of the first."""
+    rest = float(np.mean(output[:count]))
+    seen = fit_percent(output[:count], simulated[:count], rest)
+    return seen, fit_percent(output[count:], simulated[count:], rest)
