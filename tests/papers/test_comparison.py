@@ -3,9 +3,7 @@
 import pytest
 from sympy import symbols
 
-from clepsydra.papers.printed import Printed
-from clepsydra.papers.printed_number import printed_number
-from clepsydra.papers.row_words import printed_words
+from clepsydra.papers.printed import Printed, printed_number
 
 
 def line(text, **more):
@@ -58,26 +56,26 @@ def test_any_other_is_not(computed):
     ("printed", "computed"), [("64.93", 64.9351), ("-2.6", -2.699), ("1", 1.9)]
 )
 def test_a_number_may_be_cut_after_its_last_digit(printed, computed):
-    row = line(printed).compared(computed, why="1/A.")
+    row = line(printed, note="1/A.").compared(computed)
     assert (row.verdict, row.reason) == ("reproduced", "1/A. Cut after its last digit.")
 
 
 def test_a_bare_zero_leaves_nothing_open():
     assert line("0").compared(0.0).verdict == "reproduced"
     for computed in (0.4, -0.4, 0.9):
-        assert line("0").compared(computed, why="w").verdict == "not reproducible"
+        assert line("0", note="w").compared(computed).verdict == "not reproducible"
 
 
 def test_a_tolerance_counts_beside_the_digits_and_needs_its_reason():
-    assert line("100").compared(103.0, tolerance=0.03, why="noise").verdict == "reproduced"
-    row = line("100").compared(103.0, tolerance=0.02, why="noise")
+    assert line("100", note="noise").compared(103.0, tolerance=0.03).verdict == "reproduced"
+    row = line("100", note="noise").compared(103.0, tolerance=0.02)
     assert row.verdict == "not reproducible"
     with pytest.raises(ValueError, match="needs its reason"):
         line("100").compared(103.0, tolerance=0.03)
 
 
 def test_two_zeros_agree_without_a_difference():
-    row = line("-2.561E-15").compared(-1.4e-14, zero=1e-11, why="both are rounding")
+    row = line("-2.561E-15", note="rounding").compared(-1.4e-14, zero=1e-11)
     assert (row.verdict, row.difference) == ("reproduced", None)
 
 
@@ -97,8 +95,8 @@ def test_evidence_does_not_make_a_misprint_of_what_is_reproduced():
 
 def test_a_print_is_shown_with_all_its_digits():
     row = line("0.380").compared(0.3799)
-    assert (row.printed, printed_words(row)) == (0.38, "0.380")
-    assert printed_words(line("no overshoot").claimed(True, "1")) == "no overshoot"
+    assert (row.printed, row.shown) == (0.38, "0.380")
+    assert line("no overshoot").claimed(True, "1").shown == "no overshoot"
 
 
 def test_differences_are_relative_to_the_print():
@@ -132,7 +130,7 @@ def test_claims_hold_or_fail():
 
 
 def test_agreement_with_what_it_was_solved_from_is_no_reproduction():
-    row = line("2.6").compared(2.6, why="The integral.")
+    row = line("2.6", note="The integral.").compared(2.6)
     again = row.circular("The step was solved from this cell.")
     assert again.verdict == "consistent" and not again.is_counted and again.is_as_printed
     assert again.reason == "The step was solved from this cell. The integral."
@@ -155,11 +153,14 @@ def test_damage_of_the_conversion_is_not_the_authors_misprint():
     assert line("2.6", damage=lost).compared(2.6) == line("2.6").compared(2.6)
 
 
-def test_the_note_of_a_line_is_the_reason_if_there_is_no_other():
+def test_the_note_of_a_line_is_the_reason_with_what_was_found_in_it():
     noted = line("2.6", note="From (3).")
     assert noted.compared(2.6).reason == noted.compared(9.0).reason == "From (3)."
     assert noted.claimed(True, "1").reason == "From (3)."
-    assert noted.claimed(True, "1", "By (4).").reason == "By (4)."
+    found = line("2.6", note="From {place}, {value:.2f} m.").told(place="(4)", value=2.601)
+    assert found.compared(2.6).reason == found.remark("1").reason == "From (4), 2.60 m."
+    with pytest.raises(KeyError):
+        line("2.6", note="From {place}.").told(value=2.601)
 
 
 def test_a_remark_of_ours_judges_nothing():

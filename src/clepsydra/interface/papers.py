@@ -24,7 +24,7 @@ class Audit(Answered, inner.Audit):
 
     def report(self, path: str | Path) -> None:
         """Write a page with the reasons and the redrawn figures."""
-        from clepsydra.papers.page import page_text
+        from clepsydra.papers.answer import page_text
         from clepsydra.report.page import write_page
 
         write_page(page_text(self), path)

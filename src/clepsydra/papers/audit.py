@@ -12,49 +12,27 @@ from dataclasses import dataclass
 from clepsydra.papers.document import Document, Findings, documents, load_document
 from clepsydra.papers.row import COUNTED, VERDICTS, Row
 
+#: Keys of a document and of one of its experiments.
+_Task = tuple[str, str]
+
 
 @dataclass(frozen=True)
 class AuditProgress:
-    """How far an audit is.
-
-    Parameters
-    ----------
-    done, of : int
-        Experiments.
-    name : str
-        The one that ended last.
-    """
+    """How many experiments are done, of how many, and the one that ended last."""
 
     done: int
     of: int
     name: str
 
 
-class _Judged:
-    """Something with rows, and how often each verdict was given."""
-
-    @property
-    def rows(self) -> tuple[Row, ...]:
-        """All rows."""
-        raise NotImplementedError
-
-    @property
-    def counts(self) -> dict[str, int]:
-        """How often each verdict was given, in the order of `VERDICTS`."""
-        counted = Counter(row.verdict for row in self.rows)
-        return {verdict: counted[verdict] for verdict in VERDICTS}
+def _counts(rows: Sequence[Row]) -> dict[str, int]:
+    counted = Counter(row.verdict for row in rows)
+    return {verdict: counted[verdict] for verdict in VERDICTS}
 
 
 @dataclass(frozen=True)
-class DocumentAudit(_Judged):
-    """A document with what its experiments found.
-
-    Parameters
-    ----------
-    document : Document
-    experiments : mapping
-        Name of each experiment to what it found, in the order of the document.
-    """
+class DocumentAudit:
+    """A document with what its experiments found, by their names in its order."""
 
     document: Document
     experiments: Mapping[str, Findings]
@@ -64,15 +42,15 @@ class DocumentAudit(_Judged):
         """All rows."""
         return tuple(row for found in self.experiments.values() for row in found.rows)
 
+    @property
+    def counts(self) -> dict[str, int]:
+        """How often each verdict was given, in the order of `VERDICTS`."""
+        return _counts(self.rows)
+
 
 @dataclass(frozen=True)
-class Audit(_Judged):
-    """All that was audited.
-
-    Parameters
-    ----------
-    documents : tuple of DocumentAudit
-    """
+class Audit:
+    """All that was audited."""
 
     documents: tuple[DocumentAudit, ...]
 
@@ -80,6 +58,11 @@ class Audit(_Judged):
     def rows(self) -> tuple[Row, ...]:
         """All rows of all documents."""
         return tuple(row for document in self.documents for row in document.rows)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How often each verdict was given, in the order of `VERDICTS`."""
+        return _counts(self.rows)
 
     @property
     def summary(self) -> str:
@@ -122,35 +105,29 @@ def audit(
     """
     loaded = [load_document(key) for key in dict.fromkeys(keys or documents())]
     tasks = [(document.key, name) for document in loaded for name in document.experiments]
-    found: dict[tuple[str, str], Findings] = {}
+    found: dict[_Task, Findings] = {}
     with _results(tasks, min(workers, len(tasks))) as results:
-        for key, name, findings in results:
-            found[key, name] = findings
+        for task, findings in results:
+            found[task] = findings
             if progress is not None:
-                title = load_document(key).experiments[name]
-                progress(AuditProgress(len(found), len(tasks), f"{key}: {title}"))
-    return Audit(tuple(_document_audit(document, found) for document in loaded))
+                title = load_document(task[0]).experiments[task[1]]
+                progress(AuditProgress(len(found), len(tasks), f"{task[0]}: {title}"))
+    audited = []
+    for document in loaded:
+        of_document = {name: found[document.key, name] for name in document.experiments}
+        audited.append(DocumentAudit(document, of_document))
+        names = Counter((row.place, row.name) for row in audited[-1].rows)
+        twice = [name for name, count in names.items() if count > 1]
+        assert not twice, f"{document.key} judges {twice} more than once"
+    return Audit(tuple(audited))
 
 
-def _document_audit(document: Document, found: dict[tuple[str, str], Findings]) -> DocumentAudit:
-    result = DocumentAudit(
-        document, {name: found[document.key, name] for name in document.experiments}
-    )
-    names = Counter((row.place, row.name) for row in result.rows)
-    twice = [name for name, count in names.items() if count > 1]
-    assert not twice, f"{document.key} judges {twice} more than once"
-    return result
-
-
-def _run(task: tuple[str, str]) -> tuple[str, str, Findings]:
-    key, name = task
-    return key, name, load_document(key).findings(name)
+def _run(task: _Task) -> tuple[_Task, Findings]:
+    return task, load_document(task[0]).findings(task[1])
 
 
 @contextmanager
-def _results(
-    tasks: Sequence[tuple[str, str]], workers: int
-) -> Iterator[Iterator[tuple[str, str, Findings]]]:
+def _results(tasks: Sequence[_Task], workers: int) -> Iterator[Iterator[tuple[_Task, Findings]]]:
     if workers <= 1:
         yield map(_run, tasks)
         return

@@ -6,6 +6,7 @@ import importlib
 import pkgutil
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from clepsydra import papers
 from clepsydra.base.errors import InputError
@@ -17,15 +18,8 @@ from clepsydra.papers.row import Row
 Found = Iterable[Row | Figure]
 
 
-@dataclass(frozen=True)
-class Findings:
-    """What an experiment found.
-
-    Parameters
-    ----------
-    rows : tuple of Row
-    figures : tuple of Figure
-    """
+class Findings(NamedTuple):
+    """What an experiment found."""
 
     rows: tuple[Row, ...]
     figures: tuple[Figure, ...] = ()
@@ -48,11 +42,6 @@ class Document:
         Authors, year, and where it was published.
     experiments : mapping
         Name of each, "closed-loop" for the module closed_loop, to its title.
-
-    Examples
-    --------
-    >>> Document("clepsydra.papers.three_tanks", 3, "Three tanks", "2016", {}).key
-    'three-tanks'
     """
 
     package: str
@@ -91,22 +80,7 @@ def documents() -> dict[str, Document]:
 
 
 def load_document(key: str) -> Document:
-    """Return a document.
-
-    Parameters
-    ----------
-    key : str
-
-    Raises
-    ------
-    InputError
-        There is no such document.
-
-    Examples
-    --------
-    >>> load_document("three-tanks").number
-    4
-    """
+    """Return a document by its key; an unknown one is an InputError."""
     known = documents()
     if key not in known:
         expected, remedy = f"one of {', '.join(known)}", "choose one of these"

@@ -92,13 +92,6 @@ class Figure:
     panels : tuple of Panel
     note : str
         What the reader should see in it.
-
-    Examples
-    --------
-    >>> time = np.array([0.0, 1.0])
-    >>> figure = Figure("Fig. 7", "Levels", (Panel("", "level [m]", (Curve("h", time, time),)),))
-    >>> figure.panels[0].x_label
-    'time [s]'
     """
 
     number: str

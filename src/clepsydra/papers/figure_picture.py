@@ -27,20 +27,7 @@ _LOOKS: dict[str, dict[str, Any]] = {
 
 
 def drawn(figure: Figure) -> Picture:
-    """Draw a figure, its panels in rows of two.
-
-    Parameters
-    ----------
-    figure : Figure
-
-    Examples
-    --------
-    >>> time = np.linspace(0.0, 1.0, 20)
-    >>> panel = Panel("level", "level [m]", (Curve("tank 1", time, np.exp(-time)),))
-    >>> (axes,) = drawn(Figure("Fig. 1", "A tank", (panel,))).axes
-    >>> [text.get_text() for text in axes.get_legend().get_texts()]
-    ['tank 1']
-    """
+    """Draw a figure, its panels in rows of two."""
     import matplotlib
     from matplotlib.figure import Figure as Picture
 

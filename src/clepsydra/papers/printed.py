@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from clepsydra.papers.printed_number import PrintedNumber, printed_number
 from clepsydra.papers.row import Row, Verdict, joined
 
 if TYPE_CHECKING:
@@ -15,6 +15,47 @@ if TYPE_CHECKING:
 
 #: What the document itself says elsewhere, in words, and whether it holds.
 Evidence = tuple[str, bool]
+_NUMBER = re.compile(r"([+\-−]?)(\d*)\.?(\d*)(?:[eE]([+\-−]?\d+))?")
+
+
+@dataclass(frozen=True)
+class PrintedNumber:
+    """A printed number, and half a unit of its last digit: what rounding leaves open."""
+
+    value: float
+    half_unit: float
+
+    def is_cut_from(self, value: float) -> bool:
+        """Whether these are the first digits of a value, with the others left out."""
+        same_sign = math.copysign(1.0, value) == math.copysign(1.0, self.value)
+        return same_sign and 0.0 <= abs(value) - abs(self.value) < 2.0 * self.half_unit
+
+
+def printed_number(text: str, digits: int | None = None) -> PrintedNumber:
+    """Read a number as it is printed, so that its digits count.
+
+    Trailing zeros count as digits, also of whole numbers; ``digits`` are the significant ones where
+    the print leaves them out: "1" beside "0.92". A bare "0" says that there is nothing, and leaves
+    nothing open. What is no number is a ValueError.
+
+    Examples
+    --------
+    >>> printed_number("3.0536")
+    PrintedNumber(value=3.0536, half_unit=5e-05)
+    >>> printed_number("5744").half_unit, printed_number("1", digits=2).half_unit
+    (0.5, 0.05)
+    """
+    match = _NUMBER.fullmatch(text.strip())
+    if match is None or not (match[2] or match[3]):
+        raise ValueError(f"{text!r} is no printed number")
+    value = float(text.strip().replace("−", "-"))
+    last = int((match[4] or "0").replace("−", "-")) - len(match[3])
+    if value == 0.0 and not match[3]:
+        return PrintedNumber(value, 0.0)
+    if digits is not None and value:
+        last = math.floor(math.log10(abs(value))) - digits + 1
+    # From text, so that 5e-05 is the nearest number to it.
+    return PrintedNumber(value, float(f"5e{last - 1}"))
 
 
 @dataclass(frozen=True)
@@ -35,14 +76,10 @@ class Printed:
     damage : str
         What in our text of the document looks like damage of its conversion.
     note : str
-        What it is compared with and why, where that needs no computation.
+        What it is compared with and why. Where that needs numbers it names them in braces, as
+        ``{peak:.2f}``, and whatever judges the line is told them by name.
     is_given : bool
         Whether the computation starts from it, and nothing judges it.
-
-    Examples
-    --------
-    >>> Printed("Table 7", "IE of C", "0.380").number
-    PrintedNumber(value=0.38, half_unit=0.0005)
     """
 
     place: str
@@ -55,14 +92,18 @@ class Printed:
     is_given: bool = False
 
     @property
+    def number(self) -> PrintedNumber:
+        """The text as a number."""
+        return printed_number(self.text, self.digits)
+
+    @property
     def value(self) -> float:
         """The number without what its digits leave open."""
         return self.number.value
 
-    @property
-    def number(self) -> PrintedNumber:
-        """The text as a number."""
-        return printed_number(self.text, self.digits)
+    def told(self, **values: object) -> Printed:
+        """Return the line with values in the braces of its note."""
+        return replace(self, note=self.note.format(**values)) if values else self
 
     def compared(
         self,
@@ -70,15 +111,15 @@ class Printed:
         *,
         tolerance: float = 0.0,
         zero: float = 0.0,
-        why: str = "",
         right_if: Sequence[Evidence] = (),
         unprinted: str = "",
+        **told: object,
     ) -> Row:
         """Compare a printed number with a computed one.
 
         It is "reproduced" where the computed number rounds to the printed one or is cut to it, or
         is as near as the tolerance beside that; otherwise a "misprint" where all evidence holds,
-        and else "not reproducible".
+        and else "not reproducible". With a tolerance or a zero the line needs a note.
 
         Parameters
         ----------
@@ -88,62 +129,48 @@ class Printed:
             Share of the computed number that is left open beside the printed digits.
         zero : float
             Numbers that are no larger are zero up to rounding, and agree without a difference.
-        why : str
-            What leaves it open; needed with a tolerance or a zero. Else what the number comes from.
-            The note of the line if left out.
         right_if : sequence of (words, bool)
             Other printed numbers that agree with the computed one and contradict this one.
         unprinted : str
-            What the document leaves out, or what was tried, where it cannot be reproduced.
+            Said instead of the note where it is not reproducible: what the document leaves out.
+        **told
+            Values for the braces of the note.
 
         Examples
         --------
-        >>> Printed("(97b)", "F21", "13.8661", note="Riccati").compared(13.866069).verdict
-        'reproduced'
         >>> line = Printed("(97b)", "Fi12", "3.0536")
         >>> row = line.compared(10**0.5, right_if=[("Fi12² is Q4 / R1", True)])
         >>> row.verdict, round(row.difference, 4)
         ('misprint', 0.0356)
         """
-        why, said = why or self.note, f"{self.place}, {self.name}"
-        if (tolerance or zero) and not why:
+        said, number, reason = f"{self.place}, {self.name}", self.number, self.told(**told).note
+        if (tolerance or zero) and not reason:
             raise ValueError(f"{said}: a tolerance needs its reason")
-        number = self.number
         room = number.half_unit * (1.0 + 1e-9) + tolerance * abs(computed)
-        right = bool(right_if) and all(holds for _, holds in right_if)
-        verdict: Verdict
         are_zero = max(abs(computed), abs(number.value)) <= zero
+        verdict: Verdict = "reproduced"
         if are_zero or abs(computed - number.value) <= room:
-            verdict, reason = "reproduced", why
+            pass
         elif number.is_cut_from(computed):
-            verdict, reason = "reproduced", f"{why} Cut after its last digit.".strip()
-        elif right:
+            reason = joined(reason, "Cut after its last digit.")
+        elif right_if and all(holds for _, holds in right_if):
             words = "; ".join(words for words, _ in right_if)
             verdict, reason = "misprint", f"{short(computed)} is right: {words}."
         else:
             failed = "; ".join(words for words, holds in right_if if not holds)
-            verdict, reason = "not reproducible", unprinted or failed or why
+            verdict, reason = "not reproducible", unprinted or failed or reason
         if verdict != "reproduced" and not reason:
             raise ValueError(f"{said}: {computed!r} is not {self.text}, and no reason is given")
-        row = self._row(verdict, float(computed), reason, number.value)
+        row = replace(self._row(verdict, float(computed), reason), text=self.text)
         difference = None if are_zero else _difference(float(computed), number.value)
-        return replace(row, difference=difference, text=self.text)
+        return replace(row, printed=number.value, difference=difference)
 
-    def formula(
-        self, computed: Expr, *, names: Mapping[str, Expr] | None = None, reason: str = ""
-    ) -> Row:
+    def formula(self, computed: Expr, *, names: Mapping[str, Expr] | None = None) -> Row:
         """Compare a printed formula with the one that follows from the document's equations.
 
         It is "reproduced" where the difference is zero for all values of its symbols, else a
-        "misprint", since the derivation is the document's own.
-
-        Parameters
-        ----------
-        computed : sympy expression
-        names : mapping, optional
-            What printed names mean that are not those of the computed symbols.
-        reason : str
-            What the formula follows from, or what shows which is right; the note if left out.
+        "misprint", since the derivation is the document's own. `names` are those of the print that
+        are not those of the computed symbols.
 
         Examples
         --------
@@ -151,20 +178,15 @@ class Printed:
         >>> s, k = symbols("s K_p2")
         >>> Printed("(52)", "V loop", "K_p2/(s + K_p2)").formula(1 / (1 + s / k)).verdict
         'reproduced'
-        >>> line = Printed("(68)", "V loop", "K_p2/(s + K_p2)", note="(42)")
-        >>> line.formula(k / (k - s)).verdict
-        'misprint'
         """
         from sympy import simplify
         from sympy.parsing.sympy_parser import parse_expr
 
         known = {symbol.name: symbol for symbol in computed.free_symbols} | dict(names or {})
         same = simplify(parse_expr(self.text, known) - computed) == 0
-        if not same and not (reason or self.note):
-            raise ValueError(
-                f"{self.place}, {self.name}: the formula differs, and no reason is given"
-            )
-        return self._row("reproduced" if same else "misprint", str(computed), reason)
+        if not same and not self.note:
+            raise ValueError(f"{self.place}, {self.name}: the formula differs, and has no reason")
+        return self._row("reproduced" if same else "misprint", str(computed))
 
     def formula_in(self, cases: Iterable[tuple[Expr, Mapping[str, Expr]]]) -> Row:
         """Compare one printed formula in several cases, each with what its names mean there.
@@ -174,76 +196,32 @@ class Printed:
         rows = [self.formula(computed, names=names) for computed, names in cases]
         return next((row for row in rows if row.verdict != "reproduced"), rows[0])
 
-    def stated(self, right: str, is_right: bool, reason: str = "") -> Row:
-        """Compare what is printed in words, a caption or a label, with what has to stand there.
+    def stated(self, right: str, is_right: bool, **told: object) -> Row:
+        """Compare printed words, a caption or a label, with what the check finds to be right."""
+        return self.told(**told)._row("reproduced" if is_right else "misprint", right)
 
-        Parameters
-        ----------
-        right : str
-            What the check finds to be right.
-        is_right : bool
-            Whether the printed words are right, as computed.
-        reason : str
-            What the check is; the note if left out.
+    def claimed(self, holds: bool, computed: str, **told: object) -> Row:
+        """Judge a claim in words by what was computed: the figures that decide.
 
         Examples
         --------
-        >>> line = Printed("Table 4", "caption", "regarding C(t)", note="eV")
-        >>> line.stated("regarding V(t)", False).verdict
-        'misprint'
+        >>> line = Printed("section 4", "overshoot", "no overshoot", note="With {gain:.1f} V/V.")
+        >>> row = line.claimed(False, "3.2 %", gain=2.04)
+        >>> row.verdict, row.reason
+        ('claim fails', 'With 2.0 V/V.')
         """
-        return self._row("reproduced" if is_right else "misprint", right, reason)
+        return self.told(**told)._row("claim holds" if holds else "claim fails", computed)
 
-    def claimed(self, holds: bool, computed: str, reason: str = "") -> Row:
-        """Judge a claim in words by what was computed.
+    def remark(self, computed: str, **told: object) -> Row:
+        """Return a claim that holds in one reading of what is left open, and not in all."""
+        return self.told(**told)._row("remark", computed)
 
-        Parameters
-        ----------
-        holds : bool
-            Whether it does.
-        computed : str
-            The figures that decide.
-        reason : str
-            The note if left out.
-
-        Examples
-        --------
-        >>> line = Printed("section 4", "overshoot", "no overshoot", note="of V")
-        >>> line.claimed(False, "3.2 %").verdict
-        'claim fails'
-        """
-        return self._row("claim holds" if holds else "claim fails", computed, reason)
-
-    def remark(self, computed: str, reason: str = "") -> Row:
-        """Return a claim that holds in one reading of what is left open, and not in all.
-
-        Parameters
-        ----------
-        computed : str
-            What we find.
-        reason : str
-            The note if left out.
-
-        Examples
-        --------
-        >>> Printed("section 5", "speed", "is faster").remark("settles sooner").verdict
-        'remark'
-        """
-        return self._row("remark", computed, reason)
-
-    def _row(
-        self, verdict: Verdict, computed: float | str, reason: str, shown: float | str | None = None
-    ) -> Row:
-        """Return the row of a line, whose note is the reason if there is no other.
-
-        It is "damaged text" where it would be a "misprint" or "not reproducible" and the line
-        looks damaged.
-        """
-        shown = self.text if shown is None else shown
+    def _row(self, verdict: Verdict, computed: float | str, reason: str = "") -> Row:
+        """Return the row of a line: "damaged text" where the line looks damaged and disagrees."""
         reason = reason or self.note
         if self.damage and verdict in ("misprint", "not reproducible"):
             verdict, reason = "damaged text", joined(self.damage, reason)
-        return Row(self.place, self.name, shown, computed, self.unit, None, verdict, reason)
+        return Row(self.place, self.name, self.text, computed, self.unit, None, verdict, reason)
 
 
 def _difference(computed: float, printed: float) -> float | None:
@@ -253,11 +231,5 @@ def _difference(computed: float, printed: float) -> float | None:
 
 
 def short(value: float) -> str:
-    """Return a number in as many digits as a reader compares.
-
-    Examples
-    --------
-    >>> short(0.001234567), short(3469.9123), short(2.0)
-    ('0.001235', '3470', '2')
-    """
+    """Return a number in as many digits as a reader compares: 0.001234567 as "0.001235"."""
     return f"{value:.4g}"

@@ -15,27 +15,23 @@ if TYPE_CHECKING:
 
 
 class PrintedTable(dict[tuple[str, str], Printed]):
-    """The lines of a document by place and name."""
+    """The lines of a document by place and name.
+
+    Examples
+    --------
+    >>> table = printed_table("clepsydra.papers.three_tanks")
+    >>> table["Ziegler-Nichols", "Kc"].text
+    '0.0012'
+    >>> table.numbers("Ziegler-Nichols", "Kc", "Kd")
+    [0.0012, 0.028]
+    """
 
     def numbers(self, place: str, *names: str) -> list[float]:
-        """Return the numbers of a place by their names.
-
-        Examples
-        --------
-        >>> printed_table("clepsydra.papers.three_tanks").numbers("Ziegler-Nichols", "Kc", "Kd")
-        [0.0012, 0.028]
-        """
+        """Return the numbers of a place by their names."""
         return [self[place, name].value for name in names]
 
     def compared(self, place: str, computed: Mapping[str, float]) -> list[Row]:
-        """Compare the numbers of a place by name, whose notes say what they come from.
-
-        Examples
-        --------
-        >>> table = PrintedTable({("(97b)", "F21"): Printed("(97b)", "F21", "13.8661")})
-        >>> [row.verdict for row in table.compared("(97b)", {"F21": 13.866069})]
-        ['reproduced']
-        """
+        """Compare the numbers of a place by name, whose notes say what they come from."""
         return [self[place, name].compared(float(value)) for name, value in computed.items()]
 
     def formulas(self, place: str, computed: Mapping[str, Expr]) -> list[Row]:
@@ -44,14 +40,7 @@ class PrintedTable(dict[tuple[str, str], Printed]):
 
 
 def printed_table(package: str) -> PrintedTable:
-    """Return ``printed.csv`` of the package of a document by place and name.
-
-    Examples
-    --------
-    >>> table = printed_table("clepsydra.papers.three_tanks")
-    >>> table["Ziegler-Nichols", "Kc"].text
-    '0.0012'
-    """
+    """Return ``printed.csv`` of the package of a document by place and name."""
     with resources.files(package).joinpath("printed.csv").open(encoding="utf-8") as file:
         lines = [
             Printed(place, name, text, unit, int(digits or 0) or None, damage, note, bool(given))

@@ -25,10 +25,8 @@ class Row:
 
     Parameters
     ----------
-    place : str
-        Where it stands in the document: "Table 7", "(100b)", "section 4".
-    name : str
-        What it is: "IAE of C, constant outflow, by hand".
+    place, name : str
+        Where it stands in the document, and what it is, as `Printed` has them.
     printed : float or str
         As printed; a claim or a formula in words.
     computed : float or str
@@ -43,12 +41,6 @@ class Row:
         Their keys; the audit fills them in.
     text : str
         A printed number with all its digits, "0.510"; empty for words.
-
-    Examples
-    --------
-    >>> row = Row("(46)", "time constant", 10.0, 10.0, "s", 0.0, "reproduced", "V0 / f0")
-    >>> row.as_dict()["printed"]
-    10.0
     """
 
     place: str
@@ -62,6 +54,11 @@ class Row:
     document: str = ""
     experiment: str = ""
     text: str = ""
+
+    @property
+    def shown(self) -> str:
+        """What is printed, with all its digits."""
+        return self.text or value_words(self.printed)
 
     @property
     def is_counted(self) -> bool:
@@ -81,17 +78,8 @@ class Row:
     def circular(self, solved_from: str) -> Row:
         """Return a row whose agreement proves nothing: "consistent" where it was "reproduced".
 
-        Parameters
-        ----------
-        solved_from : str
-            What the computed number was solved from or fitted to, the printed one among it.
-
-        Examples
-        --------
-        >>> from clepsydra.papers.printed import Printed
-        >>> row = Printed("Table 7", "IE of V", "1.24E-02").compared(0.01242)
-        >>> row.circular("The step follows from this cell.").verdict
-        'consistent'
+        `solved_from` tells what the computed number was solved from or fitted to, the printed one
+        among it.
         """
         if self.verdict not in ("reproduced", "claim holds"):
             return self
@@ -100,19 +88,8 @@ class Row:
     def undecided(self, hangs_on: str) -> Row:
         """Return a number that agrees in one reading and not in another as a remark.
 
-        What is reproduced in the reading that stands in the row is as it was.
-
-        Parameters
-        ----------
-        hangs_on : str
-            In which readings it agrees.
-
-        Examples
-        --------
-        >>> from clepsydra.papers.printed import Printed
-        >>> row = Printed("Table 5", "rise", "6.3", note="The controller.").compared(7.7)
-        >>> row.undecided("It agrees in 1 of 4 readings.").verdict
-        'remark'
+        What is reproduced in the reading that stands in the row is as it was; `hangs_on` tells in
+        which readings it agrees.
         """
         if self.verdict != "not reproducible":
             return self
@@ -125,3 +102,8 @@ Rows = Iterator[Row]
 def joined(*sentences: str) -> str:
     """Return sentences as one text, without those that are empty."""
     return " ".join(sentence for sentence in sentences if sentence)
+
+
+def value_words(value: float | str) -> str:
+    """Return a value in at most six digits, −8.5 as "−8.5"; words stay as they are."""
+    return value if isinstance(value, str) else f"{value:.6g}".replace("-", "−")

@@ -44,25 +44,13 @@ class Constants(NamedTuple):
 
 @dataclass(frozen=True)
 class ContinuousRun:
-    """The document's step in continuous time.
+    """The document's step in continuous time."""
 
-    Parameters
-    ----------
-    time : ndarray [n]
-        [s]
-    outputs : dict
-        "C" [kmol/m³] and "V" [m³] to their values [n].
-    flow, inlet : ndarray [n]
-        The flow that is moved [m³/s], and C_in [kmol/m³].
-    indices : dict
-        ("IAE", "C") and so on, integrated with the states [kmol, m³, s].
-    """
-
-    time: np.ndarray
-    outputs: dict[str, np.ndarray]
-    flow: np.ndarray
-    inlet: np.ndarray
-    indices: dict[tuple[str, str], float]
+    time: np.ndarray  # [n] [s]
+    outputs: dict[str, np.ndarray]  # C [kmol/m³] and V [m³], each [n]
+    flow: np.ndarray  # the one that is moved [n] [m³/s]
+    inlet: np.ndarray  # C_in [n] [kmol/m³]
+    indices: dict[tuple[str, str], float]  # ("IAE", "C") and so on, integrated with the states
 
     def settling(self, output: str) -> float:
         """Return when C or V stays within 2 % of its step [s]."""
@@ -91,15 +79,7 @@ def continuous_run(
 ) -> ContinuousRun:
     """Return the document's step of both references under PI control without a hold.
 
-    Parameters
-    ----------
-    constants : Constants
-    free : bool
-        Whether C_in has no limits.
-    horizon : float
-        [s]
-    longest_step : float
-        Of the solver [s].
+    Times are in s; `free` lets C_in go without limits.
 
     Examples
     --------

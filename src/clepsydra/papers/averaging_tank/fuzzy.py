@@ -16,7 +16,7 @@ from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise, operating_point_of
 from clepsydra.loop.run import Run
-from clepsydra.papers.averaging_tank import PRINTED, fuzzy_pictures, fuzzy_tables
+from clepsydra.papers.averaging_tank import PRINTED, fuzzy_tables
 from clepsydra.papers.averaging_tank.continuous_pi import (
     HIGHEST_FLOW,
     HIGHEST_INLET,
@@ -40,8 +40,8 @@ from clepsydra.papers.averaging_tank.step_run import (
     settling,
     step_of,
     step_run,
+    trend_figure,
 )
-from clepsydra.papers.averaging_tank.trends import trend_figure
 from clepsydra.papers.document import Found
 from clepsydra.papers.row import Rows
 from clepsydra.process.document import parse
@@ -54,21 +54,11 @@ _HORIZON = 2.0
 
 
 class Reading(NamedTuple):
-    """What is not printed, or may be read in two ways.
+    """What is not printed, or may be read in two ways."""
 
-    Parameters
-    ----------
-    filter_time : float
-        Of both derivatives [s].
-    top : str
-        Of LL in Table 3.
-    added_rules : bool
-        Whether there are the rules (103).
-    """
-
-    filter_time: float = 0.0
-    top: str = "0.8"
-    added_rules: bool = True
+    filter_time: float = 0.0  # of both derivatives [s]
+    top: str = "0.8"  # of LL in Table 3
+    added_rules: bool = True  # (103)
 
 
 #: The equations as printed, and the derivative over ten of the document's steps.
@@ -83,7 +73,7 @@ def run() -> Found:
         "Inflow and outflow come to rest at 0.345 m³/s, where rules R8 and R27 put them.",
     )  # fmt: skip
     system, with_printed_top = (fuzzy_file(each).system for each in (LITERAL, Reading(top="8.0")))
-    pictures = fuzzy_pictures.sets_and_surfaces(system)
+    pictures = fuzzy_tables.sets_and_surfaces(system)
     tables = fuzzy_tables.tables(system, with_printed_top)
     return (*tables, *_table_8(), *claims(FILTERED), figure, *pictures)
 
@@ -97,13 +87,7 @@ def _model(period: float) -> LinearModel:
 
 @cache
 def fuzzy_file(reading: Reading) -> FuzzyFile:
-    """Return the controller's file in a reading.
-
-    Examples
-    --------
-    >>> len(fuzzy_file(LITERAL).system.rules)
-    27
-    """
+    """Return the controller's file in a reading."""
     text = RULES.read_text(encoding="utf-8")
     text = text.replace("right_shoulder = [0.6, 0.8]", f"right_shoulder = [0.6, {reading.top}]")
     if not reading.added_rules:
@@ -121,11 +105,6 @@ def fuzzy_run(
     """Return steps of C [kmol/m³] and V [m³] at the first sample, from the equilibrium.
 
     The document's controller does not wait for a bumpless start: nothing is added to its outputs.
-
-    Examples
-    --------
-    >>> round(float(fuzzy_run(LITERAL).values["inflow"][-1]), 3)
-    0.345
     """
     model = _model(period)
     point = operating_point_of(model)
@@ -195,8 +174,7 @@ def _behaviour(reading: Reading) -> Rows:
     yield PRINTED["section 4", "overshoot, fuzzy"].claimed(
         max(over.values()) < 0.1 and max(less.values()) < 1e-3 * max(over.values()),
         f"C {over['C']:.2g} %, V {over['V']:.2g} % of the step, sampled every 0.2 ms",
-        reason="The document's derivatives are continuous, and this comes from the sampling: "
-        f"at 0.1 ms it is {less['C']:.1g} and {less['V']:.1g} %. With a filter of 2 ms.",
+        **less,
     )
     yield PRINTED["section 4", "C, fuzzy against the others"].remark(f"{times['C']:.3f} s; {told}")
     yield PRINTED["section 4", "settling times, fuzzy against LQI"].claimed(
@@ -210,22 +188,17 @@ def _behaviour(reading: Reading) -> Rows:
         f"f_in {f_in[0]:.2f} to {f_in[1]:.2f}, f_out {f_out[0]:.2f} to {f_out[1]:.2f} m³/s, C_in "
         f"{c_in[0]:.1f} to {c_in[1]:.1f} kmol/m³",
     )
+    faster = _rate(finer, "inflow") / _rate(found, "inflow")
     yield PRINTED["section 4", "change rates, fuzzy"].remark(
         f"f_in {_rate(found, 'inflow'):.0f} m³/s², C_in "
         f"{_rate(found, 'inflow.impurity') / KMOL:.0f} kmol/(m³ s)",
-        reason="Neither threshold nor sampling period is printed. Largest change between "
-        "samples, every 0.2 ms, after the jump at the first one, with a filter of 2 ms; with "
-        "half the period f_in changes at "
-        f"{_rate(finer, 'inflow') / _rate(found, 'inflow'):.1f} times the rate: it jumps.",
+        faster=faster,
     )
     yield PRINTED["section 4", "indices, fuzzy against LQI"].claimed(
         len(below_lqi) == len(of_lqi), f"{len(below_lqi)} of {len(of_lqi)} cells"
     )
-    yield PRINTED["section 4", "indices, fuzzy against all"].remark(
-        f"Table 6 is lower in {', '.join(lower_cells(pi_indices(), printed))}",
-        reason="By which index is not said: Table 8 against Table 6, f_out constant, of IE the "
-        f"size, IAE of C as 8.80E-03. It holds of {', '.join(below_pi)}, and fails of the others.",
-    )
+    line = PRINTED["section 4", "indices, fuzzy against all"].told(lower=", ".join(below_pi))
+    yield line.remark(f"Table 6 is lower in {', '.join(lower_cells(pi_indices(), printed))}")
 
 
 def _rest(reading: Reading) -> Rows:

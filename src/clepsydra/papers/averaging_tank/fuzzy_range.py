@@ -8,15 +8,14 @@ from clepsydra.loop.run import Run
 from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.fuzzy import FILTERED, Reading, fuzzy_run
 from clepsydra.papers.averaging_tank.operating_range import (
+    CYCLE,
     HORIZON,
     LARGE_STEPS,
     Step,
     relative_error,
 )
-from clepsydra.papers.averaging_tank.sampling import CYCLE
-from clepsydra.papers.averaging_tank.step_run import MEASURED, STEPS, indices
+from clepsydra.papers.averaging_tank.step_run import MEASURED, STEPS, indices, trend_figure
 from clepsydra.papers.averaging_tank.symbols import VARIANTS, constant_flow
-from clepsydra.papers.averaging_tank.trends import trend_figure
 from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Figure
 from clepsydra.papers.row import Row
@@ -61,11 +60,7 @@ def large_steps(reading: Reading) -> Row:
     named = " nor of ".join(beaten)
     return PRINTED["section 5", "fuzzy control, large steps"].remark(
         f"smallest error in {best} of {len(LARGE_STEPS)} steps; not of {named}; at worst "
-        f"{worse[worst]:.1f} times that of a small step, {worst.words}",
-        reason=f"Steps, limits and measure are those of the row on large steps, IAE of {HORIZON:g} "
-        "s over the size of the step, beside PI and LQI by hand with either flow constant; fuzzy "
-        "control, which moves all three inputs, at 1 ms with a filter of 2 ms. Which steps are "
-        "meant is not said: it holds of most, and fails of those named.",
+        f"{worse[worst]:.1f} times that of a small step, {worst.words}"
     )
 
 

@@ -1,11 +1,17 @@
-"""Tables 2 to 5: the sets and rules of the fuzzy controller, held against each other."""
+"""Tables 2 to 5, judged by each other, and pictures of their sets and of what the rules make."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
+import numpy as np
+
+from clepsydra.controllers.fuzzy.inference import surface
 from clepsydra.controllers.fuzzy.membership import Trapezoid
 from clepsydra.controllers.fuzzy.rule import Some, atoms
 from clepsydra.controllers.fuzzy.system import FuzzySystem
 from clepsydra.papers.averaging_tank import PRINTED
+from clepsydra.papers.figure import Figure, Panel, curves
 from clepsydra.papers.row import Rows
 
 #: Names of the sets of the flows, as printed; the file has one name for S and S0.
@@ -13,14 +19,7 @@ _TABLE_3 = ("ZO", "S0", "M", "LM", "LL")
 
 
 def tables(system: FuzzySystem, with_printed_top: FuzzySystem) -> Rows:
-    """Judge Tables 2 to 5 by each other.
-
-    Parameters
-    ----------
-    system : FuzzySystem
-    with_printed_top : FuzzySystem
-        The same with the top of LL at 8.0, as Table 3 prints it.
-    """
+    """Judge Tables 2 to 5 by each other, and with the top of LL at 8.0, as Table 3 prints it."""
     flow, inlet = system.outputs[0], system.outputs[2]
     named = {a.set for rule in system.rules for a in atoms(rule.condition) if a.variable == "e_V"}
     printed = ("NL", "NS", "ZO", "AP", "LP")
@@ -79,3 +78,45 @@ def _has_union(condition: object) -> bool:
 
 def _is_symmetrical(member: Trapezoid) -> bool:
     return abs((member.top - member.foot) - (member.end - member.end_of_top)) < 1e-9
+
+
+_UNITS = {"f_in": "m³/s", "f_out": "m³/s", "C_in": "kmol/m³"}
+_POINTS = 401
+
+
+def sets_and_surfaces(system: FuzzySystem) -> tuple[Figure, Figure]:
+    """Return the membership functions, and sections of the control surface."""
+    panels = []
+    for variable in (*system.inputs, *system.outputs):
+        if variable.name == "f_out":
+            continue
+        unit = _UNITS.get(variable.name)
+        even = np.linspace(variable.low, variable.high, _POINTS)
+        places = np.unique(np.concatenate([even, variable.samples]))
+        degrees = {name: member.degrees(places) for name, member in variable.sets.items()}
+        title = "f_in and f_out" if variable.name == "f_in" else variable.name
+        label = f"{title} [{unit}]" if unit else f"{title}, scaled"
+        panels.append(Panel(title, "degree", curves(places, degrees), label))
+    return (
+        Figure("", "Sets of Tables 2 and 3", tuple(panels)),
+        Figure(
+            "", "What the 27 rules make of the errors", tuple(_sections(system)),
+            "Sections of the control surface; the other inputs are zero.",
+        ),
+    )  # fmt: skip
+
+
+def _sections(system: FuzzySystem) -> Iterator[Panel]:
+    function = surface(system)
+    names, outputs = ([v.name for v in each] for each in (system.inputs, system.outputs))
+    x = np.linspace(-1.0, 1.0, 2 * _POINTS)
+    for output, along, across in (
+        ("C_in", "e_C", "de_C"), ("f_in", "e_V", "de_V"), ("f_out", "e_V", "de_V"),
+    ):  # fmt: skip
+        found = {}
+        for level in (-1.0, 0.0, 1.0):
+            given = np.zeros((len(names), len(x)))
+            given[names.index(along)], given[names.index(across)] = x, level
+            found[f"{across} = {level:g}"] = np.array(function(given)[0])[outputs.index(output)]
+        label = f"{output} [{_UNITS[output]}]"
+        yield Panel(output, label, curves(x, found), f"{along}, scaled")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,11 +19,16 @@ from clepsydra.papers.averaging_tank.lqi_runs import (
 )
 from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.printed_tables import KEYS, lower_cells
-from clepsydra.papers.averaging_tank.step_run import MEASURED, PERIOD, STEPS, indices, settling
-from clepsydra.papers.averaging_tank.trends import trend_figure
+from clepsydra.papers.averaging_tank.step_run import (
+    MEASURED,
+    PERIOD,
+    STEPS,
+    indices,
+    settling,
+    trend_figure,
+)
 from clepsydra.papers.document import Found
-from clepsydra.papers.printed import Printed
-from clepsydra.papers.printed_number import printed_number
+from clepsydra.papers.printed import Printed, printed_number
 from clepsydra.papers.printed_table import entries
 from clepsydra.papers.row import Row, Rows
 
@@ -59,11 +65,8 @@ def _gains() -> Rows:
         place = column.place.replace("a", "b")
         for name in ("F12", "Fi12"):
             share = _left_open(column, name)
-            why = (
-                "Riccati equation of (87). Half a unit in the last digits of Q and R of "
-                f"{column.place}, 1e-6 taken as exact, leaves {100 * share:.2f} % open."
-            )
-            yield PRINTED[place, name].compared(found[name], tolerance=share, why=why)
+            line = PRINTED[place, name].told(share=100 * share)
+            yield line.compared(found[name], tolerance=share)
         for name in _SECOND_ROW:  # They are garbled.
             right = f"{found[name] + 0.0:.1f}" if abs(found[name]) > 1e-6 else "0"
             yield PRINTED[place, name].stated(right, PRINTED[place, name].text == right)
@@ -175,7 +178,7 @@ def _squared_slopes() -> Rows:
                 f"{1e4 * time:.4f}e-4 s, solved from {where}; 0.01 % is left open for the solver, "
                 f"where the control's own part is {own:.2f} %.{weight}"
             )
-            row = line.compared(share + smooth, tolerance=1e-4, why=why)
+            row = replace(line, note=why).compared(share + smooth, tolerance=1e-4)
             yield (row.circular("") if is_solved_from else row)
 
 
@@ -200,25 +203,19 @@ def _claims() -> Rows:
         for pairs in (_BY_FLOW, _BY_TUNING)
     )
     printed, better = (indices(lqi_run(weights, 2e-5, 4.0)) for weights in (COLUMNS[1], chosen))
-    yield PRINTED["section 4", "LQI, which flow"].remark(
-        f"{by_flow} of 16 pairs without ISEG",
-        reason="“With the exception of ISEG” ends the sentence. If it belongs to the "
-        "optimisation alone it fails, with ISEG of V, optimal, of "
-        f"{_iseg('V', COLUMNS[1]).text} against {_iseg('V', COLUMNS[3]).text}. Q3 of (101a) as "
-        "10.92.",
-    )
+    yield PRINTED["section 4", "LQI, which flow"].remark(f"{by_flow} of 16 pairs without ISEG")
     yield PRINTED["section 4", "LQI, optimisation"].claimed(
         by_tuning == 16, f"{by_tuning} of 16 pairs"
     )
     yield PRINTED["section 4", "settling time of V, LQI"].remark(
         f"{settled[3] / settled[1]:.2f} times optimal, {settled[2] / settled[0]:.2f} times by hand"
     )
-    yield PRINTED["section 4", "control effort, LQI"].remark(
+    effort = PRINTED["section 4", "control effort, LQI"]
+    yield effort.remark(
         f"f_in to {tops[1]:.2f} against {tops[0]:.2f} m³/s by hand, C_in to {inlet[1]:.1f} "
         f"against {inlet[0]:.1f} kmol/m³; f_out, with f_in constant, to {tops[3]:.3f} against "
         f"{tops[2]:.3f} m³/s",
-        reason="f_out moves down, as V steps up by IE of V in Table 7: of its range it holds, "
-        f"{swings[3]:.2f} against {swings[2]:.2f} m³/s, of its maximum it fails. Inputs within "
-        "the ranges of section 3.3.",
+        by_optimum=swings[3],
+        by_hand=swings[2],
     )
     yield beaten(PRINTED["(100a)", "optimal weights"], "ITAE", better, printed)

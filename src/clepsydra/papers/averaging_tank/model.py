@@ -26,36 +26,18 @@ def run() -> Found:
 
 
 def tank(constant: Variant) -> Process:
-    """Return the process with one flow constant.
-
-    Examples
-    --------
-    >>> [signal.name for signal in tank("inflow").inputs]
-    ['outflow', 'inflow.impurity']
-    """
+    """Return the process with one flow constant."""
     return load_process(f"averaging-tank:{constant}-constant")
 
 
 def high_tank(variant: str) -> Process:
-    """Return a variant of the process in a tank that holds the steps of `operating_range`.
-
-    Examples
-    --------
-    >>> high_tank("outflow-constant").signal("volume").high
-    6.0
-    """
+    """Return a variant of the process in a tank that holds the steps of `operating_range`."""
     path = Path(__file__).with_name("high_tank.toml")
     return load_process(path, variant)
 
 
 def numbers(constant: Variant) -> tuple[np.ndarray, np.ndarray]:
-    """Return A and B at the equilibrium, states C and V, C in kmol/m³.
-
-    Examples
-    --------
-    >>> numbers("outflow")[0].round(6).tolist()
-    [[-0.1, 0.0], [0.0, 0.0]]
-    """
+    """Return A and B at the equilibrium, states C and V, C in kmol/m³."""
     model = analyse(tank(constant)).model
     order = [
         next(i for i, name in enumerate(model.states) if wanted in name)

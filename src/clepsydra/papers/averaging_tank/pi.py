@@ -35,9 +35,9 @@ from clepsydra.papers.averaging_tank.step_run import (
     settling,
     step_run,
     step_scenario,
+    trend_figure,
 )
 from clepsydra.papers.averaging_tank.symbols import VARIANTS, Variant, constant_flow
-from clepsydra.papers.averaging_tank.trends import trend_figure
 from clepsydra.papers.document import Found
 from clepsydra.papers.row import Rows, joined
 from clepsydra.studies.tuning.law_space import LawSpace
@@ -100,22 +100,8 @@ def pi_controller(
 ) -> Controller:
     """Return PI (or P, PID) control of C by C_in and of V by a flow, on deviations as in (35).
 
-    Parameters
-    ----------
-    constants : Constants
-    model : LinearModel
-        Of the variant.
-    form : PidForm, optional
-        Without anti-windup if left out, as in the document.
-    free : bool
-        Whether C_in has no limits.
-    settings : mapping, optional
-        Parameters of the law, instead of those that follow from the constants.
-
-    Examples
-    --------
-    >>> pi_controller(BY_HAND["inflow"], model_of("inflow")).values["volume.proportional_gain"]
-    -5.0
+    Without a form it has no anti-windup, as in the document; `free` lets C_in go without limits,
+    and `settings` stand in the place of those that follow from the constants.
     """
     flow = "inflow" if constants.constant == "outflow" else "outflow"
     moved = ("inflow.impurity", flow)
@@ -249,14 +235,12 @@ def _claims() -> Rows:
     others = {"LQI": lqi_indices(), "fuzzy": fuzzy_indices()}
     wins = [f"{cell} ({who})" for who in others for cell in lower_cells(pi_indices(), others[who])]
     smaller = OPTIMAL["outflow"]._replace(time_c=OPTIMAL["outflow"].time_c / 10.0)
+    in_range = limited.indices["IAE", "C"]
     yield PRINTED["section 4", "PI, C with f_out constant"].claimed(
         free.settling("C") < hand.settling("C") and free.rise_time("C") < hand.rise_time("C"),
         f"C settles in {free.settling('C'):.3f} s against {hand.settling('C'):.3f} s by hand "
         f"and rises in {free.rise_time('C'):.3f} s against {hand.rise_time('C'):.3f} s",
-        reason="Constants (80) and (81), to within 2 % and from 10 to 90 %, C_in free: within "
-        "0 to 25 kmol/m³ IAE of C by (81) would be "
-        f"{limited.indices['IAE', 'C']:.3f}, and Table 6 has "
-        f"{PRINTED['Table 6', 'IAE of C, f_out constant'].text}.",
+        limited=in_range,
     )
     yield PRINTED["section 4", "PI, overshoot of V with f_out constant"].claimed(
         bool(overshoot > 1.0), f"{overshoot:.1f} %"

@@ -13,13 +13,7 @@ Indices = dict[tuple[str, str], float]
 
 
 def printed_indices(table: str, column: str = "") -> Indices:
-    """Return the sizes in a column of a table.
-
-    Examples
-    --------
-    >>> printed_indices("Table 7", "f_out constant, optimal")["IAE", "C"]
-    0.019
-    """
+    """Return the sizes in a column of a table."""
     ending = f", {column}" if column else ""
     lines = {key: PRINTED[table, f"{key[0]} of {key[1]}{ending}"] for key in KEYS}
     return {key: abs(line.value) for key, line in lines.items()}
@@ -41,11 +35,5 @@ def fuzzy_indices() -> Indices:
 
 
 def lower_cells(ours: Indices, theirs: Indices) -> list[str]:
-    """Name the cells in which our indices are lower.
-
-    Examples
-    --------
-    >>> lower_cells({("IAE", "C"): 0.01}, {("IAE", "C"): 0.02})
-    ['IAE of C']
-    """
+    """Name the cells in which our indices are lower."""
     return [f"{i} of {output}" for (i, output), value in theirs.items() if ours[i, output] < value]

@@ -1,4 +1,4 @@
-"""The document's PI and LQI by hand: fixed, scheduled, recomputed, with and without windup."""
+"""PI and LQI for large steps, scheduled and recomputed, and what they do on the linear model."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from clepsydra.controllers.gain_scheduling import Schedule, scheduled_law, sched
 from clepsydra.controllers.observers.state_source import MeasuredState
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.designs.recomputed_lqi import recomputed_lqi_controller
+from clepsydra.designs.sampled.sampled_process import held_over
 from clepsydra.designs.states.bryson_rule import bryson_weights
 from clepsydra.designs.states.linear_quadratic import lqi_gains
 from clepsydra.designs.states.process_filter import acting_model
@@ -45,15 +46,7 @@ _MEASURED = ("concentration", "volume")
 
 @cache
 def controller_of(constant: Variant, kind: str, period: float) -> Controller:
-    """Return one of `KINDS` for a sampling period [s].
-
-    Examples
-    --------
-    >>> controller = controller_of("outflow", "PI, scheduled", 0.01)
-    >>> gain = "concentration.proportional_gain"
-    >>> [value for name, value in controller.values.items() if name.startswith(gain)][:3]
-    [12.5, 25.0, 50.0]
-    """
+    """Return one of `KINDS` for a sampling period [s]."""
     law = kind.removesuffix(", anti-windup")
     winding: AntiWindup = "back_calculation" if kind.endswith("anti-windup") else "none"
     model = high_model_of(constant, period)
@@ -74,14 +67,7 @@ def controller_of(constant: Variant, kind: str, period: float) -> Controller:
 
 @cache
 def bench_of(constant: Variant, kind: str, period: float) -> tuple[Loop, Kernel]:
-    """Return the loop of one of `KINDS` for a sampling period [s], compiled once for many steps.
-
-    Examples
-    --------
-    >>> loop, _ = bench_of("outflow", "LQI", 0.1)
-    >>> loop.controller.manipulated
-    ('inflow', 'inflow.impurity')
-    """
+    """Return the loop of one of `KINDS` for a sampling period [s], compiled once for many steps."""
     loop = Loop(controller_of(constant, kind, period), high_model_of(constant, period))
     given = loop.inputs_of(step_scenario(loop.model, (0.0, 0.0), period))
     still = {name: value for name, value in loop.at_rest().items() if name not in given}
@@ -91,16 +77,7 @@ def bench_of(constant: Variant, kind: str, period: float) -> tuple[Loop, Kernel]
 
 @cache
 def gains_at(weights: Weights, volume: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return F and Fi at a volume [m³], from the Riccati equation of (87), C in mol/m³.
-
-    Examples
-    --------
-    At the equilibrium they are those of (97b):
-
-    >>> feedback, integral = gains_at(COLUMNS[0], 2.0)
-    >>> feedback.round(4).tolist()
-    [[0.0, 3.0536], [13.8661, 0.0]]
-    """
+    """Return F and Fi at a volume [m³], from the Riccati equation of (87), C in mol/m³."""
 
     sign = 1.0 if weights.constant == "outflow" else -1.0
     A, B = np.diag([-FLOW / volume, 0.0]), np.array([[0.0, FLOW / volume], [sign, 0.0]])
@@ -183,3 +160,42 @@ def _recomputed_lqi(
         input_filter_time=_FOLLOWS,
         tracking_time=1.0,
     )
+
+
+def linear_errors(
+    controller: Controller, model: LinearModel, sizes: Mapping[str, float], horizon: float
+) -> dict[str, float]:
+    """Return ∫ |e| dt after steps of setpoints, with the process as its linear model.
+
+    The inputs keep their limits, so that what is left of a decline is no nonlinearity of the
+    process. Held over each sample the linear model is exact.
+    """
+    point = operating_point_of(model)
+    period, at = point.process.sampling_period, point.as_dict()
+    seen = model.select(controller.measurements, controller.manipulated)
+    held, moved = held_over(seen.A, seen.B, period)
+    law = controller.law
+    rest_y = np.array([at[name] for name in controller.measurements])
+    rest_u = np.array([at[name] for name in controller.manipulated])
+    given = {signal.name: signal.initial for signal in law.inputs} | {"time_step": period}
+    given |= {path(name, "sp"): at[name] + sizes.get(name, 0.0) for name in controller.setpoints}
+    names = [signal.name for signal in law.inputs]
+    places = [names.index(path(name, "pv")) for name in controller.measurements]
+    rows = [i for i, signal in enumerate(law.outputs) if signal.part == "out"]
+    inputs = np.array([given[signal.name] for signal in law.inputs])
+    parameters = [controller.values[parameter.name] for parameter in law.parameters]
+    state = np.array([controller.initial_state[entry.name] for entry in law.state])
+    x = np.zeros(len(seen.states))
+    targets = np.array([at[name] + size for name, size in sizes.items()])
+    shown = [controller.measurements.index(name) for name in sizes]
+    errors = []
+    for _ in range(round(horizon / period) + 1):
+        y = rest_y + seen.C @ x
+        errors.append(np.abs(targets - y[shown]))
+        inputs[places] = y
+        following, outputs, _ = law.function(state, inputs, parameters)
+        state = following.full().ravel()
+        u = outputs.full().ravel()[rows]
+        x = held @ x + moved @ (u - rest_u)
+    found = np.trapezoid(np.array(errors), dx=period, axis=0)
+    return dict(zip(sizes, map(float, found), strict=True))

@@ -50,15 +50,15 @@ def _generalised() -> Row:
     jump = {output: WEIGHT * STEPS[output] ** 2 / PERIOD for output in _OUTPUTS}
     own = {(who, o): without_jump(run, o) for who, run in found.items() for o in _OUTPUTS}
     hand, index = found
-    return PRINTED["section 3.1.3", "ISEG of PID control"].remark(
+    line = PRINTED["section 3.1.3", "ISEG of PID control"].told(
+        jump=jump,
+        hand=own[hand, "C"],
+        index=own[index, "C"],
+        gain=_BY_INDEX.gain_c,
+        later=found[index].settling("C"),
+        sooner=found[hand].settling("C"),
+    )
+    return line.remark(
         f"C {jump['C'] + own[hand, 'C']:.2f} by hand and {jump['C'] + own[index, 'C']:.2f} by "
-        f"ISEG, V {jump['V'] + own[hand, 'V']:.2f}",
-        reason="What makes them invalid is not said. By (79e) as printed it holds: the derivative "
-        "of the step of a reference makes ISEG infinite under any controller, and over 0.2 ms "
-        f"{jump['C']:.2f} for C and {jump['V']:.2f} for V, so that the larger one is that of C "
-        "and the constants of V are free. Without that derivative it fails: ISEG of C, which by "
-        f"(82) is {own[hand, 'C']:.4f}, comes to {own[index, 'C']:.4f} with K_pC = "
-        f"{_BY_INDEX.gain_c:.2f}, where √0.5 ΔC² is the least, and C settles to within 2 % in "
-        f"{found[index].settling('C'):.1f} s after {found[hand].settling('C'):.1f} s by hand. "
-        "f_in constant, ΔC and ΔV as in Table 7.",
+        f"ISEG, V {jump['V'] + own[hand, 'V']:.2f}"
     )

@@ -1,8 +1,9 @@
-"""The document's experiment: both references step from the equilibrium, and its indices."""
+"""The document's experiment: both references step from the equilibrium; its indices and trends."""
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from functools import cache
 
 import numpy as np
@@ -17,6 +18,7 @@ from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario, scenario_of_changes
 from clepsydra.papers.averaging_tank.model import KMOL, high_tank, tank
 from clepsydra.papers.averaging_tank.symbols import Variant
+from clepsydra.papers.figure import Curve, CurveKind, Figure, Panel
 from clepsydra.process.process import Process
 from clepsydra.scores.integral_errors import IAE, ISE, ITAE, SIGNED_ERROR
 from clepsydra.scores.step_response import settling_time
@@ -31,13 +33,7 @@ MEASURED = {"C": ("concentration", KMOL), "V": ("volume", 1.0)}
 
 @cache
 def model_of(constant: Variant, period: float = PERIOD) -> LinearModel:
-    """Return the linear model of a variant, sampled with a period [s].
-
-    Examples
-    --------
-    >>> model_of("outflow").outputs
-    ('concentration', 'volume')
-    """
+    """Return the linear model of a variant, sampled with a period [s]."""
     return _model(tank(constant), period)
 
 
@@ -79,15 +75,7 @@ def step_run(
 def step_of(
     run: Run, output: str, size: float | None = None
 ) -> tuple[np.ndarray, np.ndarray, float, float]:
-    """Return time, C or V in its SI unit, where its step starts and where it goes.
-
-    Parameters
-    ----------
-    run : Run
-    output : {"C", "V"}
-    size : float, optional
-        Of its step [kmol/m³ or m³]; that of `STEPS` if left out.
-    """
+    """Return time, C or V in its SI unit, where its step of a size starts and where it goes."""
     name, factor = MEASURED[output]
     target = float(run.values[f"{name}.setpoint"][0])
     start = target - factor * (STEPS[output] if size is None else size)
@@ -100,14 +88,7 @@ def settling(run: Run, output: str, size: float | None = None) -> float:
 
 
 def indices(run: Run, horizon: float | None = None) -> dict[tuple[str, str], float]:
-    """Return IE, IAE, ISE and ITAE of C and V, in kmol/m³ and m³.
-
-    Parameters
-    ----------
-    run : Run
-    horizon : float, optional
-        [s]; the whole run if left out.
-    """
+    """Return IE, IAE, ISE and ITAE of C and V, in kmol/m³ and m³, up to a horizon [s]."""
     last = len(run.time) if horizon is None else int(np.searchsorted(run.time, horizon)) + 1
     found: dict[tuple[str, str], float] = {}
     for name, (measurement, factor) in MEASURED.items():
@@ -117,3 +98,33 @@ def indices(run: Run, horizon: float | None = None) -> dict[tuple[str, str], flo
         for title, score in (("IE", SIGNED_ERROR), ("IAE", IAE), ("ISE", ISE), ("ITAE", ITAE)):
             found[title, name] = score.along(time, target, output)
     return found
+
+
+#: Name, signal, label, factor and kind of curve of each panel.
+SIGNALS: tuple[tuple[str, str, str, float, CurveKind], ...] = (
+    ("C", "concentration", "C [kmol/m³]", KMOL, "line"),
+    ("V", "volume", "V [m³]", 1.0, "line"),
+    ("f_in", "inflow", "f_in [m³/s]", 1.0, "held"),
+    ("f_out", "outflow", "f_out [m³/s]", 1.0, "held"),
+    ("C_in", "inflow.impurity", "C_in [kmol/m³]", KMOL, "held"),
+)
+_POINTS = 1500
+
+
+def trend_figure(
+    number: str, title: str, runs: Mapping[str, Run], horizon: float, note: str = ""
+) -> Figure:
+    """Return outputs and inputs of runs by name over a horizon [s], thinned for a picture."""
+    panels = []
+    for name, signal, label, factor, kind in SIGNALS:
+        shown = []
+        for who, run in runs.items():
+            last = int(np.searchsorted(run.time, horizon)) + 1
+            # Where things happen fast, at the start, every sample is kept.
+            places = np.unique(np.r_[: min(last, _POINTS), 0 : last : max(1, last // _POINTS)])
+            shown.append(Curve(who, run.time[places], run.values[signal][places] / factor, kind))
+        if kind == "line":
+            target = np.full(2, run.values[f"{signal}.setpoint"][0] / factor)
+            shown.append(Curve("", np.array([0.0, horizon]), target, "dashed"))
+        panels.append(Panel(name, label, shown))
+    return Figure(number, title, panels, note)

@@ -26,41 +26,22 @@ K1, K2, Ti1, Ti2, Td1, Td2 = symbols("K_p1 K_p2 T_i1 T_i2 T_d1 T_d2", positive=T
 
 
 def constant_flow(variant: Variant) -> str:
-    """Return which flow is constant, as the tables have it.
-
-    Examples
-    --------
-    >>> constant_flow("outflow")
-    'f_out constant'
-    """
+    """Return which flow is constant, as the tables have it: "f_out constant"."""
     return f"f_{variant.removesuffix('flow')} constant"
 
 
 @dataclass(frozen=True)
 class Plant:
-    """The linear model in symbols: states C and V, inputs one flow and C_in.
-
-    Parameters
-    ----------
-    A, B : Matrix [2, 2]
-    transfer : Matrix [2, 2]
-        (sI - A)⁻¹ B.
-    """
+    """The linear model in symbols: states C and V, inputs one flow and C_in."""
 
     A: Any
     B: Any
-    transfer: Any
+    transfer: Any  # (sI - A)⁻¹ B
 
 
 @cache
 def plant(constant: Variant) -> Plant:
-    """Return the linear model, differentiated from the balances (6).
-
-    Examples
-    --------
-    >>> plant("outflow").transfer[1, 0], plant("inflow").transfer[1, 0]
-    (1/s, -1/s)
-    """
+    """Return the linear model, differentiated from the balances (6)."""
     C, V, inflow, outflow, inlet = symbols("C V f_in f_out C_in", positive=True)
     balances = Matrix([inflow / V * (inlet - C), inflow - outflow])
     inputs = [inflow if constant == "outflow" else outflow, inlet]
@@ -71,38 +52,18 @@ def plant(constant: Variant) -> Plant:
 
 
 def controller(first: Expr, second: Expr) -> Any:
-    """Return G_c of the pairing 1-2/2-1: C by the second input, V by the first.
-
-    Examples
-    --------
-    >>> controller(K1, K2)[1, 0]
-    K_p1
-    """
+    """Return G_c of the pairing 1-2/2-1: C by the second input, V by the first."""
     return Matrix([[0, second], [first, 0]])
 
 
 def decoupler(constant: Variant) -> Any:
-    """Return T of (50), by (49); the identity with constant inflow.
-
-    Examples
-    --------
-    >>> decoupler("inflow")
-    Matrix([
-    [1, 0],
-    [0, 1]])
-    """
+    """Return T of (50), by (49); the identity with constant inflow."""
     transfer = plant(constant).transfer
     return Matrix([[1, 0], [simplify(-transfer[0, 0] / transfer[0, 1]), 1]])
 
 
 def closed_loop(constant: Variant, compensator: Any) -> tuple[Any, Any]:
-    """Return G_CL and G_E of (42) and (43), with the decoupler.
-
-    Examples
-    --------
-    >>> closed_loop("outflow", controller(K1, K2))[1][1, 1]
-    s/(K_p2 + s)
-    """
+    """Return G_CL and G_E of (42) and (43), with the decoupler."""
     decoupled = (plant(constant).transfer * decoupler(constant)).applyfunc(simplify)
     loop = decoupled * compensator
     error = (eye(2) + loop).inv().applyfunc(simplify)

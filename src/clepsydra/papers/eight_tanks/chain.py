@@ -47,16 +47,12 @@ def _transfer_function() -> Rows:
     poles = np.linalg.eigvals(chain().model.A)
     # Eight equal poles come out as a ring; its middle is exact.
     time_constant = float(-1.0 / np.mean(poles).real) / MINUTE
-    why = (
-        "Read back from that process, linearised. By the printed K1 it is "
-        f"{1.0 / _K1:.3f} min/m², see K_g in section 2."
-    )
-    taken = "The process eight-tanks:paper was made from (8), to be the document's chain."
-    yield PRINTED["(8)", "static gain"].compared(gain, why=why).circular(taken)
-    for row in PRINTED.compared(
-        "(8)", {"time constant of a tank": time_constant, "order": len(poles)}
-    ):
-        yield row.circular(taken)
+    found = {"static gain": gain, "time constant of a tank": time_constant, "order": len(poles)}
+    for name, value in found.items():
+        row = PRINTED["(8)", name].compared(value, gain=1.0 / _K1)
+        yield row.circular(
+            "The process eight-tanks:paper was made from (8), to be the document's chain."
+        )
 
 
 def _formulas() -> Rows:
@@ -78,11 +74,11 @@ def _formulas() -> Rows:
     for _ in range(TANKS):
         last = tank(into)
         into = last[outflow]
-    for place, name, found in (
-        ("(3)", "level over inflow of a tank", first[level] / inflow),
-        ("(4)", "level of tank 1", first[level]),
-        ("(5)", "level of tank 2", tank(second_inflow)[level]),
-        ("(5)", "level of tank 2 by that of tank 1", tank(K1 * first_level)[level]),
-        ("(6), (7)", "level of tank n over inflow of tank 1, n = 8", last[level] / inflow),
-    ):
-        yield PRINTED[place, name].formula(found)
+    found = {
+        ("(3)", "level over inflow of a tank"): first[level] / inflow,
+        ("(4)", "level of tank 1"): first[level],
+        ("(5)", "level of tank 2"): tank(second_inflow)[level],
+        ("(5)", "level of tank 2 by that of tank 1"): tank(K1 * first_level)[level],
+        ("(6), (7)", "level of tank n over inflow of tank 1, n = 8"): last[level] / inflow,
+    }
+    yield from (PRINTED[line].formula(value) for line, value in found.items())

@@ -69,7 +69,7 @@ def _shapes() -> Rows:
     yield PRINTED["(11)", "dimension of F"].claimed(
         F.shape == expected and len(y) == expected[0],
         f"{F.shape[0]} × {F.shape[1]} for N = {_SAMPLES}, n = 2, d = 5",
-        reason=f"Counted in the matrix of (13) with n = 2, as in (14); N = {_SAMPLES} is ours.",
+        samples=_SAMPLES,
     )
     yield PRINTED["(11)", "regression"].stated("y = F Θ + e", parameters == errors)
     yield PRINTED["(12)", "model order n"].compared(
@@ -83,12 +83,8 @@ def _shapes() -> Rows:
 
 def _delay() -> Rows:
     chosen = int(np.argmax(_counts(1)))
-    row = PRINTED["section 3.1", "delay steps of the smallest J(d)"].compared(
-        float(chosen),
-        unprinted="Least squares (12) with n = 2 on (8), without noise of measurement, white noise "
-        f"held for a sampling period; the most frequent of {_RECORDS} records of {_SAMPLES} "
-        "samples.",
-    )
+    line = PRINTED["section 3.1", "delay steps of the smallest J(d)"]
+    row = line.compared(float(chosen), records=_RECORDS, samples=_SAMPLES)
     fastest = _FASTER[-1]
     agrees = int(np.argmax(_counts(fastest))) == PRINTED_D
     hangs_on = (
@@ -100,13 +96,12 @@ def _delay() -> Rows:
 
 def _gain() -> Row:
     mean = float(np.mean([each.fits[PRINTED_D].model.static_gain for each in _records(1)]))
-    fails = _squares_of_the_print() > 1.0
-    return PRINTED["section 3.2", "least squares against fminsearch"].remark(
+    by_squares = "fails" if _squares_of_the_print() > 1.0 else "holds"
+    line = PRINTED["section 3.2", "least squares against fminsearch"]
+    line = line.told(by_squares=by_squares, records=_RECORDS, samples=_SAMPLES)
+    return line.remark(
         f"gain {mean:.2f} by least squares at d = 5, {printed_model().static_gain:.3f} of (21), "
-        f"{GAIN} of (8)",
-        reason="By the gain (20) it holds; by the sum of squares (17), which least squares make "
-        f"smallest, it {'fails' if fails else 'holds'}. Mean of {_RECORDS} records of "
-        f"{_SAMPLES} samples, white noise held for a sampling period.",
+        f"{GAIN} of (8)"
     )
 
 

@@ -52,8 +52,8 @@ def _counts() -> Rows:
     yield PRINTED["(22)", "feedback parameters"].stated(
         f"{counts[0]} with B(1), {counts[1]} with the full B",
         7 in counts or not exact,
-        reason=f"(29) has degree {D.degree}, as A K: with B(1), as in Fig. 5, P is 1 and Q has "
-        f"{counts[0]} coefficients; with the full B P has one more beside its 1.",
+        degree=D.degree,
+        count=counts[0],
     )
 
 

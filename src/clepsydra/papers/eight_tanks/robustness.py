@@ -27,7 +27,7 @@ from clepsydra.papers.eight_tanks.six_designs import (
     without_limits,
 )
 from clepsydra.papers.figure import Curve, Figure, Panel
-from clepsydra.papers.row import Rows
+from clepsydra.papers.row import Row
 from clepsydra.studies.warnings.loop_response import loop_response
 
 #: The usual limits of max|S| and of the gain margin for a robust loop.
@@ -42,16 +42,7 @@ _TUNED_PEAK = 1.6
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """One controller on the true chain.
-
-    Parameters
-    ----------
-    label : str
-    run : StepRun
-    peak : float
-        max|S|
-    gain_margin : float
-    """
+    """One controller on the true chain: its step, max|S| and gain margin."""
 
     label: str
     run: StepRun
@@ -108,30 +99,31 @@ def _tuned_pid() -> Controller:
 
 def run() -> Found:
     """Return the rows on robustness and quality, with two pictures."""
-    return (*_robust(), *_quality(), _margins(), _beside_pid())
+    return (_robust(), _quality(), _margins(), _beside_pid())
 
 
-def _robust() -> Rows:
+def _robust() -> Row:
     weak = [design for design in _six() if design.peak > _ROBUST and design.gain_margin < _ROBUST]
     assert all(
         design.peak > _LENIENT_PEAK and design.gain_margin < _LENIENT_GAIN for design in weak
     )
-    yield PRINTED["section 7", "robustness of Figs. 7 to 12"].claimed(
+    line = PRINTED["section 7", "robustness of Figs. 7 to 12"]
+    return line.claimed(
         not weak,
         f"max|S| {', '.join(f'{design.peak:.2f}' for design in _six())}",
-        reason=f"On (8). Of the usual bounds, max|S| up to {_ROBUST:g} and a gain margin of "
-        f"{_ROBUST:g} or more, {len(weak)} of {len(SIX)} keep neither.",
+        robust=_ROBUST,
+        weak=len(weak),
+        designs=len(SIX),
     )
 
 
-def _quality() -> Rows:
+def _quality() -> Row:
     pid = others()[0]
     later = sum(each.run.settling_time > pid.run.settling_time for each in _six())
-    yield PRINTED["section 7", "control quality"].remark(
-        f"settled to 2 % after {', '.join(_minutes(design) for design in _six())} min in Figs. "
-        "7 to 12",
-        reason=f"What is good is not said: {later} of them settle later than a PID by AMIGO on "
-        f"the same chain, after {_minutes(pid)} min.",
+    return PRINTED["section 7", "control quality"].remark(
+        f"settled to 2 % after {', '.join(map(_minutes, _six()))} min in Figs. 7 to 12",
+        later=later,
+        pid=_minutes(pid),
     )
 
 

@@ -97,15 +97,9 @@ def _estimates() -> Row:
 
 def _first_error() -> Row:
     first = _ORDER + PRINTED_D + 1
-    whole = [_from_rest(seed) for seed in range(_RECORDS)]
-    return PRINTED["(17)", "first sample of the sum"].remark(
-        f"k = {first} for d = {PRINTED_D}",
-        reason="(15) reaches back to u(k−2−d), so that of N samples the first error is that of "
-        "k = n + d + 1, and (11) has N−n−d of them. From k = 1 it holds of a record that begins at "
-        "rest, with zeros before it, which is not said. Summed so, the smallest J is at d = "
-        f"{' or '.join(map(str, sorted(set(whole))))} in {_RECORDS} records like those of the row "
-        "on the delay steps.",
-    )
+    delays = " or ".join(map(str, sorted({_from_rest(seed) for seed in range(_RECORDS)})))
+    line = PRINTED["(17)", "first sample of the sum"].told(delays=delays, records=_RECORDS)
+    return line.remark(f"k = {first} for d = {PRINTED_D}")
 
 
 def _from_rest(seed: int) -> int:

@@ -60,13 +60,9 @@ def _coefficients() -> Rows:
         f"The length of the record, {_PRINTED_SAMPLES} samples, and what the search holds were "
         "chosen so that (21) comes out."
     )
-    why = (
-        "Simplex search on the step response of (8) over a held continuous model of second order "
-        "without zeros, 5 min of delay, gain 3.08."
-    )
     found = (*model.denominator, *model.numerator)
     for name, value in zip(("a1", "a2", "b1", "b2"), found, strict=True):
-        yield PRINTED["(21)", name].compared(value, why=why).circular(chosen)
+        yield PRINTED["(21)", name].compared(value).circular(chosen)
     free = _free(_PRINTED_SAMPLES)
     b1, b2 = free.model.numerator
     yield PRINTED["section 3.2", "how (21) was found"].remark(
@@ -81,11 +77,9 @@ def _gain() -> Rows:
     formula = ((b1 * back + b2 * back**2) / (1 + a1 * back + a2 * back**2) * back**5).subs(back, 1)
     low, high = _gain_range()
     yield PRINTED["(20)", "static gain of (18)"].formula(formula)
-    yield PRINTED["(21)", "static gain, the same as in (8)"].compared(
-        printed_model().static_gain,
-        tolerance=(high - low) / 2.0 / printed_model().static_gain,
-        why=f"The printed digits of (21) leave {low:.2f} to {high:.2f} open.",
-    )
+    gain = printed_model().static_gain
+    line = PRINTED["(21)", "static gain, the same as in (8)"].told(low=low, high=high)
+    yield line.compared(gain, tolerance=(high - low) / 2.0 / gain)
 
 
 def _gain_range() -> tuple[float, float]:
@@ -104,9 +98,7 @@ def _quality() -> Rows:
     worst = 100.0 * float(np.max(errors)) / (GAIN * _STEP)
     zero = float(printed_model().zeros[0].real)
     yield PRINTED["section 7", "low-order model of the chain"].remark(
-        f"{worst:.1f} % of the rise at the most by (21)",
-        reason=f"Largest difference from the step response of (8) in {_MINUTES} min. How near "
-        "an approximation is, is not said: (21) is within 10 % and not within 5 %.",
+        f"{worst:.1f} % of the rise at the most by (21)", minutes=_MINUTES
     )
     yield PRINTED["section 4", "zero of B, which B(1) replaces"].remark(f"z = {zero:.3f}")
 

@@ -66,20 +66,11 @@ POLES, PENALTIES = SIX[:3], SIX[3:]
 
 @dataclass(frozen=True, eq=False)
 class StepRun:
-    """A unit step of the setpoint on the true chain.
-
-    Parameters
-    ----------
-    minutes : ndarray [n]
-    level : ndarray [n]
-        Per metre of the step [m/m].
-    inflow : ndarray [n]
-        Per metre of the step [m³/min/m].
-    """
+    """A unit step of the setpoint on the true chain."""
 
     minutes: np.ndarray
-    level: np.ndarray
-    inflow: np.ndarray
+    level: np.ndarray  # [m/m]
+    inflow: np.ndarray  # [m³/min/m]
 
     @property
     def overshoot(self) -> float:
@@ -150,12 +141,7 @@ def printed_model() -> SampledModel:
 def designed(penalty: float, poles: tuple[float, ...]) -> Controller:
     """Return the document's Smith predictor for model (21), its limits out of reach.
 
-    Parameters
-    ----------
-    penalty : float
-        q_u [m² / (m³/min)²]
-    poles : tuple of float
-        γ; none for the second-order D of equation (28).
+    The penalty is q_u [m²/(m³/min)²]; without poles γ, D is of second order as in (28).
     """
     numerator = tuple(MINUTE * b for b in PRINTED_B)
     model = SampledModel(numerator, tuple(PRINTED_A), PRINTED_D, MINUTE)
@@ -167,14 +153,7 @@ def designed(penalty: float, poles: tuple[float, ...]) -> Controller:
 
 
 def without_limits(controller: Controller) -> Controller:
-    """Return a controller whose limits are out of reach, since the document has none.
-
-    Examples
-    --------
-    >>> found = designed(10.0, (0.5,)).values
-    >>> found["feed.low_limit"] == -found["feed.high_limit"] == -_WIDE
-    True
-    """
+    """Return a controller whose limits are out of reach, since the document has none."""
     limits = {"feed.low_limit": -_WIDE, "feed.high_limit": _WIDE}
     return dataclasses.replace(controller, values=controller.values | limits)
 

@@ -44,22 +44,12 @@ SCORES: dict[str, Callable[[np.ndarray, np.ndarray], float]] = {
 
 @dataclass(frozen=True, eq=False)
 class Runs:
-    """What both lower levels and both pumps did, for every seed.
+    """What both lower levels and both pumps did, for every seed."""
 
-    Parameters
-    ----------
-    time : ndarray [t]
-        [s]
-    levels, pumps : ndarray [2, seeds, t]
-        In shares of 25 cm and of 15 V.
-    pours : tuple of int
-        The samples at which water is poured into tank 1 and into tank 2.
-    """
-
-    time: np.ndarray
-    levels: np.ndarray
-    pumps: np.ndarray
-    pours: tuple[int, int]
+    time: np.ndarray  # [t] [s]
+    levels: np.ndarray  # [2, seeds, t], in shares of 25 cm
+    pumps: np.ndarray  # the same of 15 V
+    pours: tuple[int, int]  # the samples at which water is poured into tank 1 and into tank 2
 
     def scored(self, score: str, tank: int) -> np.ndarray:
         """Return one of `SCORES` of a tank, 0 or 1, for each seed: a recovery is of its pour."""

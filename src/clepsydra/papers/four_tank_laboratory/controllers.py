@@ -107,13 +107,6 @@ def at_the_simulator(controller: Controller, process: Process) -> Controller:
     The simulator hands the error to the controller and the output of the controller to the
     pumps, both in the unit of the process, with no operating point, no anti-windup and zeros in
     every state. A gain of 1 V/V becomes 1 %/%, three times as much.
-
-    Parameters
-    ----------
-    controller : Controller
-        Designed in volts.
-    process : Process
-        Of the same set-up, in either unit.
     """
     measured = [process.signal(name) for name in controller.measurements]
     manipulated = [process.signal(name) for name in controller.manipulated]

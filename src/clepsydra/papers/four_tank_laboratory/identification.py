@@ -44,13 +44,10 @@ def _gains() -> Rows:
             for level in runs.levels[pump - 1]
         ]
         mean, error = float(np.mean(found)), float(np.std(found, ddof=1) / np.sqrt(len(found)))
-        why = (
-            f"From {len(found)} runs of {duration:g} s with plugged outlets at {volts:g} V and "
-            f"noisy pumps, with {OF_THE_COURSE}; standard error {error:.3f}, of which three are "
-            "left open."
+        line = PRINTED["Exercise 2.1.7", f"k{pump}"].told(
+            runs=len(found), duration=duration, volts=volts, course=OF_THE_COURSE, error=error
         )
-        line = PRINTED["Exercise 2.1.7", f"k{pump}"]
-        row = line.compared(mean, tolerance=3.0 * error / mean, why=why)
+        row = line.compared(mean, tolerance=3.0 * error / mean)
         yield row.circular("The simulator was given the printed gains.")
 
 
@@ -63,12 +60,8 @@ def _areas(set_up: SetUp) -> Rows:
     ratio = float(np.sqrt(GRAVITY / OTHER_GRAVITY))
     for tank, line in enumerate(set_up.holes, start=1):
         area = 1e4 * found[f"outlet_{tank}"]
-        why = (
-            f"Balances (6) at the levels of {set_up.level_table} and 7.5 V, with "
-            f"{GRAVITY:g} cm/s²; g is not printed, and {OTHER_GRAVITY:g} cm/s² gives "
-            f"{ratio * area:.4f} cm²."
-        )
-        yield line.compared(area, tolerance=ratio - 1.0, why=why)
+        line = line.told(g=GRAVITY, other=OTHER_GRAVITY, area=ratio * area)
+        yield line.compared(area, tolerance=ratio - 1.0)
 
 
 def _levels(set_up: SetUp) -> Rows:
@@ -80,11 +73,8 @@ def _levels(set_up: SetUp) -> Rows:
     # the pump gives whatever a₃ and g are; so half a unit of the last digit of a leaves this open.
     for tank, (line, hole) in enumerate(zip(set_up.levels, set_up.holes, strict=True), start=1):
         level, room = 100.0 * point[f"tank_{tank}.level"], 1e-4 / hole.value + gravity
-        why = (
-            "At rest with both pumps at 7.5 V. The digits of the hole and g leave "
-            f"{level * (1.0 - room):.2f} to {level * (1.0 + room):.2f} cm open."
-        )
-        row = line.compared(level, tolerance=room, why=why)
+        line = line.told(low=level * (1.0 - room), high=level * (1.0 + room))
+        row = line.compared(level, tolerance=room)
         yield row.circular("The way back: the printed hole comes from this level.")
 
 

@@ -16,6 +16,7 @@ from clepsydra.papers.four_tank_laboratory.manual_runs import SEEDS, ManualRuns,
 from clepsydra.papers.four_tank_laboratory.readings import (
     USUAL,
     Reading,
+    agreeing,
     claimed_in_all,
     readings_of,
 )
@@ -108,16 +109,13 @@ def _left_open(line: Printed, levels: dict[Reading, tuple[float, float]], what: 
     }
     reading, (level, room) = next(iter(levels.items()))
     words = f"{what}, {level:.2f} ± {room:.2f} cm with {reading}"
+    line = dataclasses.replace(line, note=f"{words}; the other readings leave it open as well.")
     row = line.compared(
         level,
         tolerance=room / level if all(holding.values()) else 0.0,
-        why=f"{words}; the other readings leave it open as well.",
         unprinted=f"The holes of the simulator are not printed. {words}.",
     )
-    inside, outside = (
-        next((reading for reading, holds in holding.items() if holds is each), None)
-        for each in (True, False)
-    )
+    inside, outside = agreeing(holding)
     return row.undecided(f"It agrees with {inside}, and not with {outside}.") if inside else row
 
 
@@ -130,7 +128,7 @@ def _coupling(set_up: SetUp, pump: int, tanks: tuple[int, int], place: str) -> F
     found = _in_each_reading(set_up, volts, 600.0)
     moved = np.isin((1, 2, 3, 4), tanks)
     holds: dict[Reading | str, bool] = {
-        reading: bool(each.at_last[moved].min() > each.at_last[~moved].max())
+        reading: each.at_last[moved].min() > each.at_last[~moved].max()
         for reading, each in found.items()
     }
     runs = found[USUAL]
@@ -138,7 +136,6 @@ def _coupling(set_up: SetUp, pump: int, tanks: tuple[int, int], place: str) -> F
         PRINTED[f"Exercise 2.2.2, {place}", f"{set_up.phase}, pump {pump} alone"],
         holds,
         ", ".join(f"h{tank} = {level:.1f} cm" for tank, level in enumerate(runs.at_last, start=1)),
-        reason="Judged as: either of them comes to rest higher than both others.",
     )
     yield Figure(
         place,
@@ -217,14 +214,8 @@ def _transient(set_up: SetUp, place: str) -> Row:
     early, late = within["report"]
     line = PRINTED[f"Exercise 2.2.3, {place}", f"transient, {set_up.phase}"]
     agrees = {holes: one <= line.value <= two for holes, (one, two) in within.items()}
-    words = (
-        "Time of the slower lower tank from empty to within 5 % and 2 % of its end, with the holes "
-        f"of the report and with {OF_THE_COURSE}; whether 5 % or 2 % is meant, and whether the "
-        "tanks were empty, is not said."
-    )
-    row = line.compared(
-        late, tolerance=(late - early) / late if all(agrees.values()) else 0.0, why=words
-    )
+    tolerance = (late - early) / late if all(agrees.values()) else 0.0
+    row = line.compared(late, tolerance=tolerance, course=OF_THE_COURSE)
     if agrees.get("fitted") and not agrees["report"]:
         row = row.undecided("It agrees with the fitted holes, and not as computed here.")
     return dataclasses.replace(row, computed=f"{early:.0f} to {late:.0f}", difference=None)
@@ -236,21 +227,14 @@ def _differences() -> Rows:
     spreads, larger = abs(ratios[:2] - 1.0), ratios[2:] - 1.0
     zero = max(zero.real for zero in zeros(course_model(NON_MINIMUM)))
     times = [f"{each.phase} {_settled(each, USUAL, 0.02):.0f} s" for each in SET_UPS]
-    yield PRINTED["Exercise 2.2.4", "upper holes"].claimed(
+    place = "Exercise 2.2.4"
+    first, second = 100.0 * spreads
+    yield PRINTED[place, "upper holes"].claimed(
         bool(min(larger) > 2.0 * max(spreads)),
         f"{100.0 * larger[0]:.1f} % and {100.0 * larger[1]:.1f} % larger",
-        reason="The printed holes; those of the lower tanks, a1 and a2, differ by "
-        f"{100.0 * spreads[0]:.1f} % and {100.0 * spreads[1]:.1f} %.",
+        first=first,
+        second=second,
     )
-    yield PRINTED["Exercise 2.2.4", "zero in the right half-plane"].claimed(
-        zero > 0.0,
-        f"{zero:+.4f} rad/s",
-        reason="Transmission zero of the linear model at levels of the course's exercise "
-        f"and with {OF_THE_COURSE}; at any others it is positive as well.",
-    )
-    yield PRINTED["Exercise 2.2.4", "manual control"].remark(
-        "; ".join(times),
-        reason="How difficult it is, is measured nowhere: by the transient at constant "
-        "voltages, which section 2.2.3 has, it fails. From empty to within 2 %, the report's "
-        f"holes, with {OF_THE_COURSE}.",
-    )
+    right = PRINTED[place, "zero in the right half-plane"].told(course=OF_THE_COURSE)
+    yield right.claimed(zero > 0.0, f"{zero:+.4f} rad/s")
+    yield PRINTED[place, "manual control"].remark("; ".join(times), course=OF_THE_COURSE)

@@ -18,21 +18,11 @@ _EVERY = 10
 
 @dataclass(frozen=True, eq=False)
 class ManualRuns:
-    """What the levels did, for every seed.
+    """What the levels did, for every seed."""
 
-    Parameters
-    ----------
-    time : ndarray [t]
-        [s]
-    levels : ndarray [4, seeds, t]
-        [cm]
-    off : float
-        Share of the second half of the time in which the cut-off had stopped the pumps.
-    """
-
-    time: np.ndarray
-    levels: np.ndarray
-    off: float
+    time: np.ndarray  # [t] [s]
+    levels: np.ndarray  # [4, seeds, t] [cm]
+    off: float  # share of the second half of the time in which the pumps were cut off
 
     @property
     def last(self) -> np.ndarray:

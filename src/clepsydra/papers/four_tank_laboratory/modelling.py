@@ -98,24 +98,23 @@ def _zeros() -> Rows:
         set_up.phase: max(zero.real for zero in zeros(course_model(set_up)))
         for set_up in (MINIMUM, NON_MINIMUM)
     }
-    yield PRINTED["(13)", "zeros for 1 < γ1 + γ2 ≤ 2"].claimed(
+    left = PRINTED["(13)", "zeros for 1 < γ1 + γ2 ≤ 2"]
+    right = PRINTED["(14)", "zeros for 0 < γ1 + γ2 ≤ 1"]
+    yield left.claimed(
         bool(np.all(rightmost[above] < 0.0)),
         f"largest real part {rightmost[above].max():.3g} rad/s",
-        reason=f"Roots of (12) for {above.sum()} pairs of splits, T3 and T4 at the "
-        f"course's levels with {OF_THE_COURSE}; for any others their sum stays negative and "
-        "their product positive.",
+        pairs=above.sum(),
+        course=OF_THE_COURSE,
     )
-    yield PRINTED["(14)", "zeros for 0 < γ1 + γ2 ≤ 1"].claimed(
+    yield right.claimed(
         bool(np.all(rightmost[~above] >= -1e-12)),
         f"smallest real part of the right one {rightmost[~above].min():.3g} rad/s",
-        reason=f"The right root of (12) for {(~above).sum()} pairs of splits, which makes the "
-        "process non-minimum phase; at γ1 + γ2 = 1 it stands at zero.",
+        pairs=(~above).sum(),
     )
     yield PRINTED["Exercise 2.1.6", "the two set-ups"].claimed(
         found["minimum phase"] < 0.0 < found["non-minimum phase"],
         ", ".join(f"{phase}: {value:+.4f} rad/s" for phase, value in found.items()),
-        reason="Rightmost transmission zero of the linear model at levels of the course's "
-        f"exercise and with {OF_THE_COURSE}; its sign is that of 1 - γ1 - γ2 at any levels.",
+        course=OF_THE_COURSE,
     )
 
 

@@ -9,7 +9,9 @@ control makes the levels that it prints. No verdict may hang on either.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from clepsydra.papers.four_tank_laboratory.closed_loop import SEEDS
 from clepsydra.papers.four_tank_laboratory.set_ups import (
@@ -29,13 +31,7 @@ NOISES: tuple[Noise, ...] = ("three deviations", "one deviation")
 
 @dataclass(frozen=True)
 class Reading:
-    """One way to read what the report leaves open.
-
-    Examples
-    --------
-    >>> print(Reading("fitted", "one deviation"))
-    fitted holes and 30 % as one deviation
-    """
+    """One way to read what the report leaves open."""
 
     holes: Holes
     noise: Noise
@@ -68,7 +64,7 @@ def readings_of(set_up: SetUp) -> tuple[Reading, ...]:
 
 
 def claimed_in_all(
-    printed: Printed, holds: Mapping[Reading | str, bool], computed: str, *, reason: str = ""
+    printed: Printed, holds: Mapping[Reading | str, bool | np.ndarray], computed: str
 ) -> Row:
     """Judge a claim by every reading, and `ON_PAPER`; where they disagree it is but a remark.
 
@@ -81,14 +77,18 @@ def claimed_in_all(
     >>> claimed_in_all(line, both | {USUAL: False}, "1").verdict
     'remark'
     """
-    reason = reason or printed.note
-    agreeing, against = (
-        [str(key) for key in sorted(holds, key=lambda key: key != ON_PAPER) if holds[key] is each]
-        for each in (True, False)
-    )
-    if not agreeing or not against:
-        others = [key for key in (ON_PAPER, DESIGNED) if key in holds]
-        said = f"So in all readings of noise and holes{''.join(f', by {key}' for key in others)}."
-        return printed.claimed(not against, computed, reason=f"{reason} {said}")
-    words = f"{reason} It holds by {agreeing[0]}, and fails by {against[0]}."
-    return printed.remark(computed, reason=words)
+    keys = sorted(holds, key=lambda key: key != ON_PAPER)
+    agreeing = [key for key in keys if np.all(holds[key])]
+    against = [key for key in keys if key not in agreeing]
+    if agreeing and against:
+        said = f"It holds by {agreeing[0]}, and fails by {against[0]}."
+        return replace(printed, note=f"{printed.note} {said}").remark(computed)
+    others = "".join(f", by {key}" for key in (ON_PAPER, DESIGNED) if key in holds)
+    said = f"So in all readings of noise and holes{others}."
+    return replace(printed, note=f"{printed.note} {said}").claimed(not against, computed)
+
+
+def agreeing(holds: dict[Reading, bool]) -> tuple[Reading | None, Reading | None]:
+    """Return the first reading that agrees, and the first that does not."""
+    first = {agrees: reading for reading, agrees in reversed(holds.items())}
+    return first.get(True), first.get(False)

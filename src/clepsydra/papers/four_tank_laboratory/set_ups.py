@@ -42,32 +42,15 @@ PHASE_MARGIN = np.pi / 3.0
 
 @dataclass(frozen=True)
 class SetUp:
-    """One of the two ways in which the valves can stand.
-
-    Parameters
-    ----------
-    phase : str
-        "minimum phase" or "non-minimum phase".
-    process : str
-        Of the catalogue.
-    course_levels : tuple of float
-        Around which the course's model is linear [cm].
-    pairing : tuple of (output, input)
-    crossover : float
-        [rad/s]
-    level_table : str
-        Where the levels are printed, and the voltages of the pumps.
-    hole_places : tuple of str
-        Where the equation of the hole of each tank stands.
-    """
+    """One of the two ways in which the valves can stand."""
 
     phase: str
     process: str
-    course_levels: tuple[float, ...]
+    course_levels: tuple[float, ...]  # around which the course's model is linear [cm]
     pairing: tuple[tuple[str, str], ...]
-    crossover: float
-    level_table: str
-    hole_places: tuple[str, str, str, str]
+    crossover: float  # [rad/s]
+    level_table: str  # where levels and voltages are printed
+    hole_places: tuple[str, str, str, str]  # where the equation of the hole of each tank stands
 
     @property
     def split(self) -> float:
@@ -115,13 +98,7 @@ SET_UPS = (MINIMUM, NON_MINIMUM)
 
 @cache
 def plant(set_up: SetUp, units: Units = "volts", holes: Holes = "report") -> Process:
-    """Return the process of a set-up.
-
-    Examples
-    --------
-    >>> plant(MINIMUM).signal("pump_1").high
-    15.0
-    """
+    """Return the process of a set-up."""
     return load_process(f"{set_up.process}:{holes},{units}")
 
 
@@ -131,11 +108,6 @@ def course_model(set_up: SetUp, units: Units = "volts") -> LinearModel:
 
     The course gives the levels; that nothing rests at them exactly does not matter for the time
     constants (10), which depend on the levels alone.
-
-    Examples
-    --------
-    >>> (-1.0 / course_model(MINIMUM).A.diagonal()).round(1).tolist()
-    [19.0, 23.2, 41.2, 54.0]
     """
     process = plant(set_up, units)
     state = np.array(set_up.course_levels) / 100.0

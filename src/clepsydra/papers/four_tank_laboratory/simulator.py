@@ -30,26 +30,10 @@ def simulated(
     noise: Noise,
     every: int,
 ) -> Trajectories:
-    """Run a controller from empty tanks.
+    """Run a controller that was designed in volts from empty tanks, a lane for each seed.
 
-    Parameters
-    ----------
-    designed : Controller
-        In volts.
-    process : Process
-    samples : int
-    given : mapping
-        Inputs at each sample, and those that stay.
-    parameters : mapping, optional
-        In the place of those of the plant.
-    drawn : Generator
-        Of the noise of both pumps.
-    seeds : int
-        Lanes, one without noise.
-    noise : str
-        How the 30 % of the report are read.
-    every : int
-        One sample in so many is kept.
+    `given` are inputs at each sample and those that stay, `parameters` stand in the place of the
+    plant's, `drawn` gives the noise of both pumps, and one sample in `every` is kept.
     """
     loop = Loop(at_the_simulator(designed, process), linearise(find_equilibrium(process)))
     noises = ["pump_1.noise", "pump_2.noise"]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from itertools import product
 from typing import NamedTuple
@@ -27,14 +28,17 @@ from clepsydra.papers.four_tank_laboratory.closed_loop import (
 )
 from clepsydra.papers.four_tank_laboratory.readings import (
     DESIGNED,
+    MEDIANS,
     ON_PAPER,
     READINGS,
     USUAL,
     Reading,
+    agreeing,
     claimed_in_all,
     readings_of,
 )
 from clepsydra.papers.four_tank_laboratory.set_ups import (
+    FULL_LEVEL,
     MINIMUM,
     NON_MINIMUM,
     OF_THE_COURSE,
@@ -45,8 +49,7 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     SetUp,
     Units,
 )
-from clepsydra.papers.printed import Printed
-from clepsydra.papers.printed_number import PrintedNumber
+from clepsydra.papers.printed import Printed, PrintedNumber
 from clepsydra.papers.row import Row, Rows
 
 #: The report shows one run, so that what noise does to nearly all runs is left open.
@@ -73,6 +76,7 @@ _CONTROLLERS = {
     ("robust", MINIMUM): f"{GLOVER} around PI control with",
     ("robust", NON_MINIMUM): f"{GLOVER} around a dynamic decoupling with",
 }
+UNITS = {"rise": "s", "overshoot": "%", "recovery": "s"}
 #: How the scores are read.
 _HOW = {
     "rise": "From 10 to 90 % of the step",
@@ -85,13 +89,7 @@ def median(
     score: str, set_up: SetUp, kind: Kind, tank: int, reading: Reading = USUAL,
     units: Units = "percent",
 ) -> float:  # fmt: skip
-    """Return the median of a score over the seeds; tank counts from one.
-
-    Examples
-    --------
-    >>> median("rise", MINIMUM, "decentralised", 1) < 10.0  # [s]
-    True
-    """
+    """Return the median of a score over the seeds; tank counts from one."""
     return float(np.median(_scored(score, set_up, kind, tank, reading, units)))
 
 
@@ -135,44 +133,42 @@ def _lines(kind: Kind, set_up: SetUp, score: str) -> dict[tuple[int, ...], Print
     return {tanks: PRINTED[key] for tanks, key in keys.items() if key in PRINTED}
 
 
-def everywhere(kind: Kind, score: str) -> dict[Reading | str, dict[SetUp, list[float]]]:
-    """Return a score of both tanks by set-up in every reading, in volts and as printed."""
+def everywhere(kind: Kind, score: str) -> dict[Reading | str, np.ndarray]:
+    """Return a score [set-up, tank] in every reading, of the designs in volts, and as printed."""
 
-    def medians(reading: Reading, units: Units = "percent") -> dict[SetUp, list[float]]:
-        return {s: [median(score, s, kind, k, reading, units) for k in _TANKS] for s in SET_UPS}
+    def medians(reading: Reading, units: Units = "percent") -> np.ndarray:
+        both = product(SET_UPS, _TANKS)
+        found = [median(score, set_up, kind, tank, reading, units) for set_up, tank in both]
+        return np.reshape(found, (2, 2))
 
-    found: dict[Reading | str, dict[SetUp, list[float]]] = {k: medians(k) for k in READINGS}
-    printed = {
-        set_up: [line.value for tank in _TANKS for tanks, line in lines if tank in tanks]
-        for set_up in SET_UPS
-        for lines in [_lines(kind, set_up, score).items()]
+    printed = [
+        line.value
+        for set_up, tank in product(SET_UPS, _TANKS)
+        for tanks, line in _lines(kind, set_up, score).items()
+        if tank in tanks
+    ]
+    return {
+        **{reading: medians(reading) for reading in READINGS},
+        DESIGNED: medians(USUAL, "volts"),
+        ON_PAPER: np.reshape(printed, (2, 2)),
     }
-    return found | {DESIGNED: medians(USUAL, "volts"), ON_PAPER: printed}
 
 
-def beside_minimum(kind: Kind, line: Printed, score: str, sign: float, reason: str) -> Row:
+def beside_minimum(kind: Kind, place: str, name: str, score: str, sign: float) -> Row:
     """Judge a claim on non-minimum phase beside minimum phase, in each tank.
 
-    Parameters
-    ----------
-    kind : {"decentralised", "robust"}
-    line : Printed
-    score : str
-    sign : {1.0, -1.0}
-        Whether the score of non-minimum phase is larger by the claim, or smaller.
-    reason : str
+    The sign tells whether the score of non-minimum phase is larger by the claim, or smaller.
     """
     values = everywhere(kind, score)
-    unit = "%" if score == "overshoot" else "s"
-    holds = {
-        reading: all(sign * (two - one) > 0.0 for one, two in zip(*each.values(), strict=True))
-        for reading, each in values.items()
-    }
+    holds = {reading: sign * other > sign * one for reading, (one, other) in values.items()}
     told = "; ".join(
-        f"{set_up.phase} {one:.3g} and {two:.3g} {unit}"
-        for set_up, (one, two) in values[USUAL].items()
+        f"{set_up.phase} {one:.3g} and {two:.3g} {UNITS[score]}"
+        for set_up, (one, two) in zip(SET_UPS, values[USUAL], strict=True)
     )
-    return claimed_in_all(line, holds, told, reason=reason)
+    line = PRINTED[place, name].told(
+        glover=GLOVER, medians=MEDIANS, band=100 * BAND, poured=0.25 * FULL_LEVEL
+    )
+    return claimed_in_all(line, holds, told)
 
 
 def table_rows(kind: Kind) -> Rows:
@@ -201,12 +197,13 @@ def _row(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...], line: Pr
         f"empty tanks, {USUAL}, pours of 6.25 cm, with {OF_THE_COURSE}. "
         f"{_HOW[score]}, median of {SEEDS} runs{of_both}."
     )
-    row = line.compared(
+    of_all = (
+        f"The middle {_NEARLY_ALL} of them are {usual.low:.3g} to {usual.high:.3g} {line.unit}, "
+        "and in the other readings of noise and holes they leave it open as well."
+    )
+    row = replace(line, note=f"{words} {of_all}").compared(
         usual.value,
         tolerance=reach / usual.value if always and usual.value else 0.0,
-        why=f"{words} The middle {_NEARLY_ALL} of them are {usual.low:.3g} to "
-        f"{usual.high:.3g} {line.unit}, and in the other readings of noise and holes they leave it "
-        "open as well.",
         unprinted=words,
     )
     if not any(holding.values()):
@@ -216,10 +213,7 @@ def _row(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...], line: Pr
             f"The middle {_NEARLY_ALL} of {SEEDS} runs leave it open, but spread by more than "
             f"{100 * _WIDEST:g} % of their median, too far to decide."
         )
-    among, outside = (
-        next(reading for reading, holds in holding.items() if holds is each)
-        for each in (True, False)
-    )
+    among, outside = agreeing(holding)
     return row.undecided(
         f"With {among} it lies between the lowest and the highest of the middle {_NEARLY_ALL} of "
         f"{SEEDS} runs, and with {outside} it does not."

@@ -9,14 +9,8 @@ import numpy as np
 from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Figure, Panel, curves
 from clepsydra.papers.four_tank_variable_structure import PRINTED
-from clepsydra.papers.four_tank_variable_structure.rig import (
-    IN_WORDS,
-    Filling,
-    fill,
-    in_nu,
-    in_volts,
-)
-from clepsydra.papers.four_tank_variable_structure.virtual_lanes import Setting, filled_with
+from clepsydra.papers.four_tank_variable_structure.decoupled import Setting, filled_with
+from clepsydra.papers.four_tank_variable_structure.rig import Filling, fill, in_nu, in_volts
 from clepsydra.papers.row import Row
 
 #: [1/s]
@@ -46,11 +40,7 @@ def _adjusts(volts: Filling, nu: Filling, damped: Filling) -> Row:
     ]
     return PRINTED["section 4, feature (2)", "settling time of h1 over α"].remark(
         f"without decoupling {ranges[0]}; after decoupling, α in ν {ranges[1]}, and with "
-        f"derivative action, Td = Ti/{1 / _DERIVATIVE:g}, {ranges[2]}",
-        reason="Shortest and longest to 2 %, α from 0.001 to 10 1/s. As more than twice it holds "
-        "with PI controllers, and fails with a derivative action, of which nothing is printed. "
-        f"Johansson's PI controllers ({IN_WORDS}) in volts, or times E for ν of (9), 0.5 V/cm, "
-        "K_1 of (14) as K/Ti, pumps up to 10 V, from empty tanks and integrals at zero.",
+        f"derivative action, Td = Ti/{1 / _DERIVATIVE:g}, {ranges[2]}"
     )
 
 

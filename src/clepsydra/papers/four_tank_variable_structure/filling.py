@@ -9,7 +9,6 @@ from clepsydra.papers.figure import Curve, Figure, Panel, curves
 from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.decoupled import (
     DECOUPLED_READINGS,
-    IN_VOLTS,
     READING,
     at_limit,
     decoupled,
@@ -17,7 +16,6 @@ from clepsydra.papers.four_tank_variable_structure.decoupled import (
 )
 from clepsydra.papers.four_tank_variable_structure.readings import (
     CONVENTIONAL,
-    SATURATED,
     USUAL,
     both,
     filled,
@@ -31,7 +29,6 @@ from clepsydra.papers.four_tank_variable_structure.rig import (
     in_nu,
     in_volts,
 )
-from clepsydra.papers.four_tank_variable_structure.settling import speed
 from clepsydra.papers.row import Row, Rows
 
 PLACE = "section 5"
@@ -45,7 +42,7 @@ _LANE = at_limit(USUAL.limit)
 
 def run() -> Found:
     """Fill the tanks with both controllers, after decoupling and without."""
-    rows = [*_overshoots(), speed(), _saturation(), _without_saturation(), _energy(), _overflow()]
+    rows = [*_overshoots(), _speed(), _saturation(), _without_saturation(), _energy(), _overflow()]
     return (*rows, *_figures())
 
 
@@ -58,18 +55,25 @@ def _overshoots() -> Rows:
         max((run.overshoot(tank)[lane] for tank in (1, 2)), key=lambda v: abs(v - line.value))
         for run, lane in ((old, _LANE), (doubled, at_limit(20.0)))
     )
-    why = f"The farther of h1 and h2; “around” is taken as 10 %. {READING}"
-    conventional, other = (
-        line.compared(found, tolerance=0.1, why=why) for found in (farther, agreeing)
-    )
+    line = line.told(reading=READING)
+    conventional, other = (line.compared(found, tolerance=0.1) for found in (farther, agreeing))
     hangs_on = "It agrees with sensors of 1 V/cm and pumps to 20 V, and not as computed here."
     yield (conventional.undecided(hangs_on) if other.verdict == "reproduced" else conventional)
     yield PRINTED[PLACE, "overshoot, variable-structure PID"].remark(
         f"{both(new, 'overshoot', lane=_LANE)} with α on ν, "
         f"{both(in_volts, 'overshoot', lane=_LANE)} with α in volts",
-        reason="h1 and h2. Neither what almost none is nor whether α acts on ν or in volts is "
-        f"printed. {IN_VOLTS} {READING}",
+        reading=READING,
     )
+
+
+def _speed() -> Row:
+    """Compare settling and rise of both lower levels after decoupling."""
+    settling, rise = (
+        " against ".join(both(decoupled(way), what, form, _LANE) for way in reversed(_WAYS))
+        for what, form in (("settling", ".0f"), ("rise", ".1f"))
+    )
+    line = PRINTED[PLACE, "speed of the response"].told(reading=READING)
+    return line.remark(f"settling {settling} s; rise {rise} s")
 
 
 def _saturation() -> Row:
@@ -90,9 +94,7 @@ def _saturation() -> Row:
             f"v{pump} {new.saturated(pump)[_LANE]:.1f} against {old.saturated(pump)[_LANE]:.1f}"
             for pump in (1, 2)
         ),
-        reason="The sentence is garbled; read as a shorter time at both limits, as it is too with "
-        "limits of 4 to 20 V, 1 V/cm, α in volts, and without decoupling, wherever conventional "
-        f"PID saturates for {SATURATED:g} s or more. {READING}",
+        reading=READING,
     )
 
 
@@ -115,8 +117,7 @@ def _energy() -> Row:
     return PRINTED[PLACE, "energy of a filling"].remark(
         f"{squares[0]:.0f} against {squares[1]:.0f} V² s, "
         f"{volumes[0]:.2f} against {volumes[1]:.2f} l",
-        reason="Neither a measure nor what is significant is printed: squared voltage of both "
-        f"pumps in ten minutes, and water lifted. {READING}",
+        reading=READING,
     )
 
 
@@ -125,9 +126,7 @@ def _overflow() -> Row:
     return PRINTED[PLACE, "water over the rims"].claimed(
         bool(min(old.spilt()[0], limited.spilt()[0]) > 0.0),
         f"{old.spilt()[0]:.0f}",
-        reason=f"Conventional PID, both levels filled to {100 * HIGH[0]:g} cm in tanks 20 cm high, "
-        "as Johansson's are, which is not printed; it does without decoupling too. Beside that: "
-        f"{READING}",
+        reading=READING,
     )
 
 

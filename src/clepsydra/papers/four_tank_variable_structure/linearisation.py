@@ -119,16 +119,12 @@ def _decoupling(s: Derived) -> Rows:
     state, f, g = Matrix([x1, x2]), Matrix([x2, 0]), Matrix([0, 1])
     squared = (Matrix([(Matrix([x1]).jacobian(state) * g)[0]]).jacobian(state) * g)[0]
     mixed = (Matrix([(Matrix([x1]).jacobian(state) * f)[0]]).jacobian(state) * g)[0]
-    words = (
-        "The first row of (8) has L_g L_f^(r−1) h as the factor of the input, and (7) has L_f^r h. "
-        "They are right: for d²y/dt² = u that factor is 1, and L_g² h is "
-        f"{squared}, L_g L_f h {mixed}."
-    )
     input_appears = PRINTED[place, "derivative in which the input appears"]
+    input_appears = input_appears.told(squared=squared, mixed=mixed)
     yield from PRINTED.compared(place, {"relative degrees r1 = r2": degrees[0]})
     yield from PRINTED.formulas(place, formulas)
     yield PRINTED[place, "determinant of E"].claimed(bool(regular), str(determinant))
-    yield input_appears.stated("y^(r) = L_f^r h + L_g L_f^(r−1) h u", bool(squared == mixed), words)
+    yield input_appears.stated("y^(r) = L_f^r h + L_g L_f^(r−1) h u", bool(squared == mixed))
 
 
 def _new_inputs(s: Derived) -> Rows:

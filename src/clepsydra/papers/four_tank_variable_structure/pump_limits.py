@@ -19,14 +19,7 @@ from clepsydra.papers.four_tank_variable_structure.decoupled import (
     shares_at_limit,
 )
 from clepsydra.papers.four_tank_variable_structure.readings import CONVENTIONAL, SATURATED
-from clepsydra.papers.four_tank_variable_structure.rig import (
-    IN_WORDS,
-    SAMPLED,
-    WAYS,
-    Filling,
-    fill,
-    in_volts,
-)
+from clepsydra.papers.four_tank_variable_structure.rig import WAYS, Filling, fill, in_volts
 from clepsydra.papers.row import Row
 
 #: More than no time at a limit [s].
@@ -38,12 +31,6 @@ _NOTES = {
     _AFTER: "The decoupled tanks do not level off by themselves, and every PI controller "
     "overshoots: here what is taken back pays.",
 }
-#: What is not printed, and ours.
-_SETTINGS = (
-    f"Johansson's PI controllers ({IN_WORDS}) in volts, or times E for ν, 0.5 V/cm, a sample every "
-    f"{SAMPLED:g} s, α = 0.1 1/s with K_1 of (14) as K/Ti, from empty tanks and integrals at zero "
-    "to 12.4 and 12.7 cm."
-)
 
 
 def run() -> Found:
@@ -71,8 +58,6 @@ def _returns(runs: dict[str, dict[str, Filling]]) -> Row:
             f"{reading} {min(each):.2f} to {max(each):.2f} times as long"
             for reading, each in shares.items()
         ),
-        reason="Time at a limit over that of conventional PID, with a limiter alone, wherever that "
-        f"stands there for {SATURATED:g} s or more; else it is never longer. {_SETTINGS}",
     )
 
 

@@ -25,26 +25,11 @@ _LIMITS = (6.0, 10.0, 20.0)
 
 
 class Reading(NamedTuple):
-    """One way to read what is not printed.
+    """One way to read what is not printed."""
 
-    Parameters
-    ----------
-    sensor : float
-        [V/cm]
-    bias : float
-        Where the integrals start [V].
-    limit : float
-        Of the pumps [V].
-
-    Examples
-    --------
-    >>> print(USUAL)
-    0.5 V/cm, no bias, 10 V
-    """
-
-    sensor: float
-    bias: float
-    limit: float
+    sensor: float  # [V/cm]
+    bias: float  # where the integrals start [V]
+    limit: float  # of the pumps [V]
 
     def __str__(self) -> str:
         bias = f"{self.bias:g} V bias" if self.bias else "no bias"
@@ -64,14 +49,7 @@ SATURATED = 1.0
 
 @cache
 def filled(way: str) -> Filling:
-    """Fill the tanks under one of the `WAYS` in volts, a lane for each of the `READINGS`.
-
-    Examples
-    --------
-    >>> run = filled("none")
-    >>> round(run.overshoot(1)[READINGS.index(USUAL)])
-    13
-    """
+    """Fill the tanks under one of the `WAYS` in volts, a lane for each of the `READINGS`."""
     return filled_in(way, READINGS)
 
 
@@ -102,11 +80,5 @@ def saturating() -> list[int]:
 
 
 def both(run: Filling, what: str, form: str = ".1f", lane: int = 0) -> str:
-    """Return a score of both lower levels in words.
-
-    Examples
-    --------
-    >>> both(filled(CONVENTIONAL), "overshoot", lane=READINGS.index(USUAL))
-    '13.0 and 9.0'
-    """
+    """Return a score of both lower levels in words."""
     return " and ".join(format(getattr(run, what)(tank)[lane], form) for tank in (1, 2))

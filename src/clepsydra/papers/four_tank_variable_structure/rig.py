@@ -122,24 +122,12 @@ def virtual_settings() -> list[VirtualSettings]:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Filling:
-    """Runs from empty to a target, one lane each.
+    """Runs from empty to a target, one lane each."""
 
-    Parameters
-    ----------
-    time : ndarray [samples]
-        [s]
-    values : dict
-        Signal to trajectories [lanes, samples], SI.
-    target : tuple of float
-        [m]
-    limits : ndarray [lanes]
-        Upper limits of both pumps [V].
-    """
-
-    time: np.ndarray
-    values: dict[str, np.ndarray]
-    target: tuple[float, float]
-    limits: np.ndarray
+    time: np.ndarray  # [samples] [s]
+    values: dict[str, np.ndarray]  # signal to trajectories [lanes, samples], SI
+    target: tuple[float, float]  # [m]
+    limits: np.ndarray  # of both pumps, for each lane [V]
 
     def level(self, tank: int) -> np.ndarray:
         """Return a level [cm] of each lane."""
@@ -194,19 +182,10 @@ def fill(
     parameters: Mapping[str, np.ndarray] | None = None,
     start: Mapping[str, np.ndarray] | None = None,
 ) -> Filling:
-    """Run from empty tanks and standing pumps to a target.
+    """Run from empty tanks and standing pumps to a target, lower levels [m], below limits [V].
 
-    Parameters
-    ----------
-    controller : Controller
-    limits : float or ndarray [lanes]
-        Upper limits of both pumps [V].
-    target : tuple of float
-        Lower levels [m].
-    parameters : mapping, optional
-        Parameters of the process or "controller." + of the law, [lanes].
-    start : mapping, optional
-        "controller." + states of the law, [lanes]; its integrals start at zero if left out.
+    `parameters` are of the process, or of the law behind "controller.", and `start` its states, of
+    which the integrals are zero if left out; each may be one number or one a lane.
     """
     loop = Loop(controller, at_target().model)
     setpoints = {f"level_{j}.setpoint": VOLTS_PER_METRE * h for j, h in enumerate(target, start=1)}

@@ -16,14 +16,15 @@ from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.decoupled import (
     LIMITS,
     READING,
+    Setting,
     at_limit,
     at_limits,
+    filled_with,
     shares_at_limit,
 )
 from clepsydra.papers.four_tank_variable_structure.filling import HIGH, PLACE
 from clepsydra.papers.four_tank_variable_structure.readings import USUAL, both
 from clepsydra.papers.four_tank_variable_structure.rig import fill, in_volts
-from clepsydra.papers.four_tank_variable_structure.virtual_lanes import Setting, filled_with
 from clepsydra.papers.row import Row
 
 #: Td in Ti: half of Ziegler and Nichols' and theirs.
@@ -62,15 +63,9 @@ def _derivative() -> Row:
         )
     ]
     unsaturated = " and ".join(f"Ti/{1 / share:g}" for share in idle)
-    return PRINTED["section 5", "overshoot with derivative action"].remark(
-        ". ".join(words),
-        reason="h1 and h2, variable structure against conventional. That there is a derivative "
-        "action follows from the name alone; no setting, filter or input of it is printed, and "
-        "(14) has none. On the level, ideal after decoupling, where it divides K and K/Ti by "
-        f"1 + E K Td, and else filtered with Td/10; with Td = {unsaturated} no pump saturates "
-        "after decoupling. Wherever one does for a second, from 4 to 20 V, it is at its limit "
-        f"at most {longest:.2f} times as long with variable structure. Beside that: {READING}",
-    )
+    line = PRINTED[PLACE, "overshoot with derivative action"]
+    line = line.told(unsaturated=unsaturated, longest=longest, reading=READING)
+    return line.remark(". ".join(words))
 
 
 def _settings() -> Row:
@@ -88,17 +83,14 @@ def _settings() -> Row:
         for each, pair in zip(_OTHERS, pairs, strict=True)
         for tank in (1, 2)
     )
-    setting, run = nearest[2], nearest[3]
-    return PRINTED["section 5", "overshoot over the settings"].remark(
-        f"{ranges[0]} against {ranges[1]}",
-        reason="h1 and h2, variable structure against conventional, K and Ti each half, once and "
-        f"twice Johansson's. That paper's settings are not printed here. Nearest to the 12 % that "
-        f"are printed is conventional PID with {setting.gain:g} K and {setting.time:g} Ti, "
-        f"{both(run, 'overshoot', lane=_LANE)} %. With all nine the pumps are at most "
-        f"{longest:.2f} times as long at a limit, wherever conventional PID is there for a second "
-        f"or more from 4 to 20 V, and that spills at least {least:.0f} cm³ at {100 * HIGH[0]:g} "
-        f"cm. Beside that: {READING}",
+    line = PRINTED[PLACE, "overshoot over the settings"].told(
+        nearest=nearest[2],
+        overshoot=both(nearest[3], "overshoot", lane=_LANE),
+        longest=longest,
+        least=least,
+        reading=READING,
     )
+    return line.remark(f"{ranges[0]} against {ranges[1]}")
 
 
 def _adjustable() -> Row:
@@ -109,10 +101,5 @@ def _adjustable() -> Row:
         f"{both(old, 'overshoot', lane=lane)}"
         for lane, share in enumerate(1.0 - np.array(_WEIGHTS))
     ]
-    return PRINTED["(11)", "overshoot over the share of m_0 in the proportional part"].remark(
-        ", ".join(told),
-        reason="h1 and h2, variable structure against conventional. No m_0 or p is printed, and "
-        "the other rows have m_0 = 0 and p = 1. With r = 1 and PI of ν, the level acts through "
-        "p K + m_0 and the setpoint through p K, so that p is part of the gain and m_0 a weight "
-        f"of the setpoint; their sum is kept here. Beside that: {READING}",
-    )
+    line = PRINTED["(11)", "overshoot over the share of m_0 in the proportional part"]
+    return line.remark(", ".join(told), reading=READING)

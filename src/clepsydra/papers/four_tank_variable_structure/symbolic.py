@@ -12,16 +12,10 @@ if TYPE_CHECKING:
 
 
 def to_sympy(expression: ca.SX, names: Mapping[str, Any]) -> list[Expr]:
-    """Return a CasADi vector in SymPy.
+    """Return a CasADi vector in SymPy, by the names of its symbols.
 
     A level is above any number that it is compared with, the one below which the flow is
     laminar: the equations are those of tanks that hold water.
-
-    Parameters
-    ----------
-    expression : casadi.SX
-    names : mapping
-        Name of each CasADi symbol to its SymPy expression.
 
     Examples
     --------

@@ -96,18 +96,16 @@ def _quadratic_cost(symbols: Symbols) -> Rows:
     # With what (CARE) makes of Q the least cost is zero at every state.
     weight = symbols.Q - riccati
     least = symbols.cost.subs(symbols.u[0], symbols.best[0])
-    found = {
-        "left side of the Riccati equation": (
-            hessian(least[0], list(symbols.X)) / 2,
-            "A.T*P + P*A + Q - P*B*R**-1*B.T*P",
-        ),
-        "dV/dt with the Riccati equation": (
+    quadratic = hessian(least[0], list(symbols.X)) / 2
+    for name, derived, right in (
+        ("left side of the Riccati equation", quadratic, "A.T*P + P*A + Q - P*B*R**-1*B.T*P"),
+        (
+            "dV/dt with the Riccati equation",
             symbols.slope,
             "(B.T*P*X + R*u).T*R**-1*(B.T*P*X + R*u) - (X.T*Q*X + u.T*R*u)",
         ),
-        "control that minimises J": (symbols.best, "-R**-1*B.T*P*X"),
-    }
-    for name, (derived, right) in found.items():
+        ("control that minimises J", symbols.best, "-R**-1*B.T*P*X"),
+    ):
         printed = PRINTED[_LQC, name]
         if name.startswith("dV/dt"):
             symbols.names["Q"] = weight
@@ -164,12 +162,6 @@ def _vector_margin() -> Row:
     }
     is_right = all(abs(max(sizes) - peak) < _SAME for peak, sizes in apart.values())
     label, (peak, sizes) = next(reversed(apart.items()))
-    return PRINTED["second equation (6)", "frequency at which 1/|1 + L| is taken"].stated(
-        "that of its maximum",
-        is_right,
-        "The document takes the vector margin as the distance of the Nyquist plot from -1 and its "
-        "reciprocal's maximum as S∞, to have one measure of gain and phase margin; at the phase "
-        "crossover alone it follows from the gain margin. With "
-        f"{label} it is {max(sizes):.2f} dB there and its maximum {peak:.2f} dB, and the PID loop "
-        "has no such frequency.",
-    )
+    line = PRINTED["second equation (6)", "frequency at which 1/|1 + L| is taken"]
+    line = line.told(loop=label, there=max(sizes), peak=peak)
+    return line.stated("that of its maximum", is_right)

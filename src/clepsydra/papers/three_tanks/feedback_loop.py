@@ -18,13 +18,7 @@ _LEVEL_3 = np.array([[0.0, 0.0, 1.0]])
 
 
 def from_rest(A: np.ndarray, entry: np.ndarray, time: np.ndarray) -> np.ndarray:
-    """Return the states [samples, n] of dx/dt = A x + entry from zero, A stable.
-
-    Examples
-    --------
-    >>> from_rest(-np.eye(1), np.ones(1), np.array([0.0, 1.0])).round(3).ravel().tolist()
-    [0.0, 0.632]
-    """
+    """Return the states [samples, n] of dx/dt = A x + entry from zero, A stable."""
     poles, modes = np.linalg.eig(A)
     rest = np.linalg.solve(A, -entry)
     shares = np.linalg.solve(modes, rest)
@@ -33,25 +27,10 @@ def from_rest(A: np.ndarray, entry: np.ndarray, time: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class FeedbackLoop:
-    """u = N r - K x around a linear model, in continuous time.
-
-    Parameters
-    ----------
-    label : str
-    gain : ndarray [1, 3]
-        K [m²/s].
-    model : LinearModel, optional
-        (2) if left out.
-
-    Examples
-    --------
-    >>> loop = FeedbackLoop("idle", np.zeros((1, 3)))
-    >>> round(loop.setpoint_gain, 8)
-    0.00017509
-    """
+    """u = N r - K x around a linear model, (2) if left out, in continuous time."""
 
     label: str
-    gain: np.ndarray
+    gain: np.ndarray  # K [1, 3] [m²/s]
     model: LinearModel = field(default_factory=printed_model)
 
     @property
@@ -106,11 +85,7 @@ class FeedbackLoop:
         return [20.0 * math.log10(abs(size)) for size in sizes if not 0.0 <= size <= 1.0 + 1e-9]
 
     def margin_row(self, printed: Printed) -> Row:
-        """Compare its vector gain margin with a printed one.
-
-        The reason says what it is at other places, and by (6), which takes \\|S\\| where the phase
-        is -180°.
-        """
+        """Compare its vector gain margin with a printed one."""
         assert math.isinf(self.margins[0].gain_margin_up or 0.0)
         at_feed, *at_levels = self.vector_gain_margins
         words = (

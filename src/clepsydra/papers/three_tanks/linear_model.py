@@ -9,7 +9,7 @@ from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.printed_table import entries
-from clepsydra.papers.row import Rows
+from clepsydra.papers.row import Row, Rows
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.printed_model import (
     DENOMINATOR,
@@ -26,7 +26,7 @@ from clepsydra.papers.three_tanks.printed_model import (
 
 def run() -> Found:
     """Return the rows on the model, and the open-loop response."""
-    rows = (*_units(), *_rest(), *_matrices(), *_transfer_function(), *_controllability())
+    rows = (*_units(), _rest(), *_matrices(), *_transfer_function(), *_controllability())
     return (*rows, _open_loop())
 
 
@@ -39,19 +39,10 @@ def _units() -> Rows:
     second = linear_model_at(np.array([0.5, 0.0045, 0.4])).A
     third = linear_model_at(np.array([0.5, 0.45, 0.004])).A
     yield PRINTED["Table 1", "unit of g"].stated("m/s²", is_speed)
-    yield PRINTED["Table 1", "unit of h2s"].stated(
-        "m",
-        _rounds_to("A12", second[0, 1]),
-        reason=f"With h2s = 0.45 cm the first rate of (2) is {second[0, 1]:.4f} 1/s, "
-        f"with 0.45 m {metres[0, 1]:.4f}, as printed.",
-    )
-    yield PRINTED["Table 1", "unit of h3s"].stated(
-        "m",
-        _rounds_to("A23", third[1, 2]) and _rounds_to("A33", third[2, 2]),
-        reason=f"With h3s = 0.4 cm, h2s in metres, A23 and A33 of (2) are {third[1, 2]:.4f} "
-        f"and {third[2, 2]:.4f} 1/s, with 0.4 m {metres[1, 2]:.4f} and {metres[2, 2]:.4f}, as "
-        "printed.",
-    )
+    of_h2 = PRINTED["Table 1", "unit of h2s"].told(cm=second[0, 1], m=metres[0, 1])
+    yield of_h2.stated("m", _rounds_to("A12", second[0, 1]))
+    of_h3 = PRINTED["Table 1", "unit of h3s"].told(cm=third[:, 2], m=metres[:, 2])
+    yield of_h3.stated("m", _rounds_to("A23", third[1, 2]) and _rounds_to("A33", third[2, 2]))
 
 
 def _rounds_to(name: str, rate: float) -> bool:
@@ -60,15 +51,9 @@ def _rounds_to(name: str, rate: float) -> bool:
     return bool(abs(rate - printed.value) < printed.half_unit)
 
 
-def _rest() -> Rows:
+def _rest() -> Row:
     flows = 1e6 * flows_at(LEVELS)
-    shown = ", ".join(f"{flow:.1f}" for flow in flows)
-    yield PRINTED["Table 1", "q2s at 0.40 m in tank 3"].compared(
-        float(flows[2]),
-        unprinted="Flows in series are one flow at rest, but the levels of Table 1, read in "
-        f"metres as (2) needs them, and its coefficients make q12, q23 and q2 {shown} cm³/s; "
-        "nothing tells which is wrong.",
-    )
+    return PRINTED["Table 1", "q2s at 0.40 m in tank 3"].compared(float(flows[2]), q=flows)
 
 
 def _matrices() -> Rows:

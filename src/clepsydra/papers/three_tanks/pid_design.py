@@ -20,6 +20,10 @@ from clepsydra.papers.three_tanks.printed_model import DENOMINATOR, NUMERATOR, c
 #: The settings that the document goes on with: K_c [m²/s], K_i [m²/s²], K_d [m²].
 GAIN, INTEGRAL_GAIN, DERIVATIVE_GAIN = PRINTED.numbers("Ziegler-Nichols", "Kc", "Ki", "Kd")
 
+#: Numerator and denominator of the open loop of (3) under these.
+_ABOVE = NUMERATOR * np.array([DERIVATIVE_GAIN, GAIN, INTEGRAL_GAIN])
+_BELOW = np.append(DENOMINATOR, 0.0)
+
 
 def run() -> Found:
     """Return the rows on PID control, and its Bode plot."""
@@ -27,13 +31,7 @@ def run() -> Found:
 
 
 def response(time: float) -> float:
-    """Return the unit step response of (3) over its static gain.
-
-    Examples
-    --------
-    >>> round(response(175.748), 4)
-    0.333
-    """
+    """Return the unit step response of (3) over its static gain."""
     return float(from_rest(companion(), DENOMINATOR[3] * np.eye(3)[2], np.array([time]))[0, 0])
 
 
@@ -45,17 +43,10 @@ def _two_points() -> Rows:
         for share in (0.333, 0.666)
     )
     time_constant = 1.43 * (second - first)
-    yield PRINTED["two-point method", "τp"].compared(
-        time_constant,
-        unprinted=f"From {first:.1f} and {second:.1f} s, at which the response of (3) passes "
-        "33.3 and 66.6 %; the times that were read are not printed.",
-    )
-    yield PRINTED["two-point method", "td"].compared(
-        first - 0.4 * time_constant,
-        unprinted=f"From {first:.1f} s, at which the response of (3) passes 33.3 %, and τp as "
-        "computed; the times that were read are not printed.",
-    )
-    yield PRINTED["two-point method", "Kp"].compared(NUMERATOR / DENOMINATOR[3])
+    place, delay = "two-point method", first - 0.4 * time_constant
+    yield PRINTED[place, "τp"].compared(time_constant, first=first, second=second)
+    yield PRINTED[place, "td"].compared(delay, first=first)
+    yield PRINTED[place, "Kp"].compared(NUMERATOR / DENOMINATOR[3])
 
 
 def _settings() -> Rows:
@@ -74,34 +65,36 @@ def _settings() -> Rows:
         and abs(GAIN * derivative - DERIVATIVE_GAIN) < 5e-4
         and abs(GAIN / PRINTED["Ziegler-Nichols", "τi"].value - INTEGRAL_GAIN) > 1e-2,
     )
-    yield PRINTED["Ziegler-Nichols", "Kcu"].compared(point.gain)
-    yield PRINTED["Ziegler-Nichols", "Pu"].compared(period, right_if=[is_frequency])
-    yield PRINTED["Ziegler-Nichols", "Kc"].compared(
-        0.6 * point.gain, why=f"0.6 times the ultimate gain {point.gain:.5f} of (5)."
-    )
-    yield PRINTED["Ziegler-Nichols", "τi"].compared(integral, right_if=[gains_need])
-    yield PRINTED["Ziegler-Nichols", "Ki"].compared(GAIN / integral)
-    yield PRINTED["Ziegler-Nichols", "τd"].compared(derivative, right_if=[gains_need])
-    yield PRINTED["Ziegler-Nichols", "Kd"].compared(GAIN * derivative)
+    evidence = {"Pu": [is_frequency], "τi": [gains_need], "τd": [gains_need]}
+    found = {
+        "Kcu": point.gain,
+        "Pu": period,
+        "Kc": 0.6 * point.gain,
+        "τi": integral,
+        "Ki": GAIN / integral,
+        "τd": derivative,
+        "Kd": GAIN * derivative,
+    }
+    for name, value in found.items():
+        line = PRINTED["Ziegler-Nichols", name].told(ultimate=point.gain)
+        yield line.compared(value, right_if=evidence.get(name, ()))
 
 
 def loop_model() -> LinearModel:
     """Return the open loop L(s) = G(s) C(s) of (3) and the printed PID settings."""
     from scipy.signal import tf2ss
 
-    numerator = NUMERATOR * np.array([DERIVATIVE_GAIN, GAIN, INTEGRAL_GAIN])
-    A, B, C, D = tf2ss(numerator, np.append(DENOMINATOR, 0.0))
+    A, B, C, D = tf2ss(_ABOVE, _BELOW)
     names = tuple(f"x{i}" for i in range(len(A)))
     return LinearModel(A, B, B[:, :0], C, D, names, ("error",), (), ("level_3",))
 
 
 def _loop() -> Rows:
-    numerator = NUMERATOR * np.array([DERIVATIVE_GAIN, GAIN, INTEGRAL_GAIN])
-    closed = np.append(DENOMINATOR, 0.0) + np.append(np.zeros(2), numerator)
     place = "closed loop of the PID"
     above = ("numerator s²", "numerator s", "numerator constant")
     below = tuple(f"denominator {power}" for power in ("s³", "s²", "s", "constant"))
-    found = dict(zip((*above, *below), map(float, (*numerator, *closed[1:])), strict=True))
+    closed = _BELOW + np.append(np.zeros(2), _ABOVE)
+    found = dict(zip((*above, *below), map(float, (*_ABOVE, *closed[1:])), strict=True))
     # Half a unit of the last digit of Kc, 0.0012, in the one coefficient that it leaves open.
     left = {"denominator s": 5e-5 * NUMERATOR}
     yield from [
@@ -116,8 +109,7 @@ def _loop() -> Rows:
     yield PRINTED[place, "internal stability"].claimed(
         bool(poles.real.max() >= 0.0) or not margins.stable,
         f"stable, poles of the printed denominator at most at {poles.real.max():.4f} 1/s",
-        reason="Of the loop of (3) and the printed Kc, Ki and Kd. GM is infinite, since the "
-        f"phase reaches -180° at no finite frequency, and PM is {phase:.1f}°.",
+        phase=phase,
     )
     yield PRINTED[place, "VGM"].compared(peak)
     yield PRINTED[place, "VGM of the PID"].claimed(peak > 9.5, f"{peak:.2f} dB")
@@ -126,7 +118,6 @@ def _loop() -> Rows:
 def _bode() -> Figure:
     frequencies = np.logspace(-4.0, 1.0, 400)
     s = 1j * frequencies
-    controller = (DERIVATIVE_GAIN * s**2 + GAIN * s + INTEGRAL_GAIN) / s
-    loop = controller * NUMERATOR / np.polyval(DENOMINATOR, s)
+    loop = np.polyval(_ABOVE, s) / np.polyval(_BELOW, s)
     shown = {"open loop": loop, "closed loop": loop / (1.0 + loop), "S": 1.0 / (1.0 + loop)}
     return Figure("Fig. 13", "Bode plot with the PID controller", bode_panels(frequencies, shown))

@@ -25,13 +25,7 @@ DENOMINATOR = np.array([1.0, *_BELOW])
 
 
 def companion() -> np.ndarray:
-    """Return A [3, 3] of (4) from the denominator of (3).
-
-    Examples
-    --------
-    >>> float(companion()[0, 1])
-    1.0
-    """
+    """Return A [3, 3] of (4) from the denominator of (3)."""
     matrix = np.diag([1.0, 1.0], 1)
     matrix[2] = -DENOMINATOR[:0:-1]
     return matrix
@@ -44,13 +38,7 @@ def three_tanks() -> Process:
 
 
 def linear_model_at(levels: np.ndarray) -> LinearModel:
-    """Return the linear model at some levels [3] and the printed flow, at rest there or not.
-
-    Examples
-    --------
-    >>> linear_model_at(LEVELS).A[0, 0].round(4)
-    np.float64(-0.0322)
-    """
+    """Return the linear model at some levels [3] and the printed flow, at rest there or not."""
     process = three_tanks()
     point = OperatingPoint(
         process, levels, np.array([FLOW]), np.zeros(len(process.disturbances)), levels, np.nan
@@ -69,20 +57,13 @@ def rounded_model() -> LinearModel:
     """Return (2) in three decimals, from which the authors computed their gains.
 
     Their closed-loop matrix prints its rates: 0.026, -0.058.
-
-    Examples
-    --------
-    >>> rounded_model().A[1].tolist(), float(rounded_model().B[0, 0])
-    ([0.032, -0.058, 0.026], 64.94)
     """
     model = printed_model()
     return dataclasses.replace(model, A=model.A.round(3), B=model.B.round(2))
 
 
 def flows_at(levels: np.ndarray) -> np.ndarray:
-    """Return q12, q23 and q2 [m³/s] at some levels [3].
-
-    The balances of the three tanks with the printed inflow give them one after the other.
+    """Return q12, q23 and q2 [m³/s] at some levels [3], by the balances from tank 1 on.
 
     Examples
     --------

@@ -29,20 +29,7 @@ def run() -> Found:
 
 @cache
 def placed_loop(distance: int, *, rounded: bool = False) -> FeedbackLoop:
-    """Return the loop with the poles -40 and -p ± jp by Ackermann's formula.
-
-    Parameters
-    ----------
-    distance : int
-        p [1/s]
-    rounded : bool
-        Whether (2) is taken in three decimals.
-
-    Examples
-    --------
-    >>> round(float(placed_loop(5).gain[0, 0]), 3)
-    0.768
-    """
+    """Return the loop with the poles -40 and -p ± jp by Ackermann's formula."""
     from control import acker
 
     model = rounded_model() if rounded else printed_model()
