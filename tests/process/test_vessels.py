@@ -75,7 +75,7 @@ def inner_levels(vessel: Vessel) -> np.ndarray:
 
 def test_slope_of_volume_is_area(vessel: Vessel) -> None:
     levels = inner_levels(vessel)
-    area, slope = evaluate(vessel, "area", levels), evaluate(vessel, "volume", levels, 1)
+    area, slope = evaluate(vessel, "surface", levels), evaluate(vessel, "volume", levels, 1)
     # At the two ends of a drum the slope is a small difference of terms that grow as 1/√h.
     mean = vessel.capacity / vessel.height
     ends = np.minimum(levels, vessel.height - levels) / vessel.height
@@ -84,7 +84,7 @@ def test_slope_of_volume_is_area(vessel: Vessel) -> None:
 
 
 def test_volume_is_the_integral_of_area(vessel: Vessel) -> None:
-    function, numbers = function_of(vessel, "area"), [p.value for p in vessel.parameters()]
+    function, numbers = function_of(vessel, "surface"), [p.value for p in vessel.parameters()]
     corners = vessel.levels[1:-1] if isinstance(vessel, AreaTable) else None
     for share in (0.07, 0.31, 0.5, 0.83, 1.0):
         level = share * vessel.height
@@ -108,7 +108,7 @@ def test_level_is_the_inverse_of_volume(vessel: Vessel) -> None:
     levels = np.concatenate([inner_levels(vessel), vessel.height * np.array([-0.1, 1.05, 1.2])])
     volumes = evaluate(vessel, "volume", levels)
     back = evaluate(vessel, "level", volumes)
-    rounding = ROUNDING * np.abs(volumes) / evaluate(vessel, "area", levels)
+    rounding = ROUNDING * np.abs(volumes) / evaluate(vessel, "surface", levels)
     error = np.abs(back - levels)
     assert np.all(error <= 1e-12 * vessel.height + 3 * rounding)
 
@@ -134,7 +134,7 @@ def test_slope_of_level_is_one_over_area(vessel: Vessel) -> None:
     near = np.logspace(-9, -1, 25)
     shares = np.concatenate([near, np.linspace(0.101, 0.897, 77), 1 - np.logspace(-1, -6, 16)])
     volumes = vessel.capacity * shares
-    area = evaluate(vessel, "area", evaluate(vessel, "level", volumes))
+    area = evaluate(vessel, "surface", evaluate(vessel, "level", volumes))
     slope = evaluate(vessel, "level", volumes, 1)
     np.testing.assert_allclose(slope * area, 1.0, rtol=0, atol=1e-9)
     middle = (shares > 1e-3) & (shares < 0.999)
@@ -181,7 +181,7 @@ def test_every_volume_has_a_level_and_finite_derivatives(vessel: Vessel) -> None
 
 def test_every_level_has_a_volume_and_an_area(vessel: Vessel) -> None:
     levels = np.concatenate([np.linspace(-0.1, 1.2, 131), [1e-300, 5e-324, -1e-300]])
-    for name in ("volume", "area"):
+    for name in ("volume", "surface"):
         outputs = at_points(vessel, name, levels * vessel.height)
         assert all(np.all(np.isfinite(np.array(output))) for output in outputs), name
 

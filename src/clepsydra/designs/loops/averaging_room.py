@@ -249,7 +249,7 @@ def smallest_area(point: OperatingPoint, output: Signal, room: Room) -> float:
     tank = next(e for e in process.elements if e.name == sensor.tank and isinstance(e, Tank))
     readings = np.append(np.linspace(here - room.below, here + room.above, _LEVELS), here)
     values = tank.vessel.values()
-    areas = [float(tank.vessel.area(ca.SX(sensor.to_quantity(y)), values)) for y in readings]
+    areas = [float(tank.vessel.surface(ca.SX(sensor.to_quantity(y)), values)) for y in readings]
     return min(areas) / areas[-1]
 
 

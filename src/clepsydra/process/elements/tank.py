@@ -195,7 +195,7 @@ class Tank(Element):
             )
             lost.append(Flow(self.name, "", coefficient, driver, f"{self.name}.weir"))
         if self.evaporation:
-            surface = self.vessel.area(level, self.vessel.sizes(self.name, symbols))
+            surface = self.vessel.surface(level, self.vessel.sizes(self.name, symbols))
             wet = ca.if_else(level > 0, surface, 0)
             nothing = {component.name: ca.SX(0) for component in self.components}
             rate = symbols[f"{self.name}.evaporation"]
@@ -210,7 +210,7 @@ class Tank(Element):
         """
         if self._by_level:
             factor = reciprocal(
-                self.vessel.area(symbols[self.level], self.vessel.sizes(self.name, symbols))
+                self.vessel.surface(symbols[self.level], self.vessel.sizes(self.name, symbols))
             )
         else:
             factor = ca.SX(1)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import casadi as ca
 
 from clepsydra.base.quantity import Quantity, quantity
-from clepsydra.process.declared import part, read_fields
+from clepsydra.process.declared import part
 from clepsydra.process.vessels.vessel import Vessel, VesselParameter, reciprocal
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ _DIAMETER = Quantity(
 )
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True)
 class Prism(Vessel):
     """A vessel of constant cross-section, V = A h.
 
@@ -34,7 +34,7 @@ class Prism(Vessel):
     height : float
         From the floor to the rim [m].
     area : float
-        Cross-section A [m²]; kept as `base_area`.
+        Cross-section A [m²].
 
     Examples
     --------
@@ -50,7 +50,7 @@ class Prism(Vessel):
     height: float = quantity(
         "m", "a height", above=0.0, remedy="give the height of the rim above the floor"
     )
-    base_area: float = part(
+    area: float = part(
         lambda table, key, known: _read_area(table),
         {
             "area": _AREA.schema(words="its cross-section"),
@@ -59,21 +59,11 @@ class Prism(Vessel):
         checks=({"anyOf": [{"required": ["area"]}, {"required": ["diameter"]}]},),
     )
 
-    def __init__(self, height: float, area: float) -> None:
-        object.__setattr__(self, "height", height)
-        object.__setattr__(self, "base_area", area)
-
-    @classmethod
-    def read(cls, table: TableReader) -> Self:
-        """Make the shape from the area, or the diameter of an upright cylinder."""
-        found = read_fields(cls, table)
-        return cls(height=found["height"], area=found["base_area"])
-
     def parameters(self) -> tuple[VesselParameter, ...]:
         """Return the cross-section."""
-        return (VesselParameter("area", "m^2", self.base_area, "cross-section"),)
+        return (VesselParameter("area", "m^2", self.area, "cross-section"),)
 
-    def area(self, level: ca.SX, values: Mapping[str, ca.SX]) -> ca.SX:
+    def surface(self, level: ca.SX, values: Mapping[str, ca.SX]) -> ca.SX:
         """Return the area [m²], the same at every level."""
         return values["area"]
 
@@ -85,7 +75,7 @@ class Prism(Vessel):
         """Return the level [m] at a volume [m³], also below nothing and above the capacity."""
         return volume * reciprocal(values["area"])
 
-    _area_within = area
+    _area_within = surface
     _volume_within = volume
     _level_within = level
 

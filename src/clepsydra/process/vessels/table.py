@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import casadi as ca
 
@@ -95,7 +95,7 @@ class AreaTable(Vessel):
     def _chosen(self, quantity: str, value: ca.SX) -> dict[str, ca.SX]:
         """Return the numbers of the segment in which a level or volume lies."""
         first, *others = self._segments
-        chosen: dict[str, ca.SX] = {**first}
+        chosen: dict[str, Any] = {**first}
         for segment in others:
             reached = value >= segment[quantity]
             for name, number in segment.items():

@@ -141,7 +141,7 @@ class Vessel(ABC):
         """
         return self._volume_within(self.rim(values), values)
 
-    def area(self, level: ca.SX, values: Mapping[str, ca.SX]) -> ca.SX:
+    def surface(self, level: ca.SX, values: Mapping[str, ca.SX]) -> ca.SX:
         """Return the area of the surface [m²] at a level [m].
 
         Examples
@@ -150,7 +150,7 @@ class Vessel(ABC):
 
         >>> from clepsydra.process.vessels.sphere_segment import SphereSegment
         >>> sphere = SphereSegment(diameter=2.0, height=2.0)
-        >>> round(float(sphere.area(1.0, sphere.values())), 12)
+        >>> round(float(sphere.surface(1.0, sphere.values())), 12)
         3.14159265359
         """
         rim = self.rim(values)

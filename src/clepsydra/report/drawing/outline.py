@@ -88,7 +88,7 @@ def outline_of(element: Element) -> Outline:
         return Outline((1.0, 1.0))
     values = vessel.values()
     areas = [
-        max(float(vessel.area(vessel.height * _height(step, _STEPS), values)), 0.0)
+        max(float(vessel.surface(vessel.height * _height(step, _STEPS), values)), 0.0)
         for step in range(_STEPS + 1)
     ]
     greatest = max(areas)
