@@ -63,11 +63,6 @@ def controllability_margins(model: LinearModel) -> list[ModeMargin]:
     list of ModeMargin
         One for each pole, the rightmost first; of a conjugate pair both.
 
-    Raises
-    ------
-    InputError
-        The model has dead time.
-
     References
     ----------
     R. Eising, Between controllable and uncontrollable, Systems & Control Letters, 1984.
@@ -92,11 +87,6 @@ def observability_margins(model: LinearModel) -> list[ModeMargin]:
     -------
     list of ModeMargin
         As for `controllability_margins`.
-
-    Raises
-    ------
-    InputError
-        The model has dead time.
     """
     return _margins(model.A.T, model.C.T, model)
 
@@ -140,11 +130,6 @@ def words_on_reach(model: LinearModel, weak: float = 0.01) -> list[str]:
         In ranges, so that the shares mean something.
     weak : float
         The share [1] below which a mode is worth a sentence.
-
-    Raises
-    ------
-    InputError
-        The model has dead time.
     """
     words = []
     for margins, never, hardly in (

@@ -181,11 +181,6 @@ def find_equilibria(
     -------
     list of OperatingPoint
         Each within all ranges. Where there are several, each has a warning that names another.
-
-    Raises
-    ------
-    NoEquilibrium, InputError
-        As in `find_equilibrium`.
     """
     first = find_equilibrium(process, inputs, outputs, disturbances)
     search = EquilibriumSearch(process, read_request(process, inputs, outputs, disturbances))

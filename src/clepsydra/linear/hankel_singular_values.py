@@ -34,11 +34,6 @@ def stable_part(model: LinearModel) -> StablePart:
     couples the others to them. A mode at the origin counts as not stable up to √ε of the
     fastest rate where several stand there, since rounding spreads those.
 
-    Raises
-    ------
-    InputError
-        The model has dead time.
-
     Examples
     --------
     A tank with an outlet beside one without:
@@ -133,11 +128,6 @@ def hankel_singular_values(model: LinearModel) -> HankelSingularValues:
 
     They depend on the units of inputs and outputs, not on those of the states; of
     `in_ranges(model)` they compare.
-
-    Raises
-    ------
-    InputError
-        The model has dead time.
 
     References
     ----------

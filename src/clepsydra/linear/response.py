@@ -62,11 +62,6 @@ def transfer_at(model: LinearModel, points: np.ndarray) -> np.ndarray:
     -------
     ndarray [l, q, m], complex
 
-    Raises
-    ------
-    InputError
-        One of the values is a pole.
-
     Examples
     --------
     A tank whose outflow answers to its level 1 s later, 1/(s + e^(-s)), at rest:
@@ -129,11 +124,6 @@ def evaluate_transfer(
     Returns
     -------
     ndarray [l, q, m], complex
-
-    Raises
-    ------
-    InputError
-        One of the values is a pole.
 
     Examples
     --------

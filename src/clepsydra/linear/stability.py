@@ -71,11 +71,6 @@ def unstable_roots(model: LinearModel) -> int | None:
         None where there is no finite number: a root stands on the imaginary axis, or delayed
         signals that feed each other at once (a difference equation) do not die out.
 
-    Raises
-    ------
-    InputError
-        As for `asymptotically_stable`.
-
     References
     ----------
     J. K. Hale and S. M. Verduyn Lunel, Introduction to Functional Differential Equations, 1993,

@@ -90,11 +90,6 @@ def reduced_system(model: LinearModel) -> tuple[ScaledSystem, _System]:
 
     Both have the same finite zeros, and the size of that D is the normal rank. An analysis asks for
     them of one model several times.
-
-    Raises
-    ------
-    InputError
-        The model has dead time.
     """
     refuse_delays(model.delays, "zeros")
     scaled = scaled_system(*minimal_realisation(model.A, model.B, model.C, model.D))

@@ -43,12 +43,6 @@ def read_averaging(
     -------
     tuple of str
         Empty where the file has no such key.
-
-    Raises
-    ------
-    InputError
-        A name is no controlled level or volume of a tank, or no controller moves what leaves
-        the tank.
     """
     if not table.has("averaging"):
         return ()
@@ -87,12 +81,6 @@ def read_bands(
         Measurements of the levels that average.
     nominal_outputs : mapping
         Measurements that fix the operating point.
-
-    Raises
-    ------
-    InputError
-        A level with a band does not average, the band goes beyond floor or rim, or the operating
-        point lies outside of it.
     """
     found = {}
     for sensor in elements:

@@ -18,14 +18,7 @@ _TAKEN = ("liquid", "level", "volume", "flow")
 
 
 def read_components(document: Document, general: TableReader) -> tuple[Component, ...]:
-    """Return the components of a file, [components.salt] with the range of its concentrations.
-
-    Raises
-    ------
-    InputError
-        A range is wrong, its unit is neither a mass nor an amount per volume, or the name has
-        another meaning.
-    """
+    """Return the components of a file, [components.salt] with the range of its concentrations."""
     if not general.has("components"):
         return ()
     components = []

@@ -70,11 +70,6 @@ def parse(content: bytes, file: str, kind: Kind = "process") -> Document:
     kind : {"process", "study", "fuzzy"}
         What it should be, for messages.
 
-    Raises
-    ------
-    InputError
-        The content is empty, is not UTF-8 text or is not TOML.
-
     Examples
     --------
     >>> parse(b"[tanks.a]\\narea = '28 cm^2'\\n", "plant.toml").place("tanks", "a", "area")

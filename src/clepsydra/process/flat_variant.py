@@ -26,11 +26,6 @@ def flat_text(text: str, file: str, variants: tuple[str, ...]) -> str:
     variants : tuple of str
         Laid over the file in this order.
 
-    Raises
-    ------
-    InputError
-        A variant is unknown or named twice.
-
     Examples
     --------
     >>> text = '''name = "a"

@@ -11,13 +11,7 @@ from clepsydra.process.table_reader import TableReader
 def known_name(
     table: TableReader, key: str, name: str, known: Collection[str], words: str, remedy: str = ""
 ) -> str:
-    """Return a name that was written at a key.
-
-    Raises
-    ------
-    InputError
-        It is none of those that are known; the message lists them after the words.
-    """
+    """Return a name that was written at a key."""
     if name in known:
         return name
     remedy = suggestion(name, known, remedy or "choose one of them")
@@ -42,11 +36,6 @@ def known_names(
         where no remedy is given.
     each : str
         What each name is: one of those that are known where that is not said.
-
-    Raises
-    ------
-    InputError
-        It is no list of names, a name stands twice, or one is unknown.
     """
     names = table.names(key, expected, remedy or f'write as in ["{known[0]}"]')
     for name in names:

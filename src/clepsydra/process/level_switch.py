@@ -163,13 +163,7 @@ class LevelStarter:
 
 
 def read_trips(table: TableReader) -> LevelTrips | None:
-    """Read the keys "trip_above", "trip_below" and "hysteresis" of a pump.
-
-    Raises
-    ------
-    InputError
-        A trip without hysteresis, or limits that leave no level at which the pump may run.
-    """
+    """Read the keys "trip_above", "trip_below" and "hysteresis" of a pump."""
     limits = (*_limits(table, "trip_above"), *_limits(table, "trip_below"))
     if not limits:
         if table.has("hysteresis"):
@@ -204,12 +198,6 @@ def read_starter(table: TableReader) -> LevelStarter | None:
 
     A pump runs at first where the file does not say, since its nominal signal describes an
     operating point at which it runs.
-
-    Raises
-    ------
-    InputError
-        One of the two without the other, more than one tank, two different tanks, or a start
-        that is not above the stop.
     """
     start, stop = _limits(table, "start_above"), _limits(table, "stop_below")
     if not start and not stop:

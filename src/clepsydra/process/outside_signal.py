@@ -38,13 +38,7 @@ class ManipulatedSignal(NamedTuple):
 
 
 def read_manipulated_signal(table: TableReader) -> ManipulatedSignal:
-    """Read the keys "range" and "nominal" of an actuator.
-
-    Raises
-    ------
-    InputError
-        The range is none, has a unit of something else, or leaves the nominal value out.
-    """
+    """Read the keys "range" and "nominal" of an actuator."""
     unit = _unit(table)
     low, high = table.range("range", unit, at_least=0.0)
     nominal = None
@@ -112,11 +106,6 @@ def read_disturbance_range(table: TableReader, unit: str, quantity: str) -> Dist
         SI unit.
     quantity : str
         In a word, "flow".
-
-    Raises
-    ------
-    InputError
-        The range begins below zero, or the nominal value or a step leads out of it.
     """
     what = f"a {quantity}"
     low, high = table.range("range", unit, at_least=0.0)

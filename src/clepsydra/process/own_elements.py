@@ -55,11 +55,6 @@ def read_own_kinds(
     -------
     tuple of type
         Kinds of element. Their methods raise an `InputError` where the user's code fails.
-
-    Raises
-    ------
-    InputError
-        There is no such file, it lies elsewhere, it fails, or it defines no proper element.
     """
     if not general.has("elements"):
         return ()

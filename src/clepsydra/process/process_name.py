@@ -17,11 +17,6 @@ def check_process_name(name: str, place: str) -> None:
     place : str
         Where it was given.
 
-    Raises
-    ------
-    InputError
-        It has other characters than letters, digits and single hyphens.
-
     Examples
     --------
     >>> check_process_name("my tanks", "plant.toml, line 1, name")

@@ -54,13 +54,7 @@ class PumpCurve:
 
     @classmethod
     def read(cls, table: TableReader) -> Self:
-        """Read the key "curve" of a pump.
-
-        Raises
-        ------
-        InputError
-            Fewer than two points, flows that do not rise, or heads that do not fall.
-        """
+        """Read the key "curve" of a pump."""
         expected = "a list of flows and heads"
         remedy = 'write as in curve = [["0 l/s", "30 m"], ["5 l/s", "27 m"], ["10 l/s", "18 m"]]'
         points = table.pairs("curve", "m^3/s", "m", expected, remedy)

@@ -62,13 +62,7 @@ def gain_unit(signal: str, quantity: str) -> str:
 
 
 def read_measured(table: TableReader) -> Measured:
-    """Return what is measured, the tank where it is, and the element whose flow it is.
-
-    Raises
-    ------
-    InputError
-        A tank and a flow are named, or a quantity and a component, or an unknown component.
-    """
+    """Return what is measured, the tank where it is, and the element whose flow it is."""
     if table.has("flow"):
         for key in ("tank", "quantity", "component"):
             table.refuse((key,), f"no {key} beside a flow", "remove one of the two")
@@ -99,11 +93,6 @@ def read_scale(table: TableReader, quantity: str) -> SensorScale:
     ----------
     quantity : str
         SI unit of what is measured.
-
-    Raises
-    ------
-    InputError
-        Gain and span are given, or one of gain, span and range is wrong.
 
     Examples
     --------
@@ -147,11 +136,6 @@ def read_share(
     ----------
     at_least : float or None
         0 where it may be nothing.
-
-    Raises
-    ------
-    InputError
-        It is no such part, or larger than the range.
     """
     parts = split_quantity(table.raw(key))
     above = 0.0 if at_least is None else None
@@ -173,11 +157,6 @@ def read_band(table: TableReader, key: str, known: Mapping[str, Any]) -> tuple[f
     ----------
     known : mapping
         Quantity, unit and range of the sensor.
-
-    Raises
-    ------
-    InputError
-        It is no pair of measurements within the range, the lower one first.
     """
     if not table.has(key):
         return None

@@ -19,11 +19,6 @@ def read_tags(document: Document, elements: Sequence[Element]) -> dict[str, str]
 
     The tag of an element is that of the one signal that it measures or is moved by; else it
     takes the place of the element's own name.
-
-    Raises
-    ------
-    InputError
-        A tag is no identifier, is a word of a language, or cannot be told from another name.
     """
     taken = {"gravity": "the acceleration of gravity"}
     taken |= {name.lower(): element.name for element in elements for name in _names(element)}

@@ -58,11 +58,6 @@ def split_variants(text: str) -> tuple[str, tuple[str, ...] | None]:
     A colon after a single letter is a drive's, and one before a separator of folders belongs
     to a folder.
 
-    Raises
-    ------
-    InputError
-        No variant follows the colon.
-
     Examples
     --------
     >>> split_variants("laboratory-four-tanks:fitted,volts")
@@ -84,11 +79,6 @@ def split_variants(text: str) -> tuple[str, tuple[str, ...] | None]:
 
 def variants_asked(variant: object) -> tuple[str, ...] | None:
     """Return the names of variants as a caller gave them: none, one, or several in order.
-
-    Raises
-    ------
-    InputError
-        They are no names.
 
     Examples
     --------
@@ -117,11 +107,6 @@ def choose_variants(document: Document, asked: tuple[str, ...] | None) -> Chosen
         As parsed.
     asked : tuple of str or None
         Names of variants; None for those that the file names in `default_variant`.
-
-    Raises
-    ------
-    InputError
-        A variant is unknown or named twice, or the tables of variants are wrong.
 
     Examples
     --------

@@ -27,12 +27,6 @@ def check_wiring(elements: Sequence[Element], place: Place) -> None:
     place : callable
         Takes a table and keys below it, returns where they stand.
 
-    Raises
-    ------
-    InputError
-        A flow to nowhere, from nowhere or in a circle, an element that no flow touches, two
-        elements or signals whose names cannot be told apart.
-
     Examples
     --------
     >>> from clepsydra.process.elements.orifice import Orifice

@@ -36,11 +36,6 @@ def read_vessel(table: TableReader) -> Vessel:
     ----------
     table : TableReader
         May have other keys than those of `VESSEL_KEYS`, which are left alone.
-
-    Raises
-    ------
-    InputError
-        The shape is unknown, a key is missing or belongs to another shape, or a size is none.
     """
     names = [vessel.shape for vessel in SHAPES]
     name = table.choice("shape", names, Prism.shape)
