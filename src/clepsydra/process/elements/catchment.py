@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import casadi as ca
 
@@ -49,11 +48,8 @@ class Catchment(Element):
     0.00015
     """
 
-    kind: ClassVar[str] = "catchment"
-    place: ClassVar[int] = 8
-    table: ClassVar[str] = "catchments"
-    symbol: ClassVar[str] = "flow"
-    tagged: ClassVar[bool] = True
+    kind, table, symbol, place = "catchment", "catchments", "flow", 8
+    tagged = True
 
     destination: str = link("the name of a tank", "receiver")
     area: float = quantity("m^2", "an area", "surface of", above=0.0, remedy="measure it in a plan")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import TYPE_CHECKING, Self
 
 import casadi as ca
 
@@ -82,11 +82,8 @@ class ControlValve(Element):
     10.0
     """
 
-    kind: ClassVar[str] = "control valve"
-    place: ClassVar[int] = 6
-    table: ClassVar[str] = "valves"
-    symbol: ClassVar[str] = "valve"
-    tagged: ClassVar[bool] = True
+    kind, table, symbol, place = "control valve", "valves", "valve", 6
+    tagged = True
 
     source: str = link("the name of a tank or reservoir", "source")
     destination: str = link("the name of a tank or reservoir", "receiver")

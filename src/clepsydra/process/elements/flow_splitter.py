@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import TYPE_CHECKING, Self
 
 import casadi as ca
 
@@ -45,12 +45,8 @@ class FlowSplitter(Element):
     {'tank_1': 6.993, 'tank_4': 2.997}
     """
 
-    kind: ClassVar[str] = "flow splitter"
-    place: ClassVar[int] = 7
-    table: ClassVar[str] = "splitters"
-    symbol: ClassVar[str] = "splitter"
-    receives: ClassVar[bool] = True
-    passes_on: ClassVar[bool] = True
+    kind, table, symbol, place = "flow splitter", "splitters", "splitter", 7
+    receives = passes_on = True
 
     destinations: Mapping[str, float] = part(
         lambda table, key, known: _read_fractions(table),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import TYPE_CHECKING, Self
 
 import casadi as ca
 
@@ -35,11 +35,8 @@ class ForcedFlow(BringsFromOutside):
         Elements; empty for outside the plant, but not both.
     """
 
-    kind: ClassVar[str] = "forced flow"
-    place: ClassVar[int] = 8
-    table: ClassVar[str] = "flows"
-    symbol: ClassVar[str] = "flow"
-    tagged: ClassVar[bool] = True
+    kind, table, symbol, place = "forced flow", "flows", "flow", 8
+    tagged = True
 
     source: str = link("the name of a tank", "source", optional=True)
     destination: str = link("the name of a tank", "receiver", optional=True)

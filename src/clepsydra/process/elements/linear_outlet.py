@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import casadi as ca
 
@@ -33,10 +32,7 @@ class LinearOutlet(Element):
     1e-05
     """
 
-    kind: ClassVar[str] = "linear outlet"
-    place: ClassVar[int] = 4
-    table: ClassVar[str] = "linear_outlets"
-    symbol: ClassVar[str] = "orifice"
+    kind, table, symbol, place = "linear outlet", "linear_outlets", "orifice", 4
 
     source: str = link("the name of a tank", "tank")
     destination: str = link("the name of a tank or reservoir", "receiver")

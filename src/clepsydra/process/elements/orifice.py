@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
 
 import casadi as ca
 
@@ -48,10 +47,7 @@ class Orifice(Element):
     11.0744
     """
 
-    kind: ClassVar[str] = "orifice"
-    place: ClassVar[int] = 3
-    table: ClassVar[str] = "orifices"
-    symbol: ClassVar[str] = "orifice"
+    kind, table, symbol, place = "orifice", "orifices", "orifice", 3
 
     source: str = link("the name of a tank", "tank")
     destination: str = link("the name of a tank or reservoir", "receiver")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import casadi as ca
 
@@ -74,11 +74,8 @@ class Pump(Element):
     9.99
     """
 
-    kind: ClassVar[str] = "pump"
-    place: ClassVar[int] = 5
-    table: ClassVar[str] = "pumps"
-    symbol: ClassVar[str] = "pump"
-    tagged: ClassVar[bool] = True
+    kind, table, symbol, place = "pump", "pumps", "pump", 5
+    tagged = True
 
     source: str = link("the name of a tank or reservoir", "source")
     destination: str = link("the name of a tank or splitter", "receiver")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
 
 from clepsydra.process.concentrations import BringsFromOutside, GivenConcentration, brought
 
@@ -19,12 +18,7 @@ class Reservoir(BringsFromOutside):
         Component to its concentration in what is drawn from it.
     """
 
-    kind: ClassVar[str] = "reservoir"
-    place: ClassVar[int] = 1
-    table: ClassVar[str] = "reservoirs"
-    symbol: ClassVar[str] = "reservoir"
-    receives: ClassVar[bool] = True
-    gives: ClassVar[bool] = True
-    endless: ClassVar[bool] = True
+    kind, table, symbol, place = "reservoir", "reservoirs", "reservoir", 1
+    receives = gives = endless = True
 
     given: Mapping[str, GivenConcentration] = brought()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import casadi as ca
 
@@ -89,11 +89,8 @@ class Sensor(Element):
     {'level_1': SX(10)}
     """
 
-    kind: ClassVar[str] = "sensor"
-    place: ClassVar[int] = 10
-    table: ClassVar[str] = "sensors"
-    symbol: ClassVar[str] = "sensor"
-    tagged: ClassVar[bool] = True
+    kind, table, symbol, place = "sensor", "sensors", "sensor", 10
+    tagged = True
 
     tank: str = part(
         lambda table, key, known: read_measured(table),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import TYPE_CHECKING, Self
 
 import casadi as ca
 
@@ -56,12 +56,8 @@ class Tank(Element):
         Of a closed tank; None where the level may rise above the rim.
     """
 
-    kind: ClassVar[str] = "tank"
-    place: ClassVar[int] = 2
-    table: ClassVar[str] = "tanks"
-    symbol: ClassVar[str] = "tank"
-    receives: ClassVar[bool] = True
-    gives: ClassVar[bool] = True
+    kind, table, symbol, place = "tank", "tanks", "tank", 2
+    receives = gives = True
 
     vessel: Vessel = part(
         lambda table, key, known: read_vessel(table),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import casadi as ca
 
@@ -29,12 +28,8 @@ class TransportDelay(Element):
         τ [s]
     """
 
-    kind: ClassVar[str] = "transport delay"
-    place: ClassVar[int] = 9
-    table: ClassVar[str] = "delays"
-    symbol: ClassVar[str] = "delay"
-    receives: ClassVar[bool] = True
-    passes_on: ClassVar[bool] = True
+    kind, table, symbol, place = "transport delay", "delays", "delay", 9
+    receives = passes_on = True
 
     destination: str = link("the name of a tank or reservoir", "receiver")
     time: float = quantity("s", "a time", above=0.0, remedy="give the dead time")
