@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +12,8 @@ from clepsydra.scores.sample import Sample
 from clepsydra.scores.score import SCORES, Of, Score
 from clepsydra.scores.scored_run import ScoredRun
 from clepsydra.scores.trajectory import FloatArray
+
+Fields = dict[str, FloatArray]
 
 
 def score_run(run: ScoredRun) -> dict[str, float]:
@@ -30,25 +31,17 @@ def score_run(run: ScoredRun) -> dict[str, float]:
     >>> scores["iae[y]"], scores["total_variation[u]"], scores["time_in_saturation[u]"]
     (0.5, 3.0, 1.0)
     """
-    signals: dict[Of, Iterable[str]] = {
-        Of.CONTROLLED: run.setpoints,
-        Of.AVERAGING: run.plant.buffers,
-        Of.BAND: run.plant.bands,
-        Of.MANIPULATED: run.inputs,
-        Of.PUMP: run.plant.pumped,
-        Of.TANK: run.plant.spilt,
-        Of.INNER_LOOP: run.inner,
-    }
     told = marks(run.time, run.segments)
-    found = {
-        f"{score.key}[{name}]": _value(run, score, name, sample)
-        for of, names in signals.items()
-        for name in names
-        for sample in [_sample(run, told, of, name)]
-        for score in SCORES.values()
-        if score.of is of and _allows(run, score, name)
-    }
-    return {name: v for name, v in found.items() if v is not None and not math.isnan(v)}
+    found = {}
+    for of, signals in _signals(run).items():
+        scores = [score for score in SCORES.values() if score.of is of]
+        for name, fields in signals.items():
+            sample = _sample(run, told, of, name, fields)
+            for score in scores:
+                value = _value(run, score, name, sample) if _allows(run, score, name) else None
+                if value is not None and not math.isnan(value):
+                    found[f"{score.key}[{name}]"] = value
+    return found
 
 
 def _allows(run: ScoredRun, score: Score, name: str) -> bool:
@@ -67,9 +60,8 @@ def _value(run: ScoredRun, score: Score, name: str, sample: Sample | None) -> fl
     return math.inf if found is not None and broken else found
 
 
-def _sample(run: ScoredRun, told: dict[str, FloatArray], of: Of, name: str) -> Sample | None:
+def _sample(run: ScoredRun, told: Fields, of: Of, name: str, signals: Fields) -> Sample | None:
     """Return the samples of a signal; None where a value is not finite."""
-    signals = _signals(run, of, name)
     if not all(np.all(np.isfinite(values)) for values in signals.values()):
         return None
     if of is Of.CONTROLLED:
@@ -78,21 +70,26 @@ def _sample(run: ScoredRun, told: dict[str, FloatArray], of: Of, name: str) -> S
     return replace(sample, band=run.plant.bands[name]) if of is Of.BAND else sample
 
 
-def _signals(run: ScoredRun, of: Of, name: str) -> dict[str, FloatArray]:
-    """Return what the samples of a signal are made of, by the fields of `Sample`."""
-    plant = run.plant
-    if of is Of.CONTROLLED:
-        return {"now": run.outputs[name], "next_setpoint": run.setpoints[name]}
-    if of is Of.BAND:
-        return {"now": run.outputs[name]}
-    if of is Of.MANIPULATED:
-        return {"now": run.inputs[name]}
-    if of is Of.AVERAGING:
-        buffer = plant.buffers[name]
-        return {"inflow": buffer.inflow, "outflow": buffer.outflow}
-    if of is Of.PUMP:
-        found = {"now": plant.pumped[name], "running": plant.running[name]}
-        if name in plant.heads:
-            found["lift"] = plant.gravity * np.maximum(plant.heads[name], 0.0)
-        return found
-    return {"now": plant.spilt[name] if of is Of.TANK else run.inner[name][0]}
+def _signals(run: ScoredRun) -> dict[Of, dict[str, Fields]]:
+    """Return what the samples of each signal are made of, by the fields of `Sample`."""
+    plant, outputs = run.plant, run.outputs
+    lift = {name: plant.gravity * np.maximum(head, 0.0) for name, head in plant.heads.items()}
+    return {
+        Of.CONTROLLED: {
+            name: {"now": outputs[name], "next_setpoint": setpoint}
+            for name, setpoint in run.setpoints.items()
+        },
+        Of.AVERAGING: {
+            name: {"inflow": buffer.inflow, "outflow": buffer.outflow}
+            for name, buffer in plant.buffers.items()
+        },
+        Of.BAND: {name: {"now": outputs[name]} for name in plant.bands},
+        Of.MANIPULATED: {name: {"now": values} for name, values in run.inputs.items()},
+        Of.PUMP: {
+            name: {"now": flow, "running": plant.running[name]}
+            | ({"lift": lift[name]} if name in lift else {})
+            for name, flow in plant.pumped.items()
+        },
+        Of.TANK: {name: {"now": spilt} for name, spilt in plant.spilt.items()},
+        Of.INNER_LOOP: {name: {"now": setpoint} for name, (setpoint, *_) in run.inner.items()},
+    }
