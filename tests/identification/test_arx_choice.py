@@ -5,8 +5,7 @@ import pytest
 from refusals import refused
 from scipy.signal import lfilter
 
-from clepsydra.identification.arx import fit_arx
-from clepsydra.identification.arx_choice import choose_arx
+from clepsydra.identification.arx import choose_arx, fit_arx
 from clepsydra.identification.uncertainty import uncertainty
 
 

@@ -8,8 +8,7 @@ from scipy.signal import lsim
 
 from clepsydra import InputError
 from clepsydra.designs.polynomial.sampled_model import SampledModel
-from clepsydra.identification.arx import fit_arx
-from clepsydra.identification.arx_choice import choose_delay
+from clepsydra.identification.arx import choose_delay, fit_arx
 from clepsydra.identification.simplex_refinement import (
     refined_coefficients,
     second_order_of_gain,

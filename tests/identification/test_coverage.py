@@ -10,8 +10,7 @@ from scipy.signal import lfilter
 from scipy.stats import binom
 
 import clepsydra as cl
-from clepsydra.identification.arx import fit_arx
-from clepsydra.identification.arx_choice import choose_arx
+from clepsydra.identification.arx import choose_arx, fit_arx
 from clepsydra.identification.output_error import fit_output_error
 from clepsydra.identification.process_batch import ProcessBatch
 from clepsydra.identification.record import Record

@@ -6,7 +6,7 @@ from refusals import refused
 
 import clepsydra as cl
 from clepsydra import InputError
-from clepsydra.identification.record_csv import read_record
+from clepsydra.identification.record import read_record
 
 HEAD = "time [s],pump_1 [V],level_1 [cm]\n"
 ROWS = [f"{2 * k},{3 + k % 2},{12.5 + k}" for k in range(40)]

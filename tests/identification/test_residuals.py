@@ -7,8 +7,12 @@ from scipy.linalg import solve_toeplitz, toeplitz
 from scipy.signal import lfilter
 from scipy.stats import f, linregress
 
-from clepsydra.identification.noise_model import NoiseModel, noise_model
-from clepsydra.identification.residual_tests import ResidualTests, residual_tests
+from clepsydra.identification.residual_tests import (
+    NoiseModel,
+    ResidualTests,
+    noise_model,
+    residual_tests,
+)
 from clepsydra.identification.uncertainty import uncertainty
 
 SHAPE = np.stack([np.ones(400), np.sin(np.arange(400) / 30.0)], axis=1)

@@ -5,13 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from clepsydra.base.signal import Signal
-from clepsydra.identification.arx import ArxFit
-from clepsydra.identification.arx_choice import choose_arx, longest_delay
+from clepsydra.identification.arx import ArxFit, choose_arx, longest_delay
 from clepsydra.identification.estimate import Estimate, around, ratio_signal
 from clepsydra.identification.fitted_model import FittedModel
-from clepsydra.identification.noise_model import NoiseModel
 from clepsydra.identification.record import Record
-from clepsydra.identification.residual_tests import basis_of, chance_of_no_effect, residual_tests
+from clepsydra.identification.residual_tests import (
+    NoiseModel,
+    basis_of,
+    chance_of_no_effect,
+    residual_tests,
+)
 from clepsydra.identification.uncertainty import uncertainty
 from clepsydra.identification.validation import fits
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.identification.noise_model import NoiseModel
+from clepsydra.identification.residual_tests import NoiseModel
 
 #: Of every interval.
 LEVEL = 0.95

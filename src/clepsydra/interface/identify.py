@@ -12,8 +12,7 @@ from clepsydra.identification import identification as inner
 from clepsydra.identification import process_fit
 from clepsydra.identification.identification import identify_model
 from clepsydra.identification.process_file import write_fitted_process
-from clepsydra.identification.record import Record
-from clepsydra.identification.record_csv import read_record
+from clepsydra.identification.record import Record, read_record
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.shown import Answered, lifted
 

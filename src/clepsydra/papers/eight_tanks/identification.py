@@ -6,8 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from clepsydra.identification.arx import regressors
-from clepsydra.identification.arx_choice import DelayChoice, choose_delay
+from clepsydra.identification.arx import DelayChoice, choose_delay, regressors
 from clepsydra.papers.document import Found
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.six_designs import (

@@ -9,8 +9,7 @@ from __future__ import annotations
 import numpy as np
 from sympy import Expr, Function, Poly, symbols
 
-from clepsydra.identification.arx import fit_arx
-from clepsydra.identification.arx_choice import choose_delay
+from clepsydra.identification.arx import choose_delay, fit_arx
 from clepsydra.papers.document import Found
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.identification import DELAYS, record
