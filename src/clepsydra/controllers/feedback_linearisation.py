@@ -66,10 +66,7 @@ class Evaluated:
 class LinearisedProcess:
     """The equations of a linearised process within a step law.
 
-    Parameters
-    ----------
-    observer : ModelObserver, optional
-        Where not every state is measured that the law needs.
+    `observer`: where not every state is measured that the law needs.
 
     Raises InputError: A state that the law needs is neither measured nor estimated.
     """

@@ -35,14 +35,8 @@ class Schedule:
     between its values at the two points around it; beyond the first and the last point it keeps
     theirs. Where the input is no number, or its sensor has failed, the parameters stay.
 
-    Parameters
-    ----------
-    variable : str
-        The input of the law: pv of a measurement, or its sp.
-    signal : Signal
-        What it shows; lends unit and range.
-    points : int
-        2 to 15.
+    `variable`: the input of the law: pv of a measurement, or its sp; `signal`: what it shows; lends
+    unit and range; `points`: 2 to 15.
 
     Raises InputError: the input is neither a measurement nor a setpoint, or the points are too few
     or too many.

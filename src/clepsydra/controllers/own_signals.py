@@ -66,10 +66,7 @@ class OwnSignals:
     tracking value, limits, the last output and the status word; for each measurement whether its
     sensor is good; and the time step.
 
-    Parameters
-    ----------
-    place : str
-        File or name of the law, for messages.
+    `place`: file or name of the law, for messages.
 
     Raises InputError: an output is not the out of something, or a name stands for two signals.
     """

@@ -31,14 +31,9 @@ from clepsydra.program.step_law import Equations, StepLaw, Symbols
 class PolynomialShape:
     """How many gains one loop has.
 
-    Parameters
-    ----------
-    measurement_gains : int
-        On the last differences of the measurement: the degree of Q.
-    setpoint_gains : int
-        On those of the setpoint: the degree of R, which is zero by equation (24).
-    increment_gains : int
-        On the last increments of the output: the degree of P.
+    `measurement_gains`: on the last differences of the measurement: the degree of Q;
+    `setpoint_gains`: on those of the setpoint: the degree of R, which is zero by equation (24);
+    `increment_gains`: on the last increments of the output: the degree of P.
     """
 
     measurement_gains: int
@@ -50,10 +45,7 @@ class PolynomialShape:
 class IncrementalLoop:
     """One loop of a law in increments.
 
-    Parameters
-    ----------
-    what : str
-        What it acts on: the measurement, or a prediction of it.
+    `what`: what it acts on: the measurement, or a prediction of it.
     """
 
     shape: PolynomialShape

@@ -30,18 +30,10 @@ FAMILY = "Smith predictor"
 class PredictorShape:
     """The model of one loop, and its primary controller.
 
-    Parameters
-    ----------
-    controller : PolynomialShape
-        The primary controller, which acts on the prediction.
-    order : int
-        Degree of A.
-    tail : int
-        Degree of B: how many predictions of the past make the delayed output.
-    delay : int
-        d [samples]
-    error_feedback : bool
-        Whether the predicted error also moves the model, which an integrating model needs.
+    `controller`: the primary controller, which acts on the prediction; `order`: degree of A;
+    `tail`: degree of B: how many predictions of the past make the delayed output; `delay`: d
+    [samples]; `error_feedback`: whether the predicted error also moves the model, which an
+    integrating model needs.
     """
 
     controller: PolynomialShape

@@ -53,16 +53,8 @@ def rate_unit(unit: str, order: int) -> str:
 class VirtualInput:
     """ν = Kp (b r − y) + I − Σ m_k dᵏy/dtᵏ, I′ = Ki (r − y): what d^r y/dt^r shall be.
 
-    Parameters
-    ----------
-    measurement : Signal
-        y
-    degree : int
-        r; there are r − 1 damping terms.
-    alpha_on : {"virtual", "input"}
-        For variable structure.
-    moved : Signal
-        The input that it is paired with.
+    `measurement`: y; `degree`: r; there are r − 1 damping terms; `alpha_on`: for variable
+    structure; `moved`: the input that it is paired with.
     """
 
     measurement: Signal
@@ -124,7 +116,7 @@ class VirtualInput:
     ) -> tuple[ca.SX, ca.SX]:
         """Return Kp (b r − y) − Σ m_k dᵏy/dtᵏ, and the integral that makes no bump with it.
 
-        `derivatives`: y, dy/dt, …, of the degrees below r; `standing`: L + E u with the inputs of
+        `derivatives`: y, dy/dt, …, of the r degrees below r; `standing`: L + E u with the inputs of
         the last sample: where automatic takes over.
         """
         names = [signal.name for signal in self._adjusted]

@@ -10,10 +10,7 @@ import casadi as ca
 class LeadLag(NamedTuple):
     """The output of a lead-lag element, and its state.
 
-    Parameters
-    ----------
-    value, lagged : casadi.SX
-        [signal unit]
+    `value`, `lagged` [signal unit].
     """
 
     value: ca.SX
@@ -84,12 +81,7 @@ def squared_error(error: ca.SX, scale: ca.SX) -> ca.SX:
 class FilteredDerivative(NamedTuple):
     """A derivative and the next value of the filtered signal that it keeps.
 
-    Parameters
-    ----------
-    rate : casadi.SX
-        [signal unit / s]
-    filtered : casadi.SX
-        [signal unit]
+    `rate` [signal unit / s]; `filtered` [signal unit].
     """
 
     rate: ca.SX

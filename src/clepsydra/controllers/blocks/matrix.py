@@ -18,18 +18,9 @@ from clepsydra.program.step_law import Symbols
 class Matrix:
     """What each of some signals does to each of others, by the name ROW.MATRIX.COLUMN.
 
-    Parameters
-    ----------
-    rows, columns : sequence of Signal
-        What is acted on, and what acts.
-    words : str
-        Of a number, with {to} for its row and {by} for its column.
-    per : tuple of str
-        Further units in the denominator.
-    used : ndarray of bool, optional
-        Where it has numbers: one that is always zero is no parameter of the law.
-    digits : int
-        That a design gives to a number.
+    `rows`, `columns`: what is acted on, and what acts; `words`: of a number, with {to} for its row
+    and {by} for its column; `per`: further units in the denominator; `used`: where it has numbers:
+    one that is always zero is no parameter of the law; `digits`: that a design gives to a number.
 
     Examples
     --------

@@ -37,14 +37,9 @@ class _Handed:
 class Asked(_Handed):
     """What a block asks of the next one.
 
-    Parameters
-    ----------
-    asked : casadi.SX
-        Always a number where `usable` holds.
-    usable : casadi.SX
-        Whether it may be acted on in this sample.
-    numbers, sensors : casadi.SX
-        Whether all signals behind it are numbers, and their sensors sound: for the status word.
+    `asked`: always a number where `usable` holds; `usable`: whether it may be acted on in this
+    sample; `numbers`, `sensors`: whether all signals behind it are numbers, and their sensors
+    sound: for the status word.
     """
 
     asked: ca.SX
@@ -57,15 +52,10 @@ class Asked(_Handed):
 class Applied(_Handed):
     """What became of it, told back (the back calculation of a fieldbus block).
 
-    Parameters
-    ----------
-    applied : casadi.SX
-        What the block would have had to ask for to get what was applied.
-    in_force : casadi.SX
-        Whether the block had its say: the way to the actuator is in automatic.
-    follows : casadi.SX
-        Whether the actuator moves without it, in manual or in tracking, and it has to follow. Where
-        neither holds, an unusable signal froze everything.
+    `applied`: what the block would have had to ask for to get what was applied; `in_force`: whether
+    the block had its say: the way to the actuator is in automatic; `follows`: whether the actuator
+    moves without it, in manual or in tracking, and it has to follow. Where neither holds, an
+    unusable signal froze everything.
     """
 
     applied: ca.SX

@@ -16,10 +16,7 @@ from clepsydra.program.step_law import Equations, Symbols
 class Sample:
     """The signals of a law in one sample, and what has been computed of its results so far.
 
-    Parameters
-    ----------
-    symbols : mapping
-        The signals of the law by their paths.
+    `symbols`: the signals of the law by their paths.
 
     Examples
     --------
@@ -82,14 +79,9 @@ class Sample:
 class Reading:
     """What a law reads of its measurements and setpoints.
 
-    Parameters
-    ----------
-    measurements, setpoints : dict
-        By name; zero in the place of what is no number.
-    known : casadi.SX
-        Whether all measurements are numbers from sound sensors.
-    numbers, sensors : casadi.SX
-        Whether measurements and setpoints are numbers, and whether the sensors are sound.
+    `measurements`, `setpoints`: by name; zero in the place of what is no number; `known`: whether
+    all measurements are numbers from sound sensors; `numbers`, `sensors`: whether measurements and
+    setpoints are numbers, and whether the sensors are sound.
     """
 
     measurements: dict[str, ca.SX]

@@ -56,7 +56,7 @@ def sampled_expressions(
     W(2h) = W(h) + M(h)ᵀ W(h) M(h), M(2h) = M(h)². Only products and sums, so that a controller
     can compute it.
 
-    `weight`: S, symmetric; None where no cost is asked for; `time` [s].
+    `weight`: S [n + m, n + m], symmetric; None where no cost is asked for; `time` [s].
 
     References
     ----------
@@ -131,7 +131,8 @@ def riccati_step(held: ca.SX, moved: ca.SX, cost: ca.SX, to_go: ca.SX) -> Riccat
     in which rounding cannot make P negative. A pivot that is not above zero is replaced by one,
     so that nothing is divided by zero; the step then does not hold.
 
-    `held`, `moved`: Φ and Γ; `cost`: W = [Q N; Nᵀ R]; `to_go`: P, symmetric.
+    `held`, `moved`: Φ [n, n] and Γ [n, m]; `cost`: W = [Q N; Nᵀ R] [n + m, n + m]; `to_go`: P
+    [n, n], symmetric.
 
     References
     ----------

@@ -52,12 +52,8 @@ _SHAPES: dict[str, tuple[int, Callable[..., membership.Membership]]] = {
 class FuzzyFile:
     """What a file of a fuzzy controller says.
 
-    Parameters
-    ----------
-    system : FuzzySystem
-        In the units of the file, after the input gains and before the output gains.
-    inputs, outputs : dict
-        Linguistic variable to its table, for what it stands for in a process.
+    `system`: in the units of the file, after the input gains and before the output gains; `inputs`,
+    `outputs`: linguistic variable to its table, for what it stands for in a process.
     """
 
     title: str

@@ -27,10 +27,8 @@ class Trapezoid:
     A triangle has its two tops in one place, a shoulder is open on one side (`left_shoulder`,
     `right_shoulder`), and where foot and top are one place the edge is upright.
 
-    Parameters
-    ----------
-    foot, top, end_of_top, end : float
-        In rising order; foot and top may both be -∞, end_of_top and end both ∞.
+    `foot`, `top`, `end_of_top`, `end`: in rising order; foot and top may both be -∞, end_of_top and
+    end both ∞.
 
     Raises InputError: the places are not in order, the set has no width, or it is open where it
     must not be.
@@ -99,10 +97,7 @@ class Gaussian:
     It is computed by additions and multiplications alone, to 12 digits, so that the engine, C and
     Structured Text agree in every bit; it is nowhere zero.
 
-    Parameters
-    ----------
-    centre, width : float
-        The width is the standard deviation.
+    `centre`, `width`: the width is the standard deviation.
 
     Raises InputError: the width is not above zero.
 

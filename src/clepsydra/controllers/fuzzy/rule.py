@@ -93,10 +93,7 @@ def firing(
 class Rule:
     """A rule: where the condition holds, each output is its set.
 
-    Parameters
-    ----------
-    conclusions : tuple of Is
-        An output and one of its sets, each output once.
+    `conclusions`: an output and one of its sets, each output once.
 
     Examples
     --------

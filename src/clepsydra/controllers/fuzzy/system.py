@@ -24,12 +24,8 @@ _MOST_COMBINATIONS = 5_000_000
 class LinguisticVariable:
     """A quantity with its range and the sets that stand for its values in words.
 
-    Parameters
-    ----------
-    low, high : float
-        The range; an input is clipped to it, an output's centroid is taken over it.
-    sets : mapping
-        Name to membership function.
+    `low`, `high`: the range; an input is clipped to it, an output's centroid is taken over it;
+    `sets`: name to membership function.
 
     Raises InputError: the range is empty, there is no set, or a set is zero in the whole range.
 
@@ -86,10 +82,7 @@ class LinguisticVariable:
 class FuzzySystem:
     """Inputs, outputs and rules of a Mamdani system.
 
-    Parameters
-    ----------
-    points : int
-        On how many points of an output's range its centroid is taken.
+    `points`: on how many points of an output's range its centroid is taken.
 
     Raises InputError: A name stands twice, a rule names what there is not, the number of points is
     unfit, a set of an output lies between its points, or there are inputs with which no rule fires

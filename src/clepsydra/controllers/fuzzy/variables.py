@@ -49,12 +49,8 @@ _INCREMENT = "The centroid is how fast the output moves, from what was applied."
 class FuzzyOutput:
     """What a linguistic output does to its manipulated variable.
 
-    Parameters
-    ----------
-    moved : Signal
-        The manipulated variable.
-    action : {"position", "increment"}
-        The centroid is where it goes, or how fast it moves.
+    `moved`: the manipulated variable; `action`: the centroid is where it goes, or how fast it
+    moves.
     """
 
     moved: Signal
@@ -142,12 +138,8 @@ _INPUT_WORDS = {
 class FuzzyInput:
     """What a linguistic input stands for.
 
-    Parameters
-    ----------
-    quantity : {"error", "error_rate", "measurement", "measurement_rate"}
-        The error is setpoint less measurement; a rate is a filtered derivative.
-    measurement : Signal
-        Of the process.
+    `quantity`: the error is setpoint less measurement; a rate is a filtered derivative;
+    `measurement`: of the process.
     """
 
     quantity: Quantity

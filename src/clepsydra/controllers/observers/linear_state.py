@@ -110,14 +110,8 @@ class CurrentObserver(Observer):
 class LinearState(StateSource):
     """The measurements themselves, or what an observer estimates from them.
 
-    Parameters
-    ----------
-    measured, manipulated : sequence of Signal or str
-        A signal that has but a name is of unit 1.
-    controlled : sequence of str
-        The measurements that have setpoints.
-    structure : ObserverStructure or None
-        None where the measurements show the whole state.
+    `measured`, `manipulated`: a signal that has but a name is of unit 1; `controlled`: the
+    measurements that have setpoints; `structure`: None where the measurements show the whole state.
     """
 
     from_rest = True

@@ -53,12 +53,8 @@ class Observer(ABC):
     operator's hand nor saturation misleads it. In a sample whose time step is unusable, or where
     numbers run over, the estimate stays.
 
-    Parameters
-    ----------
-    estimated, measured, moved : sequence of Signal
-        What its state is of, and the measurements and inputs that it hears of.
-    model : sequence of Signal
-        The parameters that it computes with.
+    `estimated`, `measured`, `moved`: what its state is of, and the measurements and inputs that it
+    hears of; `model`: the parameters that it computes with.
 
     References
     ----------
@@ -98,7 +94,7 @@ class Observer(ABC):
     def correct(self, sample: Sample, measured: Iterable[ca.SX], known: ca.SX) -> list[ca.SX]:
         """Write an instance of its block of correction, and return x̂c.
 
-        `measured`: what the measurements show; zero in the place of what is no number; `known`:
+        `measured`: what the measurements show [p]; zero in the place of what is no number; `known`:
         whether all are numbers from sound sensors.
         """
         state, results = self.state(), (*self._estimates, *self._surprises)
@@ -119,7 +115,7 @@ class Observer(ABC):
     def predict(self, sample: Sample, estimate: Sequence[ca.SX], inputs: Sequence[ca.SX]) -> None:
         """Write an instance of its block of prediction.
 
-        `estimate`: x̂c; `inputs`: as they were applied.
+        `estimate`: x̂c; `inputs`: as they were applied [m].
         """
         state = tuple(self.state())
 

@@ -21,12 +21,8 @@ from clepsydra.program.step_law import StepLaw, Symbols
 class StateSource(ABC):
     """The process signals of a law that feeds a state back, and where the state comes from.
 
-    Parameters
-    ----------
-    measured, controlled, manipulated : sequence of Signal
-        Those that are controlled have setpoints.
-    fed_back : sequence of Signal
-        The quantities of the state.
+    `measured`, `controlled`, `manipulated`: those that are controlled have setpoints; `fed_back`:
+    the quantities of the state.
 
     Attributes
     ----------
@@ -115,12 +111,7 @@ class StateSource(ABC):
 class ProcessState(StateSource):
     """The state x of the `ProcessEquations`.
 
-    Parameters
-    ----------
-    measurements : sequence of str
-        What the law reads.
-    expressions : sequence of casadi.SX
-        What it computes with.
+    `measurements`: what the law reads; `expressions`: what it computes with.
     """
 
     def __init__(

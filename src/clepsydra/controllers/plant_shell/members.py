@@ -88,10 +88,7 @@ _TOLERANCE = 0.1
 class Members:
     """The sensors, setpoints and outputs of a controller as its plant shell has them.
 
-    Parameters
-    ----------
-    sampling_period : float
-        [s]
+    `sampling_period` [s].
 
     Raises InputError: A setting is for a signal that the controller does not have, a fail-safe
     value lies outside the limits, or the rate of an output cannot be limited.

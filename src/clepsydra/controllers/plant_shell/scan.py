@@ -163,12 +163,7 @@ class Scan(Sample):
     A ring cannot be overwritten in one scan: what is read of it counts as the initial value until
     it was written after the start.
 
-    Parameters
-    ----------
-    symbols : mapping
-        The shell's signals by name.
-    initial : mapping
-        State name to its initial value.
+    `symbols`: the shell's signals by name; `initial`: state name to its initial value.
 
     Examples
     --------

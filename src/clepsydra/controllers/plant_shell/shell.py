@@ -36,12 +36,8 @@ _DESCRIPTION = (
 class ShelledController(Controller):
     """A controller behind a plant shell.
 
-    Parameters
-    ----------
-    bare : Controller or None
-        The controller without the shell.
-    sources : dict
-        Parameter of the shell to where its number comes from.
+    `bare`: the controller without the shell; `sources`: parameter of the shell to where its number
+    comes from.
     """
 
     bare: Controller | None = None

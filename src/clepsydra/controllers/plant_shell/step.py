@@ -43,12 +43,7 @@ class ShellScan(Scan):
     what it names told_sensor_fault and the like of an output, on the way to its status word, or
     else the bits of the word. A law that only joins blocks needs none around them.
 
-    Parameters
-    ----------
-    state : sequence of Signal or DelayRing
-        Of the law, and what the shell adds.
-    initial : mapping
-        State name to initial value.
+    `state`: of the law, and what the shell adds; `initial`: state name to initial value.
     """
 
     def __init__(

@@ -13,12 +13,8 @@ from clepsydra.controllers.blocks.sample import Sample
 class Opened(NamedTuple):
     """A block on the way forward: what it asks for, and how its sample ends.
 
-    Parameters
-    ----------
-    asked : tuple of Asked
-        One for each of its ports.
-    close : callable
-        Takes what was applied at each port and returns what it tells back, one for each source.
+    `asked`: one for each of its ports; `close`: takes what was applied at each port and returns
+    what it tells back, one for each source.
     """
 
     asked: tuple[Asked, ...]

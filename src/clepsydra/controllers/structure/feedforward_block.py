@@ -23,18 +23,10 @@ from clepsydra.program.step_law import Equations, Symbols
 class FeedforwardTerm:
     """One signal that acts on a loop's output: gain (1 + lead s)/(1 + lag s) (x − x°).
 
-    Parameters
-    ----------
-    owner : str
-        What its parameters belong to.
-    moved : Signal
-        What it is added to: an output, or another loop's setpoint.
-    signal : Signal
-        The process signal.
-    measured : bool
-        Whether it is a measurement; else it is another output, for decoupling.
-    dynamic : bool
-        Whether it has a lead and a lag; else it acts at once.
+    `owner`: what its parameters belong to; `moved`: what it is added to: an output, or another
+    loop's setpoint; `signal`: the process signal; `measured`: whether it is a measurement; else it
+    is another output, for decoupling; `dynamic`: whether it has a lead and a lag; else it acts at
+    once.
     """
 
     owner: str
@@ -70,12 +62,7 @@ class FeedforwardBlock(WithoutSignals):
     With the last outputs of the other loops as signals it is inverted decoupling. A signal that
     fails leaves its term where it went to at last, and the loop goes on.
 
-    Parameters
-    ----------
-    source : str
-        The loop's port.
-    moved : Signal
-        What the sum moves: an output, or another loop's setpoint.
+    `source`: the loop's port; `moved`: what the sum moves: an output, or another loop's setpoint.
 
     References
     ----------

@@ -17,14 +17,8 @@ from clepsydra.controllers.structure.block import Opened, WithoutSignals
 class OutputBlock(WithoutSignals):
     """One manipulated variable of a control scheme.
 
-    Parameters
-    ----------
-    signal : Signal
-        The process input.
-    source : str
-        The port that moves it in automatic.
-    rate_limited : bool
-        Whether it has a rate_limit.
+    `signal`: the process input; `source`: the port that moves it in automatic; `rate_limited`:
+    whether it has a rate_limit.
     """
 
     signal: Signal

@@ -53,22 +53,11 @@ def ramped(value: ca.SX, working: ca.SX, largest_rate: ca.SX, time_step: ca.SX) 
 class PidLoop(WithoutSignals):
     """A PID loop: it measures one signal and moves an output, or another loop's setpoint.
 
-    Parameters
-    ----------
-    name : str
-        What other blocks call it.
-    owner : str
-        What its parameters and its state belong to.
-    measurement : Signal
-        The process measurement.
-    moved : Signal
-        What it moves; lends unit and range.
-    setpoint : str
-        The law's input for it, or the port of the block that gives it.
-    inner : bool
-        Whether another block gives the setpoint (the outer loop of a cascade).
-    direct : bool
-        Whether it moves an output and nothing stands between.
+    `name`: what other blocks call it; `owner`: what its parameters and its state belong to;
+    `measurement`: the process measurement; `moved`: what it moves; lends unit and range;
+    `setpoint`: the law's input for it, or the port of the block that gives it; `inner`: whether
+    another block gives the setpoint (the outer loop of a cascade); `direct`: whether it moves an
+    output and nothing stands between.
     """
 
     name: str

@@ -35,16 +35,9 @@ _TOO_SMALL = 1e-3
 class RatioBlock(WithoutSignals):
     """What is asked for is a ratio times a wild signal, in units of both.
 
-    Parameters
-    ----------
-    owner : str
-        What its parameters belong to.
-    wild : Signal
-        The measurement that nobody moves here.
-    moved : Signal
-        What follows it: an output, or another loop's setpoint.
-    source : str or None
-        The port of a loop that trims the ratio; without one the parameter ratio is it.
+    `owner`: what its parameters belong to; `wild`: the measurement that nobody moves here; `moved`:
+    what follows it: an output, or another loop's setpoint; `source`: the port of a loop that trims
+    the ratio; without one the parameter ratio is it.
     """
 
     name: str

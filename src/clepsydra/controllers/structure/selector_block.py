@@ -26,10 +26,7 @@ class SelectorBlock(WithoutSignals):
     follow it (external reset), and each takes over without a bump when its turn comes. A source
     that is not usable is passed over while another one is.
 
-    Parameters
-    ----------
-    sources : tuple of str
-        Ports of loops.
+    `sources`: ports of loops.
 
     References
     ----------

@@ -23,16 +23,8 @@ from clepsydra.program.step_law import Equations, Symbols
 class Leg:
     """One actuator of a split range and its part of the range.
 
-    Parameters
-    ----------
-    owner : str
-        What its parameters belong to.
-    moved : Signal
-        What it moves.
-    start, end : float
-        Part of the splitter's range, in percent.
-    at_start, at_end : float
-        Values of what it moves there, in its unit.
+    `owner`: what its parameters belong to; `moved`: what it moves; `start`, `end`: part of the
+    splitter's range, in percent; `at_start`, `at_end`: values of what it moves there, in its unit.
 
     Examples
     --------
@@ -61,12 +53,8 @@ class Leg:
 class SplitRangeBlock(WithoutSignals):
     """One value from 0 to 100 % moves several actuators.
 
-    Parameters
-    ----------
-    source : str
-        The port that gives the value, in percent.
-    legs : tuple of Leg
-        Their parts of the range do not overlap.
+    `source`: the port that gives the value, in percent; `legs`: their parts of the range do not
+    overlap.
 
     References
     ----------
