@@ -8,7 +8,7 @@ from refusals import refused
 
 import clepsydra as cl
 from clepsydra import PidForm
-from clepsydra.controllers.blocks.anti_windup import conditional_integration, tracking_share
+from clepsydra.controllers.blocks.anti_windup import next_in_force, tracking_share
 from clepsydra.controllers.blocks.status import STATUS_BITS, read_status, status_word
 from clepsydra.controllers.blocks.validity import is_number, is_time_step, limit, value_or_zero
 
@@ -62,7 +62,16 @@ def test_conditional_integration_leaves_out_only_what_pushes_further(
     increment, unlimited, expected
 ):
     limited = min(max(unlimited, 0.0), 10.0)
-    assert evaluated(conditional_integration, 3.0, increment, unlimited, limited) == expected
+
+    def following(integral, increment, unlimited, limited):
+        s = {
+            "integral_used": integral,
+            "increment": increment,
+            "proportional": unlimited - integral,
+        }
+        return next_in_force("conditional_integration", s, limited)
+
+    assert evaluated(following, 3.0, increment, unlimited, limited) == expected
 
 
 def test_the_share_is_never_above_one_even_at_a_tracking_time_of_zero():

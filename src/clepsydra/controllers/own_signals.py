@@ -44,10 +44,6 @@ def check_paths(place: str, names: Iterable[str]) -> None:
     Raises
     ------
     InputError
-
-    Examples
-    --------
-    >>> check_paths("my_law.py", ["level.pv", "gain"])
     """
     for name in names:
         former = re.fullmatch(r"(.*)_\d+", name)

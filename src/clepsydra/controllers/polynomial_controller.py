@@ -144,13 +144,7 @@ def increments(shape: PolynomialShape) -> Block:
 
 
 def products(s: Symbols, weights: str, values: Sequence[ca.SX]) -> list[ca.SX]:
-    """Return each value times its weight.
-
-    Examples
-    --------
-    >>> products({"gain.1": ca.SX(2)}, "gain", [ca.SX(3)])
-    [SX(6)]
-    """
+    """Return each value times its weight."""
     names = elements(weights, len(values))
     return [s[name] * value for name, value in zip(names, values, strict=True)]
 
@@ -186,14 +180,7 @@ def _increments(s: Symbols, shape: PolynomialShape) -> Equations:
 
 
 def shifted(s: Symbols, stem: str, count: int, now: ca.SX, counts: ca.SX) -> dict[str, ca.SX]:
-    """Return a memory one sample later, or as it is where the sample does not count.
-
-    Examples
-    --------
-    >>> s = {"past.1": ca.SX(3), "past.2": ca.SX(4)}
-    >>> shifted(s, "past", 2, ca.SX(2), ca.SX(1))
-    {'past.1': SX(2), 'past.2': SX(3)}
-    """
+    """Return a memory one sample later, or as it is where the sample does not count."""
     past = elements(stem, count)
     values = [now, *(s[name] for name in past)]
     return {n: ca.if_else(counts, new, s[n]) for n, new in zip(past, values, strict=False)}

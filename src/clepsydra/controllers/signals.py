@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from clepsydra.base.key import Key, ratio_of_units
-from clepsydra.base.signal import Signal, effect, path
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.blocks.status import STATUS_BITS, Mode, status_port
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.entries import signal_of
@@ -38,13 +38,7 @@ TIME_STEP = Key("time_step", "s", "time since the last sample", 0.0, default=1.0
 
 
 def signed(name: str, unit: str, words: str, default: float = 0.0) -> Key:
-    """Return the key of a parameter that may have either sign: a gain, a bias, a limit.
-
-    Examples
-    --------
-    >>> signed("bias", "{output}", "{output} at the operating point").low
-    -1000000000.0
-    """
+    """Return the key of a parameter that may have either sign: a gain, a bias, a limit."""
     return Key(name, unit, words, -LARGEST_PARAMETER, LARGEST_PARAMETER, default)
 
 
@@ -90,24 +84,12 @@ def owners(signals: Iterable[Signal | DelayRing], part: str) -> tuple[str, ...]:
 
 
 def measurement_inputs(measured: Sequence[Signal]) -> list[Signal]:
-    """Return pv and good of each measured signal.
-
-    Examples
-    --------
-    >>> [signal.name for signal in measurement_inputs([Signal("level_1", "V")])]
-    ['level_1.pv', 'level_1.good']
-    """
+    """Return pv and good of each measured signal."""
     return [key.of(signal, measurement=signal) for signal in measured for key in (PV, GOOD)]
 
 
 def setpoint_inputs(controlled: Sequence[Signal]) -> list[Signal]:
-    """Return sp of each controlled signal.
-
-    Examples
-    --------
-    >>> setpoint_inputs([Signal("level_1", "V")])[0].name
-    'level_1.sp'
-    """
+    """Return sp of each controlled signal."""
     return [SP.of(signal, measurement=signal) for signal in controlled]
 
 
@@ -139,35 +121,17 @@ def limit_parameters(signal: Signal, *, rate_limited: bool = False) -> list[Sign
 
 
 def last_output(signal: Signal) -> Signal:
-    """Return last_output of a process signal.
-
-    Examples
-    --------
-    >>> last_output(Signal("pump_1", "V", initial=3.0)).initial
-    3.0
-    """
+    """Return last_output of a process signal."""
     return LAST_OUTPUT.of(signal, signal.initial, output=signal)
 
 
 def output_state(signal: Signal) -> list[Signal]:
-    """Return integral and last_output.
-
-    Examples
-    --------
-    >>> [state.name for state in output_state(Signal("pump_1", "V"))]
-    ['pump_1.integral', 'pump_1.last_output']
-    """
+    """Return integral and last_output."""
     return [INTEGRAL.of(signal, output=signal), last_output(signal)]
 
 
 def output_signals(signal: Signal) -> list[Signal]:
-    """Return out and status.
-
-    Examples
-    --------
-    >>> [output.name for output in output_signals(Signal("pump_1", "V"))]
-    ['pump_1.out', 'pump_1.status']
-    """
+    """Return out and status."""
     out = OUT.of(signal, output=signal)
     words = signal.description or out.description
     return [replace(out, description=words), replace(STATUS, name=path(signal, "status"))]
@@ -189,13 +153,7 @@ def per(quantity: Signal, *others: Signal | str) -> Signal:
 
 
 def of_units(unit: str, shown: str) -> Signal:
-    """Return what has a unit and one that it is shown in, which may be the same.
-
-    Examples
-    --------
-    >>> of_units("V", "mV").display_unit, of_units("V", "V").display_unit
-    ('mV', '')
-    """
+    """Return what has a unit and one that it is shown in, which may be the same."""
     return Signal("", unit, shown if shown != unit else "")
 
 
@@ -203,11 +161,6 @@ def gain(name: str, of: Signal | str, initial: float, description: str) -> Signa
     """Return a parameter that may have either sign: a gain, a bias, a limit.
 
     `of`: what has its units, see `per`; or the unit.
-
-    Examples
-    --------
-    >>> gain("pump_1.bias", "V", 3.0, "output at the operating point").initial
-    3.0
     """
     units = of_units(of, of) if isinstance(of, str) else of_units(of.unit, of.shown_unit)
     ends = -LARGEST_PARAMETER, LARGEST_PARAMETER
@@ -219,79 +172,27 @@ def coefficient(name: str, of: Signal | str, description: str) -> Signal:
 
     Where a process is sampled often its poles stand near one, and six digits of such a number
     are fewer of a pole.
-
-    Examples
-    --------
-    >>> coefficient("transition", "1", "effect of a memory on itself").digits
-    9
     """
     return replace(gain(name, of, 0.0, description), digits=9)
 
 
-def number_of(
-    matrix: str, to: Signal, by: Signal, description: str, *times: str, digits: int = 6
-) -> Signal:
-    """Return a number of a matrix, with the unit of what it does to one signal by another.
-
-    Parameters
-    ----------
-    *times : str
-        Further units in the denominator.
-    digits : int
-        That a design gives to it.
-
-    Examples
-    --------
-    >>> found = number_of("feedback", Signal("pump", "V"), Signal("level", "m"), "")
-    >>> found.name, found.unit
-    ('pump.feedback.level', 'V/m')
-    """
-    found = gain(effect(to, matrix, by), per(to, by, *times), 0.0, description)
-    return replace(found, matrix=matrix, digits=digits)
-
-
 def at_rest(signal: Signal, part: str) -> Signal:
-    """Return the parameter of what a signal is at the operating point.
-
-    Examples
-    --------
-    >>> at_rest(Signal("pump_1", "V"), "bias").name
-    'pump_1.bias'
-    """
+    """Return the parameter of what a signal is at the operating point."""
     words = f"{signal.name} at the operating point"
     return gain(path(signal, part), signal, 0.0, words)
 
 
 def size(name: str, of: Signal | str, description: str) -> Signal:
-    """Return a parameter above zero that is divided by or squared: a largest error, a noise.
-
-    Examples
-    --------
-    >>> size("largest_error", "V", "largest acceptable error of level_1").low
-    1e-12
-    """
+    """Return a parameter above zero that is divided by or squared: a largest error, a noise."""
     return replace(gain(name, of, 1.0, description), low=1e-12)
 
 
 def duration(name: str, description: str) -> Signal:
-    """Return a parameter that is a time above zero [s].
-
-    Examples
-    --------
-    >>> duration("integral_time", "integral time").unit
-    's'
-    """
-    low, high = SHORTEST_TIME, LARGEST_PARAMETER
-    return Signal(name, "s", "", low, high, 60.0, description=description)
+    """Return a parameter that is a time above zero [s]."""
+    return amount(name, "s", description, 60.0, low=SHORTEST_TIME).of("")
 
 
 def like(signal: Signal, name: str, description: str) -> Signal:
-    """Return a signal with the units and the range of another.
-
-    Examples
-    --------
-    >>> like(Signal("level_1", "V", high=10.0), "level_1.sp", "setpoint of level_1").high
-    10.0
-    """
+    """Return a signal with the units and the range of another."""
     units, ends = (signal.unit, signal.display_unit), (signal.low, signal.high)
     return Signal(name, *units, *ends, signal.initial, description=description)

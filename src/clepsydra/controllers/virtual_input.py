@@ -39,13 +39,7 @@ _SMALLEST_EFFECT = signals.signed(
 
 
 def rate_unit(unit: str, order: int) -> str:
-    """Return the unit of a derivative.
-
-    Examples
-    --------
-    >>> rate_unit("V", 1), rate_unit("m", 3), rate_unit("1", 2)
-    ('V/s', 'm/s^3', '1/s^2')
-    """
+    """Return the unit of a derivative."""
     return f"{unit}/s" if order == 1 else f"{unit}/s^{order}"
 
 

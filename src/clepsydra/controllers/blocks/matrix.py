@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from clepsydra.base.signal import Signal, effect, path
-from clepsydra.controllers.signals import number_of
+from clepsydra.controllers.signals import gain, per
 from clepsydra.program.step_law import Symbols
 
 
@@ -48,7 +48,13 @@ class Matrix:
 
     def signals(self) -> list[Signal]:
         """Return the numbers as parameters, row by row."""
-        return [self._number(self.rows[j], self.columns[k]) for j, k in self.places]
+        found = []
+        for j, k in self.places:
+            to, by = self.rows[j], self.columns[k]
+            words = self.words.format(to=to.name, by=by.name)
+            number = gain(self._name(j, k), per(to, by, *self.per), 0.0, words)
+            found.append(replace(number, matrix=self.name, digits=self.digits))
+        return found
 
     def last(self) -> list[Signal]:
         """Return the numbers as states that keep those of the last sample."""
@@ -76,10 +82,6 @@ class Matrix:
 
     def _name(self, row: int, column: int) -> str:
         return effect(self.rows[row], self.name, self.columns[column])
-
-    def _number(self, to: Signal, by: Signal) -> Signal:
-        words = self.words.format(to=to.name, by=by.name)
-        return number_of(self.name, to, by, words, *self.per, digits=self.digits)
 
 
 def column(s: Symbols, part: str, owners: Iterable[Signal]) -> ca.SX:

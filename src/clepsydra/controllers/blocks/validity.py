@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import reduce
+
 import casadi as ca
 
 from clepsydra.program.step_law import Symbols
@@ -46,13 +48,6 @@ def value_or_zero(value: ca.SX, valid: ca.SX) -> ca.SX:
 
     Zero enters the arithmetic in its place, so that what is computed is a number even where
     it must not be used.
-
-    Examples
-    --------
-    >>> float(value_or_zero(ca.DM(float("nan")), ca.DM(0)))
-    0.0
-    >>> float(value_or_zero(ca.DM(2.5), ca.DM(1)))
-    2.5
     """
     return ca.if_else(valid, value, 0)
 
@@ -69,28 +64,16 @@ def is_time_step(time_step: ca.SX) -> ca.SX:
 
 
 def time_step_of(s: Symbols) -> tuple[ca.SX, ca.SX]:
-    """Return the time step, 1 s in place of one that is none, and whether it is one.
-
-    Examples
-    --------
-    >>> [float(value) for value in time_step_of({"time_step": ca.DM(-2)})]
-    [1.0, 0.0]
-    """
+    """Return the time step, 1 s in place of one that is none, and whether it is one."""
     good = is_time_step(s["time_step"])
     return ca.if_else(good, s["time_step"], 1), good
 
 
 def all_of(conditions: list[ca.SX]) -> ca.SX:
     """Return whether all of the conditions hold."""
-    result = conditions[0]
-    for condition in conditions[1:]:
-        result = ca.logic_and(result, condition)
-    return result
+    return reduce(ca.logic_and, conditions)
 
 
 def any_of(conditions: list[ca.SX]) -> ca.SX:
     """Return whether one of the conditions holds."""
-    result = conditions[0]
-    for condition in conditions[1:]:
-        result = ca.logic_or(result, condition)
-    return result
+    return reduce(ca.logic_or, conditions)

@@ -158,18 +158,6 @@ def surface(system: FuzzySystem) -> ca.Function:
     -------
     casadi.Function
         (inputs [m]) → (centroids [q], whether any rule fires [q]), in the order of the system.
-
-    Examples
-    --------
-    >>> from clepsydra.controllers.fuzzy.membership import triangle, left_shoulder, right_shoulder
-    >>> from clepsydra.controllers.fuzzy.rule import parse_rule
-    >>> sets = {"N": left_shoulder(-1.0, 0.0), "Z": triangle(-1.0, 0.0, 1.0),
-    ...         "P": right_shoulder(0.0, 1.0)}
-    >>> error, move = (LinguisticVariable(name, -1.0, 1.0, sets) for name in ("e", "u"))
-    >>> rules = tuple(parse_rule(s, f"if e is {s} then u is {s}") for s in sets)
-    >>> found = surface(FuzzySystem((error,), (move,), rules))
-    >>> [round(float(found(e)[0]), 3) for e in (-1.0, 0.5)]
-    [-0.673, 0.124]
     """
     x = ca.SX.sym("x", len(system.inputs))
     values, fires, _ = _function(system)[0](x)

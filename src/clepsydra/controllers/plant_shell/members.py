@@ -36,16 +36,6 @@ def needed_by_outputs(law: StepLaw, parts: Iterable[str]) -> dict[str, tuple[str
     reaches in the end.
 
     `parts`: "pv" and "good", say.
-
-    Examples
-    --------
-    >>> from clepsydra.controllers.linear_quadratic_integral import lqi_law
-    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-    >>> levels, pumps = ["level_1", "level_2"], ["pump_1", "pump_2"]
-    >>> needed_by_outputs(multiloop_pid_law(levels, pumps), ["pv", "good"])
-    {'pump_1': ('level_1',), 'pump_2': ('level_2',)}
-    >>> needed_by_outputs(lqi_law(levels, pumps, levels), ["pv", "good"])["pump_1"]
-    ('level_1', 'level_2')
     """
     columns = _places(s if s.part in parts else None for s in law.inputs)
     rows = {u: _places(law.outputs)[u] for u in owners(law.outputs, "out")}

@@ -63,17 +63,6 @@ def scan_start(*, delays: bool) -> Block:
 
     `delays`: whether the law remembers past values: then scans are counted until all are
     overwritten.
-
-    Examples
-    --------
-    A cold start that comes in time:
-
-    >>> given = dict(start=2, acknowledge=0, time_step=1, sampling_period=1, scan_tolerance=0.1,
-    ...              scans_since_start=1, last_start=0, last_acknowledge=0, scans_counted=7)
-    >>> symbols = {name: ca.DM(value) for name, value in given.items()}
-    >>> found = scan_start(delays=False).equations(symbols)
-    >>> float(found.outputs["cold"]), float(found.outputs["watchdog"])
-    (1.0, 1.0)
     """
     longest = count("longest_delay", _LARGEST_COUNT, "scans until every delay is overwritten")
     before = count("scans_before", 1e9, "scans since the cold start, before this one")
@@ -164,19 +153,6 @@ class Scan(Sample):
     it was written after the start.
 
     `symbols`: the shell's signals by name; `initial`: state name to its initial value.
-
-    Examples
-    --------
-    A cold start, with a delay of two scans:
-
-    >>> given = dict(start=2, scans_since_start=7, last_start=0, acknowledge=0, integral=9,
-    ...              last_acknowledge=0, delayed=9, scans_counted=7, time_step=1,
-    ...              sampling_period=1, scan_tolerance=0.1)
-    >>> scan = Scan({name: ca.DM(value) for name, value in given.items()},
-    ...             [Signal("integral"), DelayRing(Signal("delayed"), 2)],
-    ...             {"integral": 3.0, "delayed": 4.0})
-    >>> [float(ca.evalf(scan.state(name))) for name in ("integral", "delayed")]
-    [3.0, 4.0]
     """
 
     def __init__(

@@ -45,15 +45,7 @@ class ShelledController(Controller):
 
 
 def shell_sources(controller: Controller) -> dict[str, str]:
-    """Return for each parameter of the shell where its number comes from; empty without a shell.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> shelled = with_plant_shell(cl.design.simc(cl.load("quadruple-tank")), 1.0)
-    >>> shell_sources(shelled)["pump_1.fail_safe"]
-    'default: low limit of pump_1'
-    """
+    """Return for each parameter of the shell where its number comes from; empty without a shell."""
     return dict(controller.sources) if isinstance(controller, ShelledController) else {}
 
 
@@ -86,13 +78,6 @@ def with_plant_shell(
     ----------
     NAMUR NE 43, Standardization of the signal level for the failure information of digital
     transmitters.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> shelled = with_plant_shell(cl.design.simc(cl.load("quadruple-tank")), 1.0)
-    >>> shelled.law.name, shelled.free_inputs, shelled.free_outputs[-1]
-    ('multiloop_pi_with_shell', {'start': 0.0, 'acknowledge': 0.0}, 'watchdog')
     """
     _check_law(controller.law, f"{controller.name}, plant shell")
     return _shelled(

@@ -9,7 +9,7 @@ from functools import cache
 import casadi as ca
 
 from clepsydra.base.signal import Signal, path
-from clepsydra.controllers.blocks.filters import lead_lag
+from clepsydra.controllers.blocks.filters import filtered_derivative
 from clepsydra.controllers.blocks.ports import Applied, Asked, Limits, instance, truth
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.validity import is_number, time_step_of, value_or_zero
@@ -128,10 +128,14 @@ def _feedforward(dynamic: bool, sensed: bool) -> Block:
         if not dynamic:
             return Equations({"lagged_signal": taken}, {"added": s["gain"] * taken})
         time_step, time_step_good = time_step_of(s)
-        filtered = lead_lag(taken, s["lagged_signal"], s["lead"], s["lag"], time_step)
-        kept = ca.logic_and(time_step_good, is_number(filtered.lagged))
-        lagged = ca.if_else(kept, filtered.lagged, s["lagged_signal"])
-        return Equations({"lagged_signal": lagged}, {"added": s["gain"] * filtered.value})
+        # (1 + lead s)/(1 + lag s) by backward differences; times below zero count as zero.
+        rate, following = filtered_derivative(
+            taken, s["lagged_signal"], ca.fmax(0, s["lag"]), time_step
+        )
+        value = following + ca.fmax(0, s["lead"]) * rate
+        kept = ca.logic_and(time_step_good, is_number(following))
+        lagged = ca.if_else(kept, following, s["lagged_signal"])
+        return Equations({"lagged_signal": lagged}, {"added": s["gain"] * value})
 
     return Block(
         f"{'dynamic' if dynamic else 'static'}_feedforward{'' if sensed else '_of_output'}",

@@ -25,12 +25,6 @@ class Leg:
 
     `owner`: what its parameters belong to; `moved`: what it moves; `start`, `end`: part of the
     splitter's range, in percent; `at_start`, `at_end`: values of what it moves there, in its unit.
-
-    Examples
-    --------
-    >>> leg = Leg("split.valve_1", Signal("valve_1", "%"), 0.0, 50.0, 100.0, 0.0)
-    >>> leg.port("split"), leg.parameters()[0].name
-    ('split, valve_1', 'split.valve_1.start')
     """
 
     owner: str
