@@ -22,7 +22,7 @@ FAMILY = "loop shaping"
 MOST_STATES = 60
 
 _WORDS = "effect of {by} on {to}"
-_Ends = dict[str, tuple[Signal, ...]]
+_Ends = dict[str, Sequence[Signal]]
 #: What the numbers of each matrix are called among the parameters of the law; the matrix, and
 #: which of memory z, error e and output u it acts on and comes from.
 _MATRICES = {

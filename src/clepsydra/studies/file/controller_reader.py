@@ -190,7 +190,7 @@ def controller_schema() -> dict[str, Any]:
     """Return the JSON Schema of a controller: by its design, or written out."""
     properties: dict[str, Any] = {"design": told.choice("how it is made", [*DESIGNS])}
     design, checks = dict(properties), []
-    ways: list[Mapping[str, Any]] = [{"required": ["design"]}]
+    ways: list[dict[str, Any]] = [{"required": ["design"]}]
 
     def add(keys: Mapping[str, Any]) -> None:
         for key, schema in keys.items():  # what a key of two kinds has in common is its words
