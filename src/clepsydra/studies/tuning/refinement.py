@@ -60,25 +60,18 @@ def refine(problem: TuningProblem, point: np.ndarray, sensitivity_limit: float) 
     height = float(np.max(first.parts) if minimax else np.sum(first.parts))
     scale = height or 1.0
 
-    def under(x: np.ndarray) -> np.ndarray:
-        parts = around.at(x[:-1]).parts / scale
-        return x[-1] - parts if minimax else np.array([x[-1] - np.sum(parts)])
+    def room(x: np.ndarray) -> np.ndarray:
+        here = around.at(x[:-1])
+        parts = here.parts / scale
+        return np.append(x[-1] - (parts if minimax else np.sum(parts)), here.margins)
 
-    def under_slopes(x: np.ndarray) -> np.ndarray:
-        slopes = around.at(x[:-1]).part_slopes / scale
-        slopes = slopes if minimax else np.sum(slopes, axis=0, keepdims=True)
-        return np.hstack([-slopes, np.ones((len(slopes), 1))])
+    def slopes_of_room(x: np.ndarray) -> np.ndarray:
+        here = around.at(x[:-1])
+        parts = here.part_slopes / scale
+        parts = parts if minimax else np.sum(parts, axis=0, keepdims=True)
+        bound = np.append(np.ones(len(parts)), np.zeros(len(here.margins)))
+        return np.column_stack([np.vstack([-parts, here.margin_slopes]), bound])
 
-    def inside(x: np.ndarray) -> np.ndarray:
-        return around.at(x[:-1]).margins
-
-    def inside_slopes(x: np.ndarray) -> np.ndarray:
-        slopes = around.at(x[:-1]).margin_slopes
-        return np.hstack([slopes, np.zeros((len(slopes), 1))])
-
-    constraints = [{"type": "ineq", "fun": under, "jac": under_slopes}]
-    if len(first.margins):
-        constraints.append({"type": "ineq", "fun": inside, "jac": inside_slopes})
     up = np.append(np.zeros(len(point)), 1.0)
     with suppress(_Enough):
         minimize(
@@ -86,7 +79,7 @@ def refine(problem: TuningProblem, point: np.ndarray, sensitivity_limit: float) 
             np.append(point, height / scale),
             jac=lambda x: up,
             bounds=[(0.0, 1.0)] * len(point) + [(None, None)],
-            constraints=constraints,
+            constraints={"type": "ineq", "fun": room, "jac": slopes_of_room},
             method="SLSQP",
             options={"maxiter": _POINTS, "ftol": _ACCURACY},
         )
