@@ -14,6 +14,9 @@ from clepsydra.designs.polynomial.sampled_model import SampledModel
 
 #: A triangle whose diagonal shrinks by more is that of dependent columns.
 _RANK = 1e-10
+_ORDERS = (1, 2, 3)
+#: Delays are tried up to this share of the record, and never more than so many.
+_LATEST, _MOST = 0.2, 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,11 +196,6 @@ def checked_records(signal: np.ndarray, output: np.ndarray) -> tuple[np.ndarray,
             "as many of both", "cut them to the same samples",
         )  # fmt: skip
     return found[0], found[1]
-
-
-_ORDERS = (1, 2, 3)
-#: Delays are tried up to this share of the record, and never more than so many.
-_LATEST, _MOST = 0.2, 60
 
 
 def choose_arx(signal: np.ndarray, output: np.ndarray, period: float) -> ArxFit:

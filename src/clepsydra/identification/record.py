@@ -23,6 +23,9 @@ FEWEST_ROWS = 30
 MOST_ROWS = 100_000
 #: Steps of time may differ from their mean by this share: clocks of loggers jitter.
 _JITTER = 0.05
+#: Units that the house counts in; of any other kind of quantity numbers stay as written.
+_SI = ("m", "V", "1", "m^3/s", "A", "m^3", "m^2", "s", "kg/m^3", "mol/m^3", "K", "Pa", "kg/s")
+_GAP = "fill the gap, or cut the record there: nothing is interpolated"
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,11 +169,6 @@ def record_of(
         values[name] = values[name] + random.normal(0.0, deviation, len(run.time))
     period = run.process.sampling_period
     return Record(f"simulation of {run.process.name}", run.signals, values, period)
-
-
-#: Units that the house counts in; of any other kind of quantity numbers stay as written.
-_SI = ("m", "V", "1", "m^3/s", "A", "m^3", "m^2", "s", "kg/m^3", "mol/m^3", "K", "Pa", "kg/s")
-_GAP = "fill the gap, or cut the record there: nothing is interpolated"
 
 
 def read_record(path: str | Path, process: Process | None = None) -> Record:

@@ -9,6 +9,11 @@ import numpy as np
 
 #: Largest order that is tried, and the share of the samples that it may be of.
 _LARGEST, _SHARE = 12, 0.1
+#: Below this probability a test speaks: once in a hundred records it does so by chance.
+SIGNIFICANT = 0.01
+_LAGS = 10
+#: A direction this much weaker than the strongest is none.
+_RANK = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,13 +73,6 @@ def noise_model(residuals: np.ndarray) -> NoiseModel:
         if criterion < lowest:
             lowest, best = criterion, NoiseModel(coefficients, variance)
     return best
-
-
-#: Below this probability a test speaks: once in a hundred records it does so by chance.
-SIGNIFICANT = 0.01
-_LAGS = 10
-#: A direction this much weaker than the strongest is none.
-_RANK = 1e-9
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,11 +26,11 @@ from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, lqi_run
 from clepsydra.papers.averaging_tank.model import KMOL, high_tank
 from clepsydra.papers.averaging_tank.pi import BY_HAND, OPTIMAL
 from clepsydra.papers.averaging_tank.printed_tables import (
+    FUZZY_INDICES,
     IAE_OF_C,
-    fuzzy_indices,
+    LQI_INDICES,
+    PI_INDICES,
     lower_cells,
-    lqi_indices,
-    pi_indices,
     printed_indices,
 )
 from clepsydra.papers.averaging_tank.step_run import (
@@ -163,13 +163,12 @@ def _behaviour(reading: Reading) -> Rows:
     times = {o: settling(found, o) for o in ("C", "V")}
     slower = {who: {o: settles(o) for o in ("C", "V")} for who, settles in others.items()}
     over, less = ({o: overshoot(*step_of(each, o)) for o in ("C", "V")} for each in (found, finer))
-    printed, of_lqi = fuzzy_indices(), lqi_indices()
     f_in, f_out, c_in = (
         (float(values.min()), float(values.max()))
         for name, factor in (("inflow", 1.0), ("outflow", 1.0), ("inflow.impurity", KMOL))
         for values in [found.values[name] / factor]
     )
-    below_lqi, below_pi = (lower_cells(printed, each) for each in (of_lqi, pi_indices()))
+    below_lqi, below_pi = (lower_cells(FUZZY_INDICES, each) for each in (LQI_INDICES, PI_INDICES))
     told = "; ".join(f"{who} {t['C']:.2f} s" for who, t in slower.items())
     yield PRINTED["section 4", "overshoot, fuzzy"].claimed(
         max(over.values()) < 0.1 and max(less.values()) < 1e-3 * max(over.values()),
@@ -195,10 +194,10 @@ def _behaviour(reading: Reading) -> Rows:
         faster=faster,
     )
     yield PRINTED["section 4", "indices, fuzzy against LQI"].claimed(
-        len(below_lqi) == len(of_lqi), f"{len(below_lqi)} of {len(of_lqi)} cells"
+        len(below_lqi) == len(LQI_INDICES), f"{len(below_lqi)} of {len(LQI_INDICES)} cells"
     )
     line = PRINTED["section 4", "indices, fuzzy against all"].told(lower=", ".join(below_pi))
-    yield line.remark(f"Table 6 is lower in {', '.join(lower_cells(pi_indices(), printed))}")
+    yield line.remark(f"Table 6 is lower in {', '.join(lower_cells(PI_INDICES, FUZZY_INDICES))}")
 
 
 def _rest(reading: Reading) -> Rows:

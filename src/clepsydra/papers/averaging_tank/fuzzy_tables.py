@@ -16,6 +16,8 @@ from clepsydra.papers.row import Rows
 
 #: Names of the sets of the flows, as printed; the file has one name for S and S0.
 _TABLE_3 = ("ZO", "S0", "M", "LM", "LL")
+_UNITS = {"f_in": "m³/s", "f_out": "m³/s", "C_in": "kmol/m³"}
+_POINTS = 401
 
 
 def tables(system: FuzzySystem, with_printed_top: FuzzySystem) -> Rows:
@@ -78,10 +80,6 @@ def _has_union(condition: object) -> bool:
 
 def _is_symmetrical(member: Trapezoid) -> bool:
     return abs((member.top - member.foot) - (member.end - member.end_of_top)) < 1e-9
-
-
-_UNITS = {"f_in": "m³/s", "f_out": "m³/s", "C_in": "kmol/m³"}
-_POINTS = 401
 
 
 def sets_and_surfaces(system: FuzzySystem) -> tuple[Figure, Figure]:

@@ -25,7 +25,6 @@ from clepsydra.papers.averaging_tank.range_controllers import (
 from clepsydra.papers.averaging_tank.step_run import (
     MEASURED,
     SIGNALS,
-    high_model_of,
     model_of,
     step_scenario,
 )
@@ -45,6 +44,11 @@ _PERIODS = (1e-3, 1e-2, 1e-1)  # [s]
 #: Drawn at every sampling period.
 _SAMPLED = ("PI", "PI, anti-windup", "LQI", "LQI, anti-windup", "LQI, recomputed, anti-windup")
 _LAWS = ("PI", "LQI")
+_TUNINGS = ("by hand", "optimal")
+#: A usual cycle of a programmable logic controller [s].
+CYCLE = 0.01
+#: Sampling periods between which stability is sought [s], and halvings of that interval.
+_LONGEST, _SHORTEST, _HALVINGS = 10.0, 1e-5, 16
 
 
 class Step(NamedTuple):
@@ -89,7 +93,7 @@ def range_run(
     constant: Variant, kind: str, step: Step, period: float = PERIOD
 ) -> dict[str, np.ndarray]:
     """Return time, setpoints, outputs and inputs of one of `KINDS` through one step."""
-    model = high_model_of(constant, period)
+    model = model_of(constant, period, high=True)
     sizes = step.sizes.get("C", 0.0), step.sizes.get("V", 0.0)
     loop, kernel = bench_of(constant, kind, period)
     scenario = step_scenario(model, sizes, HORIZON)
@@ -123,7 +127,7 @@ def decline(constant: Variant, kind: str, step: Step) -> float:
 
 def _linear_decline(constant: Variant, kind: str, step: Step) -> float:
     """Return the decline on the linear model under the same limits."""
-    controller, model = controller_of(constant, kind, PERIOD), high_model_of(constant, PERIOD)
+    controller, model = controller_of(constant, kind, PERIOD), model_of(constant, PERIOD, high=True)
 
     def error(each: Step) -> float:
         sizes = {MEASURED[k][0]: MEASURED[k][1] * size for k, size in each.sizes.items()}
@@ -141,7 +145,7 @@ def _worst(constant: Variant, kind: str) -> tuple[float, Step]:
 def _declines() -> Rows:
     found, causes = [], []
     for constant in VARIANTS:
-        for kind in ("PI", "LQI"):
+        for kind in _LAWS:
             worst, step = _worst(constant, kind)
             linear = _linear_decline(constant, kind, step)
             without = decline(constant, f"{kind}, anti-windup", step)
@@ -222,13 +226,6 @@ def _by_period() -> Figure:
         "", "What large steps cost, against the sampling period",
         panels, "f_out constant, constants by hand.",
     )  # fmt: skip
-
-
-#: A usual cycle of a programmable logic controller [s].
-CYCLE = 0.01
-_LONGEST, _SHORTEST, _HALVINGS = 10.0, 1e-5, 16
-_TUNINGS = ("by hand", "optimal")
-_LAWS = ("PI", "LQI")
 
 
 def sampling_row() -> Row:

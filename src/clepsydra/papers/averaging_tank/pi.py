@@ -24,10 +24,10 @@ from clepsydra.papers.averaging_tank.continuous_pi import (
 from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, lqi_run
 from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.printed_tables import (
-    fuzzy_indices,
+    FUZZY_INDICES,
+    LQI_INDICES,
+    PI_INDICES,
     lower_cells,
-    lqi_indices,
-    pi_indices,
 )
 from clepsydra.papers.averaging_tank.step_run import (
     STEPS,
@@ -232,8 +232,8 @@ def _claims() -> Rows:
     free, limited = (continuous_run(OPTIMAL["outflow"], free=f) for f in (True, False))
     other = continuous_run(OPTIMAL["inflow"], free=True)
     overshoot = free.overshoot("V")
-    others = {"LQI": lqi_indices(), "fuzzy": fuzzy_indices()}
-    wins = [f"{cell} ({who})" for who in others for cell in lower_cells(pi_indices(), others[who])]
+    others = {"LQI": LQI_INDICES, "fuzzy": FUZZY_INDICES}
+    wins = [f"{cell} ({who})" for who in others for cell in lower_cells(PI_INDICES, others[who])]
     smaller = OPTIMAL["outflow"]._replace(time_c=OPTIMAL["outflow"].time_c / 10.0)
     in_range = limited.indices["IAE", "C"]
     yield PRINTED["section 4", "PI, C with f_out constant"].claimed(

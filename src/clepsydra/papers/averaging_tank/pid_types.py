@@ -13,6 +13,8 @@ from clepsydra.papers.row import Row
 
 #: Smaller by less is not smaller: tuning ends within that.
 _SAME = 0.01
+_TYPES: tuple[Actions, ...] = ("P", "PI", "PID")
+_INDICES = ("IAE", "ISE", "ITAE")
 
 
 def best_values() -> Row:
@@ -31,10 +33,6 @@ def best_values() -> Row:
     return PRINTED["Table 6", "best values of the indices"].claimed(
         not lower, "; ".join(lower) or "no smaller ones"
     )
-
-
-_TYPES: tuple[Actions, ...] = ("P", "PI", "PID")
-_INDICES = ("IAE", "ISE", "ITAE")
 
 
 def run() -> Found:

@@ -19,19 +19,11 @@ def printed_indices(table: str, column: str = "") -> Indices:
     return {key: abs(line.value) for key, line in lines.items()}
 
 
-def pi_indices() -> Indices:
-    """Return the sizes in Table 6 with f_out constant."""
-    return printed_indices("Table 6", "f_out constant")
-
-
-def lqi_indices() -> Indices:
-    """Return Table 7, optimal, with f_out constant."""
-    return printed_indices("Table 7", "f_out constant, optimal")
-
-
-def fuzzy_indices() -> Indices:
-    """Return Table 8, IAE of C with the exponent that its IE asks for."""
-    return printed_indices("Table 8") | {("IAE", "C"): IAE_OF_C}
+#: Sizes in Table 6 and, optimal, in Table 7 with f_out constant, and in Table 8, IAE of C with
+#: the exponent that its IE asks for.
+PI_INDICES = printed_indices("Table 6", "f_out constant")
+LQI_INDICES = printed_indices("Table 7", "f_out constant, optimal")
+FUZZY_INDICES = printed_indices("Table 8") | {("IAE", "C"): IAE_OF_C}
 
 
 def lower_cells(ours: Indices, theirs: Indices) -> list[str]:

@@ -30,7 +30,7 @@ from clepsydra.loop.loop import Loop
 from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, Weights, in_moles, weighed
 from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.pi import BY_HAND, pi_controller
-from clepsydra.papers.averaging_tank.step_run import high_model_of, step_scenario
+from clepsydra.papers.averaging_tank.step_run import model_of, step_scenario
 from clepsydra.papers.averaging_tank.symbols import FLOW, V0, Variant
 from clepsydra.program.step_law import StepLaw
 
@@ -49,7 +49,7 @@ def controller_of(constant: Variant, kind: str, period: float) -> Controller:
     """Return one of `KINDS` for a sampling period [s]."""
     law = kind.removesuffix(", anti-windup")
     winding: AntiWindup = "back_calculation" if kind.endswith("anti-windup") else "none"
-    model = high_model_of(constant, period)
+    model = model_of(constant, period, high=True)
     if law.startswith("PI"):
         plain = pi_controller(BY_HAND[constant], model, PidForm(anti_windup=winding))
         if winding == "back_calculation":
@@ -68,7 +68,7 @@ def controller_of(constant: Variant, kind: str, period: float) -> Controller:
 @cache
 def bench_of(constant: Variant, kind: str, period: float) -> tuple[Loop, Kernel]:
     """Return the loop of one of `KINDS` for a sampling period [s], compiled once for many steps."""
-    loop = Loop(controller_of(constant, kind, period), high_model_of(constant, period))
+    loop = Loop(controller_of(constant, kind, period), model_of(constant, period, high=True))
     given = loop.inputs_of(step_scenario(loop.model, (0.0, 0.0), period))
     still = {name: value for name, value in loop.at_rest().items() if name not in given}
     program = closed_loop(loop.process, loop.controller, substeps=loop.substeps, constant=still)

@@ -19,7 +19,6 @@ from clepsydra.loop.scenario import Scenario, scenario_of_changes
 from clepsydra.papers.averaging_tank.model import KMOL, high_tank, tank
 from clepsydra.papers.averaging_tank.symbols import Variant
 from clepsydra.papers.figure import Curve, CurveKind, Figure, Panel
-from clepsydra.process.process import Process
 from clepsydra.scores.integral_errors import IAE, ISE, ITAE, SIGNED_ERROR
 from clepsydra.scores.step_response import settling_time
 
@@ -29,23 +28,22 @@ STEPS = {"C": 0.25, "V": 0.1}
 PERIOD = 2e-4  # [s]
 HORIZON = 30.0  # [s]
 MEASURED = {"C": ("concentration", KMOL), "V": ("volume", 1.0)}
+#: Name, signal, label, factor and kind of curve of each panel.
+SIGNALS: tuple[tuple[str, str, str, float, CurveKind], ...] = (
+    ("C", "concentration", "C [kmol/m³]", KMOL, "line"),
+    ("V", "volume", "V [m³]", 1.0, "line"),
+    ("f_in", "inflow", "f_in [m³/s]", 1.0, "held"),
+    ("f_out", "outflow", "f_out [m³/s]", 1.0, "held"),
+    ("C_in", "inflow.impurity", "C_in [kmol/m³]", KMOL, "held"),
+)
+_POINTS = 1500
 
 
 @cache
-def model_of(constant: Variant, period: float = PERIOD) -> LinearModel:
-    """Return the linear model of a variant, sampled with a period [s]."""
-    return _model(tank(constant), period)
-
-
-@cache
-def high_model_of(constant: Variant, period: float) -> LinearModel:
-    """Return the same model of a tank that is high enough for large steps."""
-    return _model(high_tank(f"{constant}-constant"), period)
-
-
-def _model(process: Process, period: float) -> LinearModel:
-    process = dataclasses.replace(process, sampling_period=period)
-    model = linearise(find_equilibrium(process))
+def model_of(constant: Variant, period: float = PERIOD, *, high: bool = False) -> LinearModel:
+    """Return the linear model of a variant, sampled with a period [s]; high for large steps."""
+    process = high_tank(f"{constant}-constant") if high else tank(constant)
+    model = linearise(find_equilibrium(dataclasses.replace(process, sampling_period=period)))
     return model.select(outputs=["concentration", "volume"])
 
 
@@ -98,17 +96,6 @@ def indices(run: Run, horizon: float | None = None) -> dict[tuple[str, str], flo
         for title, score in (("IE", SIGNED_ERROR), ("IAE", IAE), ("ISE", ISE), ("ITAE", ITAE)):
             found[title, name] = score.along(time, target, output)
     return found
-
-
-#: Name, signal, label, factor and kind of curve of each panel.
-SIGNALS: tuple[tuple[str, str, str, float, CurveKind], ...] = (
-    ("C", "concentration", "C [kmol/m³]", KMOL, "line"),
-    ("V", "volume", "V [m³]", 1.0, "line"),
-    ("f_in", "inflow", "f_in [m³/s]", 1.0, "held"),
-    ("f_out", "outflow", "f_out [m³/s]", 1.0, "held"),
-    ("C_in", "inflow.impurity", "C_in [kmol/m³]", KMOL, "held"),
-)
-_POINTS = 1500
 
 
 def trend_figure(

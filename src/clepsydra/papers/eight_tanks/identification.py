@@ -14,8 +14,8 @@ from clepsydra.papers.eight_tanks.six_designs import (
     PRINTED_A,
     PRINTED_B,
     PRINTED_D,
-    chain_sampled_each,
     printed_model,
+    sampled_chain,
 )
 from clepsydra.papers.figure import Curve, Figure, Panel, curves
 from clepsydra.papers.row import Row, Rows
@@ -49,7 +49,7 @@ def record(seed: int, values_a_sample: int) -> tuple[np.ndarray, np.ndarray]:
     """Return inflow and level of the chain at the samples."""
     random = np.random.default_rng(seed)
     inflow = random.normal(0.0, _DEVIATION, _SAMPLES * values_a_sample)
-    level = chain_sampled_each(1.0 / values_a_sample).output(inflow)
+    level = sampled_chain(period=1.0 / values_a_sample).output(inflow)
     return inflow[::values_a_sample], level[::values_a_sample]
 
 

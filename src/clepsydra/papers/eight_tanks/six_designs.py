@@ -120,13 +120,8 @@ def chain() -> Analysis:
 
 
 @cache
-def sampled_chain(gain: float = GAIN) -> SampledModel:
-    """Return equation (9) of (8): the chain sampled each minute, in minutes and m³/min."""
-    return chain_sampled_each(1.0, gain)
-
-
-def chain_sampled_each(period: float, gain: float = GAIN) -> SampledModel:
-    """Return (8) sampled with a period [min]."""
+def sampled_chain(gain: float = GAIN, period: float = 1.0) -> SampledModel:
+    """Return equation (9) of (8): the chain sampled with a period [min], in m³/min."""
     below = [float(value) for value in np.poly([-1.0 / TIME_CONSTANT] * TANKS)]
     return sampled_transfer([gain * below[-1]], below, 0.0, period)
 
@@ -159,19 +154,19 @@ def without_limits(controller: Controller) -> Controller:
 
 
 @cache
-def step_run(penalty: float, poles: tuple[float, ...], samples: int = _SAMPLES) -> StepRun:
+def step_run(penalty: float, poles: tuple[float, ...]) -> StepRun:
     """Return what the design does on the true chain."""
-    return stepped(designed(penalty, poles), samples)
+    return stepped(designed(penalty, poles))
 
 
-def stepped(controller: Controller, samples: int = _SAMPLES) -> StepRun:
+def stepped(controller: Controller) -> StepRun:
     """Return a unit step of the setpoint under a controller, on the true chain."""
     point = chain().operating_point
     level, inflow = point.as_dict()["level_8"], point.as_dict()["feed"]
     step = Change("level_8", level + _STEP, 0.0, 0.0)
-    run = Loop(controller, chain().model).run(scenario_of_changes(point, [step], samples))
+    run = Loop(controller, chain().model).run(scenario_of_changes(point, [step], _SAMPLES))
     return StepRun(
-        np.arange(samples, dtype=float),
+        np.arange(_SAMPLES, dtype=float),
         (run.true_measurement("level_8") - level) / _STEP,
         (run.values["feed"] - inflow) * MINUTE / _STEP,
     )

@@ -85,14 +85,6 @@ _HOW = {
 }
 
 
-def median(
-    score: str, set_up: SetUp, kind: Kind, tank: int, reading: Reading = USUAL,
-    units: Units = "percent",
-) -> float:  # fmt: skip
-    """Return the median of a score over the seeds; tank counts from one."""
-    return float(np.median(_scored(score, set_up, kind, tank, reading, units)))
-
-
 @cache
 def _scored(
     score: str, set_up: SetUp, kind: Kind, tank: int, reading: Reading, units: Units = "percent"
@@ -138,7 +130,7 @@ def everywhere(kind: Kind, score: str) -> dict[Reading | str, np.ndarray]:
 
     def medians(reading: Reading, units: Units = "percent") -> np.ndarray:
         both = product(SET_UPS, _TANKS)
-        found = [median(score, set_up, kind, tank, reading, units) for set_up, tank in both]
+        found = [np.median(_scored(score, s, kind, tank, reading, units)) for s, tank in both]
         return np.reshape(found, (2, 2))
 
     printed = [

@@ -22,6 +22,16 @@ from clepsydra.papers.four_tank_variable_structure.rig import (
     virtual_settings,
 )
 
+#: Of both pumps [V].
+LIMITS = np.linspace(4.0, 20.0, 33)
+#: What the rows on the decoupled tanks rest on.
+READING = (
+    "After decoupling by (9). What is not printed is ours: Johansson's tanks P− and PI controllers "
+    f"({IN_WORDS}) times E for ν, 0.5 V/cm, a sample every {SAMPLED:g} s, pumps from 0 to 10 V, "
+    f"α = {ALPHA:g} 1/s on ν with K_1 of (14) as K/Ti, from empty tanks and integrals at zero to "
+    "12.4 and 12.7 cm."
+)
+
 
 class Setting(NamedTuple):
     """What one lane has in place of Johansson's settings.
@@ -79,17 +89,6 @@ def filled_with(
         if rates is not None:
             parameters[f"{name}.saturation_rate"] = rates
     return fill(in_nu(way, alpha_on=alpha_on), limits, parameters=parameters, start=start, **target)
-
-
-#: Of both pumps [V].
-LIMITS = np.linspace(4.0, 20.0, 33)
-#: What the rows on the decoupled tanks rest on.
-READING = (
-    "After decoupling by (9). What is not printed is ours: Johansson's tanks P− and PI controllers "
-    f"({IN_WORDS}) times E for ν, 0.5 V/cm, a sample every {SAMPLED:g} s, pumps from 0 to 10 V, "
-    f"α = {ALPHA:g} 1/s on ν with K_1 of (14) as K/Ti, from empty tanks and integrals at zero to "
-    "12.4 and 12.7 cm."
-)
 
 
 class DecoupledReading(NamedTuple):
