@@ -7,7 +7,8 @@ from functools import cache
 import numpy as np
 
 from clepsydra.designs.polynomial.diophantine import product, rational
-from clepsydra.designs.polynomial.spectral_factor import spectral_factor
+from clepsydra.designs.polynomial.sampled_model import SampledModel
+from clepsydra.designs.polynomial.spectral_factor import SpectralFactor, spectral_factor
 from clepsydra.designs.polynomial.two_degree_of_freedom import (
     INTEGRAL,
     TwoDegreeOfFreedom,
@@ -28,10 +29,16 @@ def run() -> Found:
     return (*_counts(), _feedforward(), *_poles(), *_factor())
 
 
+def factor(penalty: float, model: SampledModel | None = None) -> SpectralFactor:
+    """Return the spectral factor of model (21), or of another, by a penalty."""
+    model = model or printed_model()
+    return spectral_factor(tuple(map(float, model.A)), tuple(map(float, model.B)), penalty)
+
+
 def controller(penalty: float, poles: tuple[float, ...], *, full: bool) -> TwoDegreeOfFreedom:
     """Return the solution of (22) with B(1) z^-1, as in Fig. 5, or with the full B as printed."""
     model = printed_model()
-    D = assigned(spectral_factor(tuple(model.A), tuple(model.B), penalty), poles)
+    D = assigned(factor(penalty), poles)
     B = tuple(model.B) if full else (0.0, float(np.sum(model.B)))
     return two_degree_of_freedom(tuple(model.A), B, D)
 
@@ -44,7 +51,7 @@ def _coefficients(found: TwoDegreeOfFreedom) -> int:
 def _counts() -> Rows:
     plain, full = (controller(10.0, (0.5,), full=choice) for choice in (False, True))
     model = printed_model()
-    D = assigned(spectral_factor(tuple(model.A), tuple(model.B), 10.0), (0.5,))
+    D = assigned(factor(10.0), (0.5,))
     left = product(product(tuple(model.A), INTEGRAL), plain.P)
     right = product(rational([0.0, float(np.sum(model.B))]), plain.Q)
     exact = all(a + b == d for a, b, d in zip(left, right, rational(D.coefficients), strict=True))
@@ -81,16 +88,13 @@ def _poles() -> Rows:
 
 
 def _factor() -> Rows:
-    model = printed_model()
-    factors = {
-        choice: spectral_factor(tuple(model.A), tuple(model.B), choice.penalty) for choice in SIX
-    }
+    factors = {choice: factor(choice.penalty) for choice in SIX}
     yield PRINTED["(27), (28)", "degree of the spectral factor"].claimed(
-        all(len(factor.coefficients) == 3 for factor in factors.values()),
+        all(len(each.coefficients) == 3 for each in factors.values()),
         "; ".join(
-            f"q_u = {choice.penalty:g}: d1 = {factor.coefficients[1]:.6f}, d2 = "
-            f"{factor.coefficients[2]:.6f}"
-            for choice, factor in factors.items()
+            f"q_u = {choice.penalty:g}: d1 = {each.coefficients[1]:.6f}, d2 = "
+            f"{each.coefficients[2]:.6f}"
+            for choice, each in factors.items()
             if choice in (PENALTIES[0], POLES[0])
         ),
     )
@@ -109,6 +113,6 @@ def _largest_error() -> float:
         whole += np.convolve(model.B, model.B[::-1])
         roots = np.roots(whole)
         stable = np.real(np.poly(roots[np.argsort(np.abs(roots))[:2]]))
-        closed = spectral_factor(tuple(model.A), tuple(model.B), float(penalty)).coefficients
+        closed = factor(float(penalty)).coefficients
         worst = max(worst, float(np.max(np.abs(stable - closed))))
     return worst

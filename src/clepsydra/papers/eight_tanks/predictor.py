@@ -8,7 +8,6 @@ import numpy as np
 from numpy.polynomial.polynomial import polyadd, polymul, polysub
 
 from clepsydra.designs.polynomial.sampled_model import SampledModel
-from clepsydra.designs.polynomial.spectral_factor import spectral_factor
 from clepsydra.designs.polynomial.two_degree_of_freedom import (
     TwoDegreeOfFreedom,
     assigned,
@@ -16,6 +15,7 @@ from clepsydra.designs.polynomial.two_degree_of_freedom import (
 )
 from clepsydra.papers.document import Found
 from clepsydra.papers.eight_tanks import PRINTED
+from clepsydra.papers.eight_tanks.polynomials import factor
 from clepsydra.papers.eight_tanks.six_designs import POLES, printed_model, step_run, trends, turns
 from clepsydra.papers.figure import Figure
 from clepsydra.papers.row import Row, Rows
@@ -63,7 +63,7 @@ def _second_order() -> Rows:
     )
 
 
-def _turns_on_the_model(penalty: float, poles: tuple[float, ...] = ()) -> int:
+def _turns_on_the_model(penalty: float) -> int:
     """Return the swings of the inflow if (21) is the process too.
 
     The predictor is exact then, so that u = r0 A/D w with r0 = D(1)/B(1).
@@ -71,7 +71,7 @@ def _turns_on_the_model(penalty: float, poles: tuple[float, ...] = ()) -> int:
     from scipy.signal import lfilter
 
     model = printed_model()
-    D = assigned(spectral_factor(tuple(model.A), tuple(model.B), penalty), poles)
+    D = assigned(factor(penalty), ())
     r0 = D.at_one / float(np.sum(model.B))
     inflow = lfilter(r0 * model.A, D.coefficients, np.ones(_SAMPLES))
     return turns(inflow, 0.02 / model.static_gain)
@@ -92,7 +92,7 @@ def _other_plants() -> Row:
 
 def _placed(model: SampledModel) -> TwoDegreeOfFreedom:
     A, B = tuple(map(float, model.A)), tuple(map(float, model.B))
-    return two_degree_of_freedom(A, B, assigned(spectral_factor(A, B, 1.0), (0.5,)))
+    return two_degree_of_freedom(A, B, assigned(factor(1.0, model), (0.5,)))
 
 
 @cache
