@@ -12,6 +12,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
 from clepsydra.process import told
 from clepsydra.process.hybrid import Event, switch_memory, switching
+from clepsydra.process.vessels.vessel import vessel_of
 from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
@@ -181,7 +182,7 @@ def read_trips(table: TableReader) -> LevelTrips | None:
                 raise table.refused("trip_below", lower.words(), expected, remedy)
         room = limit.level
         if not limit.above:
-            vessel = table.vessel_of(limit.tank)
+            vessel = vessel_of(table, limit.tank)
             room = math.inf if vessel is None else vessel.height - limit.level
         if room <= hysteresis:
             raise table.wrong(
@@ -231,7 +232,7 @@ def _limits(table: TableReader, key: str) -> tuple[LevelLimit, ...]:
         raise table.refused(key, "{}", expected, "name a tank, or remove the key")
     limits = []
     for tank in inner.present:
-        vessel = table.vessel_of(tank)
+        vessel = vessel_of(table, tank)
         level = inner.quantity(
             tank, "m", "a level", f"choose a level between floor and rim of {tank}",
             above=0.0, at_most=None if vessel is None else vessel.height,

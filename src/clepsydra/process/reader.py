@@ -242,7 +242,7 @@ def _elements(
                 path,
                 kind.keys,
                 components=components,
-                vessels=vessels,
+                made=vessels,
                 general=GENERAL_KEYS,
             )
             element = kind.read(name, table)

@@ -12,7 +12,7 @@ from clepsydra.base.units import from_si
 from clepsydra.process import told
 from clepsydra.process.declared import part
 from clepsydra.process.hybrid import Event, switch_memory, switching
-from clepsydra.process.vessels.vessel import Vessel
+from clepsydra.process.vessels.vessel import Vessel, vessel_of
 from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
@@ -108,7 +108,7 @@ def read_suction(
 
     An element draws by force that would go on drawing from an empty tank.
     """
-    vessel = table.vessel_of(source) if source and forced else None
+    vessel = vessel_of(table, source) if source and forced else None
     if vessel is None:
         expected = "no such key, since nothing is drawn from a tank by force"
         table.refuse((SUCTION_KEY,), expected, "remove it")

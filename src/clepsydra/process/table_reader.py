@@ -8,7 +8,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import MISSING
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.quantity import Quantity
@@ -16,9 +16,6 @@ from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import from_si, split_quantity, to_si, with_percent_hint
 from clepsydra.process.component import Component
 from clepsydra.process.document import Document
-
-if TYPE_CHECKING:
-    from clepsydra.process.vessels.vessel import Vessel
 
 #: An identifier in C and in Structured Text.
 IDENTIFIER = re.compile(r"[A-Za-z](?:_?[A-Za-z0-9]){0,39}")
@@ -39,8 +36,9 @@ class TableReader:
         The keys that the table may have; None for any.
     components : tuple of Component
         Of the process.
-    vessels : mapping
-        Tank to its shape, for elements that are joined to tanks.
+    made : mapping
+        Name to what an earlier table was made into, for elements that are joined to it: a tank's
+        shape.
     general : mapping
         Key of the top of the file to its schema, for who writes it into this table.
 
@@ -65,11 +63,11 @@ class TableReader:
         keys: Iterable[str] | None,
         *,
         components: tuple[Component, ...] = (),
-        vessels: Mapping[str, Vessel] | None = None,
+        made: Mapping[str, Any] | None = None,
         general: Mapping[str, Any] | None = None,
     ) -> None:
         self.components = components
-        self._vessels = vessels or {}
+        self.made = made or {}
         self._document = document
         self._path = path
         content: Any = document.tables
@@ -154,10 +152,6 @@ class TableReader:
         other = copy.copy(self)
         other._content = {**self._content, key: value}
         return other
-
-    def vessel_of(self, tank: str) -> Vessel | None:
-        """Return the shape of a tank; None where no tank has that name."""
-        return self._vessels.get(tank)
 
     def flag(self, key: str, *, default: bool) -> bool:
         """Return true or false."""

@@ -22,7 +22,7 @@ from clepsydra.process.outside_signal import actuator_signal
 from clepsydra.process.root_law import falling_root, signed_root
 from clepsydra.process.suction import SUCTION_TOLD, Suction, drawn, read_suction
 from clepsydra.process.valve_characteristic import CHARACTERISTICS, opened
-from clepsydra.process.vessels.vessel import Vessel
+from clepsydra.process.vessels.vessel import Vessel, vessel_of
 from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
@@ -150,7 +150,7 @@ class ControlValve(Element):
         default=None,
     )
     source_vessel: Vessel | None = part(
-        lambda table, key, known: table.vessel_of(known["source"]),
+        lambda table, key, known: vessel_of(table, known["source"]),
         SUCTION_TOLD,
         default=None,
     )

@@ -25,7 +25,7 @@ from clepsydra.process.sensor_reading import (
     read_scale,
     read_share,
 )
-from clepsydra.process.vessels.vessel import Vessel, reciprocal
+from clepsydra.process.vessels.vessel import Vessel, reciprocal, vessel_of
 from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ class Sensor(Element):
     measured: str = "level"
     flow: str = ""
     vessel: Vessel | None = part(
-        lambda table, key, known: table.vessel_of(known["tank"]), {"lag": {}}, default=None
+        lambda table, key, known: vessel_of(table, known["tank"]), {"lag": {}}, default=None
     )
     lag: float | None = quantity(
         "s",

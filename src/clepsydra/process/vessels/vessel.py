@@ -214,3 +214,8 @@ def reciprocal(value: ca.SX) -> ca.SX:
     0.25
     """
     return 0.5 * (2 / value)
+
+
+def vessel_of(table: TableReader, tank: str) -> Vessel | None:
+    """Return the shape of a tank for an element that is joined to it; None where there is none."""
+    return table.made.get(tank)
