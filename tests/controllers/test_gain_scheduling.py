@@ -157,14 +157,5 @@ def test_the_linear_model_halfway_is_that_of_the_interpolated_gains(averaging):
 
 
 def test_what_cannot_be_scheduled_is_refused():
-    plain = multiloop_pid_law([LEVEL], [PUMP])
-    with refused(value="gian"):
-        scheduled_law(plain, Schedule("level.pv", LEVEL, 2), ["gian"])
-    with refused(value="level_7.pv"):
-        scheduled_law(plain, Schedule("level_7.pv", LEVEL, 2), ["level.proportional_gain"])
-    with refused(place="points"):
-        Schedule("level.pv", LEVEL, 1)
-    with refused(place="variable"):
-        Schedule("level.mode", LEVEL, 3)
     with refused(value="clamping"):
         scheduled_lqi_law([LEVEL], [PUMP], ["level"], Schedule("level.sp", LEVEL, 2), "clamping")

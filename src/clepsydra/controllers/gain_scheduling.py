@@ -9,7 +9,6 @@ from itertools import pairwise
 
 import casadi as ca
 
-from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
@@ -37,30 +36,11 @@ class Schedule:
 
     `variable`: the input of the law: pv of a measurement, or its sp; `signal`: what it shows; lends
     unit and range; `points`: 2 to 15.
-
-    Raises InputError: the input is neither a measurement nor a setpoint, or the points are too few
-    or too many.
     """
 
     variable: str
     signal: Signal
     points: int
-
-    def __post_init__(self) -> None:
-        if self._input.part not in ("pv", "sp"):
-            raise InputError(
-                "schedule, variable",
-                self.variable,
-                "a measurement or a setpoint of the law",
-                "write as in level_1.pv",
-            )
-        if not FEWEST_POINTS <= self.points <= MOST_POINTS:
-            raise InputError(
-                "schedule, points",
-                self.points,
-                f"{FEWEST_POINTS} to {MOST_POINTS} points",
-                "choose fewer or more points",
-            )
 
     def parameters(self) -> list[Signal]:
         """Return the points and filter_time of the schedule."""
@@ -222,26 +202,12 @@ def scheduled_law(law: StepLaw, schedule: Schedule, names: Sequence[str]) -> Ste
 
     `names`: the parameters that are scheduled.
 
-    Raises InputError: A parameter or the scheduling input is none of the law's.
-
     References
     ----------
     W. J. Rugh and J. S. Shamma, Research on gain scheduling, Automatica 36(10), 2000,
     1401-1425, doi 10.1016/S0005-1098(00)00058-3.
     """
     known = {parameter.name: parameter for parameter in law.parameters}
-    unknown = [name for name in names if name not in known]
-    if unknown or not names:
-        raise InputError(
-            "schedule, parameters",
-            ", ".join(unknown) or "none",
-            f"some of {', '.join(known)}",
-            "correct the names",
-        )
-    if schedule.variable not in [signal.name for signal in law.inputs]:
-        raise InputError(
-            "schedule, variable", schedule.variable, "an input of the law", "correct the name"
-        )
 
     def equations(symbols: Symbols) -> Equations:
         sample = Sample(symbols)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -38,22 +38,6 @@ _FORMER = {
 _COUNTS = ("usable", "numbers", "sensors")
 
 
-def check_paths(place: str, names: Iterable[str]) -> None:
-    """Refuse the numbered names of former versions.
-
-    Raises
-    ------
-    InputError
-    """
-    for name in names:
-        former = re.fullmatch(r"(.*)_\d+", name)
-        if former and former[1] in _FORMER:
-            raise InputError(
-                place, name, f"a name like {_FORMER[former[1]]}",
-                "write what it belongs to, a dot, and what it is of that",
-            )  # fmt: skip
-
-
 @dataclass(frozen=True)
 class OwnSignals:
     """The signals of a law that a user wrote, and those of the whole law.
@@ -75,7 +59,13 @@ class OwnSignals:
 
     def __post_init__(self) -> None:
         every = (*self.inputs, *self.parameters, *self.outputs, *self.state)
-        check_paths(self.place, [signal.name for signal in every])
+        for name in (signal.name for signal in every):
+            former = re.fullmatch(r"(.*)_\d+", name)
+            if former and former[1] in _FORMER:
+                raise InputError(
+                    self.place, name, f"a name like {_FORMER[former[1]]}",
+                    "write what it belongs to, a dot, and what it is of that",
+                )  # fmt: skip
         names = [signal.name for signal in self.outputs]
         if not names or any(s.part != "out" or not s.owner for s in self.outputs):
             raise InputError(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from functools import cache
 
 import casadi as ca
@@ -10,11 +9,9 @@ import casadi as ca
 from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.ports import truth
-from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.validity import is_time_step
 from clepsydra.controllers.signals import SHORTEST_TIME, TIME_STEP, amount
 from clepsydra.program.block import Block
-from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.step_law import Equations, Symbols
 
 #: Scans are counted no further; single precision holds every whole number up to it.
@@ -144,36 +141,3 @@ def _begun(s: Symbols, *, delays: bool) -> Equations:
         },
         {"step_good": good},
     )
-
-
-class Scan(Sample):
-    """A sample whose states begin anew in a cold start; it has what `scan_start` tells.
-
-    A ring cannot be overwritten in one scan: what is read of it counts as the initial value until
-    it was written after the start.
-
-    `symbols`: the shell's signals by name; `initial`: state name to its initial value.
-    """
-
-    def __init__(
-        self,
-        symbols: Symbols,
-        state: Sequence[Signal | DelayRing],
-        initial: Mapping[str, float],
-    ) -> None:
-        super().__init__(symbols)
-        self.initial = initial
-        self.delays = {entry.name: entry.length for entry in state if isinstance(entry, DelayRing)}
-        block = scan_start(delays=bool(self.delays))
-        given = {**symbols, "longest_delay": ca.SX(max(self.delays.values(), default=1))}
-        kept = {entry.name: symbols[entry.name] for entry in block.state}
-        begun = block("scan", given, kept)
-        self.next_state |= begun.next_state
-        self.symbols = {**symbols, **begun.outputs}
-
-    def state(self, name: str) -> ca.SX:
-        """Return the value of a state that the scan goes on from."""
-        anew = self["cold"]
-        if name in self.delays:
-            anew = self["scans_before"] < self.delays[name]
-        return ca.if_else(anew, self.initial[name], self.symbols[name])

@@ -9,10 +9,11 @@ import casadi as ca
 
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.blocks.ports import truth
+from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.status import STATUS_BITS
 from clepsydra.controllers.blocks.validity import LARGEST_NUMBER, all_of, any_of
 from clepsydra.controllers.plant_shell.members import Members
-from clepsydra.controllers.plant_shell.scan import Scan
+from clepsydra.controllers.plant_shell.scan import scan_start
 from clepsydra.controllers.plant_shell.signal_check import RAMP, signal_check
 from clepsydra.controllers.plant_shell.status import (
     OF_LAW,
@@ -36,7 +37,7 @@ _OF_COMMAND = {
 }
 
 
-class ShellScan(Scan):
+class ShellScan(Sample):
     """One scan: judge, command, limit, let the law compute, and tell.
 
     The law is a block whose parameters are inputs, and which tells its status bits one by one:
@@ -53,9 +54,14 @@ class ShellScan(Scan):
         state: Sequence[Signal | DelayRing],
         initial: Mapping[str, float],
     ) -> None:
-        super().__init__(symbols, state, initial)
-        self.members, self.law = members, members.controller.law
-        given = dict(symbols)
+        super().__init__(symbols)
+        self.members, self.law, self.initial = members, members.controller.law, initial
+        self.delays = {entry.name: entry.length for entry in state if isinstance(entry, DelayRing)}
+        start, longest = scan_start(delays=bool(self.delays)), max(self.delays.values(), default=1)
+        kept = {entry.name: symbols[entry.name] for entry in start.state}
+        begun = start("scan", {**symbols, "longest_delay": ca.SX(longest)}, kept)
+        self.next_state |= begun.next_state
+        self.symbols, given = {**symbols, **begun.outputs}, dict(symbols)
         self.checks = {y.name: self._checked(y) for y in members.sensors}
         for y, check in self.checks.items():
             given |= {path(y, port): check[port] for port in ("pv", "good")}
@@ -78,6 +84,17 @@ class ShellScan(Scan):
         for loop in members.loops:
             self._show(loop)
         self.outputs["watchdog"] = self["watchdog"]
+
+    def state(self, name: str) -> ca.SX:
+        """Return the value of a state that the scan goes on from: the initial one in a cold start.
+
+        A ring cannot be overwritten in one scan: what is read of it counts as the initial value
+        until it was written after the start.
+        """
+        anew = self["cold"]
+        if name in self.delays:
+            anew = self["scans_before"] < self.delays[name]
+        return ca.if_else(anew, self.initial[name], self.symbols[name])
 
     def _checked(self, y: Signal) -> dict[str, ca.SX]:
         block = signal_check(ranged=path(y, "range_low") in self.symbols)

@@ -34,21 +34,6 @@ class Setpoint(NamedTuple):
     switched: ca.SX
 
 
-def ramped(value: ca.SX, working: ca.SX, largest_rate: ca.SX, time_step: ca.SX) -> ca.SX:
-    """Return a setpoint that moves from the last one no faster than its largest rate.
-
-    `value`, `working`: the setpoint asked for, and that of the last sample [measurement unit];
-    `largest_rate` [measurement unit / s]; `time_step` [s].
-
-    Examples
-    --------
-    >>> float(ramped(ca.DM(5.0), ca.DM(3.0), ca.DM(0.5), ca.DM(2.0)))
-    4.0
-    """
-    step = ca.fmax(largest_rate, 0) * time_step  # a rate below zero would turn the limits round
-    return limit(value, working - step, working + step)
-
-
 @dataclass(frozen=True)
 class PidLoop(WithoutSignals):
     """A PID loop: it measures one signal and moves an output, or another loop's setpoint.
@@ -170,7 +155,10 @@ class PidLoop(WithoutSignals):
         setpoint = self._chosen(s, remote)
         value = setpoint.value
         if self.form.setpoint_ramp:
-            value = ramped(value, s["working_setpoint"], s["setpoint_ramp"], time_step)
+            # A rate below zero would turn the limits round.
+            step = ca.fmax(s["setpoint_ramp"], 0) * time_step
+            working = s["working_setpoint"]
+            value = limit(value, working - step, working + step)
         # A chosen setpoint that fails is held, and the loop goes on; an only one is not there.
         given = valid if self.chooses else ca.logic_and(setpoint.valid, valid)
         known = ca.logic_and(given, sound)
