@@ -4,7 +4,7 @@ import pytest
 from flow_cascade import flow_cascade
 
 import clepsydra as cl
-from clepsydra.report.controller_section import controller_section
+from clepsydra.report.html import controller_section
 
 STUDY = (
     flow_cascade(duration="1 min", at="10 s", by="2 %")

@@ -9,7 +9,6 @@ from rich.console import Console
 from clepsydra import Signal
 from clepsydra.report.analysis_page import analysis_answer
 from clepsydra.report.analysis_tables import relative_gain_grid, roots_grid, static_gain_grid
-from clepsydra.report.first_screen import ranking_columns
 from clepsydra.report.html import report_text
 from clepsydra.report.law_tables import parameter_tables, status_words
 from clepsydra.report.score_tables import (
@@ -18,6 +17,7 @@ from clepsydra.report.score_tables import (
     score_tables,
 )
 from clepsydra.report.screen import Screen
+from clepsydra.report.study_answer import ranking_columns
 from clepsydra.studies.result import Standing
 
 

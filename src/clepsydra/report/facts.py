@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 from clepsydra.base.section import Table
 from clepsydra.base.signal import Signal
@@ -47,6 +48,22 @@ def told_table(head: Sequence[str], rows: Iterable[Sequence[str]], **how: int) -
     told = [column for column in columns if set(column[1:]) - {"", "–", "nan"}]
     kept, *lines = zip(*told, strict=True)
     return Table("", kept, tuple(lines), **how)
+
+
+def first_rows(table: Table, most: int, more: str) -> Table:
+    """Return a table of at most so many rows, and one that says how many more there are.
+
+    Examples
+    --------
+    >>> table = Table("", ("loop", "K"), (("a", "1"), ("b", "2"), ("c", "3")))
+    >>> first_rows(table, 1, "{} more").rows
+    (('a', '1'), ('2 more', ''))
+    """
+    left = len(table.rows) - most
+    if left <= 0:
+        return table
+    rest = (more.format(left), *[""] * (len(table.head) - 1))
+    return replace(table, rows=(*table.rows[:most], rest))
 
 
 def known_signal(process: Process, signal: Signal) -> Signal:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
@@ -29,6 +29,14 @@ _OBSERVER = (
     "Observer: x̂ = x̂⁻ + M (y − y° − C x̂⁻) with the measurements of this sample, then for the next "
     "one x̂⁻ = Φ x̂ + Γ (u − u°), u being what was applied."
 )
+
+
+#: What the pumps of a controller of start and stop levels have in common.
+_PUMPS: tuple[tuple[str, str, Callable[[float], str]], ...] = (
+    ("alternation", "the duty changes", lambda value: "after each run" if value else "never"),
+    ("shortest_rest", "shortest rest of a pump", setting_time),
+)
+_Facts = list[tuple[str, str]]
 
 
 def law_words(controller: Controller) -> list[str]:
@@ -91,15 +99,15 @@ def law_grids(controller: Controller, process: Process) -> list[Table]:
     outputs = [process.signal(name) for name in controller.manipulated]
     measured = [process.signal(name) for name in controller.measurements]
     followed = [process.signal(name) for name in controller.setpoints]
-    estimated = _estimates(controller, process)
-    state = estimated or measured
-    memory = [
-        Signal(entry.name, entry.unit)
-        for entry in controller.law.state
-        if isinstance(entry, Signal) and entry.owner == "memory"
+    entries = [signal_of(entry) for entry in controller.law.state]
+    estimated = [
+        known_signal(process, Signal(each.owner, each.unit))
+        for each in entries
+        if each.part == "estimate"
     ]
-    grids = []
-    for stem, title, rows, columns in (
+    state = estimated or measured
+    memory = [Signal(each.name, each.unit) for each in entries if each.owner == "memory"]
+    named = (
         ("feedback", "F, feedback", outputs, state),
         ("integral_gain", "G, integral gain per s", outputs, followed),
         ("precompensator", "N, precompensator", outputs, followed),
@@ -112,75 +120,62 @@ def law_grids(controller: Controller, process: Process) -> list[Table]:
         ("output_effect", "M, applied output", memory, outputs),
         ("memory_gain", "C, memory to output", outputs, memory),
         ("error_gain", "D, error to output", outputs, followed),
-    ):
-        grid = _matrix(stem, title, rows, columns, controller)
-        if grid is not None:
-            grids.append(grid)
-    return grids
+    )
+    return [grid for each in named if (grid := _matrix(controller, *each)) is not None]
 
 
 def law_facts(controller: Controller, process: Process) -> list[Table]:
     """Return operating point, limits and anti-windup of a controller without blocks."""
     if controller.law.blocks:
         return []
-    values, found = controller.values, []
-    references = tuple(
-        (f"{name}°", quantity_text(process.signal(name), values[key], DIGITS))
-        for name in controller.measurements
-        if (key := path(name, "reference")) in values
-    )
-    if references:
-        found.append(facts_table("Operating point", references))
-    common = tuple(
-        (what, text(values[name]))
-        for name, what, text in (
-            ("alternation", "the duty changes", lambda v: "after each run" if v else "never"),
-            ("shortest_rest", "shortest rest of a pump", setting_time),
-        )
-        if name in values
-    )
-    if common:
-        found.append(facts_table("Pumps", common))
-    return found + [
-        facts_table(f"Output {name}", _output(process.signal(name), controller))
-        for name in controller.manipulated
+    found = [
+        ("Operating point", _references(controller, process)),
+        ("Pumps", _told(controller, _PUMPS)),
+        *(
+            (f"Output {name}", _output(process.signal(name), controller))
+            for name in controller.manipulated
+        ),
     ]
+    return [facts_table(title, facts) for title, facts in found if facts]
 
 
-def _output(signal: Signal, controller: Controller) -> list[tuple[str, str]]:
+def _references(controller: Controller, process: Process) -> _Facts:
+    shown = ((name, process.signal(name)) for name in controller.measurements)
+    named = ((path(name, "reference"), f"{name}°", _quantity(signal)) for name, signal in shown)
+    return _told(controller, named)
+
+
+def _output(signal: Signal, controller: Controller) -> _Facts:
+    shown, known = _quantity(signal), output_facts(signal, controller)
+    if path(signal, "bias") in controller.values:
+        known = [fact for fact in known if fact[0] != "output at rest"]
+    before = (
+        (path(signal, "bias"), f"{signal.name}°, at rest", shown),
+        (path(signal, "running_value"), "while it runs", shown),
+        (path(signal, "stopped_value"), "while it stands", shown),
+    )
+    after = (
+        (path(signal, "tracking_time"), "tracking time", setting_time),
+        (path(signal, "fading_time"), "fading time", setting_time),
+        (path(signal, "in_service"), "in service", lambda value: "yes" if value else "no"),
+    )
+    return [*_told(controller, before), *known, *_told(controller, after)]
+
+
+def _quantity(signal: Signal) -> Callable[[float], str]:
+    return lambda value: quantity_text(signal, value, DIGITS)
+
+
+def _told(
+    controller: Controller, named: Iterable[tuple[str, str, Callable[[float], str]]]
+) -> _Facts:
+    """Return each parameter that the controller has in words: its key, what it is, its text."""
     values = controller.values
-    facts = []
-    for name, what in (
-        ("bias", f"{signal.name}°, at rest"),
-        ("running_value", "while it runs"),
-        ("stopped_value", "while it stands"),
-    ):
-        if (key := path(signal, name)) in values:
-            facts.append((what, quantity_text(signal, values[key], DIGITS)))
-    facts += [
-        fact
-        for fact in output_facts(signal, controller)
-        if fact[0] != "output at rest" or path(signal, "bias") not in values
-    ]
-    for name, what in (("tracking_time", "tracking time"), ("fading_time", "fading time")):
-        if (key := path(signal, name)) in values:
-            facts.append((what, setting_time(values[key])))
-    if (key := path(signal, "in_service")) in values:
-        facts.append(("in service", "yes" if values[key] else "no"))
-    return facts
-
-
-def _estimates(controller: Controller, process: Process) -> list[Signal]:
-    """Return the quantities that an observer estimates."""
-    return [
-        known_signal(process, Signal(state.owner, state.unit))
-        for state in map(signal_of, controller.law.state)
-        if state.part == "estimate"
-    ]
+    return [(what, text(values[key])) for key, what, text in named if key in values]
 
 
 def _matrix(
-    stem: str, title: str, rows: Sequence[Signal], columns: Sequence[Signal], controller: Controller
+    controller: Controller, stem: str, title: str, rows: Sequence[Signal], columns: Sequence[Signal]
 ) -> Table | None:
     values = controller.values
     names = [[path(path(row, stem), column.name) for column in columns] for row in rows]
@@ -205,11 +200,9 @@ def _stages(controller: Controller, process: Process) -> Table:
     level, values = process.signal(controller.measurements[0]), controller.values
     rows = []
     for number, stage in enumerate(owners(controller.law.parameters, "start_level"), start=1):
-        start, stop = (
-            level_words(process, level, values[path(stage, f"{what}_level")])
-            for what in ("start", "stop")
-        )
-        rows.append((f"stage {number}: {number} running", start, stop))
+        ends = (values[path(stage, f"{what}_level")] for what in ("start", "stop"))
+        words = (level_words(process, level, value) for value in ends)
+        rows.append((f"stage {number}: {number} running", *words))
     title = f"Levels ({level.name})"
     return Table(title, (title, "starts at", "stops at"), tuple(rows))
 
@@ -272,9 +265,8 @@ def status_words(run: Run) -> list[str]:
     outputs: dict[str, list[str]] = {}
     for name in run.controller.manipulated:
         seconds = dict.fromkeys(STATUS_BITS, 0.0)
-        for word, samples in zip(
-            *np.unique(run.values[f"{name}.status"], return_counts=True), strict=True
-        ):
+        counted = np.unique(run.values[f"{name}.status"], return_counts=True)
+        for word, samples in zip(*counted, strict=True):
             for bit in read_status(int(word)):
                 seconds[bit] += float(samples) * run.scenario.sampling_period
         told = [

@@ -19,7 +19,12 @@ from clepsydra.loop.inner_setpoints import inner_loops, inner_setpoints
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Segment
 from clepsydra.process.process import Process
-from clepsydra.report.quantities import display_factor, sensor_scale, short_text, unit_text
+from clepsydra.report.quantities import (
+    change_text,
+    display_factor,
+    sensor_scale,
+    unit_text,
+)
 from clepsydra.report.score_tables import standing_word
 from clepsydra.scores.plant_flows import forced_flows
 from clepsydra.studies.result import Candidate, StudyResult
@@ -75,19 +80,17 @@ class ShownSignal:
         """Return the ends of the band in display units; None where it has none."""
         if self.measurement not in process.bands:
             return None
-        ends = np.array(process.bands[self.measurement])
-        low, high = self._read(process, ends)
-        factor = display_factor(self.signal)
-        return float(low * factor), float(high * factor)
+        ends = self._read(process, np.array(process.bands[self.measurement]))
+        low, high = (ends * display_factor(self.signal)).tolist()
+        return low, high
 
     def setpoint(self, run: Run) -> np.ndarray | None:
         """Return the setpoint in display units [samples]; None where it has none."""
         factor = display_factor(self.signal)
         if self.inner:
             asked = inner_setpoints(run.controller, run.process)
-            names = (each.name for each in asked if each.measurement == self.signal.name)
-            name = next(names, None)
-            return None if name is None else run.values[name] * factor
+            names = [each.name for each in asked if each.measurement == self.signal.name]
+            return run.values[names[0]] * factor if names else None
         if not self.measurement:
             return None
         return self._read(run.process, run.values[f"{self.measurement}.setpoint"]) * factor
@@ -236,8 +239,7 @@ def event_title(process: Process, segment: Segment) -> str:
     if segment.signal in process.measured_state and segment.signal not in process.bands:
         signal = process.signal(process.measured_state[segment.signal])
         size /= sensor_scale(process, segment.signal).gain
-    shown = short_text(size * display_factor(signal))
-    words = f"{shown if size < 0 else '+' + shown} {unit_text(signal.shown_unit)}".strip()
+    words = change_text(size * display_factor(signal), signal.shown_unit)
     return f"{segment.kind.capitalize()} {segment.signal} {words}"
 
 
@@ -264,16 +266,9 @@ def overlay_data(
             step = _step(signal.signal, shown)
             # The setpoints of outer loops are the scenario's, the same for all.
             setpoints = [own[row] for own in (asked if signal.inner else asked[:1])]
-            traces.append(
-                {
-                    "step": step,
-                    "curves": [_coded(own[row][window.samples], step) for own in curves],
-                    "setpoints": [
-                        None if own is None else _coded(own[window.samples], step)
-                        for own in setpoints
-                    ],
-                }
-            )
+            told = [own if own is None else _coded(own[window.samples], step) for own in setpoints]
+            drawn = [_coded(own[row][window.samples], step) for own in curves]
+            traces.append({"step": step, "curves": drawn, "setpoints": told})
         start = round(window.segment.start / period)
         events.append(
             {

@@ -73,6 +73,17 @@ def short_text(value: float) -> str:
     return f"{value:.4g}".replace("-", "−")
 
 
+def change_text(value: float, unit: str) -> str:
+    """Return a change with its sign and unit, as `short_text`.
+
+    Examples
+    --------
+    >>> change_text(0.5, "cm^3/s"), change_text(-2.0, "V")
+    ('+0.5 cm³/s', '−2 V')
+    """
+    return f"{'' if value < 0 else '+'}{short_text(value)} {unit_text(unit)}".strip()
+
+
 def time_cell(time: float) -> str:
     """Return a time [s] as a table shows it: in the unit that suits it, ∞ for no end.
 

@@ -15,6 +15,7 @@ from clepsydra.loop.scenario import Segment
 from clepsydra.process.process import Process
 from clepsydra.report.colours import INK, LIMIT, MUTED, signal_colours
 from clepsydra.report.quantities import (
+    change_text,
     display_factor,
     fitted,
     percent_scale,
@@ -140,18 +141,13 @@ def segment_words(process: Process, segment: Segment) -> tuple[str, str, str]:
     if segment.kind == "noise":
         return "measurement", "noise", ""
     signal = process.signal(segment.signal)
-    size = _signed(segment.size * display_factor(signal), signal.shown_unit)
+    size = change_text(segment.size * display_factor(signal), signal.shown_unit)
     if segment.signal in process.measured_state:
         level = process.signal(process.measured_state[segment.signal])
         if level.shown_unit != signal.shown_unit:
             change = segment.size / sensor_scale(process, segment.signal).gain
-            size += f" = {_signed(change * display_factor(level), level.shown_unit)}"
+            size += f" = {change_text(change * display_factor(level), level.shown_unit)}"
     return segment.kind, segment.signal, size
-
-
-def _signed(value: float, unit: str) -> str:
-    sign = "" if value < 0 else "+"
-    return f"{sign}{short_text(value)} {unit_text(unit)}".strip()
 
 
 def _box(bottom: float, axes_height: float, height: float) -> tuple[float, float, float, float]:
@@ -168,9 +164,8 @@ def _draw_strip(
         start, stop = segment.start / seconds, min(segment.stop / seconds, limits[1])
         axes.axvspan(start, stop, facecolor="#f0f2f5" if index % 2 == 0 else "#e4e8ed", lw=0)
         letters = max(int((stop - start) * inches / 0.062), 1)
-        lines = [
-            fitted(word, letters) for word in segment_words(recording.process, segment) if word
-        ]
+        words = filter(None, segment_words(recording.process, segment))
+        lines = [fitted(word, letters) for word in words]
         axes.text(
             (start + stop) / 2.0, 0.5, "\n".join(lines), ha="center", va="center",
             fontsize=6.5, linespacing=1.15,
@@ -236,16 +231,14 @@ def draw_panel(
     held = _HELD if panel.kind in ("input", "disturbance") else {}
     values = recording.values[signal.name] * factor
     (main,) = axes.plot(time, values, label=signal.name, color=colour, linewidth=1.4, **held)
-    percent = None
+    percent, low, high = None, np.nan, np.nan
     if panel.kind not in ("disturbance", "total"):
         percent = percent_scale(recording.process, signal.name)
         # What a sensor shows of a concentration or a flow ends at its range; a level, at the rim.
         by_sensor = percent if panel.kind == "state" else None
         low, high = (end * factor for end in by_sensor or (signal.low, signal.high))
-        _set_view(axes, panel, low, high)
-        _draw_limits(axes, panel, low, high)
-    else:
-        _set_view(axes, panel, np.nan, np.nan)
+    _set_view(axes, panel, low, high)
+    _draw_limits(axes, panel, low, high)
     if panel.kind == "input":
         _draw_saturation(axes, signal, recording, time)
     axes.set_ylabel(unit_text(signal.shown_unit) or "–")
@@ -260,27 +253,25 @@ def _draw_asked(
 ) -> None:
     """Draw what inner loops ask, what a noisy sensor shows, setpoint and band, as levels."""
     name, factor = panel.measurement, display_factor(panel.signal)
+
+    def level(readings: np.ndarray) -> np.ndarray:
+        return sensor_scale(recording.process, name).to_state(readings) * factor
+
     for inner in recording.inner:
         if inner.measurement in (name, panel.signal.name):
-            values = recording.values[inner.name]
-            if inner.measurement == name:
-                values = sensor_scale(recording.process, name).to_state(values)
-            words = f"inner setpoint of {inner.measurement}"
-            axes.plot(time, values * factor, label=words, **_ASKED)
+            asked = recording.values[inner.name]
+            values = level(asked) if inner.measurement == name else asked * factor
+            axes.plot(time, values, label=f"inner setpoint of {inner.measurement}", **_ASKED)
     if name in recording.noise:
         noisy = np.flatnonzero(recording.noise[name])
         stretch = slice(noisy[0], noisy[-1] + 1)
-        scale = sensor_scale(recording.process, name)
-        values = scale.to_state(recording.values[name][stretch]) * factor
-        words = f"measured ({name})"
+        values, words = level(recording.values[name][stretch]), f"measured ({name})"
         axes.plot(time[stretch], values, label=words, color=colour, linewidth=0.5, alpha=0.45)
     if panel.controlled:
-        scale = sensor_scale(recording.process, name)
-        values = scale.to_state(recording.values[f"{name}.setpoint"]) * factor
+        values = level(recording.values[f"{name}.setpoint"])
         axes.plot(time, values, label=f"setpoint of {name}", **_ASKED)
     for end in recording.process.bands.get(name, ()):
-        level = sensor_scale(recording.process, name).to_state(np.asarray(end))
-        axes.axhline(float(level) * factor, label="band", color=INK, linewidth=0.8)
+        axes.axhline(float(level(np.asarray(end))), label="band", color=INK, linewidth=0.8)
 
 
 def _set_view(axes: Axes, panel: Panel, low: float, high: float) -> None:

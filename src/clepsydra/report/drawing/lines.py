@@ -6,10 +6,9 @@ from collections.abc import Callable, Mapping
 from itertools import pairwise
 
 from clepsydra.report.colours import INK
-from clepsydra.report.drawing import symbols
 from clepsydra.report.drawing.bodies import NAME, PITCH, direction
 from clepsydra.report.drawing.routing import ORDER, Pipe, Routes
-from clepsydra.report.drawing.shapes import PIPE, element, path, polygon, titled, width
+from clepsydra.report.drawing.shapes import PIPE, box, element, path, polygon, text, titled, width
 
 _HOP = 6.0
 
@@ -120,7 +119,14 @@ def draw_basins(
                 right = min(right, (xs[-1] + groups[place + 1][1][0]) / 2 - 4.0)
             shift = max(0.0, 4.0 - left)
             left, right = left + shift, min(right + shift, edge - 4.0)
-            parts.append(symbols.basin(left, right, y, name, tint(name)))
+            shell = f"M{left:.1f} {y - 12:g}V{y + 40:g}H{right:.1f}V{y - 12:g}"
+            shapes = (
+                box((left, right), (y, y + 40), tint(name), "", None),
+                path(f"M{left:.1f} {y:g}H{right:.1f}", stroke=PIPE),
+                path(shell, 2.0),
+                text((left + right) / 2, y + 26, name, style="inside"),
+            )
+            parts.append(titled(f"reservoir {name}", *shapes, kind="basin"))
     return parts
 
 

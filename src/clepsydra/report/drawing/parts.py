@@ -1,18 +1,35 @@
-"""What stands in the pipes of the process drawing: pumps, valves, splitters, delays, flows."""
+"""What stands in the process drawing, after the habits of ISA-5.1: vessels, fittings, control."""
 
 from __future__ import annotations
 
+import math
+
 from clepsydra.base.signal import Signal
 from clepsydra.report.colours import INK, MUTED
-from clepsydra.report.drawing import symbols
-from clepsydra.report.drawing.bodies import NAME, PITCH, SMALL, Body, direction
+from clepsydra.report.drawing.bodies import NAME, PITCH, SMALL, Body, Point, direction
 from clepsydra.report.drawing.control_functions import ControlFunction
 from clepsydra.report.drawing.flow_graph import Instrument
 from clepsydra.report.drawing.outline import TANK_HEIGHT
 from clepsydra.report.drawing.scene import INSIDE, Scene
-from clepsydra.report.drawing.shapes import ALARM, shortened, text, width, wrapped
+from clepsydra.report.drawing.shapes import (
+    ALARM,
+    PAPER,
+    PIPE,
+    STEEL,
+    box,
+    circle,
+    path,
+    polygon,
+    shortened,
+    text,
+    titled,
+    width,
+    wrapped,
+)
 from clepsydra.report.quantities import percent_text, quantity_text, short_text
 
+#: Radius of instruments, pumps and relays [px].
+BALLOON, PUMP, RELAY = 19.0, 17.0, 13.0
 #: Where the share of a branch is written, from the middle of its splitter.
 _SHARE = {(1, 0): (16, -7), (-1, 0): (-16, -7), (0, -1): (6, -22), (0, 1): (8, 30)}
 
@@ -31,22 +48,50 @@ def draw_fitting(scene: Scene, body: Body) -> list[str]:
     half = PITCH * (body.areas[0][2] - body.areas[0][0]) / 2
     if body.symbol == "delay":
         below = text(x, y + 27, scene.labels[name][0], style="small", colour=MUTED)
-        return [symbols.channel(x, y, half, scene.delay_time(name), title), below]
+        left, right = x - half, x + half
+        inside = box((left, right), (y - 11, y + 11), STEEL, "", None)
+        banks = path(f"M{left:g} {y - 11:g}H{right:g}M{left:g} {y + 11:g}H{right:g}", 1.8)
+        words = text(x, y + 4, scene.delay_time(name), style="small inside")
+        return [titled(title, inside, banks, words), below]
     if body.symbol not in _OWN_SYMBOLS:
         words = "" if body.across else scene.elements[name].kind
-        shape = symbols.plain(x, y, max(half, 20.0), words, title)
+        wide = max(half, 20.0)
+        shell = box((x - wide, x + wide), (y - 13, y + 13), rounded=3)
+        shape = titled(title, shell, text(x, y + 4, words, style="small inside"))
     else:
         ends = not any(pin.role in ("in", "out", "both") for pin in body.pins)
         symbol = "end" if body.symbol == "flow" and ends else body.symbol
-        shape = symbols.fitting(symbol, x, y, _way(scene, body), name in scene.still, title)
+        way = _way(scene, body)
+        angle = math.degrees(math.atan2(way[0], -way[1]))
+        moved = f"translate({x:g} {y:g})" + (f" rotate({angle:g})" if angle else "")
+        shape = titled(title, _symbol(symbol, name in scene.still), moved=moved)
     return [shape, *_words(scene, body, x, y)]
+
+
+def _symbol(symbol: str, still: bool) -> str:
+    """Return a symbol around 0 with liquid running up, hollow if it stands still.
+
+    The actuator of a valve is at its right as the liquid runs.
+    """
+    fill = PAPER if still else PIPE
+    halves = path("M-9 -14L9 14H-9L9 -14Z", 1.3, fill)
+    shapes = {
+        "pump": circle(0, 0, PUMP, PAPER if still else STEEL, width=1.6)
+        + path("M-14.7 8.5L0 -17L14.7 8.5Z", 1.2, fill),
+        "valve": path("M0 0H16") + path("M16 -9a9 9 0 0 1 0 18Z", fill=PAPER) + halves,
+        "flow": path("M-8 6h16l-8 -15Z", 1.0, fill),
+        "orifice": path("M-9 -2.5h18M-9 2.5h18", 1.8),
+        "end": path("M-6 0h12", 3.0, stroke=PIPE),
+        "stub": circle(0, 0, 3.5, fill, width=1.0),
+    }
+    return shapes[symbol]
 
 
 def _colour(scene: Scene, words: str) -> str:
     return ALARM if words.startswith("at its ") else INK
 
 
-def _way(scene: Scene, body: Body) -> symbols.Way:
+def _way(scene: Scene, body: Body) -> Point:
     """Return where liquid runs through a body: of a pump, along the pipe that leaves it."""
     for pipe in scene.routes.pipes if body.symbol == "pump" else ():
         if pipe.source == body.name != pipe.end and pipe.points[0] == (body.x, body.y):
@@ -106,10 +151,16 @@ def _splitter(scene: Scene, body: Body, x: float, y: float) -> list[str]:
     if body.symbol == "header":
         half = PITCH * (body.areas[0][2] - body.areas[0][0]) / 2
         below = text(x + half + 5, y + 4, label, "start", "small", MUTED)
-        return [symbols.header(x, y, half, title), below]
+        return [titled(title, box((x - half, x + half), (y - 5, y + 5), rounded=5)), below]
     anchor = "end" if body.side < 0 else "start"
     below = text(x + 17 * body.side, y + 18, label, anchor, "small", MUTED)
-    return [symbols.splitter(x, y, ways, title), below, *parts]
+    # One triangle for each pipe, pointing at the middle.
+    corners = (
+        [(0, 0), *((12 * dx + 7 * side * dy, 12 * dy + 7 * side * dx) for side in (-1, 1))]
+        for dx, dy in sorted(ways)
+    )
+    valve = path("".join(map(polygon, corners)), fill=PAPER)
+    return [titled(title, valve, moved=f"translate({x:g} {y:g})"), below, *parts]
 
 
 _QUANTITIES = {"L": "the level", "A": "a concentration", "F": "the flow"}
@@ -121,15 +172,14 @@ _RELAYS = {
 
 def draw_instrument(scene: Scene, instrument: Instrument) -> list[str]:
     """Return a transmitter with its words."""
-    body, name, letter = (
-        scene.routes.placement.bodies[instrument.name], instrument.name, instrument.letter,
-    )  # fmt: skip
+    name, letter, number = instrument.name, instrument.letter, instrument.number
+    body = scene.routes.placement.bodies[name]
     x, y = PITCH * body.x, PITCH * body.y
     quantity = _QUANTITIES.get(letter, "a quantity")
-    title = f"{letter}T-{instrument.number}: {name} measures {quantity} of {instrument.seat}"
-    reading = scene.value(name)
-    title = f"{title}, {reading}" if reading else title
-    parts = [symbols.balloon(x, y, f"{letter}T", instrument.number, title)]
+    title = f"{letter}T-{number}: {name} measures {quantity} of {instrument.seat}"
+    title = ", ".join(filter(None, [title, scene.value(name)]))
+    tags = text(x, y - 3, f"{letter}T", style="tag"), text(x, y + 11, number, style="tag")
+    parts = [titled(title, circle(x, y, BALLOON), *tags)]
     for place, words in enumerate(scene.labels[name]):
         colour = ALARM if words and words == scene.warning(name) else INK
         parts.append(text(x, y + 33 + 15 * place, words, style="small", colour=colour))
@@ -141,7 +191,9 @@ def draw_function(scene: Scene, function: ControlFunction) -> list[str]:
     body = scene.routes.placement.bodies[function.name]
     x, y = PITCH * body.x, PITCH * body.y
     if function.sign:
-        return [symbols.relay(x, y, function.sign, f"{function.name}: {_RELAYS[function.sign]}")]
+        title = f"{function.name}: {_RELAYS[function.sign]}"
+        sign = text(x, y + 5, function.sign, style="tag")
+        return [titled(title, circle(x, y, RELAY), sign)]
     seats = {scene.graph.owner(name): name for name in function.reads}
     number = next(i.number for i in scene.graph.instruments if i.name in seats)
     letters, title = "UIC", f"moves {' and '.join(function.gives)}"
@@ -154,8 +206,16 @@ def draw_function(scene: Scene, function: ControlFunction) -> list[str]:
         setpoint = scene.setpoint(function)
         title = f"controls {function.at}" + (f", setpoint {setpoint}" if setpoint else "")
     left, _, right, _ = body.areas[0]
-    half = PITCH * (right - left) / 2 - 32.0 + symbols.BALLOON
-    found = [symbols.controller(x, y, half, letters, number, f"{letters}-{number}: {title}")]
+    half = PITCH * (right - left) / 2 - 32.0 + BALLOON
+    # A circle in a box has a shared display; the line across, that an operator has access to it.
+    shapes = (
+        box((x - half, x + half), (y - BALLOON, y + BALLOON), width=1.4),
+        circle(x, y, BALLOON, "none", width=1.1),
+        path(f"M{x - half:g} {y:g}H{x + half:g}", 1.1),
+        text(x, y - 4.5, letters, style="tag"),
+        text(x, y + 12.5, number, style="tag"),
+    )
+    found = [titled(f"{letters}-{number}: {title}", *shapes)]
     for words in scene.labels.get(function.name, ()):
         found.append(text(x, y - 25, words, style="small"))
     return found
@@ -167,9 +227,7 @@ _LOWEST = TANK_HEIGHT - 6.0
 
 def draw_vessel(scene: Scene, name: str) -> list[str]:
     """Return a vessel with its level to the scale of its height, and the values of its states."""
-    body, element, outline = (
-        scene.routes.placement.bodies[name], scene.elements[name], scene.outlines[name],
-    )  # fmt: skip
+    body, element = scene.routes.placement.bodies[name], scene.elements[name]
     x, y = PITCH * body.x, PITCH * body.y
     states = scene.states(name)
     level = next((signal for signal in states if signal.name == f"{name}.level"), None)
@@ -182,12 +240,9 @@ def draw_vessel(scene: Scene, name: str) -> list[str]:
             value = scene.values[level.name]
             share = (value - level.low) / level.span
             warning = "full" if share >= 1.0 else "empty" if share <= 0.0 else ""
-            words += [scene.value(level.name), percent_text(scene.process, level.name, value)]
-            words += filter(None, [warning])
-            title = (
-                f"{name}: level {words[names]} of {quantity_text(level, level.high)},"
-                f" {words[names + 1]}"
-            )
+            shown, percent = scene.value(level.name), percent_text(scene.process, level.name, value)
+            words += [shown, percent, *filter(None, [warning])]
+            title = f"{name}: level {shown} of {quantity_text(level, level.high)}, {percent}"
     surface = TANK_HEIGHT * (1.0 - (share or 0.0))
     others = [signal for signal in states if signal is not level and scene.values]
     others = others[: 2 if level is not None else 4]
@@ -196,7 +251,16 @@ def draw_vessel(scene: Scene, name: str) -> list[str]:
         words += whole
     else:
         words += [_in_a_line(scene, signal) for signal in others]
-    parts = [symbols.tank(x, y, outline, share, scene.tint(name), title)]
+    outline = scene.outlines[name]
+    wall = outline.polygon(x, y)
+    shapes = [path(polygon(wall), 0.0, PAPER, "none")]
+    if share is not None:
+        filled = outline.polygon(x, y, min(max(share, 0.0), 1.0))
+        shapes.append(path(polygon(filled), 0.0, scene.tint(name), "none", class_="water"))
+        shapes.append(path(polygon([filled[0], filled[-1]], closed=False), stroke=PIPE))
+    shut = share is None or not outline.open_above
+    rim = path(polygon(wall, closed=shut), 2.0)
+    parts = [titled(title, *shapes, rim, kind="vessel")]
     for place, (row, line) in enumerate(zip(_clear_of(surface, len(words)), words, strict=True)):
         style = "name inside" if place < names else "inside" if place == names else "small inside"
         parts.append(text(x, y + row, line, style=style, colour=ALARM if line == warning else INK))
@@ -204,7 +268,9 @@ def draw_vessel(scene: Scene, name: str) -> list[str]:
         seats = [i.name for i in scene.graph.instruments if i.seat == name]
         right = not seats or scene.routes.placement.bodies[seats[0]].x > body.x
         side = -1 if right else 1
-        parts.append(symbols.weir(x + side * outline.wall(0.0), y, side, f"weir of {name}"))
+        moved = f"translate({x + side * outline.wall(0.0):g} {y:g}) scale({side} 1)"
+        spout = path("M-7 -1q14 -6 15 9m-4 -4l4 5l4 -5", 1.6)
+        parts.append(titled(f"weir of {name}", spout, moved=moved))
     return parts
 
 

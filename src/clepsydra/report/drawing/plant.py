@@ -7,11 +7,18 @@ import math
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
-from clepsydra.report.drawing import symbols
 from clepsydra.report.drawing.bodies import NAME, PITCH, SMALL, WORDS, Body
 from clepsydra.report.drawing.lines import Points, draw_basins, draw_lines
 from clepsydra.report.drawing.outline import TANK_HEIGHT
-from clepsydra.report.drawing.parts import draw_fitting, draw_function, draw_instrument, draw_vessel
+from clepsydra.report.drawing.parts import (
+    BALLOON,
+    PUMP,
+    RELAY,
+    draw_fitting,
+    draw_function,
+    draw_instrument,
+    draw_vessel,
+)
 from clepsydra.report.drawing.routing import Pipe
 from clepsydra.report.drawing.scene import Scene
 from clepsydra.report.drawing.shapes import DARK_PAPER, PAPER, picture
@@ -31,10 +38,10 @@ _STYLE = (
 _LEAST_WIDTH, _LEAST_SHARE = 560.0, 0.6
 #: From the middle of a symbol to its edge, sideways and upright [px].
 _REACH = {
-    "instrument": (symbols.BALLOON, symbols.BALLOON),
-    "controller": (symbols.BALLOON, symbols.BALLOON),
-    "relay": (symbols.RELAY, symbols.RELAY),
-    "pump": (symbols.PUMP, symbols.PUMP),
+    "instrument": (BALLOON, BALLOON),
+    "controller": (BALLOON, BALLOON),
+    "relay": (RELAY, RELAY),
+    "pump": (PUMP, PUMP),
     "valve": (25.0, 25.0),
     "flow": (8.0, 9.0),
     "orifice": (9.0, 9.0),
@@ -118,7 +125,7 @@ def _edge(body: Body, end: tuple[float, float], inner: tuple[float, float]) -> t
     across, along = _REACH.get(body.symbol, (0.0, 13.0))
     left, _, right, _ = body.areas[0]
     if body.symbol == "controller":
-        across = PITCH * (right - left) / 2 - 32.0 + symbols.BALLOON
+        across = PITCH * (right - left) / 2 - 32.0 + BALLOON
     elif not across:
         across = max(PITCH * (right - left) / 2, 20.0)
     if body.symbol in ("pump", "instrument"):
