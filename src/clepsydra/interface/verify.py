@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from clepsydra.controllers import controller as inner
-from clepsydra.deploy.proof import proof as inner_proof
+from clepsydra.deploy.proof import row as inner_proof
 from clepsydra.deploy.proof.item import controller_item, process_item_of
 from clepsydra.deploy.proof.proof import ProofProgress, prove
 from clepsydra.deploy.proof.run import proved_targets as proved_targets

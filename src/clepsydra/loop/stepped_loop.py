@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-
 import numpy as np
 
 from clepsydra.base.errors import InputError
@@ -20,23 +17,6 @@ from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.step_size import Solver
 from clepsydra.loop.wired_loop import WiredLoop
 from clepsydra.program.step_law import Equations, step_law
-
-
-@contextmanager
-def naming_sample(sample: int, period: float) -> Iterator[None]:
-    """Add to an error of a law in which sample it came about.
-
-    Parameters
-    ----------
-    sample : int
-    period : float
-        Between samples [s].
-    """
-    try:
-        yield
-    except InputError as error:
-        place = f"{error.place}, sample {sample} at {sample * period:g} s"
-        raise InputError(place, error.value, error.expected, error.remedy) from None
 
 
 def stepped_loop(
@@ -78,8 +58,11 @@ def stepped_loop(
     for k in range(scenario.samples):
         now = at_rest | {name: float(column[k]) for name, column in given.items()}
         now |= plant.look(now)
-        with naming_sample(k, scenario.sampling_period):
+        try:
             outputs = evaluation.step(loop.law_inputs(now))
+        except InputError as error:
+            place = f"{error.place}, sample {k} at {k * scenario.sampling_period:g} s"
+            raise InputError(place, error.value, error.expected, error.remedy) from None
         now |= loop.told_by_law(outputs)
         after = dict(zip((x.name for x in law.state), evaluation.state, strict=True))
         now |= {each.name: float(after[each.state]) for each in inner}

@@ -15,7 +15,8 @@ import clepsydra as cl
 from clepsydra.controllers.controller import Controller
 from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.proof.item import ProofItem
-from clepsydra.deploy.proof.proof import Proof, prove
+from clepsydra.deploy.proof.proof import prove
+from clepsydra.deploy.proof.row import Proof
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.studies.designs import DESIGNS

@@ -9,8 +9,7 @@ from tools import need_compiler, need_grammar, need_importer
 
 from clepsydra import Signal
 from clepsydra.deploy.proof.coverage import Coverage
-from clepsydra.deploy.proof.proof import Proof
-from clepsydra.deploy.proof.row import ProofRow, row_of
+from clepsydra.deploy.proof.row import Proof, ProofRow, row_of
 from clepsydra.deploy.proof.words import notes, result_sentence
 from clepsydra.program.operation import Operation
 from clepsydra.program.program import Block, Program

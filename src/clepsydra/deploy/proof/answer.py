@@ -7,16 +7,12 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from decimal import ROUND_CEILING, Context, Decimal
-from typing import TYPE_CHECKING
 
 from clepsydra.base.section import Line, Mark, Section, Table, marked
 from clepsydra.deploy.proof.limits import LIMITS
-from clepsydra.deploy.proof.row import ProofRow, Verdict
+from clepsydra.deploy.proof.row import Proof, ProofRow, Verdict
 from clepsydra.deploy.proof.words import HEADS, cells, next_step, notes, result_sentence
 from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES
-
-if TYPE_CHECKING:
-    from clepsydra.deploy.proof.proof import Proof
 
 #: Controllers and processes that are listed, and findings that are told, each in two lines.
 _LISTED, _TOLD = 16, 4

@@ -6,9 +6,9 @@ import json
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from clepsydra import __version__
 from clepsydra.base.errors import ClepsydraError, InputError
@@ -21,7 +21,7 @@ from clepsydra.deploy.proof.coverage import Coverage
 from clepsydra.deploy.proof.item import ProofItem
 from clepsydra.deploy.proof.job import Job, contents_digest
 from clepsydra.deploy.proof.limits import PYTHON_LAW, Limit
-from clepsydra.deploy.proof.row import ProofRow, read_memory
+from clepsydra.deploy.proof.row import Proof, ProofRow, read_memory
 from clepsydra.deploy.proof.run import Run, proved_targets, runs_of
 from clepsydra.deploy.proof.scans import FEWEST
 
@@ -43,71 +43,6 @@ class ProofProgress(NamedTuple):
     of: int
     name: str
     rows: tuple[ProofRow, ...] = ()
-
-
-@dataclass(frozen=True)
-class Proof:
-    """What was compared with the simulation, and how it came out.
-
-    Parameters
-    ----------
-    rows : tuple of ProofRow
-    coverage : dict
-        Subject to what the scans exercised.
-    versions : tuple of str
-        Of Clepsydra and of all that ran the targets.
-    scans, seed : int
-    seconds : float
-    interrupted : bool
-        Whether it was ended before all rows were done.
-    """
-
-    rows: tuple[ProofRow, ...]
-    coverage: dict[str, Coverage] = field(default_factory=dict)
-    versions: tuple[str, ...] = ()
-    scans: int = FEWEST
-    seed: int = 1
-    seconds: float = 0.0
-    interrupted: bool = False
-
-    @property
-    def failures(self) -> tuple[ProofRow, ...]:
-        """The rows that are outside their bound, do not run, or are refused without need."""
-        return tuple(row for row in self.rows if not row.holds)
-
-    @property
-    def refusals(self) -> tuple[ProofRow, ...]:
-        """The rows in which a target refuses what it cannot express by its nature."""
-        return tuple(row for row in self.rows if row.verdict == "refused" and row.holds)
-
-    @property
-    def diverging(self) -> tuple[ProofRow, ...]:
-        """The rows in which single precision leads away from the simulation."""
-        return tuple(row for row in self.rows if row.verdict == "diverges")
-
-    @property
-    def idle(self) -> tuple[str, ...]:
-        """Subjects in which nothing moved, so that the comparison says nothing."""
-        return tuple(name for name, seen in self.coverage.items() if seen.is_idle)
-
-    @property
-    def holds(self) -> bool:
-        """Whether something was compared, and all of it is within its bound."""
-        compared = any(row.verdict != "refused" for row in self.rows)
-        return compared and not (self.failures or self.idle or self.interrupted)
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return all of it for JSON."""
-        return {
-            "holds": self.holds,
-            "interrupted": self.interrupted,
-            "scans": self.scans,
-            "seed": self.seed,
-            "seconds": self.seconds,
-            "versions": list(self.versions),
-            "coverage": {name: seen.as_dict() for name, seen in self.coverage.items()},
-            "rows": [row.as_dict() for row in self.rows],
-        }
 
 
 def prove(

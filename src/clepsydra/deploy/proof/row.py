@@ -1,4 +1,4 @@
-"""A row of a proof: one program on one target, compared with the simulation."""
+"""A proof and its rows, each one program on one target, compared with the simulation."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from typing import Any, Literal
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.input_file import read_input
+from clepsydra.deploy.proof.coverage import Coverage
+from clepsydra.deploy.proof.scans import FEWEST
 
 Verdict = Literal[
     "equal", "within the bound", "differs", "reported", "diverges", "refused", "fails"
@@ -126,6 +128,71 @@ class ProofRow:
         if self.largest == math.inf:
             said["largest"] = "infinite"
         return said
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What was compared with the simulation, and how it came out.
+
+    Parameters
+    ----------
+    rows : tuple of ProofRow
+    coverage : dict
+        Subject to what the scans exercised.
+    versions : tuple of str
+        Of Clepsydra and of all that ran the targets.
+    scans, seed : int
+    seconds : float
+    interrupted : bool
+        Whether it was ended before all rows were done.
+    """
+
+    rows: tuple[ProofRow, ...]
+    coverage: dict[str, Coverage] = field(default_factory=dict)
+    versions: tuple[str, ...] = ()
+    scans: int = FEWEST
+    seed: int = 1
+    seconds: float = 0.0
+    interrupted: bool = False
+
+    @property
+    def failures(self) -> tuple[ProofRow, ...]:
+        """The rows that are outside their bound, do not run, or are refused without need."""
+        return tuple(row for row in self.rows if not row.holds)
+
+    @property
+    def refusals(self) -> tuple[ProofRow, ...]:
+        """The rows in which a target refuses what it cannot express by its nature."""
+        return tuple(row for row in self.rows if row.verdict == "refused" and row.holds)
+
+    @property
+    def diverging(self) -> tuple[ProofRow, ...]:
+        """The rows in which single precision leads away from the simulation."""
+        return tuple(row for row in self.rows if row.verdict == "diverges")
+
+    @property
+    def idle(self) -> tuple[str, ...]:
+        """Subjects in which nothing moved, so that the comparison says nothing."""
+        return tuple(name for name, seen in self.coverage.items() if seen.is_idle)
+
+    @property
+    def holds(self) -> bool:
+        """Whether something was compared, and all of it is within its bound."""
+        compared = any(row.verdict != "refused" for row in self.rows)
+        return compared and not (self.failures or self.idle or self.interrupted)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all of it for JSON."""
+        return {
+            "holds": self.holds,
+            "interrupted": self.interrupted,
+            "scans": self.scans,
+            "seed": self.seed,
+            "seconds": self.seconds,
+            "versions": list(self.versions),
+            "coverage": {name: seen.as_dict() for name, seen in self.coverage.items()},
+            "rows": [row.as_dict() for row in self.rows],
+        }
 
 
 def row_of(said: dict[str, Any]) -> ProofRow:

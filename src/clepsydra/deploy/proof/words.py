@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 from decimal import Decimal
-from typing import TYPE_CHECKING
 
 from clepsydra.deploy.proof.limits import LIMITS
-from clepsydra.deploy.proof.row import ProofRow, Verdict
-
-if TYPE_CHECKING:
-    from clepsydra.deploy.proof.proof import Proof
+from clepsydra.deploy.proof.row import Proof, ProofRow, Verdict
 
 _SMALLEST_PERCENT = 1e-4
 _FAILURES: dict[Verdict, str] = {

@@ -7,7 +7,6 @@ from clepsydra.deploy.target import TARGETS, Delivery, ExportedFiles, Options, T
 
 def _controller(delivery: Delivery, options: Options) -> ExportedFiles:
     from clepsydra.deploy.exportable import exportable_name
-    from clepsydra.deploy.vendor_tuning.answer import tuning_answer
     from clepsydra.deploy.vendor_tuning.translation import translate
 
     controller, process = delivery.controller, delivery.point.process
@@ -17,7 +16,7 @@ def _controller(delivery: Delivery, options: Options) -> ExportedFiles:
         {name: found.as_markdown().encode()},
         found.as_dict(),
         "enter the numbers of your block, with its switches, from the file.",
-        answer=tuning_answer(found),
+        answer=found.answer(),
     )
 
 
