@@ -43,7 +43,6 @@ def amigo_settings(model: FirstOrderDelay, actions: RuleActions = "PI") -> PidSe
     ----------
     model : FirstOrderDelay
         With a delay above zero.
-    actions : {"PI", "PID"}
 
     References
     ----------

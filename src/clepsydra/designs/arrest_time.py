@@ -201,7 +201,6 @@ def design_arrest_time(
 
     Parameters
     ----------
-        The outputs are levels or volumes.
     arrest_time : float, optional
         λ of all loops [s].
     deviation : float, optional

@@ -31,8 +31,6 @@ def numbers_at(
 
     Parameters
     ----------
-    point : OperatingPoint
-    entries : iterable of Signal or DelayRing
     **found : array_like
         By the matrix or part that they are (`designed_values.kind`), in the order of the entries;
         one number is that of all of them. What the law does not have is passed over.
@@ -82,7 +80,6 @@ def controller_at(
 
     Parameters
     ----------
-    point : OperatingPoint
     name, family, law, design
         As in `Controller`.
     values : mapping

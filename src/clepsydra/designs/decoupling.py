@@ -39,13 +39,6 @@ class Decoupler:
         Where d_ij is −g_ij/g_ii itself and no approximation of it.
     outputs, inputs : tuple of str
         In the order of the pairing.
-
-    Examples
-    --------
-    >>> zero = np.zeros((2, 2))
-    >>> gain = np.array([[0.0, -0.5], [-0.2, 0.0]])
-    >>> Decoupler(gain, zero, zero, zero == 0, ("a", "b"), ("u", "v")).gain.tolist()
-    [[0.0, -0.5], [-0.2, 0.0]]
     """
 
     gain: np.ndarray
@@ -57,13 +50,7 @@ class Decoupler:
 
 
 class LeadLag(NamedTuple):
-    """gain (lead s + 1)/(lag s + 1), and whether it is what it stands for exactly.
-
-    Examples
-    --------
-    >>> LeadLag(-0.5, 10.0, 2.0, True).gain
-    -0.5
-    """
+    """gain (lead s + 1)/(lag s + 1), and whether it is what it stands for exactly."""
 
     gain: float
     lead: float
@@ -80,7 +67,6 @@ def inverted_decoupler(
 
     Parameters
     ----------
-    model : LinearModel
     pairing : sequence of (output, input), or mapping, optional
         The one that the relative gains suggest if left out.
         At least two.
@@ -149,7 +135,6 @@ def decoupling_element(
         g_ii
     cross : TransferElement
         g_ij
-    kind : {"dynamic", "static"}
 
     Raises
     ------

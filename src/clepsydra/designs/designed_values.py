@@ -35,7 +35,6 @@ def designed_values(
 
     Parameters
     ----------
-    law : StepLaw
     values : mapping
         Parameter name to value, in the law's units.
     point : OperatingPoint
@@ -45,23 +44,6 @@ def designed_values(
     ------
     NotApplicable
         No controller could run with a number.
-
-    Examples
-    --------
-    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-    >>> from clepsydra.linear.equilibrium import find_equilibrium
-    >>> from clepsydra.process.reader import load_process
-    >>> point = find_equilibrium(load_process("quadruple-tank"))
-    >>> law = multiloop_pid_law(["level_1"], ["pump_1"])
-    >>> values = {parameter.name: parameter.initial for parameter in law.parameters}
-    >>> time = "level_1.integral_time"
-    >>> designed_values(law, values | {time: 200.0 / 3.0}, point)[time]
-    66.6667
-    >>> designed_values(law, values | {time: 2e-8}, point)
-    Traceback (most recent call last):
-        ...
-    clepsydra.designs.applicability.NotApplicable: its \
-level_1.integral_time would be 2e-08, and a controller takes a number from 1e-06 to 1e+09 s.
     """
     return applicable_values(law, rounded_values(law, values, point))
 
@@ -116,9 +98,6 @@ def rounded_numbers(
 
     Parameters
     ----------
-    entries : sequence of Signal
-    numbers : mapping
-    point : OperatingPoint
     loops : mapping, optional
         Gain to the measurement and the moved signal of whose percent it has its digits.
 

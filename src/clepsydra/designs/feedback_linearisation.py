@@ -86,8 +86,6 @@ def design_feedback_linearisation(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point, with as many outputs as inputs.
     measurements : sequence of str, optional
         What an observer reads, with the controlled outputs among them; by default none is
         needed where every state that the law needs is measured.
@@ -207,7 +205,6 @@ def feedback_linearisation_controller(
 
     Parameters
     ----------
-    model : LinearModel
     linearised : VectorRelativeDegree
         Of the model.
     settings : sequence of VirtualSettings
@@ -216,7 +213,6 @@ def feedback_linearisation_controller(
         As for `feedback_linearisation_law`.
     rates : sequence of float
         α of each output; with back-calculation 1/Tt [1/s].
-    observer : ModelObserver, optional
     correction : ndarray, optional
         M of the observer.
 

@@ -183,8 +183,6 @@ def design_gain_scheduled_lqi(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point; its outputs follow the setpoints.
     maximum_errors, maximum_moves, anti_windup
         As for `designs.lqi.design_lqi`.
     over, follows, points

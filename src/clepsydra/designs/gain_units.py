@@ -45,17 +45,8 @@ class GainUnits:
         Ti [min]
     derivative_minutes : float
         Td [min]
-    parallel : ParallelSettings
     series : SeriesSettings or None
         None where Ti < 4 Td and there is no series form.
-
-    Examples
-    --------
-    >>> level = Signal("level", "m", low=0.0, high=5.0)
-    >>> pump = Signal("pump", "V", low=0.0, high=10.0)
-    >>> shown = gain_units(PidSettings(-4.0, 120.0), level, pump)
-    >>> shown.percent_gain, shown.proportional_band, shown.action, shown.repeats_per_minute
-    (2.0, 50.0, 'direct', 0.5)
     """
 
     gain: float
@@ -77,7 +68,6 @@ def gain_units(settings: PidSettings, measurement: Signal, manipulated: Signal) 
 
     Parameters
     ----------
-    settings : PidSettings
     measurement, manipulated : Signal
         Both with a finite range, or in percent.
 

@@ -32,11 +32,6 @@ class KalmanGain(NamedTuple):
         Of what was expected, before the measurement.
     eigenvalues : ndarray [N], complex
         Of (I − M C) Φ.
-
-    Examples
-    --------
-    >>> KalmanGain(np.eye(1), np.eye(1), np.array([0.4])).eigenvalues
-    array([0.4])
     """
 
     gain: np.ndarray
@@ -55,11 +50,6 @@ class Noise(NamedTuple):
         V of y(k) = C x + v(k).
     words : str
         Where they come from.
-
-    Examples
-    --------
-    >>> Noise(np.eye(1), 0.01 * np.eye(1), "by hand").words
-    'by hand'
     """
 
     process: np.ndarray
@@ -77,7 +67,6 @@ def kalman_gain(held: np.ndarray, shown: np.ndarray, noise: Noise) -> KalmanGain
     ----------
     held, shown : ndarray [N, N], [p, N]
         Φ and C.
-    noise : Noise
 
     Raises
     ------
@@ -132,7 +121,6 @@ def process_noise(observed: ObservedProcess, horizon: float) -> Noise:
 
     Parameters
     ----------
-    observed : ObservedProcess
     horizon : float
         T, about the time that a response takes [s].
 

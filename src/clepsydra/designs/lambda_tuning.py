@@ -44,7 +44,6 @@ def lambda_settings(model: FirstOrderDelay, closed_loop_time_constant: float) ->
 
     Parameters
     ----------
-    model : FirstOrderDelay
     closed_loop_time_constant : float
         λ [s]
 

@@ -49,8 +49,6 @@ def design_lqi(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point; its outputs follow the setpoints.
     maximum_errors : mapping, optional
         Output name to its largest acceptable error [measurement unit]; default a tenth of the
         range.
@@ -90,16 +88,10 @@ class WeighedLqi(NamedTuple):
 
     Parameters
     ----------
-    controller : Controller
     model : LinearModel
         Whose states and inputs are weighed.
-    weights : QuadraticWeights
     horizon : float
         T [s]
-
-    Examples
-    --------
-    See `weighed_lqi`.
     """
 
     controller: Controller

@@ -50,8 +50,6 @@ def design_lqi_by_weights(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point; its outputs follow the setpoints.
     weights : QuadraticWeights
         Of its states, inputs and of the integrals of its outputs, see also `diagonal_weights`.
     anti_windup : {"back_calculation", "conditional_integration", "none"}

@@ -50,7 +50,6 @@ def design_lqi_extended_kalman(
 
     Parameters
     ----------
-    model : LinearModel
     measurements, maximum_errors, maximum_moves, anti_windup
         As for `designs.lqi_kalman.design_lqi_kalman`.
 

@@ -47,8 +47,6 @@ def design_lqi_kalman(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point; its outputs follow the setpoints.
     measurements : sequence of str, optional
         What the filter reads, with the controlled outputs among them; default the controlled
         outputs alone where sensors show every state, else all sensors of use

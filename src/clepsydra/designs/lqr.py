@@ -61,9 +61,6 @@ def design_lqr(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point; its outputs follow the setpoints. It may have more
-        inputs than outputs.
     weights : QuadraticWeights, optional
         Of the states that act on the outputs and of the inputs; default Bryson's weights.
     measurements : sequence of str, optional

@@ -42,13 +42,7 @@ Follows = Literal["measurement", "setpoint"]
 
 
 class PlannedPoint(NamedTuple):
-    """A point of a schedule: where it is, the values designed there, and the peak of |S|.
-
-    Examples
-    --------
-    >>> PlannedPoint(6.0, {"level.proportional_gain": 3.0}, 1.8).peak
-    1.8
-    """
+    """A point of a schedule: where it is, the values designed there, and the peak of |S|."""
 
     place: float
     values: dict[str, float]
@@ -56,13 +50,7 @@ class PlannedPoint(NamedTuple):
 
 
 class Wish(NamedTuple):
-    """Over what a user wants parameters scheduled, following what, and at which values.
-
-    Examples
-    --------
-    >>> Wish(None, "measurement", None).follows
-    'measurement'
-    """
+    """Over what a user wants parameters scheduled, following what, and at which values."""
 
     over: str | None
     follows: Follows
@@ -252,7 +240,6 @@ def model_at(model: LinearModel, asked: Mapping[str, float]) -> LinearModel:
 
     Parameters
     ----------
-    model : LinearModel
     asked : mapping
         Controlled measurement to its value [its unit].
 
@@ -289,11 +276,8 @@ def peaks_elsewhere(
 
     Parameters
     ----------
-    model : LinearModel
-    scheduled : ScheduledDesign
     over : str
         What is scheduled over.
-    plan : sequence of PlannedPoint
 
     Returns
     -------
@@ -343,7 +327,6 @@ def largest_change(plan: Sequence[PlannedPoint], kinds: Mapping[str, str]) -> fl
 
     Parameters
     ----------
-    plan : sequence of PlannedPoint
     kinds : mapping
         Name to its kind, of those that count.
 

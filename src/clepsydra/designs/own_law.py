@@ -31,8 +31,6 @@ def own_controller(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point.
     law : StepLaw
         Of `controllers.own_law.load_law`, say.
     measurements, setpoints, manipulated : sequence of str

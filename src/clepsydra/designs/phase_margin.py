@@ -46,14 +46,12 @@ def default_crossover(
 
     Parameters
     ----------
-    element : TransferElement
     delay : float
         [s]
     phase_margin : float
         [rad]
     largest_gain : float
         Largest magnitude of the proportional gain, `control_authority.largest_proportional_gain`.
-    actions : {"PI", "PID"}
 
     Raises
     ------

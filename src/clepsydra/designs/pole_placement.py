@@ -54,7 +54,6 @@ class PolePattern(NamedTuple):
 
     Parameters
     ----------
-    poles, observer_poles : sequence of complex or None
     bandwidth, ratio : float
         Of Bessel's pattern [rad/s], and of the observer's over it; where no poles are given.
 
@@ -111,9 +110,6 @@ def design_pole_placement(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point; its outputs follow the setpoints. It may have more
-        inputs than outputs.
     poles : sequence of complex, optional
         Of the regulator, z = e^(sT), one for each state that acts on the outputs.
     bandwidth : float, optional

@@ -82,8 +82,6 @@ def design_recomputed_lqi(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point; its outputs follow the setpoints.
     measurements : sequence of str, optional
         What the filter reads; naming them asks for the filter.
     maximum_errors, maximum_moves : mapping, optional
@@ -171,11 +169,8 @@ def recomputed_lqi_controller(
 
     Parameters
     ----------
-    source : ProcessState
     gains : LqiGains
         To which the recursion comes at the operating point.
-    anti_windup : AntiWindup
-    steps : int
     by : FoundFilter, optional
         Where the source is an extended Kalman filter.
     **numbers : array_like

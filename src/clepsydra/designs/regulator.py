@@ -64,8 +64,6 @@ def regulator_controller(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point.
     regulator : str, Path, sequence of four matrices, or object
         A MAT file with A, B, C and D; (A, B, C, D) themselves; or a StateSpace of python-control
         or SciPy.

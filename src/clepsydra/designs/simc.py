@@ -34,7 +34,6 @@ def simc_settings(model: FirstOrderDelay, closed_loop_time_constant: float) -> P
 
     Parameters
     ----------
-    model : FirstOrderDelay
     closed_loop_time_constant : float
         τc [s]; the delay θ itself for tight control.
 
@@ -59,7 +58,6 @@ def simc_pid_settings(model: SecondOrderDelay, closed_loop_time_constant: float)
 
     Parameters
     ----------
-    model : SecondOrderDelay
     closed_loop_time_constant : float
         τc [s]
 
@@ -173,10 +171,8 @@ def simc_loop(loop: PairedLoop, delay: float, actions: RuleActions) -> TimedLoop
 
     Parameters
     ----------
-    loop : PairedLoop
     delay : float
         Of the loop outside the element: half a sampling period [s].
-    actions : {"PI", "PID"}
 
     Raises
     ------

@@ -20,13 +20,7 @@ T = TypeVar("T")
 
 
 class SlowedDown(NamedTuple, Generic[T]):
-    """A design, the factor that it is slower by, and the peak of its sensitivity.
-
-    Examples
-    --------
-    >>> SlowedDown("gains", 1.0, 1.6).peak
-    1.6
-    """
+    """A design, the factor that it is slower by, and the peak of its sensitivity."""
 
     design: T
     factor: float
@@ -96,7 +90,6 @@ def slow_down(
         Takes F and returns a design that is slower by F.
     peak : callable
         Takes a design and returns the peak of its sensitivity, infinite where it is unstable.
-    search : Search
 
     Raises
     ------
@@ -170,7 +163,6 @@ def as_given(design: T, peak: Callable[[T], float], choice: str) -> SlowedDown[T
 
     Parameters
     ----------
-    design : object
     peak : callable
         As for `slow_down`.
     choice : str

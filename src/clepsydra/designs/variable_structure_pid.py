@@ -108,8 +108,6 @@ def with_variable_structure(
         Its form.
     rates : sequence of float
         α of each loop [1/s].
-    model : LinearModel
-        Of a process at an operating point.
 
     Raises
     ------

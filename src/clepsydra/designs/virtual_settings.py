@@ -90,7 +90,6 @@ def settling_time(settings: VirtualSettings, degree: int) -> float:
 
     Parameters
     ----------
-    settings : VirtualSettings
     degree : int
         r
 
@@ -126,7 +125,6 @@ def checked_settings(
 
     Parameters
     ----------
-    settings : sequence of VirtualSettings
     names : sequence of str
         The outputs.
     degrees : sequence of int

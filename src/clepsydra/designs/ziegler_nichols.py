@@ -63,7 +63,6 @@ def ziegler_nichols_step_settings(
         R of the response to a unit step [output unit/(input unit·s)].
     delay : float
         L [s]
-    actions : {"PI", "PID"}
 
     References
     ----------

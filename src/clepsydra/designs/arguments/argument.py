@@ -68,7 +68,6 @@ def of_quantity(declared: Quantity, words: str = "") -> Argument:
 
     Parameters
     ----------
-    declared : Quantity
     words : str
         What it is, where that is more than what is expected of it.
 

@@ -25,7 +25,6 @@ def conditioned_matrices(plant: ShapedPlant, robust: RobustController) -> Condit
 
     Parameters
     ----------
-    plant : ShapedPlant
     robust : RobustController
         Of the shaped plant or a reduction of it.
 

@@ -15,14 +15,8 @@ class ReducedPlant(NamedTuple):
 
     Parameters
     ----------
-    plant : SampledSystem
     bound : float
         ‖[N − N_r  M − M_r]‖∞ is at most this, twice the sum of what was left out.
-
-    Examples
-    --------
-    >>> ReducedPlant(SampledSystem(*(np.eye(1) for _ in range(4))), 0.01).bound
-    0.01
     """
 
     plant: SampledSystem
@@ -41,7 +35,6 @@ def reduced_plant(factors: CoprimeFactors, order: int) -> ReducedPlant:
 
     Parameters
     ----------
-    factors : CoprimeFactors
     order : int
         From 1 to the order of the plant.
 

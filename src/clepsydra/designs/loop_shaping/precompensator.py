@@ -88,12 +88,10 @@ def sampled_precompensator(
 
     Parameters
     ----------
-    name : str
     matrices : tuple of ndarray
         A [n, n], B [n, q], C [m, n] and D [m, q], from the errors to the inputs.
     period : float
         T [s]
-    outputs, inputs : tuple of str
 
     Raises
     ------

@@ -93,7 +93,6 @@ def robust_controller(factors: CoprimeFactors, relaxation: float = RELAXATION) -
 
     Parameters
     ----------
-    factors : CoprimeFactors
     relaxation : float
         γ/γ_min, above one.
 

@@ -26,8 +26,6 @@ class ShapedPlant:
 
     Parameters
     ----------
-    system : SampledSystem
-    precompensator : Precompensator
     sizes : ndarray [q]
         Ranges of the controlled measurements, or one where they have none.
     period : float
@@ -54,12 +52,6 @@ class ShapedPlant:
 
 def shaped_plant(model: LinearModel, precompensator: Precompensator) -> ShapedPlant:
     """Return the process, sampled with its inputs held, behind a pre-compensator.
-
-    Parameters
-    ----------
-    model : LinearModel
-        Of a process at an operating point.
-    precompensator : Precompensator
 
     Raises
     ------

@@ -59,16 +59,10 @@ class Load(NamedTuple):
 
     Parameters
     ----------
-    signal, unit : str
     size : float
         [its unit]
     rate : float
         [unit of the measurement per second]
-
-    Examples
-    --------
-    >>> Load("inflow", "m^3/s", 0.12, 1.2e-4).rate
-    0.00012
     """
 
     signal: str
@@ -86,9 +80,6 @@ def load_steps(model: LinearModel, output: str, others: Sequence[str] = ()) -> l
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point.
-    output : str
     others : sequence of str
         The inputs of other loops.
 

@@ -35,11 +35,6 @@ class TimedLoop(NamedTuple):
         The closed-loop time constant to begin with [s].
     words : str
         Its model, for the notes.
-
-    Examples
-    --------
-    >>> TimedLoop(lambda time: PidSettings(1.0 / time), 5.0, "an integrator").settings_at(2.0).gain
-    0.5
     """
 
     settings_at: Callable[[float], PidSettings]
@@ -61,7 +56,6 @@ def design_by_time(
 
     Parameters
     ----------
-    together : MultiloopPid
     loops : sequence of TimedLoop
         In the order of the pairing.
     given : float or None

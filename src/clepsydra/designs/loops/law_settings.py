@@ -21,8 +21,6 @@ def law_settings(settings: PidSettings, form: PidForm) -> dict[str, float]:
 
     Parameters
     ----------
-    settings : PidSettings
-    form : PidForm
     place : str
         For the message.
 

@@ -24,11 +24,8 @@ class LoopsTogether(Generic[T]):
     ----------
     blank : Controller
         With the values that no setting changes.
-    model : LinearModel
-        Of a process at an operating point.
     values_of : callable
         Settings to the parameters that they make.
-    search : Search
 
     Raises
     ------
@@ -90,10 +87,8 @@ class LoopsTogether(Generic[T]):
 
         Parameters
         ----------
-        found : SlowedDown
         design : str
             How the settings were found; the peak is added.
-        notes : sequence of str
 
         Raises
         ------

@@ -65,11 +65,8 @@ class MultiloopPid(LoopsTogether[Sequence[PidSettings]]):
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point.
     pairing : sequence of (output, input), mapping, or None
         The one that the relative gains suggest for None.
-    form : PidForm
     method : str
         Of the design, for names and messages.
     decoupling : {"static", "dynamic"}, optional
@@ -123,10 +120,8 @@ class MultiloopPid(LoopsTogether[Sequence[PidSettings]]):
 
         Parameters
         ----------
-        found : Detuned
         design : str
             How the settings were found; their values and the peak are added.
-        notes : sequence of str
 
         Raises
         ------

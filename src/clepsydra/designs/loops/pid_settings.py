@@ -34,13 +34,7 @@ class PidSettings(NamedTuple):
 
 
 class SeriesSettings(NamedTuple):
-    """Settings in series (interacting) form, C(s) = K' (1 + 1/(Ti' s)) (1 + Td' s).
-
-    Examples
-    --------
-    >>> SeriesSettings(2.0, 10.0, 2.5).integral_time
-    10.0
-    """
+    """Settings in series (interacting) form, C(s) = K' (1 + 1/(Ti' s)) (1 + Td' s)."""
 
     gain: float
     integral_time: float = math.inf
@@ -58,11 +52,6 @@ class ParallelSettings(NamedTuple):
         Ki [input unit / (output unit · s)]
     derivative_gain : float
         Kd [input unit · s / output unit]
-
-    Examples
-    --------
-    >>> ParallelSettings(2.0, 0.2, 5.0).integral_gain
-    0.2
     """
 
     gain: float
@@ -99,7 +88,6 @@ def to_series(settings: PidSettings, place: str = "series form") -> SeriesSettin
 
     Parameters
     ----------
-    settings : PidSettings
     place : str
         For the message.
 

@@ -38,7 +38,6 @@ class PublishedRule(NamedTuple):
         "AMIGO"
     source : str
         "Åström and Hägglund 2006"
-    settings_of : callable
     advice : str
         What the reader must know about the rule.
 
@@ -60,9 +59,6 @@ class PublishedRule(NamedTuple):
 
         Parameters
         ----------
-        model : LinearModel
-            Of a process at an operating point.
-        pairing : sequence of (output, input), mapping, or None
         form : PidForm or None
             PI in ISA form for None.
         as_published : bool

@@ -95,7 +95,6 @@ def reduced_lags(
 
     Parameters
     ----------
-    element : TransferElement
     delay : float
         Of the loop outside the element [s].
     order : int

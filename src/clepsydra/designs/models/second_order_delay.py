@@ -25,11 +25,6 @@ class SecondOrderDelay:
         τ2 [s], zero where the element has one lag only.
     delay : float
         Effective delay θ [s].
-
-    Examples
-    --------
-    >>> SecondOrderDelay(1.0, 2.0, 0.5, 0.1).second_time_constant
-    0.5
     """
 
     slope: float
@@ -46,7 +41,6 @@ def half_rule_of_second_order(element: TransferElement, delay: float = 0.0) -> S
 
     Parameters
     ----------
-    element : TransferElement
     delay : float
         Of the loop outside the element: half a sampling period [s].
 

@@ -26,11 +26,6 @@ class UltimatePoint(NamedTuple):
         Ku, signed as the controller's [input unit / output unit].
     period : float
         Tu [s]
-
-    Examples
-    --------
-    >>> UltimatePoint(8.0, 3.6).gain
-    8.0
     """
 
     gain: float

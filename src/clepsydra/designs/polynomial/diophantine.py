@@ -13,13 +13,7 @@ Polynomial = tuple[Fraction, ...]
 
 
 class Solution(NamedTuple):
-    """X and Y of A X + B Y = C.
-
-    Examples
-    --------
-    >>> Solution((Fraction(1),), (Fraction(1, 2),)).Y
-    (Fraction(1, 2),)
-    """
+    """X and Y of A X + B Y = C."""
 
     X: Polynomial
     Y: Polynomial

@@ -89,7 +89,6 @@ def sampled_element(element: TransferElement, period: float) -> SampledModel:
 
     Parameters
     ----------
-    element : TransferElement
     period : float
         [s]
 

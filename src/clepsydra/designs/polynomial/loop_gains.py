@@ -79,11 +79,6 @@ class PairedDesign(NamedTuple):
 
     Parameters
     ----------
-    name, family : str
-    model : LinearModel
-    point : OperatingPoint
-    pairs : sequence of ModelledPair
-    law : StepLaw
     fixed : mapping
         Parameters that no slowing down changes; the limits are added.
     gains_at : callable
@@ -109,7 +104,6 @@ class PairedDesign(NamedTuple):
         ----------
         source : str
             How the gains were found.
-        notes : sequence of str
         given : str
             What was asked for; empty for nothing.
 

@@ -24,7 +24,6 @@ def with_two_lags(element: TransferElement, period: float) -> TransferElement:
 
     Parameters
     ----------
-    element : TransferElement
     period : float
         [s]
 

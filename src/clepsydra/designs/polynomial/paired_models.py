@@ -59,8 +59,6 @@ def modelled_pairs(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point.
     pairing : sequence of (output, input), mapping, or None
         The one that the relative gains suggest for None.
     given : sequence of SampledModel, optional
@@ -154,8 +152,6 @@ def characteristic(
 
     Parameters
     ----------
-    pair : ModelledPair
-    request : Request
     factor : float
         From 1 on.
     numerator : ndarray

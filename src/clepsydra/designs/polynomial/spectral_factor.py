@@ -30,11 +30,6 @@ class SpectralFactor:
         D(1), without the rounding of the coefficients.
     scale : float
         δ
-
-    Examples
-    --------
-    >>> SpectralFactor((1.0, -0.5), (0.5 + 0j,), 0.5, 2.0).poles
-    ((0.5+0j),)
     """
 
     coefficients: tuple[float, ...]

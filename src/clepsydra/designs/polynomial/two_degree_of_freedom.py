@@ -54,7 +54,6 @@ def assigned(factor: SpectralFactor, poles: Sequence[float]) -> Characteristic:
 
     Parameters
     ----------
-    factor : SpectralFactor
     poles : sequence of float
         γ of equation (30) or (32), and further ones, each inside the unit circle.
 
@@ -140,7 +139,6 @@ def two_degree_of_freedom(
     ----------
     A, B : sequence of float
         Coefficients of 1, z^-1, z^-2, …; B begins with a zero, and holds the delay.
-    D : Characteristic
 
     Raises
     ------

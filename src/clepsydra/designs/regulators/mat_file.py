@@ -26,26 +26,11 @@ def read_mat(path: str | Path) -> GivenRegulator:
     Nothing but six matrices of numbers is read: A, B, C, D; Ts, the sampling period [s], zero or
     left out in continuous time; and E, which has to be the identity. Others may stand beside them.
 
-    Parameters
-    ----------
-    path : str or Path
-
     Raises
     ------
     InputError
         There is no such file, it is of version 7.3 or no MAT file, a matrix is missing, no matrix
         of numbers, or wrong; the place names the file and the matrix.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from scipy.io import savemat
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     file = Path(folder) / "reg1.mat"
-    ...     savemat(file, {"A": 0.0, "B": 0.2, "C": 1.0, "D": 2.0})
-    ...     regulator = read_mat(file)
-    >>> regulator.D.tolist(), regulator.period
-    ([[2.0]], None)
     """
     path = Path(path)
     content = read_input(path, _EXPECTED, _LARGEST_FILE)

@@ -43,14 +43,8 @@ class Variable:
     ----------
     kind : str
         Its class: "double", "struct".
-    shape : tuple of int
     numbers : ndarray, optional
         None of what is no small matrix of numbers.
-
-    Examples
-    --------
-    >>> Variable("struct", (1, 1)).numbers is None
-    True
     """
 
     kind: str
@@ -63,7 +57,6 @@ def mat_variables(content: bytes, most: int) -> dict[str, Variable]:
 
     Parameters
     ----------
-    content : bytes
     most : int
         Rows and columns of the largest matrix whose numbers are read.
 

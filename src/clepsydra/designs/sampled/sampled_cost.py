@@ -18,12 +18,6 @@ class SampledCost(NamedTuple):
     moved : ndarray [n, m]
         Γ
     Q, N, R : ndarray [n, n], [n, m], [m, m]
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> float(SampledCost(one, one, one, 0.5 * one, 1.3 * one).R[0, 0])
-    1.3
     """
 
     held: np.ndarray

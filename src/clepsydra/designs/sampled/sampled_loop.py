@@ -45,12 +45,6 @@ def sampled_loop(controller: Controller, model: LinearModel) -> SampledLoop:
 
     S is that of the measurements which the controller has setpoints for.
 
-    Parameters
-    ----------
-    controller : Controller
-    model : LinearModel
-        Of a process at an operating point, with the measurements that the controller reads.
-
     Raises
     ------
     InputError

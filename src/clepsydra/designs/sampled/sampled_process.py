@@ -24,11 +24,6 @@ class SampledProcess(NamedTuple):
     held : ndarray [N, N]
     moved : ndarray [N, m]
         With dead time the further states are what is on its way: earlier states and inputs.
-
-    Examples
-    --------
-    >>> SampledProcess(np.eye(1), np.eye(1)).held
-    array([[1.]])
     """
 
     held: np.ndarray

@@ -28,9 +28,6 @@ def settling_times(
 
     Parameters
     ----------
-    controller : Controller
-    model : LinearModel
-        Of a process at an operating point, with the measurements that the controller reads.
     band : float
         Share of the step.
 
@@ -72,7 +69,6 @@ def settled_after(
     A, b, c : ndarray [n, n], [n], [n]
     period : float
         [s]
-    band : float
 
     Returns
     -------

@@ -23,10 +23,6 @@ def bessel_poles(order: int, bandwidth: float, period: float) -> np.ndarray:
     period : float
         T, the sampling period [s].
 
-    Returns
-    -------
-    ndarray [order], complex
-
     References
     ----------
     W. E. Thomson, Delay networks having maximally flat frequency characteristics, Proceedings

@@ -128,7 +128,6 @@ def bryson_weights(
 
     Parameters
     ----------
-    model : LinearModel
     maximum_errors : ndarray [q]
         ȳ [output unit]
     maximum_moves : ndarray [m]

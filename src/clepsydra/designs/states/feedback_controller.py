@@ -31,8 +31,6 @@ def states_to_feed_back(
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point; its outputs are controlled.
     measurements : sequence of str or None
         Naming them asks for an observer.
 
@@ -69,7 +67,6 @@ def feedback_controller(
 
     Parameters
     ----------
-    name : str
     observed : ObservedProcess
         Without an estimation its measurements show every state.
     feedback : ndarray [m, N]

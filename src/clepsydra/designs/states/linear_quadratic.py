@@ -36,13 +36,6 @@ class LqiGains(NamedTuple):
         To go, in scaled states and errors.
     sizes : ndarray [N]
         In which the states are scaled.
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> gains = LqiGains(1.7 * one, one, np.array([0.5, 0.25]), np.eye(2), np.ones(1))
-    >>> [float(abs(each)) for each in gains.eigenvalues]
-    [0.5, 0.25]
     """
 
     feedback: np.ndarray

@@ -14,11 +14,6 @@ from clepsydra.linear.linearise import linearise, operating_point_of
 def measurements_of_states(model: LinearModel) -> tuple[str, ...]:
     """Return a measurement for each state of a model, in the order of the states.
 
-    Parameters
-    ----------
-    model : LinearModel
-        Of a process at an operating point.
-
     Raises
     ------
     NotApplicable
@@ -91,7 +86,6 @@ def of_measurements(
 
     Parameters
     ----------
-    model : LinearModel
     measurements : tuple of str
         One for each state.
     feedback : ndarray [m, n]

@@ -74,8 +74,6 @@ def observed_process(model: LinearModel, measurements: Sequence[str] | None) -> 
 
     Parameters
     ----------
-    model : LinearModel
-        Of a process at an operating point; its outputs are controlled.
     measurements : sequence of str or None
         None for the controlled outputs alone where sensors show every state, since then a
         controller without an observer has use for the others; else for all sensors that show

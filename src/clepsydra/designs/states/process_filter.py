@@ -35,7 +35,6 @@ class FoundFilter(NamedTuple):
 
     Parameters
     ----------
-    observer : ExtendedKalman
     noises : dict
         Standard deviations by the parameter that they are.
     memory : dict
@@ -84,7 +83,6 @@ def extended_kalman(
 
     Parameters
     ----------
-    model : LinearModel
     equations : ProcessEquations
         Of the model.
     measurements : sequence of str or None
@@ -161,8 +159,6 @@ def process_state_controller(
 
     Parameters
     ----------
-    name, family : str
-    law : StepLaw
     source : ProcessState
         Of the law.
     numbers, state : dict

@@ -120,7 +120,6 @@ def by_weights(
     ----------
     gains_of : callable
         Takes weights.
-    weights : QuadraticWeights
     usual : QuadraticWeights or None
         None where the weights are the usual ones.
 
@@ -161,7 +160,6 @@ def diagonal_weights(
 
     Parameters
     ----------
-    model : LinearModel
     states, inputs, integrals : mapping
         Names of states, inputs and outputs to their weights.
 

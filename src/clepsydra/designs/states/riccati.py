@@ -21,11 +21,6 @@ class Regulator(NamedTuple):
     gain : ndarray [m, n]
     cost : ndarray [n, n]
     eigenvalues : ndarray [n], complex
-
-    Examples
-    --------
-    >>> Regulator(np.eye(1), np.eye(1), np.array([0.5])).eigenvalues
-    array([0.5])
     """
 
     gain: np.ndarray

@@ -39,7 +39,6 @@ class StateLqi(NamedTuple):
         Those asked for, before it is slowed down.
     measurements : tuple of str
         That show each state, or that correct the estimate.
-    anti_windup : AntiWindup
     estimation : Estimation or None
         None where the measurements show the state.
 
@@ -100,13 +99,10 @@ class RobustLqi(NamedTuple):
 
     Parameters
     ----------
-    of : StateLqi
     controller : Controller
         Linear.
-    gains : LqiGains
     asked : Deviations
         Those of its weights.
-    found : SlowedDown
 
     Examples
     --------
@@ -126,7 +122,6 @@ class RobustLqi(NamedTuple):
 
         Parameters
         ----------
-        controller : Controller
         how : str
             What there is to say beside the weights.
         where : str
@@ -157,7 +152,6 @@ def check_lqi(model: LinearModel, delays: object = None, states: str = "its law 
 
     Parameters
     ----------
-    model : LinearModel
     delays : object
         Dead times of which the law would have to know, if any.
     states : str
@@ -201,8 +195,6 @@ def tracking_times(
 
     Parameters
     ----------
-    model : LinearModel
-    measurements : tuple of str
     feedback : ndarray [m, measurements]
         F of the measurements.
     integral : ndarray [m, q]

@@ -14,13 +14,7 @@ _SAME = 1e-6
 
 
 class PlacedModes(NamedTuple):
-    """F, and how many modes it moves to Bessel's pattern.
-
-    Examples
-    --------
-    >>> PlacedModes(np.zeros((1, 2)), 0).moved
-    0
-    """
+    """F, and how many modes it moves to Bessel's pattern."""
 
     gain: np.ndarray
     moved: int

@@ -41,7 +41,6 @@ def lqi_controller(
 
     Parameters
     ----------
-    name : str
     model : LinearModel
         Its outputs are controlled and its inputs manipulated.
     measurements : tuple of str
@@ -52,8 +51,6 @@ def lqi_controller(
         G.
     tracking_times : array_like
         One for each input, or one for all, for back-calculation [s].
-    anti_windup : AntiWindup
-    estimation : Estimation, optional
 
     Raises
     ------
@@ -124,7 +121,6 @@ def sensitivity_peak(controller: Controller, model: LinearModel) -> float:
 
     Parameters
     ----------
-    controller : Controller
     model : LinearModel
         Of the process, with any outputs.
 
