@@ -19,10 +19,9 @@ from clepsydra.designs.lqr import design_lqr
 from clepsydra.designs.pole_placement import design_pole_placement
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.designs.sampled.sampled_process import sampled_process, sampled_states
-from clepsydra.designs.states.measured_states import with_outputs
+from clepsydra.designs.states.measured_states import with_outputs, without_idle_states
 from clepsydra.designs.states.observed_process import observed_process
 from clepsydra.designs.states.quadratic_weights import QuadraticWeights, diagonal_weights
-from clepsydra.designs.states.relevant_states import without_idle_states
 from clepsydra.linear.linearise import linearise
 from clepsydra.process.reader import load_process
 

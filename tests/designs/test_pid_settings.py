@@ -10,7 +10,7 @@ from clepsydra.designs.gain_units import (
     gain_from_percent,
     gain_units,
 )
-from clepsydra.designs.loops.law_settings import law_settings
+from clepsydra.designs.loops.multiloop import law_settings
 from clepsydra.designs.loops.pid_settings import (
     ParallelSettings,
     PidSettings,

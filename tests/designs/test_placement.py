@@ -8,11 +8,15 @@ from scipy.linalg import solve_sylvester
 from scipy.optimize import linear_sum_assignment
 
 from clepsydra import InputError, NotApplicable
-from clepsydra.designs.states.bessel_poles import bessel_poles, bessel_radius
 from clepsydra.designs.states.observed_process import observed_process
-from clepsydra.designs.states.observer_placement import bessel_correction, placed_correction
-from clepsydra.designs.states.placement import placed_gain
-from clepsydra.designs.states.slow_modes import place_slow_modes
+from clepsydra.designs.states.placement import (
+    bessel_poles,
+    bessel_radius,
+    correction,
+    place_slow_modes,
+    placed_gain,
+    slow_modes_gain,
+)
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 
@@ -120,10 +124,10 @@ def test_fast_modes_stay_and_slow_ones_have_the_pattern(three_tanks):
 def test_a_luenberger_observer_is_the_dual_placement(three_tanks):
     held, shown = three_tanks.held, np.array([[0.0, 0.0, 1.0]])
     scales = three_tanks.sizes, np.array([0.7]), 1.0
-    found = placed_correction(held, shown, POLES, *scales)
+    found = correction(placed_gain, held, shown, POLES, *scales)
     assert found[:, 0] == pytest.approx(ackermann(held.T, (shown @ held).T, POLES), rel=1e-7)
     assert distance(np.linalg.eigvals(held - found @ shown @ held), POLES) < 1e-9
-    found = bessel_correction(held, shown, 0.2, *scales)
+    found = correction(slow_modes_gain, held, shown, 0.2, *scales)
     assert (
         distance(np.linalg.eigvals(held - found @ shown @ held), bessel_poles(3, 0.2, 1.0)) < 1e-9
     )
@@ -135,7 +139,7 @@ def test_what_is_out_of_reach_is_named():
     with pytest.raises(NotApplicable, match="a mode of 100 s is out of reach"):
         placed_gain(held, moved, [0.5, 0.4], *ones, 1.0, "pole placement")
     with pytest.raises(NotApplicable, match="that integrates is not shown by the measurements"):
-        placed_correction(np.diag([1.0, 0.9]), moved.T, [0.5, 0.4], *ones, 1.0)
+        correction(placed_gain, np.diag([1.0, 0.9]), moved.T, [0.5, 0.4], *ones, 1.0)
 
 
 @pytest.mark.parametrize(

@@ -8,9 +8,8 @@ import pytest
 from clepsydra import InputError, NotApplicable, PidForm
 from clepsydra.designs.amigo import amigo_settings, design_amigo
 from clepsydra.designs.loops.pid_settings import PidSettings, to_series
-from clepsydra.designs.models.first_order_delay import FirstOrderDelay
+from clepsydra.designs.models.first_order_delay import FirstOrderDelay, half_rule_of_second_order
 from clepsydra.designs.models.reaction_curve import reaction_curve
-from clepsydra.designs.models.second_order_delay import half_rule_of_second_order
 from clepsydra.designs.models.transfer_element import TransferElement
 from clepsydra.designs.models.ultimate_point import UltimatePoint, ultimate_point
 from clepsydra.designs.simc import simc_pid_settings

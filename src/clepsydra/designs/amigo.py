@@ -7,11 +7,7 @@ from typing import TYPE_CHECKING
 
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loops.pid_settings import PidSettings
-from clepsydra.designs.loops.published_rule import (
-    AS_PUBLISHED,
-    PublishedRule,
-    RuleActions,
-)
+from clepsydra.designs.loops.published_rule import AS_PUBLISHED, PublishedRule, RuleActions
 from clepsydra.designs.loops.words import model_words
 from clepsydra.designs.models.first_order_delay import FirstOrderDelay
 from clepsydra.designs.models.reaction_curve import reaction_curve
@@ -19,8 +15,7 @@ from clepsydra.designs.models.reaction_curve import reaction_curve
 if TYPE_CHECKING:
     from clepsydra.controllers.controller import Controller
     from clepsydra.controllers.pid_form import PidForm
-    from clepsydra.designs.loops.multiloop import PairedLoop
-    from clepsydra.designs.loops.pairing import Pairing
+    from clepsydra.designs.loops.pairing import PairedLoop, Pairing
     from clepsydra.linear.linear_model import LinearModel
 
 METHOD = "AMIGO"
@@ -131,4 +126,4 @@ def design_amigo(
 
 def _rule(loop: PairedLoop, delay: float, actions: RuleActions) -> tuple[PidSettings, str]:
     model = reaction_curve(loop.element, delay).model
-    return amigo_settings(model, actions), model_words(model, loop.output, loop.input)
+    return amigo_settings(model, actions), model_words(model, loop)

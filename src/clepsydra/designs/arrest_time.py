@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import NamedTuple
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.designs.applicability import NotApplicable, reasons_about
+from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.arguments.argument import number
 from clepsydra.designs.arguments.of_process import one_deviation
 from clepsydra.designs.design import Studied, design
@@ -21,9 +20,9 @@ from clepsydra.designs.loops.averaging_room import (
     load_steps,
     smallest_area,
 )
-from clepsydra.designs.loops.multiloop import MultiloopPid, PairedLoop, pi_only
-from clepsydra.designs.loops.pairing import Pairing
-from clepsydra.designs.loops.pid_settings import PidSettings, slowed_down
+from clepsydra.designs.loops.multiloop import MultiloopPid, pi_only
+from clepsydra.designs.loops.pairing import PairedLoop, Pairing
+from clepsydra.designs.loops.pid_settings import PidSettings
 from clepsydra.designs.models.first_order_delay import FirstOrderDelay, half_rule
 from clepsydra.designs.request import in_shown_unit
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT, note_on_peak
@@ -148,19 +147,6 @@ def _turns(damping: float) -> float:
     return math.acos(damping) / root if root > 0.0 else 1.0
 
 
-def _swings_back(damping: float) -> float:
-    """Return how far a level then moves the other way, over its deviation."""
-    root = math.sqrt(1.0 - damping**2)
-    return math.exp(-math.pi * damping / root) if root > 0.0 else 0.0
-
-
-class _Averaging(NamedTuple):
-    """One loop: its settings, and where they come from in words."""
-
-    settings: PidSettings
-    words: str
-
-
 @design(
     "arrest_time",
     "PI that averages, by its arrest time",
@@ -170,13 +156,7 @@ class _Averaging(NamedTuple):
         one_deviation(
             "deviation", "how far levels may move at the load steps that the process names"
         ),
-        number(
-            "damping",
-            "a damping",
-            "ζ of the loop, 1 if left out",
-            high=1.0,
-            example="0.7",
-        ),
+        number("damping", "a damping", "ζ of the loop, 1 if left out", high=1.0, example="0.7"),
     ),
     method=METHOD,
 )
@@ -237,33 +217,30 @@ def design_arrest_time(
     """
     form = pi_only(form)
     if arrest_time is not None and deviation is not None:
+        expected, remedy = "either an arrest time or a deviation", "leave one of them out"
         raise InputError(
-            "arrest_time",
-            arrest_time,
-            "either an arrest time or a deviation",
-            "leave one of them out: each follows from the other",
+            "arrest_time", arrest_time, expected, f"{remedy}: each follows from the other"
         )
     together = MultiloopPid(model, pairing, form, METHOD)
-    loops = []
-    for loop in together.loops:
-        with reasons_about(loop.pair):
-            loops.append(_averaging(together, model, loop, arrest_time, deviation, damping))
-    settings = [loop.settings for loop in loops]
+    found = together.each(
+        lambda loop: _averaging(together, model, loop, arrest_time, deviation, damping)
+    )
+    settings = [setting for setting, _ in found]
     words = "; ".join(
-        f"{paired.pair}: {loop.words}" for paired, loop in zip(together.loops, loops, strict=True)
+        f"{loop.pair}: {said}" for loop, (_, said) in zip(together.loops, found, strict=True)
     )
     notes = [f"{words}."]
     if arrest_time is None:
-        found = together.slowed_down(lambda factor: slowed_down(settings, factor))
-        if found.factor > 1.0:
+        tuned = together.detuned(settings)
+        if tuned.factor > 1.0:
             notes.append(
-                f"The loops were slowed down {found.factor:.3g} times, so that together they keep "
+                f"The loops were slowed down {tuned.factor:.3g} times, so that together they keep "
                 f"a sensitivity peak of {SENSITIVITY_LIMIT:g}: the levels move further."
             )
     else:
-        found = together.as_given(settings, f"an arrest time of {arrest_time:g} s")
-        notes += note_on_peak(found.peak, "choose a longer arrest time")
-    return together.controller(found, _SOURCE, notes)
+        tuned = together.as_given(settings, f"an arrest time of {arrest_time:g} s")
+        notes += note_on_peak(tuned.peak, "choose a longer arrest time")
+    return together.controller(tuned, _SOURCE, notes)
 
 
 def _averaging(
@@ -273,33 +250,33 @@ def _averaging(
     arrest_time: float | None,
     deviation: float | None,
     damping: float,
-) -> _Averaging:
-    process = together.process
-    if not is_level(process, loop.output.name):
-        raise NotApplicable(f"{loop.output.name} is no level: nobody lets it drift")
-    reduced = half_rule(loop.element, process.sampling_period / 2.0)
+) -> tuple[PidSettings, str]:
+    """Return the settings of one loop, and where they come from in words."""
+    process, output = together.process, loop.output
+    if not is_level(process, output.name):
+        raise NotApplicable(f"{output.name} is no level: nobody lets it drift")
+    reduced = half_rule(loop.element, together.delay)
     if arrest_time is not None:
-        return _Averaging(
-            arrest_settings(reduced, arrest_time, damping),
-            f"load steps are arrested after {time_text(arrest_time)}",
-        )
-    banded = loop.output.name in process.bands
+        words = f"load steps are arrested after {time_text(arrest_time)}"
+        return arrest_settings(reduced, arrest_time, damping), words
+    banded = output.name in process.bands
     others = [u for u in model.inputs if u != loop.input.name] if banded else []
-    loads = load_steps(model, loop.output.name, others)
-    room = averaging_room(together.point, loop.output)
+    loads = load_steps(model, output.name, others)
+    room = averaging_room(together.point, output)
     if deviation is not None:
         room = Room(deviation, deviation)
-    back = _swings_back(damping)
+    # How far a level then moves the other way, over its deviation.
+    root = math.sqrt(1.0 - damping**2)
+    back = math.exp(-math.pi * damping / root) if root > 0.0 else 0.0
     load = max(loads, key=lambda each: abs(each.rate) / room.against(each.rate, back))
     allowed = room.against(load.rate, back)
-    area = smallest_area(together.point, loop.output, room)
+    area = smallest_area(together.point, output, room)
     narrow = replace(
         reduced, slope=reduced.slope / area, time_constant=reduced.time_constant * area
     )
     time = arrest_time_for(narrow, allowed, abs(load.rate) / area, damping)
-    return _Averaging(
-        arrest_settings(narrow, time, damping),
-        f"a load step of {load.signal} by "
-        f"{in_shown_unit(process.signal(load.signal), load.size)} may move it by "
-        f"{in_shown_unit(loop.output, allowed)} and is arrested after {time_text(time)}",
+    size = in_shown_unit(process.signal(load.signal), load.size)
+    return arrest_settings(narrow, time, damping), (
+        f"a load step of {load.signal} by {size} may move it by {in_shown_unit(output, allowed)} "
+        f"and is arrested after {time_text(time)}"
     )

@@ -178,25 +178,20 @@ def decoupling_element(
 
 
 def _check_realisable(own: TransferElement, cross: TransferElement) -> None:
+    otherwise = "a static one, or another pairing, is needed"
     if own.dead_time > cross.dead_time:
+        later = own.dead_time - cross.dead_time
+        raise NotApplicable(f"its own input acts {later:.3g} s later than the other; {otherwise}")
+    lags, others = (len(each.poles) + each.integrators - len(each.zeros) for each in (own, cross))
+    if lags > others:
         raise NotApplicable(
-            f"its own input acts {own.dead_time - cross.dead_time:.3g} s later than the other; "
-            "a static one, or another pairing, is needed"
-        )
-    if _excess(own) > _excess(cross):
-        raise NotApplicable(
-            f"its own input acts through {_excess(own)} lags in series and the other through "
-            f"{_excess(cross)}, so that the other cannot be met in time; a static one, or another "
-            "pairing, is needed"
+            f"its own input acts through {lags} lags in series and the other through {others}, so "
+            f"that the other cannot be met in time; {otherwise}"
         )
     if any(complex(root).real >= 0.0 for root in (*own.zeros, *cross.poles)):
         raise NotApplicable(
             "what its own input does at first goes the wrong way, or the other is unstable"
         )
-
-
-def _excess(element: TransferElement) -> int:
-    return len(element.poles) + element.integrators - len(element.zeros)
 
 
 def _without_common(

@@ -7,20 +7,17 @@ from collections.abc import Sequence
 from clepsydra.base.signal import path
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.disturbance_rejection import FAMILY, disturbance_rejection_law
-from clepsydra.controllers.pid_form import PidForm
-from clepsydra.designs.applicability import reasons_about
 from clepsydra.designs.arguments.argument import number
 from clepsydra.designs.at_operating_point import controller_at, numbers_at
 from clepsydra.designs.design import design
 from clepsydra.designs.loops.closed_loop_time import CLOSED_LOOP_TIME, in_words
 from clepsydra.designs.loops.loops_together import LoopsTogether
-from clepsydra.designs.loops.multiloop import MultiloopPid, PairedLoop
+from clepsydra.designs.loops.multiloop import MultiloopPid
 from clepsydra.designs.loops.pairing import Pairing
 from clepsydra.designs.loops.words import model_words
-from clepsydra.designs.models.first_order_delay import FirstOrderDelay, half_rule
+from clepsydra.designs.models.first_order_delay import half_rule
 from clepsydra.designs.slowing_down import note_on_peak
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.operating_point import OperatingPoint
 
 METHOD = "disturbance rejection"
 #: Of the observer to the loop: faster hears more noise, slower leaves less margin.
@@ -90,9 +87,12 @@ def design_disturbance_rejection(
     >>> found.values["level.bandwidth"], found.values["level.observer_bandwidth"]
     (0.001, 0.005)
     """
-    together = MultiloopPid(model, pairing, PidForm(), METHOD)
-    reduced = [_reduced(loop, together.process.sampling_period) for loop in together.loops]
-    loops = together.loops
+    together = MultiloopPid(model, pairing, None, METHOD)
+    loops, point = together.loops, together.point
+    reduced = together.each(lambda loop: half_rule(loop.element, together.delay))
+    law = disturbance_rejection_law([x.output for x in loops], [x.input for x in loops])
+    # Its state at rest does not depend on its bandwidths.
+    blank = numbers_at(point, law.parameters, model_gain=[each.slope for each in reduced])
 
     def values_of(times: Sequence[float]) -> dict[str, float]:
         own = {"bandwidth": 1.0, "observer_bandwidth": observer_ratio}
@@ -102,33 +102,17 @@ def design_disturbance_rejection(
             for name, share in own.items()
         }
 
-    rejecting = LoopsTogether(_controller(loops, reduced, together.point), model, values_of)
+    rejecting = LoopsTogether(controller_at(point, "ADRC", FAMILY, law, blank), model, values_of)
     shortest = [
         max(each.delay, 1.0 / (abs(each.slope) * loop.largest_gain))
         for loop, each in zip(loops, reduced, strict=True)
     ]
     found, times = rejecting.timed(list, shortest, closed_loop_time_constant)
-    models = [model_words(each, x.output, x.input) for each, x in zip(reduced, loops, strict=True)]
-    return rejecting.made(
-        found,
+    models = [model_words(each, loop) for each, loop in zip(reduced, loops, strict=True)]
+    words = (
         "Active disturbance rejection (Gao 2003), the observer "
-        f"{observer_ratio:g} times as fast as its loop",
-        [
-            f"First-order models by the half rule: {in_words(loops, models, times)}.",
-            *note_on_peak(found.peak, "choose a longer closed-loop time constant"),
-        ],
+        f"{observer_ratio:g} times as fast as its loop"
     )
-
-
-def _reduced(loop: PairedLoop, period: float) -> FirstOrderDelay:
-    with reasons_about(loop.pair):
-        return half_rule(loop.element, period / 2.0)
-
-
-def _controller(
-    loops: Sequence[PairedLoop], reduced: Sequence[FirstOrderDelay], point: OperatingPoint
-) -> Controller:
-    """Return the controller without its bandwidths, of which its state at rest does not depend."""
-    law = disturbance_rejection_law([x.output for x in loops], [x.input for x in loops])
-    values = numbers_at(point, law.parameters, model_gain=[each.slope for each in reduced])
-    return controller_at(point, "ADRC", FAMILY, law, values)
+    note = f"First-order models by the half rule: {in_words(loops, models, times)}."
+    more = note_on_peak(found.peak, "choose a longer closed-loop time constant")
+    return rejecting.made(found, words, [note, *more])

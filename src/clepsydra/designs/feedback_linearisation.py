@@ -141,7 +141,6 @@ every 78.4 s (a zero at +0.0128 rad/s).
     if not internal.stable and not despite_unstable_internal_dynamics:
         raise NotApplicable(internal.words)
     observer, correction = _observer(model, linearised, measurements)
-
     designed = partial(
         feedback_linearisation_controller,
         model,
@@ -151,8 +150,7 @@ every 78.4 s (a zero at +0.0128 rad/s).
         observer=observer,
         correction=correction,
     )
-    rates, slowed = [1.0] * len(model.outputs), 1.0
-    notes: tuple[str, ...] = ()
+    rates, slowed, notes = [1.0] * len(model.outputs), 1.0, tuple[str, ...]()
     if settings is not None:
         chosen = checked_settings(settings, model.outputs, linearised.degrees)
         words = "settings as given"
@@ -161,18 +159,15 @@ every 78.4 s (a zero at +0.0128 rad/s).
         if closed_loop_time_constant is not None:
             times = [float(closed_loop_time_constant)] * len(times)
         elif internal.stable:
-
-            def slower(factor: float) -> Controller:
-                longer = [factor * time for time in times]
-                return designed(_settings(longer, linearised), rates=rates)
-
-            found = slow_down(slower, lambda each: sensitivity_peak(each, model))
-            slowed = found.factor
-            times = [slowed * time for time in times]
-            notes = note_on_slowing(found, "every output")
-        chosen = _settings(times, linearised)
+            found = slow_down(
+                lambda factor: designed(_settings(times, linearised, factor), rates=rates),
+                lambda each: sensitivity_peak(each, model),
+            )
+            slowed, notes = found.factor, note_on_slowing(found, "every output")
+        chosen = _settings(times, linearised, slowed)
         words = "time constants " + ", ".join(
-            f"{time_text(time)} of {name}" for time, name in zip(times, model.outputs, strict=True)
+            f"{time_text(slowed * time)} of {name}"
+            for time, name in zip(times, model.outputs, strict=True)
         )
     controller = designed(chosen, rates=rates)
     if internal.stable and math.isinf(sensitivity_peak(controller, model)):
@@ -280,8 +275,11 @@ def _smallest_pivots(linearised: VectorRelativeDegree) -> list[float]:
     return pivots
 
 
-def _settings(times: Sequence[float], linearised: VectorRelativeDegree) -> list[VirtualSettings]:
-    return [settings_for(*each) for each in zip(times, linearised.degrees, strict=True)]
+def _settings(
+    times: Sequence[float], linearised: VectorRelativeDegree, factor: float
+) -> list[VirtualSettings]:
+    pairs = zip(times, linearised.degrees, strict=True)
+    return [settings_for(factor * time, degree) for time, degree in pairs]
 
 
 def _shortest_times(linearised: VectorRelativeDegree) -> list[float]:

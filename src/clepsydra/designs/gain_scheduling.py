@@ -16,31 +16,27 @@ from clepsydra.designs.arguments.of_process import OVER, POINTS
 from clepsydra.designs.at_operating_point import controller_at
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.designed_values import kind
-from clepsydra.designs.loops.closed_loop_time import TimedLoop
-from clepsydra.designs.loops.law_settings import law_settings
-from clepsydra.designs.loops.multiloop import Detuned, MultiloopPid, checked_form
+from clepsydra.designs.loops.multiloop import Detuned, MultiloopPid, checked_form, law_settings
 from clepsydra.designs.loops.pairing import Pairing, checked_pairing
+from clepsydra.designs.loops.pid_settings import PidSettings
 from clepsydra.designs.lqi import design_lqi
 from clepsydra.designs.operating_plan import (
+    Along,
     Follows,
-    PlannedPoint,
-    ScheduledDesign,
-    Wish,
+    Plan,
     largest_change,
-    peaks_elsewhere,
     planned_points,
 )
 from clepsydra.designs.request import in_shown_unit
 from clepsydra.designs.simc import simc_loop
 from clepsydra.designs.states.bryson_rule import DEVIATIONS, acceptable_deviations
 from clepsydra.designs.states.linear_quadratic import ANTI_WINDUP
-from clepsydra.designs.states.relevant_states import without_idle_states
+from clepsydra.designs.states.measured_states import without_idle_states
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.program.step_law import StepLaw
 
 METHOD = "gain-scheduled SIMC"
-#: The scheduling variable is filtered over this share of the shortest time that the gains act in.
 _FILTER = 0.2
 
 _SCHEDULE = (
@@ -114,48 +110,42 @@ def design_gain_scheduled_pid(
     """
     form, actions = checked_form(form)
     outputs, inputs = checked_pairing(pairing, model)
-    pairs = list(zip(outputs, inputs, strict=True))
-    chosen = form
+    pairs, chosen = list(zip(outputs, inputs, strict=True)), form
 
-    def loops_at(place: LinearModel) -> MultiloopPid:
-        return MultiloopPid(place, pairs, chosen, METHOD)
+    def found_at(
+        place: LinearModel, times: Sequence[float] | None = None
+    ) -> tuple[MultiloopPid, Detuned, list[float]]:
+        together = MultiloopPid(place, pairs, chosen, METHOD)
+        loops = together.each(lambda loop: simc_loop(loop, together.delay, actions))
 
-    together = loops_at(model)
-    delay = together.process.sampling_period / 2.0
+        def settings_at(times: Sequence[float]) -> list[PidSettings]:
+            return [loop.settings_at(time) for loop, time in zip(loops, times, strict=True)]
 
-    def timed(place: MultiloopPid) -> list[TimedLoop]:
-        return [simc_loop(loop, delay, actions) for loop in place.loops]
+        shortest = times or [loop.shortest for loop in loops]
+        return together, *together.timed(settings_at, shortest, None)
 
-    shortest = [loop.shortest for loop in timed(together)]
-
-    def detuned(place: MultiloopPid, times: Sequence[float]) -> Detuned:
-        loops = list(zip(timed(place), times, strict=True))
-        return place.slowed_down(
-            lambda factor: [loop.settings_at(factor * time) for loop, time in loops]
-        )
-
-    found = detuned(together, shortest)
-    times = [found.factor * time for time in shortest]
+    together, found, times = found_at(model)
     plain = together.controller(found, "SIMC (Skogestad 2003)", [])
 
     def values_at(place: LinearModel) -> dict[str, float]:
-        settings = detuned(loops_at(place), times).design
-        found = {
-            path(output, name): value
-            for output, setting in zip(outputs, settings, strict=True)
-            for name, value in law_settings(setting, chosen).items()
+        _, found, _ = found_at(place, times)
+        return {
+            name: value
+            for output, setting in zip(outputs, found.design, strict=True)
+            for part, value in law_settings(setting, chosen).items()
+            if (name := path(output, part)) in plain.values
         }
-        return {name: value for name, value in found.items() if name in plain.values}
 
     words = "; ".join(
         f"{loop.pair}: closed-loop time constant {time_text(time)}"
         for loop, time in zip(together.loops, times, strict=True)
     )
-    return _designed(
-        model,
-        ScheduledDesign(plain, values_at, f"{actions}, gain scheduling", words),
+    return _scheduled(
+        planned_points(model, plain, values_at, over, points),
+        f"{actions}, gain scheduling",
+        words,
         lambda schedule, names: scheduled_law(plain.law, schedule, names),
-        Wish(over, follows, points),
+        follows,
     )
 
 
@@ -242,81 +232,70 @@ def design_gain_scheduled_lqi(
             anti_windup,
         )
 
-    return _designed(
-        model,
-        ScheduledDesign(
-            plain, values_at, "LQI, gain scheduling",
-            f"Bryson's weights, {asked.in_words(process)}",
-        ),
+    return _scheduled(
+        planned_points(model, plain, values_at, over, points),
+        "LQI, gain scheduling",
+        f"Bryson's weights, {asked.in_words(process)}",
         law,
-        Wish(over, follows, points),
+        follows,
         every=True,
-    )  # fmt: skip
+    )
 
 
-def _designed(
-    model: LinearModel,
-    scheduled: ScheduledDesign,
+def _scheduled(
+    planned: tuple[Along, Plan, list[float]],
+    name: str,
+    words: str,
     law_of: Callable[[Schedule, Sequence[str]], StepLaw],
-    wish: Wish,
+    follows: Follows,
     *,
     every: bool = False,
 ) -> Controller:
     """Return the scheduled controller at rest at the operating point.
 
-    Parameters
-    ----------
-    every : bool
-        Whether parameters that are the same everywhere have tables too.
+    `law_of` makes the law of a schedule and the names of the parameters that follow it: those
+    that change, or every one that was designed at the points.
     """
-    plain, process = scheduled.plain, operating_point_of(model).process
-    over, plan, between = planned_points(model, scheduled, wish)
-    signal = process.signal(over)
-    followed = path(over, "pv" if wish.follows == "measurement" else "sp")
-    schedule = Schedule(followed, signal, len(plan))
-    names = [name for name in plan[0].values if every or largest_change(plan, {name: name}) > 1e-9]
+    along, plan, between = planned
+    over, plain, signal, kinds = along.over, along.plain, along.signal, along.kinds
+    schedule = Schedule(path(over, "pv" if follows == "measurement" else "sp"), signal, len(plan))
+    names = [each for each in plan[0].values if every or largest_change(plan, {each: each}) > 1e-9]
     law = law_of(schedule, names)
     fixed = {p.name for p in law.parameters}
-    values = {name: value for name, value in plain.values.items() if name in fixed}
+    values = {each: value for each, value in plain.values.items() if each in fixed}
     values |= zip(schedule.places, (point.place for point in plan), strict=True)
-    for name in names:
-        values |= zip(schedule.values(name), (point.values[name] for point in plan), strict=True)
-    kinds = scheduled.kinds
-    values["schedule.filter_time"] = _filter_time(plan, kinds, process.sampling_period)
+    for each in names:
+        values |= zip(schedule.values(each), (point.values[each] for point in plan), strict=True)
+    # The variable is filtered over a share of the shortest time that the gains act in.
+    times = [
+        value
+        for point in plan
+        for each, value in point.values.items()
+        if kinds[each] in ("integral_time", "tracking_time")
+    ]
+    period = along.point.process.sampling_period
+    shortest = min(times, default=10.0 * period / _FILTER)
+    values["schedule.filter_time"] = max(period, _FILTER * shortest)
     peaks = ", ".join(f"{point.peak:.2f} at {in_shown_unit(signal, point.place)}" for point in plan)
     highest = max(between, default=max(point.peak for point in plan))
+    said = list(dict.fromkeys(kinds[each].replace("_", " ") for each in names))
+    gains = f"{said[0]}s" if len(said) == 1 else listed(said)
     return controller_at(
-        operating_point_of(model),
-        scheduled.name,
+        along.point,
+        name,
         FAMILY,
         law,
         values,
         structure=max(plain.structure, Complexity.ADVANCED_LOOPS),
         design=(
-            f"{scheduled.words}; designed at {len(plan)} operating points of {over} and "
-            f"interpolated linearly over {'its setpoint' if wish.follows == 'setpoint' else 'it'}; "
-            f"sensitivity peaks {peaks}, halfway between neighbours at most {highest:.2f}."
+            f"{words}; designed at {len(plan)} operating points of {over} and interpolated "
+            f"linearly over {'its setpoint' if follows == 'setpoint' else 'it'}; sensitivity peaks "
+            f"{peaks}, halfway between neighbours at most {highest:.2f}."
         ),
         notes=(
-            f"{_listed([kinds[name] for name in names])} follow {over} by tables; a change of "
-            "them alone moves no output.",
-            *peaks_elsewhere(model, scheduled, over, plan),
+            f"{gains[0].upper()}{gains[1:]} follow {over} by tables; a change of them alone moves "
+            "no output.",
+            *along.elsewhere(plan),
         ),
         slowed=plain.slowed,
     )
-
-
-def _filter_time(plan: Sequence[PlannedPoint], kinds: Mapping[str, str], period: float) -> float:
-    times = [
-        value
-        for point in plan
-        for name, value in point.values.items()
-        if kinds[name] in ("integral_time", "tracking_time")
-    ]
-    return max(period, _FILTER * min(times, default=10.0 * period / _FILTER))
-
-
-def _listed(kinds: Sequence[str]) -> str:
-    found = list(dict.fromkeys(kind.replace("_", " ") for kind in kinds))
-    words = f"{found[0]}s" if len(found) == 1 else listed(found)
-    return words[0].upper() + words[1:]

@@ -157,26 +157,21 @@ def gain_from_percent(percent: float, measurement: Signal, manipulated: Signal) 
 
 
 def _check(settings: PidSettings) -> None:
-    require_type(
-        settings, PidSettings, "settings", "PidSettings", "make them: PidSettings(gain, Ti, Td)"
-    )
+    remedy = "make them: PidSettings(gain, Ti, Td)"
+    require_type(settings, PidSettings, "settings", "PidSettings", remedy)
     gain, integral_time, derivative_time = settings
     if not is_finite_number(gain) or gain == 0.0:
         raise InputError("gain", gain, "a number that is not zero", "give the gain of the loop")
     if not integral_time > 0.0:
-        raise InputError(
-            "integral time", integral_time, "a time above 0 s, or infinity", "give it in seconds"
-        )
+        expected = "a time above 0 s, or infinity"
+        raise InputError("integral time", integral_time, expected, "give it in seconds")
     if not is_finite_number(derivative_time) or derivative_time < 0.0:
         raise InputError("derivative time", derivative_time, "a time from 0 s", "give seconds")
 
 
 def _span(signal: Signal) -> float:
     if not signal.has_range:
-        raise InputError(
-            signal.name,
-            f"a range from {signal.low:g} to {signal.high:g} {signal.unit}",
-            "a finite range with its low end below its high end",
-            "give the signal a range",
-        )
+        given = f"a range from {signal.low:g} to {signal.high:g} {signal.unit}"
+        expected = "a finite range with its low end below its high end"
+        raise InputError(signal.name, given, expected, "give the signal a range")
     return signal.percent_span

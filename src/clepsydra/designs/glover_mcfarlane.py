@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from itertools import chain
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.words import time_text
-from clepsydra.controllers.conditioned_linear import FAMILY, conditioned_linear_law
+from clepsydra.controllers.conditioned_linear import FAMILY
 from clepsydra.controllers.conditioned_linear import MOST_STATES as MOST_STATES_OF_A_LAW
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.arguments.argument import number, whole_number
-from clepsydra.designs.at_operating_point import controller_at, numbers_at
 from clepsydra.designs.design import Studied, design
-from clepsydra.designs.loop_shaping.conditioning import conditioned_matrices
+from clepsydra.designs.loop_shaping.conditioning import conditioned_matrices, linear_controller
 from clepsydra.designs.loop_shaping.coprime_factors import CoprimeFactors, coprime_factors
 from clepsydra.designs.loop_shaping.order_reduction import reduced_plant
 from clepsydra.designs.loop_shaping.precompensator import Precompensator, precompensator_of
@@ -113,19 +111,43 @@ def design_glover_mcfarlane(
     >>> controller.name, controller.manipulated
     ('Glover-McFarlane on PI, SIMC', ('pump_1', 'pump_2'))
     """
-    process = operating_point_of(model).process
+    point = operating_point_of(model)
     shaping = _precompensator(model, pairing, precompensator)
-    check_ranges(process, shaping.outputs, shaping.inputs)
+    check_ranges(point.process, shaping.outputs, shaping.inputs)
     plant = shaped_plant(model, shaping)
     full = coprime_factors(plant.system)
-    controller, achieved = _of_low_order(full, plant, relaxation, order)
+    robust, achieved = _of_low_order(full, plant, relaxation, order)
     if math.isinf(achieved):
         raise NotApplicable(f"the loop is unstable with a controller of order {order}")
-    found = _controller(model, plant, controller)
+    measured, moved = (
+        [point.process.signal(name) for name in names]
+        for names in (shaping.outputs, shaping.inputs)
+    )
+    matrices, name = conditioned_matrices(plant, robust), f"{METHOD} on {shaping.name}"
+    found = linear_controller(point, name, FAMILY, measured, moved, matrices, plant)
     peak = sensitivity_peak(found, model)
     if math.isinf(peak):
         raise NotApplicable("the sampled loop is unstable")
-    return _described(found, plant, full, controller, achieved, peak)
+    smallest, reduced = full.smallest_gamma, len(full.X) - robust.order
+    which = "its sensor" if len(found.measurements) == 1 else "any of its sensors"
+    notes = [
+        f"A fault of {which} holds every output.",
+        f"Its matrices hold for a sampling period of {plant.period:g} s and no other.",
+    ]
+    if smallest > LARGEST_GAMMA:
+        notes.append(
+            f"γ_min is {smallest:.2f}, above {LARGEST_GAMMA:g}: the process cannot follow the "
+            "shape of this loop robustly; choose a slower pre-compensator."
+        )
+    return found.described(
+        f"Loop shaped by {shaping.name}, crossover {plant.crossover:.3g} rad/s; "
+        f"γ_min = {smallest:.3f}, so that up to {100.0 / smallest:.0f} % of the normalised coprime "
+        f"factors can be off; an observer of order {robust.order}"
+        f"{f' for {len(full.X)}' if reduced else ''} keeps γ = {achieved:.3f}; a bumpless start "
+        f"fades in {time_text(1.0 / plant.crossover)}; sensitivity peak {peak:.2f}.",
+        (*notes, *note_on_peak(peak, "choose a slower pre-compensator")),
+        shaping.slowed,
+    )
 
 
 def _precompensator(
@@ -134,12 +156,9 @@ def _precompensator(
     if isinstance(asked, Precompensator):
         return asked
     if asked is not None and not isinstance(asked, Controller):
-        raise InputError(
-            "precompensator",
-            type(asked).__name__,
-            "a Controller or a Precompensator",
-            "design one first, or leave it out for PI control by SIMC",
-        )
+        given, expected = type(asked).__name__, "a Controller or a Precompensator"
+        remedy = "design one first, or leave it out for PI control by SIMC"
+        raise InputError("precompensator", given, expected, remedy)
     if asked is None:
         try:
             asked = design_simc(model, pairing)
@@ -157,12 +176,9 @@ def _of_low_order(
     size = len(full.X)
     if order is not None:
         if order > size:
-            raise InputError(
-                "order",
-                order,
-                f"a whole number from 1 to {size}, the order of the shaped plant",
-                "leave it out for the lowest order that is as good",
-            )
+            expected = f"a whole number from 1 to {size}, the order of the shaped plant"
+            remedy = "leave it out for the lowest order that is as good"
+            raise InputError("order", order, expected, remedy)
         return _reduced(full, plant, relaxation, order)
     largest = relaxation * full.smallest_gamma * REDUCTION_COST
     most = MOST_STATES_OF_A_LAW - len(plant.precompensator.system.A)
@@ -186,52 +202,3 @@ def _reduced(
             return robust_controller(full, relaxation), math.inf
     controller = robust_controller(factors, relaxation)
     return controller, controller.achieved_norm(plant.system)
-
-
-def _controller(model: LinearModel, plant: ShapedPlant, robust: RobustController) -> Controller:
-    """Return observer and pre-compensator as one law, at rest at the operating point."""
-    point = operating_point_of(model)
-    shaping = plant.precompensator
-    measured, moved = (
-        [point.process.signal(name) for name in names]
-        for names in (shaping.outputs, shaping.inputs)
-    )
-    matrices = conditioned_matrices(plant, robust)
-    law = conditioned_linear_law(measured, moved, matrices)
-    fading = max(1.0 / plant.crossover, plant.period)
-    values = numbers_at(point, law.parameters, fading_time=fading, **matrices.numbers())
-    name, state = f"{METHOD} on {shaping.name}", numbers_at(point, law.state)
-    found = controller_at(point, name, FAMILY, law, values, state)
-    return replace(found, slowed=shaping.slowed)
-
-
-def _described(
-    found: Controller,
-    plant: ShapedPlant,
-    full: CoprimeFactors,
-    robust: RobustController,
-    achieved: float,
-    peak: float,
-) -> Controller:
-    smallest = full.smallest_gamma
-    reduced = len(full.X) - robust.order
-    order = f"an observer of order {robust.order}" + (f" for {len(full.X)}" if reduced else "")
-    which = "its sensor" if len(found.measurements) == 1 else "any of its sensors"
-    notes = [
-        f"A fault of {which} holds every output.",
-        f"Its matrices hold for a sampling period of {plant.period:g} s and no other.",
-    ]
-    if smallest > LARGEST_GAMMA:
-        notes.append(
-            f"γ_min is {smallest:.2f}, above {LARGEST_GAMMA:g}: the process cannot follow the "
-            "shape of this loop robustly; choose a slower pre-compensator."
-        )
-    notes += note_on_peak(peak, "choose a slower pre-compensator")
-    return found.described(
-        f"Loop shaped by {plant.precompensator.name}, crossover "
-        f"{plant.crossover:.3g} rad/s; γ_min = {smallest:.3f}, so that up to "
-        f"{100.0 / smallest:.0f} % of the normalised coprime factors can be off; {order} "
-        f"keeps γ = {achieved:.3f}; a bumpless start fades in "
-        f"{time_text(1.0 / plant.crossover)}; sensitivity peak {peak:.2f}.",
-        notes,
-    )

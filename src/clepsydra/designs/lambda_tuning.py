@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from clepsydra.designs.applicability import reasons_about
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loops.closed_loop_time import CLOSED_LOOP_TIME, TimedLoop, design_by_time
 from clepsydra.designs.loops.pid_settings import PidSettings
@@ -15,8 +15,7 @@ from clepsydra.designs.models.first_order_delay import FirstOrderDelay, half_rul
 if TYPE_CHECKING:
     from clepsydra.controllers.controller import Controller
     from clepsydra.controllers.pid_form import PidForm
-    from clepsydra.designs.loops.multiloop import PairedLoop
-    from clepsydra.designs.loops.pairing import Pairing
+    from clepsydra.designs.loops.pairing import PairedLoop, Pairing
     from clepsydra.linear.linear_model import LinearModel
 
 METHOD = "lambda"
@@ -125,39 +124,26 @@ def design_lambda(
     """
     from clepsydra.designs.loops.multiloop import MultiloopPid, pi_only
 
-    together = MultiloopPid(model, pairing, pi_only(form), METHOD)
-    delay = together.process.sampling_period / 2.0
-    return design_by_time(
-        together,
-        [_timed(loop, delay, closed_loop_time_constant) for loop in together.loops],
-        closed_loop_time_constant,
-        "Lambda tuning (Olsen and Bialkowski 2002)",
-        "First-order models by the half rule",
-    )
+    together, time = MultiloopPid(model, pairing, pi_only(form), METHOD), closed_loop_time_constant
+    loops = together.each(lambda loop: _timed(loop, together.delay, time))
+    source = "Lambda tuning (Olsen and Bialkowski 2002)"
+    return design_by_time(together, loops, time, source, "First-order models by the half rule")
 
 
 def _timed(loop: PairedLoop, delay: float, given: float | None) -> TimedLoop:
-    with reasons_about(loop.pair):
-        lag = half_rule(loop.element, delay)
-    integrating = FirstOrderDelay(lag.slope, math.inf, lag.delay)
-    shortest = given or _shortest_integrating(integrating, loop.largest_gain)
-    slow = lag.time_constant > NEARLY_INTEGRATING * shortest
-    model = integrating if slow else lag
-    if not slow:
-        room = 1.0 / (abs(lag.slope) * loop.largest_gain) - lag.delay
-        shortest = max(DELAYS * lag.delay, lag.time_constant, room)
-    taken = ", taken as integrating" if slow and math.isfinite(lag.time_constant) else ""
-    return TimedLoop(
-        lambda time: lambda_settings(model, time),
-        shortest,
-        model_words(lag, loop.output, loop.input, taken),
-    )
-
-
-def _shortest_integrating(model: FirstOrderDelay, largest_gain: float) -> float:
-    """Return the shortest λ that delay and input allow [s]."""
-    rate = abs(model.slope) * largest_gain
-    # The gain is the largest where rate (λ + θ)² = 2 (λ + θ) − θ.
-    inside = 1.0 - rate * model.delay
-    room = (1.0 + math.sqrt(inside)) / rate - model.delay if inside > 0.0 else 0.0
-    return max(DELAYS * model.delay, room)
+    lag = half_rule(loop.element, delay)
+    rate = abs(lag.slope) * loop.largest_gain
+    shortest = given
+    if shortest is None:
+        # As an integrator its gain is the largest where rate (λ + θ)² = 2 (λ + θ) − θ.
+        inside = 1.0 - rate * lag.delay
+        room = (1.0 + math.sqrt(inside)) / rate - lag.delay if inside > 0.0 else 0.0
+        shortest = max(DELAYS * lag.delay, room)
+    model, taken = lag, ""
+    if lag.time_constant > NEARLY_INTEGRATING * shortest:
+        model = replace(lag, time_constant=math.inf)
+        taken = ", taken as integrating" if math.isfinite(lag.time_constant) else ""
+    else:
+        shortest = max(DELAYS * lag.delay, lag.time_constant, 1.0 / rate - lag.delay)
+    words = model_words(lag, loop, taken)
+    return TimedLoop(lambda time: lambda_settings(model, time), shortest, words)

@@ -13,9 +13,8 @@ from clepsydra.designs.design import Studied, design
 from clepsydra.designs.sampled.sampling_period import check_sampling_period
 from clepsydra.designs.states.bryson_rule import DEVIATIONS, acceptable_deviations
 from clepsydra.designs.states.linear_quadratic import ANTI_WINDUP
-from clepsydra.designs.states.measured_states import measurements_of_states
+from clepsydra.designs.states.measured_states import measurements_of_states, without_idle_states
 from clepsydra.designs.states.quadratic_weights import QuadraticWeights
-from clepsydra.designs.states.relevant_states import without_idle_states
 from clepsydra.designs.states.robust_lqi import StateLqi, check_lqi
 from clepsydra.designs.states.state_controllers import sensitivity_peak
 from clepsydra.linear.linear_model import LinearModel
@@ -133,11 +132,11 @@ def weighed_lqi(
     measurements = measurements_of_states(model)
     deviations = acceptable_deviations(model, maximum_errors, maximum_moves)
     lqi = StateLqi(NAME, model, deviations, measurements, anti_windup)
-    if math.isinf(sensitivity_peak(lqi.slower(1.0)[0], model)):
+    if math.isinf(sensitivity_peak(lqi.slower(1.0).controller, model)):
         raise NotApplicable(
             "the sampled loop with its gains is unstable: they cannot be computed well enough "
             f"at a sampling period of {period:g} s"
         )
     found = lqi.robust(model)
-    controller, asked = found.described(found.controller), found.asked
-    return WeighedLqi(controller, model, asked.weights(model), asked.horizon)
+    controller, _, asked = found.design
+    return WeighedLqi(lqi.described(found, controller), model, asked.weights(model), asked.horizon)

@@ -82,27 +82,18 @@ def design_lqi_by_weights(
     check_lqi(model, model.delays)
     checked_weights(weights, model)
     if weights.integrals is None:
-        raise InputError(
-            "weights, integrals",
-            "no integrals",
-            f"weights for the integrals of {', '.join(model.outputs)}",
-            f"add integrals, a number above 0 for each, as in {{ {model.outputs[0]} = 1e-4 }}",
-        )
+        expected = f"weights for the integrals of {', '.join(model.outputs)}"
+        remedy = f"add integrals, a number above 0 for each, as in {{ {model.outputs[0]} = 1e-4 }}"
+        raise InputError("weights, integrals", "no integrals", expected, remedy)
     measurements = measurements_of_states(model)
     usual = acceptable_deviations(model, None, None)
     gains = by_weights(
         lambda each: lqi_gains(model, each, period, usual.horizon), weights, usual.weights(model)
     )
     slowest = slowest_time_constant(gains.eigenvalues, period)
-    controller = lqi_controller(
-        "LQI, weights",
-        model,
-        measurements,
-        of_measurements(model, measurements, gains.feedback),
-        gains.integral,
-        max(slowest, period),
-        anti_windup,
-    )
+    feedback = of_measurements(model, measurements, gains.feedback)
+    parts = measurements, feedback, gains.integral, max(slowest, period), anti_windup
+    controller = lqi_controller("LQI, weights", model, *parts)
     peak = sensitivity_peak(controller, model)
     if math.isinf(peak):
         raise NotApplicable("the sampled loop with its gains is unstable")

@@ -82,11 +82,12 @@ def design_lqi_extended_kalman(
     measured = by.observer.measurements
     lqi = StateLqi(NAME, acting, deviations, measured, anti_windup, by.estimation)
     found = lqi.robust(model)
-    law, gains = lqi_law_of(by.observer, anti_windup), found.gains
+    law, (_, gains, asked) = lqi_law_of(by.observer, anti_windup), found.design
     numbers: Mapping[str, ArrayLike] = {
         "feedback": gains.feedback,
         "integral_gain": gains.integral,
-        "tracking_time": found.asked.horizon,
+        "tracking_time": asked.horizon,
     }
     controller = process_state_controller(NAME, FAMILY, law, by.observer, numbers, {}, by)
-    return found.described(controller, f"; {by.words}", "at the operating point ", of_filter=True)
+    how, where = f"; {by.words}", "at the operating point "
+    return lqi.described(found, controller, how, where, of_filter=True)

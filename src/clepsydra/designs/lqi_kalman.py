@@ -87,4 +87,4 @@ def design_lqi_kalman(
     lqi = StateLqi(NAME, seen, deviations, observed.measurements, anti_windup, estimation)
     found = lqi.robust(model)
     how = f"; Kalman filter for {estimation.names}, {noise.words}"
-    return found.described(found.controller, how, of_filter=True)
+    return lqi.described(found, found.design.controller, how, of_filter=True)

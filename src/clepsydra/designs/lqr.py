@@ -97,29 +97,25 @@ def design_lqr(
     observed, measured = states_to_feed_back(model, measurements)
     seen, period = observed.model, observed.period
     deviations = acceptable_deviations(seen, maximum_errors, maximum_moves)
-    usual, (_, moves) = deviations.weights(seen), deviations.sizes()
+    usual, (_, moves), horizon = deviations.weights(seen), deviations.sizes(), deviations.horizon
     basic = usual if weights is None else _given(weights, seen)
-    estimation = None if measured else _filter(observed, deviations.horizon)
+    estimation = None if measured else _filter(observed, horizon)
 
-    def designed(factor: float) -> tuple[Controller, np.ndarray]:
-        asked = QuadraticWeights(basic.states, basic.inputs * factor**2)
+    def designed(factor: float) -> tuple[Controller, float]:
         found = by_weights(
-            lambda each: lqr_gains(seen, each, period, deviations.horizon),
-            asked,
+            lambda each: lqr_gains(seen, each, period, horizon),
+            QuadraticWeights(basic.states, basic.inputs * factor**2),
             None if weights is None else usual,
         )
         slowest = slowest_time_constant(found.eigenvalues, period)
-        controller = feedback_controller(NAME, observed, found.gain, moves, slowest, estimation)
-        return controller, found.eigenvalues
+        parts = observed, found.gain, moves, slowest, estimation
+        return feedback_controller(NAME, *parts), slowest
 
     found = slow_down(designed, lambda design: sensitivity_peak(design[0], model))
-    controller, eigenvalues = found.design
-    slowest = slowest_time_constant(eigenvalues, period)
-    by = (
-        "given weights"
-        if weights is not None
-        else f"Bryson's weights, {deviations.slower(found.factor).in_words(process)}"
-    )
+    controller, slowest = found.design
+    by = "given weights"
+    if weights is None:
+        by = f"Bryson's weights, {deviations.slower(found.factor).in_words(process)}"
     estimated = "" if estimation is None else f"; Kalman filter for {estimation.names}"
     return controller.described(
         f"LQR with {by}{estimated}; slowest closed-loop time constant {time_text(slowest)}, "
@@ -133,19 +129,13 @@ def _given(weights: QuadraticWeights, model: LinearModel) -> QuadraticWeights:
     """Return weights that a user gave, if a regulator without integrals can come of them."""
     checked_weights(weights, model)
     if weights.integrals is not None:
-        raise InputError(
-            "weights, integrals",
-            "weights of integrals",
-            "weights of states and inputs alone: this regulator has no integrals",
-            "remove them, or choose LQI by given weights",
-        )
+        expected = "weights of states and inputs alone: this regulator has no integrals"
+        remedy = "remove them, or choose LQI by given weights"
+        raise InputError("weights, integrals", "weights of integrals", expected, remedy)
     if not np.any(weights.states):
-        raise InputError(
-            "weights, states",
-            "no weight above 0",
-            f"a weight above 0 for one or more of {', '.join(model.states)}",
-            "add it: without one the regulator does best by doing nothing",
-        )
+        expected = f"a weight above 0 for one or more of {', '.join(model.states)}"
+        remedy = "add it: without one the regulator does best by doing nothing"
+        raise InputError("weights, states", "no weight above 0", expected, remedy)
     return weights
 
 

@@ -13,7 +13,6 @@ import numpy as np
 
 from clepsydra.base.arguments import check_choice, is_finite_number
 from clepsydra.base.errors import ClepsydraError, InputError
-from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.gain_scheduling import FEWEST_POINTS, MOST_POINTS
 from clepsydra.designs.applicability import NotApplicable
@@ -49,130 +48,129 @@ class PlannedPoint(NamedTuple):
     peak: float
 
 
-class Wish(NamedTuple):
-    """Over what a user wants parameters scheduled, following what, and at which values."""
-
-    over: str | None
-    follows: Follows
-    points: Sequence[float] | None
+Plan = Sequence[PlannedPoint]
 
 
-class ScheduledDesign(NamedTuple):
-    """What is scheduled.
+class Along:
+    """A design at the operating points along one controlled measurement.
 
     Parameters
     ----------
     plain : Controller
         Without a schedule.
-    at : callable
-        Takes a linear model and returns the parameters that are designed for it.
-    name, words : str
-        Of the controller and the design.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.designs.lqi import design_lqi
-    >>> plain = design_lqi(cl.load("quadruple-tank").linear)
-    >>> ScheduledDesign(plain, lambda model: {}, "LQI, gain scheduling", "").plain.setpoints
-    ('level_1', 'level_2')
+    values_at : callable
+        A linear model to the parameters that are designed for it.
+    over : str
+        The controlled measurement.
     """
 
-    plain: Controller
-    at: Callable[[LinearModel], dict[str, float]]
-    name: str
-    words: str
-
-    @property
-    def kinds(self) -> dict[str, str]:
-        """What each parameter is, the gains of one matrix being of one kind."""
-        return {parameter.name: kind_of(parameter) for parameter in self.plain.law.parameters}
+    def __init__(
+        self,
+        model: LinearModel,
+        plain: Controller,
+        values_at: Callable[[LinearModel], dict[str, float]],
+        over: str,
+    ) -> None:
+        self.model, self.plain, self.values_at, self.over = model, plain, values_at, over
+        self.point = operating_point_of(model)
+        self.signal = self.point.process.signal(over)
+        self.rest = self.point.as_dict()[over]
+        #: What each parameter is, the gains of one matrix being of one kind.
+        self.kinds = {parameter.name: kind_of(parameter) for parameter in plain.law.parameters}
 
     def peak(self, there: LinearModel, values: Mapping[str, float]) -> float:
         """Return the sensitivity peak of the plain controller with these values on a model."""
-        plain = self.plain
-        seen = with_outputs(there, plain.measurements)
-        return SampledLoops(plain, seen).at({**plain.values, **values}).maximum_sensitivity
+        seen = with_outputs(there, self.plain.measurements)
+        values = {**self.plain.values, **values}
+        return SampledLoops(self.plain, seen).at(values).maximum_sensitivity
 
+    def designed(self, place: float, there: LinearModel | None = None) -> PlannedPoint:
+        """Return the design at a place [unit of the measurement], where the model may be known."""
+        there = model_at(self.model, {self.over: place}) if there is None else there
+        values = self.values_at(there)
+        return PlannedPoint(place, values, self.peak(there, values))
 
-class _Along(NamedTuple):
-    """The operating points along which a design is scheduled."""
-
-    model: LinearModel
-    scheduled: ScheduledDesign
-    over: str
-
-    @property
-    def signal(self) -> Signal:
-        return operating_point_of(self.model).process.signal(self.over)
-
-    def designed_at(self, place: float) -> PlannedPoint:
-        there = model_at(self.model, {self.over: place})
-        values = self.scheduled.at(there)
-        return PlannedPoint(place, values, self.scheduled.peak(there, values))
-
-    def needed_at(self, place: float) -> PlannedPoint:
+    def needed(self, place: float) -> PlannedPoint:
         """Return the design at a point without which there is no schedule."""
         try:
-            return self.designed_at(place)
+            return self.designed(place)
         except ClepsydraError as refusal:
             raise NotApplicable(f"at {self.over} {place:g}: {refusal}") from None
 
-    def end(self, high: bool) -> list[PlannedPoint]:
-        """Return the design nearest to an end of the range at which there is one, if any."""
-        signal, rest = self.signal, operating_point_of(self.model).as_dict()[self.over]
-        margin, sign = _MARGIN * signal.span, 1.0 if high else -1.0
-        end = signal.high - margin if high else signal.low + margin
-        if math.isfinite(signal.span) and (end - rest) * sign > margin:
-            for way in _WAYS:
-                with suppress(ClepsydraError):
-                    return [self.designed_at(rest + way * (end - rest))]
-        return []
-
     def outermost(self) -> list[PlannedPoint]:
         """Return the design of the model between those nearest to the ends of the range."""
-        rest = operating_point_of(self.model).as_dict()[self.over]
-        values = self.scheduled.at(self.model)
-        own = PlannedPoint(rest, values, self.scheduled.peak(self.model, values))
-        return sorted([*self.end(False), *self.end(True), own], key=lambda point: point.place)
+        signal, rest, margin = self.signal, self.rest, _MARGIN * self.signal.span
+        found = [self.designed(rest, self.model)]
+        for end, sign in ((signal.low + margin, -1.0), (signal.high - margin, 1.0)):
+            for way in _WAYS if math.isfinite(margin) and (end - rest) * sign > margin else ():
+                with suppress(ClepsydraError):
+                    found.append(self.designed(rest + way * (end - rest)))
+                    break
+        return sorted(found, key=lambda point: point.place)
 
-    def between(self, plan: Sequence[PlannedPoint]) -> list[float]:
+    def between(self, plan: Plan) -> list[float]:
         """Return the peaks halfway between neighbours, with interpolated settings."""
         found = []
         for low, high in itertools.pairwise(plan):
-            there = model_at(self.model, {self.over: 0.5 * (low.place + high.place)})
-            values = {name: 0.5 * (value + high.values[name]) for name, value in low.values.items()}
-            found.append(self.scheduled.peak(there, values))
+            place = 0.5 * (low.place + high.place)
+            there = model_at(self.model, {self.over: place})
+            found.append(self.peak(there, _interpolated(plan, place)))
         return found
 
     def checked(self, points: Sequence[float]) -> list[float]:
-        over, signal, place = self.over, self.signal, "points"
+        """Return the points that a user gave, rising and within the range of the measurement."""
+        over, signal = self.over, self.signal
         numbers = isinstance(points, (list, tuple, np.ndarray)) and all(
-            is_finite_number(value) for value in points
+            map(is_finite_number, points)
         )
         count = len(points) if numbers else 0
         if not FEWEST_POINTS <= count <= MOST_POINTS or any(np.diff(points) <= 0.0):
-            raise InputError(
-                place,
-                points,
-                f"{FEWEST_POINTS} to {MOST_POINTS} rising numbers",
-                f"give values of {over} in {signal.unit}",
-            )
+            expected = f"{FEWEST_POINTS} to {MOST_POINTS} rising numbers"
+            raise InputError("points", points, expected, f"give values of {over} in {signal.unit}")
         outside = [value for value in points if not signal.low <= value <= signal.high]
         if outside:
-            raise InputError(
-                place,
-                outside[0],
-                f"a number from {signal.low:g} to {signal.high:g} {signal.unit}",
-                f"choose points within the range of {over}",
-            )
+            expected = f"a number from {signal.low:g} to {signal.high:g} {signal.unit}"
+            remedy = f"choose points within the range of {over}"
+            raise InputError("points", outside[0], expected, remedy)
         return [float(value) for value in points]
+
+    def elsewhere(self, plan: Plan) -> list[str]:
+        """Return what the peak is where another controlled output is halfway to an end."""
+        at, notes = self.point.as_dict(), []
+        values = _interpolated(plan, self.rest)
+        for name in self.plain.setpoints:
+            signal = self.point.process.signal(name)
+            if name == self.over or not math.isfinite(signal.span):
+                continue
+            for end in (signal.low, signal.high):
+                place = 0.5 * (at[name] + end)
+                try:
+                    peak = self.peak(model_at(self.model, {name: place}), values)
+                except ClepsydraError:
+                    continue
+                text = f"{peak:.2f}" if math.isfinite(peak) else "infinite: the loop is unstable"
+                notes.append(
+                    f"With {name} at {in_shown_unit(signal, place)}, over which nothing is "
+                    f"scheduled, the sensitivity peak is {text}."
+                )
+        return notes
 
 
 def planned_points(
-    model: LinearModel, scheduled: ScheduledDesign, wish: Wish
-) -> tuple[str, list[PlannedPoint], list[float]]:
-    """Return over what is scheduled, its points, and the peaks halfway between them.
+    model: LinearModel,
+    plain: Controller,
+    values_at: Callable[[LinearModel], dict[str, float]],
+    over: str | None,
+    points: Sequence[float] | None,
+) -> tuple[Along, list[PlannedPoint], list[float]]:
+    """Return along what is scheduled, its points, and the peaks halfway between them.
+
+    Parameters
+    ----------
+    over : str, optional
+        The controlled measurement over which the parameters change the most if left out.
+    points : sequence of float, optional
+        In its unit; if left out as many as keep the peaks between them at 2.
 
     Raises
     ------
@@ -180,36 +178,23 @@ def planned_points(
         There are no other operating points, or the parameters hardly change over them.
     InputError
         A name is unknown, or the points are no 2 to 15 rising numbers within the range.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.designs.lqi import design_lqi
-    >>> model = cl.load("quadruple-tank").linear
-    >>> design = ScheduledDesign(
-    ...     design_lqi(model), lambda place: design_lqi(place).values, "LQI", "")
-    >>> over, points, between = planned_points(
-    ...     model, design, Wish("level_1", "measurement", [4.0, 8.0]))
-    >>> over, [point.place for point in points], len(between)
-    ('level_1', [4.0, 8.0], 1)
     """
-    outputs = scheduled.plain.setpoints
+    outputs = plain.setpoints
     if len(model.inputs) != len(model.outputs):
         raise NotApplicable(
             f"{len(model.inputs)} inputs for {len(model.outputs)} controlled outputs leave other "
             "operating points open"
         )
-    if wish.over is not None:
-        check_choice("over", wish.over, outputs)
-    if wish.points is not None:
-        along = _Along(model, scheduled, wish.over or outputs[0])
-        plan = [along.needed_at(place) for place in along.checked(wish.points)]
-        return along.over, plan, along.between(plan)
-    candidates = (wish.over,) if wish.over is not None else outputs
-    kinds = scheduled.kinds
+    if over is not None:
+        check_choice("over", over, outputs)
+    if points is not None:
+        along = Along(model, plain, values_at, over or outputs[0])
+        plan = [along.needed(place) for place in along.checked(points)]
+        return along, plan, along.between(plan)
+    candidates = (over,) if over is not None else outputs
     changes = [
-        (largest_change(plan, {name: kinds[name] for name in plan[0].values}), along, plan)
-        for along in (_Along(model, scheduled, over) for over in candidates)
+        (largest_change(plan, {name: along.kinds[name] for name in plan[0].values}), along, plan)
+        for along in (Along(model, plain, values_at, name) for name in candidates)
         if len(plan := along.outermost()) >= FEWEST_POINTS
     ]
     if not changes:
@@ -221,15 +206,23 @@ def planned_points(
             f"{' or '.join(candidates)}: fixed gains do as well"
         )
     pairs = itertools.pairwise(plan)
-    halfway = [along.needed_at(0.5 * (low.place + high.place)) for low, high in pairs]
+    halfway = [along.needed(0.5 * (low.place + high.place)) for low, high in pairs]
     plan = sorted([*plan, *halfway], key=lambda point: point.place)
     between = along.between(plan)
     while max(between) > SENSITIVITY_LIMIT * _CLOSE and len(plan) < _MOST:
         worst = int(np.argmax(between))
         place = 0.5 * (plan[worst].place + plan[worst + 1].place)
-        plan.insert(worst + 1, along.needed_at(place))
+        plan.insert(worst + 1, along.needed(place))
         between = along.between(plan)
-    return along.over, plan, between
+    return along, plan, between
+
+
+def _interpolated(plan: Plan, place: float) -> dict[str, float]:
+    places = [each.place for each in plan]
+    return {
+        name: float(np.interp(place, places, [each.values[name] for each in plan]))
+        for name in plan[0].values
+    }
 
 
 def model_at(model: LinearModel, asked: Mapping[str, float]) -> LinearModel:
@@ -269,58 +262,7 @@ def model_at(model: LinearModel, asked: Mapping[str, float]) -> LinearModel:
     return found
 
 
-def peaks_elsewhere(
-    model: LinearModel, scheduled: ScheduledDesign, over: str, plan: Sequence[PlannedPoint]
-) -> list[str]:
-    """Return what the peak is where another controlled output is halfway to an end of its range.
-
-    Parameters
-    ----------
-    over : str
-        What is scheduled over.
-
-    Returns
-    -------
-    list of str
-        A sentence for each such point that is an equilibrium.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.designs.lqi import design_lqi
-    >>> model = cl.load("averaging-tank").linear
-    >>> design = ScheduledDesign(design_lqi(model), lambda place: {}, "LQI", "")
-    >>> peaks_elsewhere(model, design, "volume", [PlannedPoint(2.0, {}, 1.0)])[0].split(", ")
-    ['With concentration at 2.5 kmol/m^3', 'over which nothing is scheduled', \
-'the sensitivity peak is 1.04.']
-    """
-    point = operating_point_of(model)
-    at, notes = point.as_dict(), []
-    values = {
-        name: float(
-            np.interp(at[over], [each.place for each in plan], [each.values[name] for each in plan])
-        )
-        for name in plan[0].values
-    }
-    for name in scheduled.plain.setpoints:
-        signal = point.process.signal(name)
-        if name == over or not math.isfinite(signal.span):
-            continue
-        for end in (signal.low, signal.high):
-            place = 0.5 * (at[name] + end)
-            try:
-                peak = scheduled.peak(model_at(model, {name: place}), values)
-            except ClepsydraError:
-                continue
-            text = f"{peak:.2f}" if math.isfinite(peak) else "infinite: the loop is unstable"
-            notes.append(
-                f"With {name} at {in_shown_unit(signal, place)}, over which nothing is scheduled, "
-                f"the sensitivity peak is {text}."
-            )
-    return notes
-
-
-def largest_change(plan: Sequence[PlannedPoint], kinds: Mapping[str, str]) -> float:
+def largest_change(plan: Plan, kinds: Mapping[str, str]) -> float:
     """Return the largest change of a value over the points, a share of its largest magnitude.
 
     Of gains of one kind, those near zero beside the others do not count.

@@ -66,30 +66,24 @@ def own_controller(
     ({'pump_1.last_output': 3.0}, {'pump_1.low_limit': 0.0, 'pump_1.high_limit': 10.0})
     """
     require_type(law, StepLaw, "law", "a StepLaw", "read it with load_law(path)")
-    for key, names in (
-        ("measurements", measurements), ("setpoints", setpoints), ("manipulated", manipulated),
-    ):  # fmt: skip
-        sequence_of(
-            names, str, f"{name}, {key}", "a list of names of signals", 'write as in ["level_1"]'
-        )
+    wires = {"measurements": measurements, "setpoints": setpoints, "manipulated": manipulated}
+    expected, example = "a list of names of signals", 'write as in ["level_1"]'
+    for key, names in wires.items():
+        sequence_of(names, str, f"{name}, {key}", expected, example)
     numbers = {"values": values, "initial_state": initial_state, "free_inputs": free_inputs}
+    expected, example = "names with their numbers", 'write as in {"gain": 2.0}'
     for key, given in numbers.items():
-        require_type(
-            given or {}, Mapping, f"{name}, {key}", "names with their numbers",
-            'write as in {"gain": 2.0}',
-        )  # fmt: skip
+        require_type(given or {}, Mapping, f"{name}, {key}", expected, example)
     point = operating_point_of(model)
     process, at = point.process, point.as_dict()
     check_signals(measurements, setpoints, manipulated, name, process)
     known = {parameter.name: parameter.initial for parameter in law.parameters}
     start = {entry.name: getattr(entry, "initial", 0.0) for entry in law.state}
-    inputs = {signal.name: signal for signal in process.inputs}
     for owner, moved in zip(owners(law.outputs, "out"), manipulated, strict=False):
-        own = {
-            path(owner, "low_limit"): inputs[moved].low,
-            path(owner, "high_limit"): inputs[moved].high,
-        }
-        known |= {limit: value for limit, value in own.items() if limit in known}
+        signal = process.signal(moved)
+        for part, value in (("low_limit", signal.low), ("high_limit", signal.high)):
+            if (limit := path(owner, part)) in known:
+                known[limit] = value
         if (last := path(owner, "last_output")) in start:
             start[last] = at[moved]
     return Controller(

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import Literal
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.designs.applicability import NotApplicable, reasons_about
+from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.arguments.frequency import angle, angular_frequency
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loops.margin_settings import (
@@ -17,9 +16,10 @@ from clepsydra.designs.loops.margin_settings import (
     pi_for_margin,
     pid_for_margin,
 )
-from clepsydra.designs.loops.multiloop import Detuned, MultiloopPid, PairedLoop, checked_form
-from clepsydra.designs.loops.pairing import Pairing
-from clepsydra.designs.loops.pid_settings import slowed_down
+from clepsydra.designs.loops.multiloop import MultiloopPid
+from clepsydra.designs.loops.pairing import PairedLoop, Pairing
+from clepsydra.designs.loops.pid_settings import PidSettings
+from clepsydra.designs.models.bisection import last_before
 from clepsydra.designs.models.transfer_element import TransferElement
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT, note_on_peak
 from clepsydra.linear.linear_model import LinearModel
@@ -29,7 +29,6 @@ METHOD = "phase margin"
 SMALLEST_LAG = math.atan(1.0 / 3.0)
 #: The lead of the PID at the default crossover is at most this [rad].
 LARGEST_LEAD = math.radians(30.0)
-_BISECTIONS = 60
 _POINTS_A_DECADE = 50
 
 
@@ -67,42 +66,26 @@ def default_crossover(
     >>> round(2 * math.degrees(math.atan(crossover)), 1)
     101.6
     """
-    rates = [abs(root) for root in (*element.poles, *element.zeros)]
-    total = delay + element.dead_time
-    rates += [1.0 / total] if total > 0.0 else []
-    slowest, fastest = 1e-3 * min(rates, default=1.0), 1e3 * max(rates, default=1.0)
-    count = max(2, int(_POINTS_A_DECADE * math.log10(fastest / slowest)))
-    grid = [slowest * (fastest / slowest) ** (k / (count - 1)) for k in range(count)]
+    grid = element.frequencies(delay, 1e3, _POINTS_A_DECADE)
+    smallest = SMALLEST_LAG if actions == "PI" else -LARGEST_LEAD
+    rule = pi_for_margin if actions == "PI" else pid_for_margin
 
-    rule, smallest = (
-        (pi_for_margin, SMALLEST_LAG) if actions == "PI" else (pid_for_margin, -LARGEST_LEAD)
-    )
-
-    def too_fast(omega: float) -> bool:
+    def bearable(omega: float) -> bool:
         lag = lag_needed(element, delay, phase_margin, omega)
-        if lag < smallest:
-            return True
-        if lag >= math.pi / 2.0:
-            return False
-        return abs(rule(element, delay, phase_margin, omega).gain) > largest_gain
+        if not smallest <= lag < math.pi / 2.0:
+            return lag >= smallest
+        return abs(rule(element, delay, phase_margin, omega).gain) <= largest_gain
 
     # The lowest frequency that is too fast: beyond it the phase has run out for good.
-    first = next((k for k, omega in enumerate(grid) if too_fast(omega)), None)
-    within = "ω Ti ≤ 3" if actions == "PI" else f"a lead of {math.degrees(LARGEST_LEAD):.0f}°"
-    impossible = (
-        f"a {actions} cannot give a margin of {math.degrees(phase_margin):.0f}° with {within}"
-    )
+    first = next((k for k, omega in enumerate(grid) if not bearable(omega)), None)
     if first is None:
         raise NotApplicable("nothing bounds the crossover from above: give one")
-    if first == 0:
-        raise NotApplicable(impossible)
-    low, high = grid[first - 1], grid[first]
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if too_fast(middle) else (middle, high)
-    if lag_needed(element, delay, phase_margin, low) >= math.pi / 2.0:
-        raise NotApplicable(impossible)
-    return low
+    found = last_before(grid[first - 1], grid[first], bearable) if first else grid[0]
+    if first == 0 or lag_needed(element, delay, phase_margin, found) >= math.pi / 2.0:
+        within = "ω Ti ≤ 3" if actions == "PI" else f"a lead of {math.degrees(LARGEST_LEAD):.0f}°"
+        margin = math.degrees(phase_margin)
+        raise NotApplicable(f"a {actions} cannot give a margin of {margin:.0f}° with {within}")
+    return found
 
 
 @design(
@@ -160,51 +143,46 @@ def design_phase_margin(
     >>> round(controller.values["level_1.proportional_gain"], 6)
     3.0
     """
-    asked, actions = checked_form(form)
-    together = MultiloopPid(model, pairing, asked, METHOD)
-    delay = together.process.sampling_period / 2.0
-    for loop in together.loops:
-        with reasons_about(loop.pair):
-            loop.element.check(math.inf)
+    together = MultiloopPid(model, pairing, form, METHOD)
+    together.each(lambda loop: loop.element.check(math.inf))
+
+    def lag(loop: PairedLoop, frequency: float) -> float:
+        return lag_needed(loop.element, together.delay, phase_margin, frequency)
+
     if form is None and crossover is not None:
-        lags = [lag_needed(loop.element, delay, phase_margin, crossover) for loop in together.loops]
+        lags = [lag(loop, crossover) for loop in together.loops]
         if min(lags) <= 0.0:
-            actions = "PID"
-            together = MultiloopPid(model, pairing, replace(asked, actions=actions), METHOD)
-    crossovers, settings = [], []
-    for loop in together.loops:
-        with reasons_about(loop.pair):
-            frequency = crossover or default_crossover(
-                loop.element, delay, phase_margin, loop.largest_gain, actions
-            )
-            needs_lead = lag_needed(loop.element, delay, phase_margin, frequency) <= 0.0
-            rule = pid_for_margin if actions == "PID" and (needs_lead or form) else pi_for_margin
-            settings.append(rule(loop.element, delay, phase_margin, frequency))
-        crossovers.append(frequency)
+            together = MultiloopPid(model, pairing, PidForm("PID"), METHOD)
+    delay, actions = together.delay, together.actions
+
+    def settings_of(loop: PairedLoop) -> tuple[PidSettings, float]:
+        element = loop.element
+        frequency = crossover or default_crossover(
+            element, delay, phase_margin, loop.largest_gain, actions
+        )
+        leads = actions == "PID" and (lag(loop, frequency) <= 0.0 or form)
+        rule = pid_for_margin if leads else pi_for_margin
+        return rule(element, delay, phase_margin, frequency), frequency
+
+    settings, crossovers = zip(*together.each(settings_of), strict=True)
     if crossover is None:
-        found = together.slowed_down(lambda factor: slowed_down(settings, factor))
+        found = together.detuned(settings)
     else:
         found = together.as_given(settings, f"a crossover of {crossover:g} rad/s")
-    return together.controller(
-        found,
-        f"Phase margin of {math.degrees(phase_margin):.0f}° at "
-        + ", ".join(f"{frequency:.3g} rad/s" for frequency in crossovers)
-        + (f", slowed down {found.factor:.3g} times" if found.factor > 1.0 else ""),
-        _notes(found, together.loops, delay),
-    )
-
-
-def _notes(found: Detuned, loops: list[PairedLoop], delay: float) -> list[str]:
-    if found.factor > 1.0:
-        margins = [
+    words = f"Phase margin of {math.degrees(phase_margin):.0f}° at "
+    words += ", ".join(f"{frequency:.3g} rad/s" for frequency in crossovers)
+    if found.factor == 1.0:
+        notes = note_on_peak(found.peak, "choose a lower crossover or a larger margin")
+        return together.controller(found, words, notes)
+    reached = " and ".join(
+        f"{math.degrees(margin):.0f}° at {frequency:.3g} rad/s"
+        for frequency, margin in (
             margin_of(loop.element, delay, setting)
-            for loop, setting in zip(loops, found.design, strict=True)
-        ]
-        reached = " and ".join(
-            f"{math.degrees(margin):.0f}° at {crossover:.3g} rad/s" for crossover, margin in margins
+            for loop, setting in zip(together.loops, found.design, strict=True)
         )
-        return [
-            f"The loops were slowed down {found.factor:.3g} times, so that together they keep a "
-            f"sensitivity peak of {SENSITIVITY_LIMIT:g}; by itself each now has {reached}."
-        ]
-    return [*note_on_peak(found.peak, "choose a lower crossover or a larger margin")]
+    )
+    note = (
+        f"The loops were slowed down {found.factor:.3g} times, so that together they keep a "
+        f"sensitivity peak of {SENSITIVITY_LIMIT:g}; by itself each now has {reached}."
+    )
+    return together.controller(found, f"{words}, slowed down {found.factor:.3g} times", [note])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -18,19 +19,26 @@ from clepsydra.designs.arguments.of_process import MEASUREMENTS
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.kalman import process_noise
 from clepsydra.designs.loops.control_authority import DESIGN_STEP, check_ranges, control_authorities
-from clepsydra.designs.slowing_down import SlowedDown, note_on_peak, note_on_slowing, slow_down
+from clepsydra.designs.models.bisection import last_before
+from clepsydra.designs.slowing_down import note_on_peak, note_on_slowing, slow_down, unslowed
 from clepsydra.designs.states.estimation import Estimation, input_noise, with_loads
-from clepsydra.designs.states.feedback_controller import feedback_controller, states_to_feed_back
+from clepsydra.designs.states.feedback_controller import (
+    feedback_controller,
+    precompensator,
+    states_to_feed_back,
+)
 from clepsydra.designs.states.linear_quadratic import (
     check_independent,
     refuse_feedthrough,
     slowest_time_constant,
 )
 from clepsydra.designs.states.observed_process import ObservedProcess
-from clepsydra.designs.states.observer_placement import bessel_correction, placed_correction
-from clepsydra.designs.states.placement import checked_poles, placed_gain
-from clepsydra.designs.states.precompensator import precompensator
-from clepsydra.designs.states.slow_modes import place_slow_modes
+from clepsydra.designs.states.placement import (
+    checked_poles,
+    correction,
+    placed_gain,
+    slow_modes_gain,
+)
 from clepsydra.designs.states.state_controllers import sensitivity_peak
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
@@ -44,33 +52,18 @@ SLOWEST_RATIO = 0.25
 INPUT_NOISE = 0.02
 #: At least so many samples in the time of the fastest pole, 1/ω.
 _SAMPLES = 2.0
-_ITERATIONS = 50
+_HALVINGS = 51
 #: The bandwidth is found to this share.
 _ACCURACY = 1e-3
 
 
 class PolePattern(NamedTuple):
-    """What was asked of a placement: poles or a bandwidth, of regulator and observer.
-
-    Parameters
-    ----------
-    bandwidth, ratio : float
-        Of Bessel's pattern [rad/s], and of the observer's over it; where no poles are given.
-
-    Examples
-    --------
-    >>> PolePattern(None, None, 0.02, 4.0).slower(2.0).bandwidth
-    0.01
-    """
+    """What was asked of a placement: poles or a bandwidth [rad/s], of regulator and observer."""
 
     poles: Sequence[complex] | None
     observer_poles: Sequence[complex] | None
     bandwidth: float
     ratio: float
-
-    def slower(self, factor: float) -> PolePattern:
-        """Return the same pattern for a lower bandwidth."""
-        return self._replace(bandwidth=self.bandwidth / factor)
 
 
 @design(
@@ -97,7 +90,7 @@ def design_pole_placement(
     """Design state feedback with a precompensator by placing the poles of the sampled loop.
 
     u = u° − F x + N (r − r°). By default the poles have Bessel's pattern
-    (`designs.states.bessel_poles`) with the largest bandwidth at which a setpoint step of a tenth
+    (`designs.states.placement`) with the largest bandwidth at which a setpoint step of a tenth
     of a measurement's range does not saturate an input, and at which a sample is at most half of
     the pattern's time 1/ω.
 
@@ -142,47 +135,57 @@ def design_pole_placement(
     >>> round(1e4 * controller.values["feed.feedback.level_1"], 3)  # [cm²/s]
     2.779
     """
-    process = operating_point_of(model).process
+    point = operating_point_of(model)
     refuse_feedthrough(model)
     if model.delays is not None:
         raise NotApplicable(
             "the process has dead time, and the poles of what is on its way cannot be chosen; "
             "LQI with a Kalman filter takes dead time"
         )
-    check_ranges(process, model.outputs, model.inputs)
+    check_ranges(point.process, model.outputs, model.inputs)
     check_independent(model)
     observed, measured = states_to_feed_back(model, measurements)
     _check_request(poles, bandwidth, observer_poles, observed, measured)
-    moves = control_authorities(operating_point_of(model), model.inputs)
+    moves = control_authorities(point, model.inputs)
     request = PolePattern(poles, observer_poles, bandwidth or 0.0, OBSERVER_RATIO)
-    if poles is None and bandwidth is None:
+    is_open = poles is None and bandwidth is None
+    if is_open:
         request = request._replace(bandwidth=_largest_bandwidth(observed, moves))
     if not measured and observer_poles is None:
         request = _quiet(request, observed, moves)
 
     def designed(factor: float) -> tuple[Controller, np.ndarray, Estimation | None]:
-        asked = request.slower(factor)
+        asked = request._replace(bandwidth=request.bandwidth / factor)
         feedback, regulator_poles = _feedback(observed, asked, moves)
         estimation = None if measured else _observer(observed, asked, regulator_poles)
         fading = slowest_time_constant(regulator_poles, observed.period)
         controller = feedback_controller(NAME, observed, feedback, moves, fading, estimation)
         return controller, regulator_poles, estimation
 
-    if poles is not None or bandwidth is not None:
-        design = designed(1.0)
-        found = SlowedDown(design, 1.0, sensitivity_peak(design[0], model))
-        if math.isinf(found.peak):
-            raise NotApplicable("the sampled loop is unstable with these poles")
-    else:
-        found = slow_down(designed, lambda each: sensitivity_peak(each[0], model))
+    def peak(design: tuple[Controller, np.ndarray, Estimation | None]) -> float:
+        return sensitivity_peak(design[0], model)
+
+    found = slow_down(designed, peak) if is_open else unslowed(designed(1.0), peak)
+    if math.isinf(found.peak):
+        raise NotApplicable("the sampled loop is unstable with these poles")
     controller, regulator_poles, estimation = found.design
-    slowed = note_on_slowing(
-        found, "the regulator with its observer" if estimation else "the regulator"
+    reached = request.bandwidth / found.factor
+    words = "Pole placement, " + (
+        f"Bessel's pattern with a bandwidth of {reached:.3g} rad/s"
+        if poles is None
+        else "given poles"
     )
-    words = _in_words(request.slower(found.factor), observed, regulator_poles, estimation)
-    notes = *slowed, *note_on_peak(found.peak, "choose slower poles")
-    said = f"{words}, sensitivity peak {found.peak:.2f}."
-    return controller.described(said, notes, found.factor)
+    what = "the regulator"
+    if estimation is not None:
+        what = "the regulator with its observer"
+        words += f"; Luenberger observer for {estimation.names}"
+        words += "" if observer_poles is not None else f", {request.ratio:.3g} times as fast"
+    slowest = time_text(slowest_time_constant(regulator_poles, observed.period))
+    return controller.described(
+        f"{words}; slowest closed-loop time constant {slowest}, sensitivity peak {found.peak:.2f}.",
+        (*note_on_slowing(found, what), *note_on_peak(found.peak, "choose slower poles")),
+        found.factor,
+    )
 
 
 def _check_request(
@@ -197,26 +200,21 @@ def _check_request(
         raise InputError("bandwidth", bandwidth, "poles or a bandwidth", "give one of the two")
     if poles is not None:
         checked_poles(poles, n, "poles")
+    if observer_poles is not None and measured:
+        expected = "none, since sensors show every state"
+        remedy = "leave them out, or name the measurements of an observer"
+        raise InputError("observer_poles", list(observer_poles), expected, remedy)
     if observer_poles is not None:
-        place = "observer_poles"
-        if measured:
-            raise InputError(
-                place,
-                list(observer_poles),
-                "none, since sensors show every state",
-                "leave them out, or name the measurements of an observer",
-            )
-        checked_poles(observer_poles, n + m, place)
+        checked_poles(observer_poles, n + m, "observer_poles")
 
 
 def _feedback(
     observed: ObservedProcess, asked: PolePattern, moves: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return F and the poles of the regulator."""
-    held, moved, period = observed.held, observed.moved, observed.period
-    scales = observed.sizes, moves, period
+    held, moved, scales = observed.held, observed.moved, (observed.sizes, moves, observed.period)
     if asked.poles is None:
-        feedback = place_slow_modes(held, moved, asked.bandwidth, *scales).gain
+        feedback = slow_modes_gain(held, moved, asked.bandwidth, *scales)
     else:
         feedback = placed_gain(held, moved, asked.poles, *scales)
     return feedback, np.linalg.eigvals(held - moved @ feedback)
@@ -226,19 +224,18 @@ def _observer(
     observed: ObservedProcess, asked: PolePattern, regulator_poles: np.ndarray
 ) -> Estimation:
     """Return the observer of the states and of a load at each input."""
-    whole = with_loads(observed)
-    period = observed.period
-    process = operating_point_of(observed.model).process
-    spans = np.array([process.signal(name).span for name in observed.measurements])
-    matrices = whole.held, whole.shown
+    whole, period = with_loads(observed), observed.period
+    signal = operating_point_of(observed.model).process.signal
+    spans = np.array([signal(name).span for name in observed.measurements])
+    scales = whole.sizes, spans, period
     if asked.observer_poles is None:
         bandwidth = asked.bandwidth or 1.0 / slowest_time_constant(regulator_poles, period)
-        correction = bessel_correction(
-            *matrices, asked.ratio * bandwidth, whole.sizes, spans, period
-        )
+        rate = asked.ratio * bandwidth
+        found = correction(slow_modes_gain, whole.held, whole.shown, rate, *scales)
     else:
-        correction = placed_correction(*matrices, asked.observer_poles, whole.sizes, spans, period)
-    return Estimation.of(whole, correction)
+        placing = partial(placed_gain, place="observer_poles")
+        found = correction(placing, whole.held, whole.shown, asked.observer_poles, *scales)
+    return Estimation.of(whole, found)
 
 
 def _largest_bandwidth(observed: ObservedProcess, moves: np.ndarray) -> float:
@@ -247,25 +244,17 @@ def _largest_bandwidth(observed: ObservedProcess, moves: np.ndarray) -> float:
     steps = DESIGN_STEP * np.array([process.signal(name).span for name in observed.model.outputs])
     rows = observed.controlled
 
-    def demand(bandwidth: float) -> float:
+    def bearable(bandwidth: float) -> bool:
         feedback, _ = _feedback(observed, PolePattern(None, None, bandwidth, OBSERVER_RATIO), moves)
         ahead = precompensator(observed.held, observed.moved, observed.shown[rows], feedback, moves)
-        return float(np.max(np.abs(ahead) * steps / moves[:, None]))
+        return float(np.max(np.abs(ahead) * steps / moves[:, None])) <= 1.0
 
-    high = 1.0 / (_SAMPLES * observed.period)
-    if demand(high) <= 1.0:
-        return high
-    low = high
-    for _ in range(_ITERATIONS):
+    high = low = 1.0 / (_SAMPLES * observed.period)
+    for _ in range(_HALVINGS):
+        if bearable(low):
+            return last_before(low, high, bearable, _ACCURACY)
         low /= 2.0
-        if demand(low) <= 1.0:
-            break
-    else:
-        raise NotApplicable("a setpoint step saturates an input however slow the loop is")
-    while high / low > 1.0 + _ACCURACY:
-        middle = math.sqrt(low * high)
-        low, high = (middle, high) if demand(middle) <= 1.0 else (low, middle)
-    return low
+    raise NotApplicable("a setpoint step saturates an input however slow the loop is")
 
 
 def _quiet(request: PolePattern, observed: ObservedProcess, moves: np.ndarray) -> PolePattern:
@@ -282,23 +271,3 @@ def _quiet(request: PolePattern, observed: ObservedProcess, moves: np.ndarray) -
             break
         request = request._replace(ratio=request.ratio / 2.0**0.25)
     return request
-
-
-def _in_words(
-    request: PolePattern,
-    observed: ObservedProcess,
-    regulator_poles: np.ndarray,
-    estimation: Estimation | None,
-) -> str:
-    pattern = (
-        "given poles"
-        if request.poles is not None
-        else f"Bessel's pattern with a bandwidth of {request.bandwidth:.3g} rad/s"
-    )
-    words = f"Pole placement, {pattern}"
-    if estimation is not None:
-        words += f"; Luenberger observer for {estimation.names}"
-        if request.observer_poles is None:
-            words += f", {request.ratio:.3g} times as fast"
-    slowest = slowest_time_constant(regulator_poles, observed.period)
-    return f"{words}; slowest closed-loop time constant {time_text(slowest)}"

@@ -4,26 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.polynomial_controller import FAMILY, polynomial_law
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.arguments.numbers import ASSIGNED_POLES, PENALTY
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loops.pairing import Pairing
-from clepsydra.designs.polynomial.loop_gains import LoopGains, PairedDesign, of_two_degrees
+from clepsydra.designs.polynomial.paired_design import PairedDesign
 from clepsydra.designs.polynomial.paired_models import (
-    ModelledPair,
+    LoopGains,
     Request,
-    characteristic,
     modelled_pairs,
+    polynomial_gains,
 )
 from clepsydra.designs.polynomial.sampled_model import SampledModel
-from clepsydra.designs.polynomial.two_degree_of_freedom import two_degree_of_freedom
 from clepsydra.linear.linear_model import LinearModel
 
 #: A delay of more samples is left to the Smith predictor: P would have a gain for each.
 LONGEST_DELAY = 24
+SOURCE = "Diophantine equation with an LQ spectral factor and assigned poles"
 
 
 @design(
@@ -86,65 +85,26 @@ def design_polynomial(
     ('2DOF polynomial, LQ', 'polynomial_control')
     """
     request = Request(penalty, assigned_poles)
-    point, pairs = modelled_pairs(model, pairing, models)
+    pairs = modelled_pairs(model, pairing, models)
     for pair in pairs:
-        if pair.model.delay > LONGEST_DELAY:
+        if pair.sampled.delay > LONGEST_DELAY:
             raise NotApplicable(
-                f"{pair.words}: its delay of {pair.model.delay} samples would need as many gains; "
+                f"{pair.pair}: its delay of {pair.sampled.delay} samples would need as many gains; "
                 "a Smith predictor keeps it in a ring"
             )
 
     def gains_at(factor: float) -> list[LoopGains]:
-        return [_gains(pair, request, factor) for pair in pairs]
+        return [
+            polynomial_gains(
+                pair, request, factor, (*[0.0] * pair.sampled.delay, *map(float, pair.sampled.B))
+            )
+            for pair in pairs
+        ]
 
     law = polynomial_law(
         [pair.output for pair in pairs],
         [pair.input for pair in pairs],
         [loop.shape for loop in gains_at(1.0)],
     )
-    design = PairedDesign("2DOF polynomial, LQ", FAMILY, model, point, pairs, law, {}, gains_at)
-    return design.controller(
-        "Diophantine equation with an LQ spectral factor and assigned poles",
-        [models_note(pairs)],
-        request.in_words(),
-    )
-
-
-def models_note(pairs: Sequence[ModelledPair]) -> str:
-    """Return the sampled models in words.
-
-    Examples
-    --------
-    >>> from clepsydra.base.signal import Signal
-    >>> tank = SampledModel((0.1,), (-0.9,), 0, 1.0)
-    >>> models_note([ModelledPair(Signal("level"), Signal("pump"), tank, 0.0)])
-    'Sampled models: level by pump: (0.1 z^-1) / (1 − 0.9 z^-1).'
-    """
-    words = "; ".join(f"{pair.words}: {pair.model.in_words()}" for pair in pairs)
-    return f"Sampled models: {words}."
-
-
-def _gains(pair: ModelledPair, request: Request, factor: float) -> LoopGains:
-    sampled = pair.model
-    D, penalty, poles = characteristic(pair, request, factor, sampled.B)
-    B = (*[0.0] * sampled.delay, *(float(b) for b in sampled.B))
-    try:
-        found = two_degree_of_freedom(tuple(sampled.A), B, D)
-    except InputError as refusal:
-        raise InputError(
-            f"{pair.words}, {refusal.place}",
-            refusal.value, refusal.expected, refusal.remedy,
-        ) from None  # fmt: skip
-    return of_two_degrees(found, settings_words(penalty, poles))
-
-
-def settings_words(penalty: float, poles: Sequence[float]) -> str:
-    """Return penalty and assigned poles in words.
-
-    Examples
-    --------
-    >>> settings_words(10.0, (0.5,))
-    'q_u = 10, γ = 0.5'
-    """
-    shown = ", ".join(dict.fromkeys(f"{pole:.4g}" for pole in poles))
-    return f"q_u = {penalty:.4g}, γ = {shown or 'none'}"
+    design = PairedDesign("2DOF polynomial, LQ", FAMILY, model, pairs, law, gains_at)
+    return design.controller(SOURCE, [], request.in_words())

@@ -132,11 +132,11 @@ def design_recomputed_lqi(
     estimation = None if by is None else by.estimation
     lqi = StateLqi(NAME, acting, deviations, source.measurements, anti_windup, estimation)
     found = lqi.robust(model)
-    linear, asked = found.controller, found.asked
+    linear, gains, asked = found.design
     errors, moves = asked.sizes()
     controller = recomputed_lqi_controller(
         source,
-        found.gains,
+        gains,
         anti_windup,
         steps,
         by,
@@ -149,7 +149,8 @@ def design_recomputed_lqi(
         ],
     )
     of_a_sample = "one step" if steps == 1 else f"{steps} steps"
-    return found.described(
+    return lqi.described(
+        found,
         controller.described("", [_NOTE]),
         f"; in every sample {of_a_sample} of the Riccati equation with the linear model at the "
         f"present state{'' if by is None else f'; {by.words}'}",
@@ -254,12 +255,11 @@ def _source(
 
 
 def _check_size(equations: ProcessEquations) -> None:
-    if len(equations.inputs) > MOST_INPUTS:
+    count, size = len(equations.inputs), len(equations.states) + len(equations.outputs)
+    if count > MOST_INPUTS:
         raise NotApplicable(
-            f"it solves for {len(equations.inputs)} inputs in every sample, and takes at most "
-            f"{MOST_INPUTS}"
+            f"it solves for {count} inputs in every sample, and takes at most {MOST_INPUTS}"
         )
-    size = len(equations.states) + len(equations.outputs)
     if size > MOST_STATES:
         raise NotApplicable(
             f"{size} states and integrals make {size * (size + 1) // 2} numbers of the Riccati "

@@ -14,12 +14,10 @@ from clepsydra.base.arguments import check_choice, require_type, sequence_of
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import to_si
-from clepsydra.controllers.conditioned_linear import conditioned_linear_law
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.wiring import check_signals
 from clepsydra.designs.applicability import told_by
-from clepsydra.designs.at_operating_point import controller_at, numbers_at
-from clepsydra.designs.loop_shaping.conditioning import told_by_own_observer
+from clepsydra.designs.loop_shaping.conditioning import linear_controller, told_by_own_observer
 from clepsydra.designs.loop_shaping.precompensator import Precompensator, sampled_precompensator
 from clepsydra.designs.loop_shaping.shaped_plant import shaped_plant
 from clepsydra.designs.regulators.given import METHOD, GivenRegulator, given_regulator
@@ -103,31 +101,56 @@ def regulator_controller(
     -3.05
     """
     point = operating_point_of(model)
-    process = point.process
+    process, period = point.process, point.process.sampling_period
     check_choice(f"{METHOD}, acts_on", acts_on, get_args(ActsOn))
     check_choice(f"{METHOD}, anti_windup", anti_windup, get_args(RegulatorAntiWindup))
     if isinstance(regulator, (str, Path)):
         regulator = read_mat(regulator)
     given = given_regulator(regulator, sampling_period)
     measured, moved = _signals(process, given, measurements, manipulated)
-    system = _in_si(
-        _sampled(given, process), _scales(measured, moved, units), acts_on.startswith("measurement")
+    A, B, C, D = _sampled(given, process)
+    # From y − r to Δu in SI, and from r − y as a pre-compensator is.
+    inputs, outputs = _scales(measured, moved, units)
+    sign = 1.0 if acts_on.startswith("measurement") else -1.0
+    system = SampledSystem(
+        A, sign * B / inputs, outputs[:, None] * C, sign * outputs[:, None] * D / inputs
     )
-    shaping = Precompensator(name, _acting_on_errors(system), _names(measured), _names(moved))
+    errors = system._replace(B=-system.B, D=-system.D)
+    ys, us = (tuple(signal.name for signal in each) for each in (measured, moved))
     with told_by(METHOD):
-        plant = shaped_plant(model, shaping)
+        plant = shaped_plant(model, Precompensator(name, errors, ys, us))
         spans = np.array([each.span if math.isfinite(each.span) else 1.0 for each in moved])
         matrices = told_by_own_observer(system, plant.sizes, spans)
+    notes = [
+        "A fault of any of its sensors holds every output.",
+        f"Its matrices hold for a sampling period of {period:g} s and no other.",
+    ]
+    made, told = f"sampled each {period:g} s", "its states are told what was applied"
+    if given.period is None:
+        made = f"in continuous time, sampled by Tustin's rule each {period:g} s"
+        fast = int(np.sum(np.abs(np.linalg.eigvals(given.A)) * period > math.pi))
+        if fast:
+            notes.append(
+                f"{fast} of its poles are faster than half of the sampling rate, "
+                f"{math.pi / period:.3g} rad/s: sampled, the regulator is another one there."
+            )
     if anti_windup == "none":
-        matrices = matrices.unconditioned()
-    law = conditioned_linear_law(measured, moved, matrices)
-    fading = max(1.0 / plant.crossover, plant.period)
-    values = numbers_at(point, law.parameters, fading_time=fading, **matrices.numbers())
-    found = controller_at(point, name, FAMILY, law, values, numbers_at(point, law.state))
+        matrices, told = matrices.unconditioned(), "no anti-windup"
+        notes.append("It winds up: its states know nothing of a limit or of manual.")
+    found = linear_controller(point, name, FAMILY, measured, moved, matrices, plant)
     peak = sensitivity_peak(found, model)
-    return found.described(
-        _words(given, process, peak, anti_windup), _notes(given, plant.period, peak, anti_windup)
-    )
+    stable = f"sensitivity peak {peak:.2f}"
+    if math.isinf(peak):
+        stable = "the loop is unstable"
+        notes.append(
+            "The sampled loop is unstable at the operating point: look at the units, at the sign "
+            "and at the order of the signals."
+        )
+    else:
+        notes += note_on_peak(peak, "see whether units, signs and signals are right")
+    source = "" if given.place == METHOD else f" from {Path(given.place).name}"
+    words = f"A regulator of order {len(given.A)} given{source}, {made}; {told}; {stable}."
+    return found.described(words, notes)
 
 
 def _signals(
@@ -139,50 +162,41 @@ def _signals(
     """Return the signals of its inputs and outputs, as many as it has."""
     outputs, inputs = given.D.shape
     found = []
-    for key, names, usual, count in (
-        ("measurements", measurements, list(process.controlled), inputs),
-        ("manipulated", manipulated, [signal.name for signal in process.inputs], outputs),
+    for key, names, usual, count, ends in (
+        ("measurements", measurements, list(process.controlled), inputs, "inputs"),
+        ("manipulated", manipulated, [each.name for each in process.inputs], outputs, "outputs"),
     ):
-        place, words = f"{METHOD}, {key}", f"{count} names, one for each of its "
-        words += "inputs" if key == "measurements" else "outputs"
+        place, expected = f"{METHOD}, {key}", f"{count} names, one for each of its {ends}"
         remedy = f'name them in its order, as in ["{usual[0]}"]'
-        chosen = sequence_of(usual if names is None else names, str, place, words, remedy)
+        chosen = sequence_of(usual if names is None else names, str, place, expected, remedy)
         if len(chosen) != count or len(set(chosen)) != count:
-            raise InputError(place, ", ".join(chosen) or "none", words, remedy)
+            raise InputError(place, ", ".join(chosen) or "none", expected, remedy)
         found.append(chosen)
     check_signals(found[0], found[0], found[1], METHOD, process)
     if inputs > outputs:
-        raise InputError(
-            f"{METHOD}, measurements", f"{inputs} for {outputs} manipulated",
-            "no more measurements than manipulated variables: each brings a setpoint",
-            "give a regulator of fewer errors",
-        )  # fmt: skip
+        place, shown = f"{METHOD}, measurements", f"{inputs} for {outputs} manipulated"
+        expected = "no more measurements than manipulated variables: each brings a setpoint"
+        raise InputError(place, shown, expected, "give a regulator of fewer errors")
     measured, moved = ([process.signal(name) for name in each] for each in found)
     return measured, moved
-
-
-def _names(signals: Sequence[Signal]) -> tuple[str, ...]:
-    return tuple(signal.name for signal in signals)
 
 
 def _sampled(given: GivenRegulator, process: Process) -> SampledSystem:
     """Return it at the sampling period of the process, in its own units and signs."""
     period = process.sampling_period
+    matrices = given.A, given.B, given.C, given.D
     if given.period is not None:
         if not math.isclose(given.period, period, rel_tol=1e-9):
-            raise InputError(
-                f"{given.place}, sampling period", f"{given.period:g} s",
-                f"{period:g} s, that of {process.name}",
-                "give the process that sampling_period, or the regulator in continuous time",
-            )  # fmt: skip
-        return SampledSystem(given.A, given.B, given.C, given.D)
+            place = f"{given.place}, sampling period"
+            expected = f"{period:g} s, that of {process.name}"
+            remedy = "give the process that sampling_period, or the regulator in continuous time"
+            raise InputError(place, f"{given.period:g} s", expected, remedy)
+        return SampledSystem(*matrices)
     if np.linalg.cond(np.eye(len(given.A)) - 0.5 * period * given.A) > _SINGULAR:
-        raise InputError(
-            f"{given.place}, A", f"a pole at {2.0 / period:.3g} rad/s", "no pole at 2/T",
-            "sample faster, or give a regulator that is sampled already",
-        )  # fmt: skip
+        shown = f"a pole at {2.0 / period:.3g} rad/s"
+        remedy = "sample faster, or give a regulator that is sampled already"
+        raise InputError(f"{given.place}, A", shown, "no pole at 2/T", remedy)
     errors, outputs = (tuple(map(str, range(count))) for count in given.D.shape[::-1])
-    matrices = given.A, given.B, given.C, given.D
     return sampled_precompensator(METHOD, matrices, period, errors, outputs).system
 
 
@@ -190,21 +204,18 @@ def _scales(
     measured: Sequence[Signal], moved: Sequence[Signal], units: Mapping[str, str] | None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return what one unit of its inputs and outputs is in SI."""
-    require_type(
-        units or {}, Mapping, f"{METHOD}, units", "signals with their units",
-        'write as in {"level_1": "cm"}',
-    )  # fmt: skip
+    example = 'write as in {"level_1": "cm"}'
+    require_type(units or {}, Mapping, f"{METHOD}, units", "signals with their units", example)
     known = {signal.name: signal for signal in (*measured, *moved)}
     asked = {name: signal.shown_unit for name, signal in known.items()}
     for name, unit in (units or {}).items():
         if name not in known:
-            raise InputError(
-                f"{METHOD}, units", name, f"a signal of it: {', '.join(known)}", "correct the name"
-            )
+            expected = f"a signal of it: {', '.join(known)}"
+            raise InputError(f"{METHOD}, units", name, expected, "correct the name")
         asked[name] = unit
-    sizes = {name: _scale(signal, asked[name]) for name, signal in known.items()}
     inputs, outputs = (
-        np.array([sizes[signal.name] for signal in each]) for each in (measured, moved)
+        np.array([_scale(signal, asked[signal.name]) for signal in each])
+        for each in (measured, moved)
     )
     return inputs, outputs
 
@@ -215,68 +226,6 @@ def _scale(signal: Signal, unit: object) -> float:
     if isinstance(unit, str):
         with suppress(InputError):  # what it says is of a quantity
             return to_si(f"1 {unit}", signal.unit, METHOD)
-    raise InputError(
-        f"{METHOD}, units, {signal.name}", unit, f"a unit of {signal.name}, which is in "
-        f"{signal.shown_unit}", f'write as in "{signal.shown_unit}"',
-    )  # fmt: skip
-
-
-def _in_si(
-    system: SampledSystem, scales: tuple[np.ndarray, np.ndarray], of_measurement: bool
-) -> SampledSystem:
-    """Return it from y − r to Δu in SI."""
-    inputs, outputs = scales
-    sign = 1.0 if of_measurement else -1.0
-    return SampledSystem(
-        system.A,
-        sign * system.B / inputs,
-        outputs[:, None] * system.C,
-        sign * outputs[:, None] * system.D / inputs,
-    )
-
-
-def _acting_on_errors(system: SampledSystem) -> SampledSystem:
-    """Return it from r − y, as a pre-compensator is."""
-    return system._replace(B=-system.B, D=-system.D)
-
-
-def _words(
-    given: GivenRegulator, process: Process, peak: float, anti_windup: RegulatorAntiWindup
-) -> str:
-    made = (
-        f"in continuous time, sampled by Tustin's rule each {process.sampling_period:g} s"
-        if given.period is None
-        else f"sampled each {given.period:g} s"
-    )
-    source = "" if given.place == METHOD else f" from {Path(given.place).name}"
-    told = (
-        "its states are told what was applied" if anti_windup == "conditioning"
-        else "no anti-windup"
-    )  # fmt: skip
-    stable = f"sensitivity peak {peak:.2f}" if math.isfinite(peak) else "the loop is unstable"
-    return f"A regulator of order {len(given.A)} given{source}, {made}; {told}; {stable}."
-
-
-def _notes(
-    given: GivenRegulator, period: float, peak: float, anti_windup: RegulatorAntiWindup
-) -> list[str]:
-    notes = [
-        "A fault of any of its sensors holds every output.",
-        f"Its matrices hold for a sampling period of {period:g} s and no other.",
-    ]
-    if given.period is None:
-        fast = int(np.sum(np.abs(np.linalg.eigvals(given.A)) * period > math.pi))
-        if fast:
-            notes.append(
-                f"{fast} of its poles are faster than half of the sampling rate, "
-                f"{math.pi / period:.3g} rad/s: sampled, the regulator is another one there."
-            )
-    if anti_windup == "none":
-        notes.append("It winds up: its states know nothing of a limit or of manual.")
-    if math.isinf(peak):
-        notes.append(
-            "The sampled loop is unstable at the operating point: look at the units, at the sign "
-            "and at the order of the signals."
-        )
-        return notes
-    return [*notes, *note_on_peak(peak, "see whether units, signs and signals are right")]
+    expected = f"a unit of {signal.name}, which is in {signal.shown_unit}"
+    example = f'write as in "{signal.shown_unit}"'
+    raise InputError(f"{METHOD}, units, {signal.name}", unit, expected, example)

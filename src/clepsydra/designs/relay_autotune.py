@@ -103,57 +103,43 @@ def ultimate_point_of_relay(
         time, manipulated, measured = record.time, record.manipulated, record.measured
         hysteresis = record.hysteresis if hysteresis is None else hysteresis
     if manipulated is None or measured is None:
-        raise InputError(
-            PLACE,
-            "one argument" if measured is None and manipulated is None else "two arrays",
-            "the record of relay_experiment, or time, manipulated and measured",
-            "give the record as it is, or all three arrays",
-        )
+        given = "one argument" if measured is None and manipulated is None else "two arrays"
+        expected = "the record of relay_experiment, or time, manipulated and measured"
+        raise InputError(PLACE, given, expected, "give the record as it is, or all three arrays")
     time, manipulated, measured = _checked(cast(ArrayLike, time), manipulated, measured)
     hysteresis = 0.0 if hysteresis is None else hysteresis
     if not isinstance(hysteresis, (int, float)) or not 0.0 <= hysteresis < math.inf:
-        raise InputError(
-            f"{PLACE}, hysteresis", hysteresis, "a number from 0", "give it in the output's unit"
-        )
+        remedy = "give it in the output's unit"
+        raise InputError(f"{PLACE}, hysteresis", hysteresis, "a number from 0", remedy)
     low, high = float(np.min(manipulated)), float(np.max(manipulated))
-    middle = 0.5 * (low + high)
+    middle, longer = 0.5 * (low + high), "let the experiment last longer"
     rises = np.flatnonzero((manipulated[:-1] < middle) & (manipulated[1:] > middle)) + 1
     if len(rises) < CYCLES + 1:
-        raise InputError(
-            f"{PLACE}, manipulated",
-            f"{max(len(rises) - 1, 0)} full cycles",
-            f"at least {CYCLES}",
-            "let the experiment last longer",
-        )
+        given = f"{max(len(rises) - 1, 0)} full cycles"
+        raise InputError(f"{PLACE}, manipulated", given, f"at least {CYCLES}", longer)
     marks = rises[-(CYCLES + 1) :]
-    cycles = [measured[a:b] for a, b in pairwise(marks)]
-    if len(np.unique(manipulated[marks[0] : marks[-1]])) > 2:
-        raise InputError(
-            f"{PLACE}, manipulated", "more than two values", "a relay", "record the relay alone"
-        )
-    swings = [0.5 * float(np.ptp(cycle)) for cycle in cycles]
+    read = slice(marks[0], marks[-1])
+    if len(np.unique(manipulated[read])) > 2:
+        place, given = f"{PLACE}, manipulated", "more than two values"
+        raise InputError(place, given, "a relay", "record the relay alone")
+    swings = np.array([0.5 * np.ptp(measured[a:b]) for a, b in pairwise(marks)])
     periods = np.diff(time[marks])
-    for what, values in (("amplitudes", np.array(swings)), ("periods", periods)):
+    for what, values in (("amplitudes", swings), ("periods", periods)):
         if np.ptp(values) > SPREAD * np.mean(values):
-            raise InputError(
-                f"{PLACE}, {what}",
-                ", ".join(f"{value:.3g}" for value in values),
-                f"cycles that differ by at most {SPREAD:.0%}",
-                "let the experiment last longer, or sample it faster",
-            )
+            given = ", ".join(f"{value:.3g}" for value in values)
+            expected = f"cycles that differ by at most {SPREAD:.0%}"
+            remedy = f"{longer}, or sample it faster"
+            raise InputError(f"{PLACE}, {what}", given, expected, remedy)
     amplitude = float(np.mean(swings))
     if amplitude <= hysteresis:
-        raise InputError(
-            f"{PLACE}, measured",
-            f"a swing of {amplitude:.3g}",
-            f"a swing beyond the hysteresis of {hysteresis:.3g}",
-            "reduce the hysteresis or enlarge the relay",
-        )
+        expected = f"a swing beyond the hysteresis of {hysteresis:.3g}"
+        remedy = "reduce the hysteresis or enlarge the relay"
+        raise InputError(f"{PLACE}, measured", f"a swing of {amplitude:.3g}", expected, remedy)
     size = 4.0 * 0.5 * (high - low) / (math.pi * math.sqrt(amplitude**2 - hysteresis**2))
-    first = slice(marks[0], marks[-1])
-    raised = measured[first][manipulated[first] > middle]
-    lowered = measured[first][manipulated[first] < middle]
-    return UltimatePoint(math.copysign(size, _lag_sign(raised, lowered)), float(np.mean(periods)))
+    # The controller's sign is positive where the output starts low while the input is high.
+    high_at = manipulated[read] > middle
+    sign = 1.0 if measured[read][high_at][0] < measured[read][~high_at][0] else -1.0
+    return UltimatePoint(math.copysign(size, sign), float(np.mean(periods)))
 
 
 def _checked(
@@ -163,28 +149,15 @@ def _checked(
     try:
         arrays = [np.asarray(values, float) for values in (time, manipulated, measured)]
     except (TypeError, ValueError):
-        raise InputError(
-            PLACE, "values that are no numbers", "three arrays of numbers", "convert them first"
-        ) from None
-    if (
-        any(a.ndim != 1 for a in arrays)
-        or len({a.size for a in arrays}) > 1
-        or (arrays[0].size < _FEWEST)
-    ):
-        sizes = ", ".join(str(a.size) for a in arrays)
-        raise InputError(
-            PLACE,
-            f"{sizes} samples",
-            f"three arrays of one length, at least {_FEWEST}",
-            "record the three signals together",
-        )
-    if not all(np.all(np.isfinite(a)) for a in arrays):
+        given, expected = "values that are no numbers", "three arrays of numbers"
+        raise InputError(PLACE, given, expected, "convert them first") from None
+    alike = len({each.size for each in arrays}) == 1 and all(each.ndim == 1 for each in arrays)
+    if not alike or arrays[0].size < _FEWEST:
+        given = f"{', '.join(str(each.size) for each in arrays)} samples"
+        expected = f"three arrays of one length, at least {_FEWEST}"
+        raise InputError(PLACE, given, expected, "record the three signals together")
+    if not all(np.all(np.isfinite(each)) for each in arrays):
         raise InputError(PLACE, "values that are not finite", "finite numbers", "mend the gaps")
     if np.any(np.diff(arrays[0]) <= 0.0):
         raise InputError(f"{PLACE}, time", "a step back", "rising time", "sort the record")
     return arrays[0], arrays[1], arrays[2]
-
-
-def _lag_sign(raised: np.ndarray, lowered: np.ndarray) -> float:
-    """Return the sign of the controller: where the output starts low while the input is high."""
-    return 1.0 if raised[0] < lowered[0] else -1.0

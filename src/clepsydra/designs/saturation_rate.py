@@ -113,12 +113,13 @@ it out for 3 times.
     for name in names:
         if not math.isfinite(settling[name]):
             raise NotApplicable(f"{name} does not settle at its setpoint")
-    unit = "1/s" if effects is None else "per second and unit of the input"
-    remedy = f"give it {'in ' if effects is None else ''}{unit}"
     if given is None:
         return tuple(rate_for(settling[name]) for name in names)
-    listed = isinstance(given, (list, tuple, np.ndarray))
-    every: list[Any] = list(given) if listed else [given] * len(names)  # type: ignore[arg-type]
+    unit = "1/s" if effects is None else "per second and unit of the input"
+    remedy = f"give it {'in ' if effects is None else ''}{unit}"
+    every: list[Any] = (
+        list(given) if isinstance(given, (list, tuple, np.ndarray)) else [given] * len(names)
+    )
     if len(every) != len(names):
         raise InputError("alpha", every, f"{len(names)} rates", "give one for each loop, or one")
     found = []
@@ -127,12 +128,11 @@ it out for 3 times.
         alpha = positive_number(place, value, f"a rate above 0 {unit}", remedy)
         low, high = (rate_for(settling[name], times) * effect for times in (SLOWEST, FASTEST))
         if not low * 0.999 <= alpha <= high * 1.001:
-            raise InputError(
-                place,
-                alpha,
+            expected = (
                 f"{low:.3g} to {high:.3g} {unit}, {SLOWEST:g} to {FASTEST:g} times as fast as the "
-                f"loop settles ({time_text(settling[name])})",
-                f"choose α within, or leave it out for {USUAL:g} times",
+                f"loop settles ({time_text(settling[name])})"
             )
+            within = f"choose α within, or leave it out for {USUAL:g} times"
+            raise InputError(place, alpha, expected, within)
         found.append(alpha / effect)
     return tuple(found)

@@ -3,28 +3,31 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from clepsydra.base.words import time_text
-from clepsydra.controllers.multiloop_pid import Decoupling
-from clepsydra.designs.applicability import NotApplicable, reasons_about
+from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.arguments.argument import word
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loops.closed_loop_time import CLOSED_LOOP_TIME, TimedLoop, design_by_time
 from clepsydra.designs.loops.pid_settings import PidSettings, SeriesSettings, from_series
 from clepsydra.designs.loops.words import model_words
-from clepsydra.designs.models.first_order_delay import FirstOrderDelay, half_rule
-from clepsydra.designs.models.second_order_delay import SecondOrderDelay, half_rule_of_second_order
+from clepsydra.designs.models.first_order_delay import (
+    FirstOrderDelay,
+    SecondOrderDelay,
+    half_rule,
+    half_rule_of_second_order,
+)
 
 if TYPE_CHECKING:
     from clepsydra.controllers.controller import Controller
     from clepsydra.controllers.pid_form import PidForm
-    from clepsydra.designs.loops.multiloop import PairedLoop
-    from clepsydra.designs.loops.pairing import Pairing
+    from clepsydra.designs.loops.pairing import PairedLoop, Pairing
     from clepsydra.designs.loops.published_rule import RuleActions
     from clepsydra.linear.linear_model import LinearModel
 
 METHOD = "SIMC"
+Decoupling = Literal["static", "dynamic"]
 
 
 def simc_settings(model: FirstOrderDelay, closed_loop_time_constant: float) -> PidSettings:
@@ -146,47 +149,31 @@ def design_simc(
     >>> round(controller.values["level_1.proportional_gain"], 6)
     3.0
     """
-    from clepsydra.designs.loops.multiloop import MultiloopPid, checked_form
+    from clepsydra.designs.loops.multiloop import MultiloopPid
 
-    form, actions = checked_form(form)
     together = MultiloopPid(model, pairing, form, METHOD, decoupling)
-    delay = together.process.sampling_period / 2.0
-    loops = [simc_loop(loop, delay, actions) for loop in together.loops]
-    if actions == "PID" and not any(loop.settings_at(1.0).derivative_time for loop in loops):
+    order = "First" if together.actions == "PI" else "Second"
+    loops = together.each(lambda loop: simc_loop(loop, together.delay, together.actions))
+    if order == "Second" and not any(loop.settings_at(1.0).derivative_time for loop in loops):
         raise NotApplicable("no element has a second lag, so that its PID would be the PI")
-    order = "First" if actions == "PI" else "Second"
-    return design_by_time(
-        together,
-        loops,
-        closed_loop_time_constant,
-        "SIMC (Skogestad 2003)",
-        f"{order}-order models by the half rule",
-    )
+    models = f"{order}-order models by the half rule"
+    time, source = closed_loop_time_constant, "SIMC (Skogestad 2003)"
+    return design_by_time(together, loops, time, source, models)
 
 
 def simc_loop(loop: PairedLoop, delay: float, actions: RuleActions) -> TimedLoop:
     """Return a loop by the half rule, its model of first order for PI and of second for PID.
 
-    Its shortest closed-loop time constant is what delay and input allow.
-
-    Parameters
-    ----------
-    delay : float
-        Of the loop outside the element: half a sampling period [s].
-
-    Raises
-    ------
-    NotApplicable
-        As for the half rule.
+    Without a given time it is the delay itself, or longer where a setpoint step of a tenth of the
+    range would saturate the input.
     """
     model: FirstOrderDelay | SecondOrderDelay
-    with reasons_about(loop.pair):
-        if actions == "PI":
-            model = first = half_rule(loop.element, delay)
-            settings_at, more = partial(simc_settings, first), ""
-        else:
-            model = second = half_rule_of_second_order(loop.element, delay)
-            settings_at = partial(simc_pid_settings, second)
-            more = f", second time constant {time_text(second.second_time_constant)}"
+    if actions == "PI":
+        model = first = half_rule(loop.element, delay)
+        settings_at, more = partial(simc_settings, first), ""
+    else:
+        model = second = half_rule_of_second_order(loop.element, delay)
+        settings_at = partial(simc_pid_settings, second)
+        more = f", second time constant {time_text(second.second_time_constant)}"
     shortest = max(model.delay, 1.0 / (abs(model.slope) * loop.largest_gain) - model.delay)
-    return TimedLoop(settings_at, shortest, model_words(model, loop.output, loop.input, more))
+    return TimedLoop(settings_at, shortest, model_words(model, loop, more))

@@ -178,10 +178,15 @@ def as_given(design: T, peak: Callable[[T], float], choice: str) -> SlowedDown[T
     >>> as_given(3.0, lambda gain: 2.5, "your gain").peak
     2.5
     """
-    found = SlowedDown(design, 1.0, peak(design))
+    found = unslowed(design, peak)
     if math.isinf(found.peak):
         raise NotApplicable(f"the loops together are unstable at {choice}")
     return found
+
+
+def unslowed(design: T, peak: Callable[[T], float]) -> SlowedDown[T]:
+    """Return a design as it is, with the peak that it has."""
+    return SlowedDown(design, 1.0, peak(design))
 
 
 def note_on_slowing(found: SlowedDown[T], what: str) -> tuple[str, ...]:

@@ -21,16 +21,16 @@ from clepsydra.designs.loops.closed_loop_time import CLOSED_LOOP_TIME
 from clepsydra.designs.loops.pairing import Pairing
 from clepsydra.designs.models.first_order_delay import half_rule
 from clepsydra.designs.models.transfer_element import TransferElement
-from clepsydra.designs.polynomial.loop_gains import LoopGains, PairedDesign, of_two_degrees
+from clepsydra.designs.polynomial.paired_design import PairedDesign
 from clepsydra.designs.polynomial.paired_models import (
+    LoopGains,
     ModelledPair,
     Request,
-    characteristic,
     modelled_pairs,
+    polynomial_gains,
 )
 from clepsydra.designs.polynomial.sampled_model import ON_THE_CIRCLE, SampledModel
-from clepsydra.designs.polynomial.two_degree_of_freedom import two_degree_of_freedom
-from clepsydra.designs.polynomial_control import models_note, settings_words
+from clepsydra.designs.polynomial_control import SOURCE
 from clepsydra.designs.simc import simc_settings
 from clepsydra.linear.linear_model import LinearModel
 
@@ -125,11 +125,17 @@ def design_smith_predictor(
     0.2232
     """
     request = Request(penalty, assigned_poles)
-    _refuse_other_settings(primary, request, closed_loop_time_constant)
-    point, pairs = modelled_pairs(model, pairing, models)
+    given, time = request.in_words(), closed_loop_time_constant
+    if primary == "PI" and given:
+        remedy = "give closed_loop_time_constant, or primary = polynomial"
+        raise InputError("penalty and assigned_poles", given, "none for a PI controller", remedy)
+    if time is not None and primary == "polynomial":
+        place, expected = "closed_loop_time_constant", "none for a polynomial controller"
+        raise InputError(place, time, expected, "give penalty or assigned_poles, or primary = PI")
+    pairs = modelled_pairs(model, pairing, models)
     for pair in pairs:
         _check(pair, models is not None)
-    if not any(pair.model.delay for pair in pairs):
+    if not any(pair.sampled.delay for pair in pairs):
         raise NotApplicable(
             "no pair has a delay of a sampling period, so that there is nothing to predict; "
             "2DOF polynomial control is the same without a predictor"
@@ -137,97 +143,68 @@ def design_smith_predictor(
 
     def gains_at(factor: float) -> list[LoopGains]:
         if primary == "PI":
-            return [_simc(pair, closed_loop_time_constant, factor) for pair in pairs]
-        return [_polynomial(pair, request, factor) for pair in pairs]
+            return [_simc(pair, time, factor) for pair in pairs]
+        return [
+            polynomial_gains(pair, request, factor, (0.0, math.fsum(pair.sampled.B)))
+            for pair in pairs
+        ]
 
-    feedback = [_error_feedback(pair.model) for pair in pairs]
+    feedback = [_error_feedback(pair.sampled) for pair in pairs]
     shapes = [
         PredictorShape(
-            loop.shape, pair.model.order, len(pair.model.numerator), pair.model.delay, bool(kappa)
+            loop.shape, model.order, len(model.numerator), model.delay, error_feedback=bool(kappa)
         )
-        for loop, pair, kappa in zip(gains_at(1.0), pairs, feedback, strict=True)
+        for loop, model, kappa in zip(
+            gains_at(1.0), [pair.sampled for pair in pairs], feedback, strict=True
+        )
     ]
     law = smith_predictor_law(
         [pair.output for pair in pairs], [pair.input for pair in pairs], shapes
     )
-    kind = "LQ" if primary == "polynomial" else "PI"
-    given = request.in_words()
-    if closed_loop_time_constant is not None:
-        given = f"a closed-loop time constant of {closed_loop_time_constant:g} s"
-    design = PairedDesign(
-        f"Smith predictor, {kind}",
-        f"{FAMILY} with {'polynomial' if kind == 'LQ' else kind} control",
-        model,
-        point,
-        pairs,
-        law,
-        _fixed(pairs, feedback),
-        gains_at,
+    kind, means, source = "LQ", "polynomial", SOURCE
+    if primary == "PI":
+        kind = means = "PI"
+        source = "SIMC (Skogestad 2003) for the model without its delay"
+        given = "" if time is None else f"a closed-loop time constant of {time:g} s"
+    name, control = f"Smith predictor, {kind}", f"{FAMILY} with {means} control"
+    fixed = _fixed(pairs, feedback)
+    design = PairedDesign(name, control, model, pairs, law, gains_at, fixed)
+    integrating = [pair.pair for pair, kappa in zip(pairs, feedback, strict=True) if kappa]
+    note = (
+        f"{', '.join(integrating)}: the process integrates, so that its model follows it by the "
+        "predicted error (Mataušek and Micić); a plain predictor would keep an offset under loads."
     )
-    source = (
-        "Diophantine equation with an LQ spectral factor and assigned poles"
-        if primary == "polynomial"
-        else "SIMC (Skogestad 2003) for the model without its delay"
-    )
-    return design.controller(source, [models_note(pairs), *_notes(pairs, feedback)], given)
-
-
-def _refuse_other_settings(
-    primary: Primary, request: Request, closed_loop_time_constant: float | None
-) -> None:
-    if primary == "PI" and not request.is_open:
-        raise InputError(
-            "penalty and assigned_poles", request.in_words(), "none for a PI controller",
-            "give closed_loop_time_constant, or primary = polynomial",
-        )  # fmt: skip
-    if closed_loop_time_constant is not None and primary == "polynomial":
-        raise InputError(
-            "closed_loop_time_constant", closed_loop_time_constant,
-            "none for a polynomial controller", "give penalty or assigned_poles, or primary = PI",
-        )  # fmt: skip
+    return design.controller(source, [note] if integrating else [], given)
 
 
 def _check(pair: ModelledPair, given: bool) -> None:
     """Refuse a model whose poles the open loop of the predictor would not bear."""
-    model = pair.model
+    model = pair.sampled
     outside = np.sum(np.abs(model.poles) >= 1.0 - ON_THE_CIRCLE)
     if outside > (1 if model.is_integrating else 0):
-        words = f"{pair.words}: the model is unstable without control, or integrates twice"
         if given:
-            raise InputError(
-                "models", model.in_words(),
-                "a stable model, or one that integrates once",
-                "use 2DOF polynomial control, which holds unstable processes",
-            )  # fmt: skip
-        raise NotApplicable(f"{words}; 2DOF polynomial control can hold it")
-    total = float(np.sum(np.abs(model.B)))
-    if abs(math.fsum(model.B)) <= 1e-9 * total:
-        raise NotApplicable(f"{pair.words}: the input cannot hold the output")
-
-
-def _polynomial(pair: ModelledPair, request: Request, factor: float) -> LoopGains:
-    D, penalty, poles = characteristic(pair, request, factor, pair.model.B)
-    found = two_degree_of_freedom(tuple(pair.model.A), (0.0, math.fsum(pair.model.B)), D)
-    return of_two_degrees(found, settings_words(penalty, poles))
+            expected = "a stable model, or one that integrates once"
+            remedy = "use 2DOF polynomial control, which holds unstable processes"
+            raise InputError("models", model.in_words(), expected, remedy)
+        raise NotApplicable(
+            f"{pair.pair}: the model is unstable without control, or integrates twice; 2DOF "
+            "polynomial control can hold it"
+        )
+    if abs(math.fsum(model.B)) <= 1e-9 * float(np.sum(np.abs(model.B))):
+        raise NotApplicable(f"{pair.pair}: the input cannot hold the output")
 
 
 def _simc(pair: ModelledPair, given: float | None, factor: float) -> LoopGains:
     """Return the gains of a PI controller for the model without its delay."""
-    model = pair.model
-    with reasons_about(pair.words):
+    model, time = pair.sampled, given
+    with reasons_about(pair.pair):
         lags = half_rule(_without_delay(model), model.period / 2.0)
-    if given is None:
+    if time is None:
         room = 1.0 / math.sqrt(pair.usual_penalty)
-        shortest = max(lags.delay, 1.0 / (abs(lags.slope) * room) - lags.delay)
-        time = factor * shortest
-    else:
-        time = given
-    settings = simc_settings(lags, time)
-    gain = settings.gain
-    return LoopGains(
-        gain * model.period / settings.integral_time, (gain,), (gain,), (),
-        f"Ti = {time_text(settings.integral_time)}, τc = {time_text(time)}",
-    )  # fmt: skip
+        time = factor * max(lags.delay, 1.0 / (abs(lags.slope) * room) - lags.delay)
+    gain, integral_time, _ = simc_settings(lags, time)
+    words = f"Ti = {time_text(integral_time)}, τc = {time_text(time)}"
+    return LoopGains(gain * model.period / integral_time, (gain,), (gain,), (), words)
 
 
 def _without_delay(model: SampledModel) -> TransferElement:
@@ -275,24 +252,11 @@ def _fixed(pairs: Sequence[ModelledPair], feedback: Sequence[float]) -> dict[str
     """Return the parameters of the models, of B, A and the operating point."""
     values: dict[str, float] = {}
     for pair, kappa in zip(pairs, feedback, strict=True):
-        y, model = pair.output, pair.model
-        total = math.fsum(model.B)
+        y, model, total = pair.output, pair.sampled, math.fsum(pair.sampled.B)
         values[path(y, "model_gain")] = total
-        for part, numbers in (
-            ("model_feedback", model.denominator),
-            ("model_share", [b / total for b in model.numerator]),
-        ):
+        shares = [b / total for b in model.numerator]
+        for part, numbers in (("model_feedback", model.denominator), ("model_share", shares)):
             values |= dict(zip(elements(path(y, part), len(numbers)), numbers, strict=True))
         if kappa:
             values[path(y, "error_feedback")] = kappa
     return values
-
-
-def _notes(pairs: Sequence[ModelledPair], feedback: Sequence[float]) -> list[str]:
-    integrating = [pair.words for pair, kappa in zip(pairs, feedback, strict=True) if kappa]
-    if not integrating:
-        return []
-    return [
-        f"{', '.join(integrating)}: the process integrates, so that its model follows it by the "
-        "predicted error (Mataušek and Micić); a plain predictor would keep an offset under loads."
-    ]

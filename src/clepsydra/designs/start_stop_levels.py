@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from clepsydra.base.signal import elements, path
 from clepsydra.base.units import from_si
 from clepsydra.controllers.at_rest import state_at_rest
@@ -127,12 +129,15 @@ class _Station:
         volume = capacity * _HOUR / (4.0 * starts_per_hour)
         stages = self._stages(volume, capacity, starts_per_hour)
         manipulated = tuple(pump.name for pump in self.pumps)
-        measured = self.process.signal(self.level)
+        measured, unit = self.process.signal(self.level), self.process.state[self._place].shown_unit
         law = start_stop_law([measured], [self.process.signal(name) for name in manipulated])
         values = {parameter.name: parameter.initial for parameter in law.parameters}
+        words: list[str] = []
         for stage, (start, stop) in zip(elements("stage", len(stages)), stages, strict=True):
             values[path(stage, "start_level")] = self._shown(start)
             values[path(stage, "stop_level")] = self._shown(stop)
+            first, last = (f"{from_si(level, 'm', unit):.3g} {unit}" for level in (start, stop))
+            words.append(f"stage {len(words) + 1} starts at {first} and stops at {last}")
         for pump in self.pumps:
             values |= {path(pump.name, what): pump.high for what in ("running_value", "high_limit")}
             values |= {path(pump.name, what): pump.low for what in ("stopped_value", "low_limit")}
@@ -146,8 +151,7 @@ class _Station:
             design=(
                 f"Start and stop levels for at most {starts_per_hour:g} starts an hour of a pump: "
                 f"{_litres(capacity)} need {volume:.3g} m³ between start and stop; "
-                + "; ".join(self._in_words(j, stage) for j, stage in enumerate(stages, start=1))
-                + "."
+                f"{'; '.join(words)}."
             ),
             law=law,
             values=values,
@@ -161,9 +165,8 @@ class _Station:
     def _controlled_level(self) -> str:
         process = self.process
         if len(process.controlled) != 1:
-            raise NotApplicable(
-                f"it keeps one level, and {process.name} has {len(process.controlled)}"
-            )
+            count = len(process.controlled)
+            raise NotApplicable(f"it keeps one level, and {process.name} has {count}")
         (level,) = process.controlled
         if not process.measured_state.get(level, "").endswith(".level"):
             raise NotApplicable(f"{level} does not show the level of a tank")
@@ -191,8 +194,7 @@ class _Station:
 
     def _check_mastered(self) -> None:
         middle = (self.low + self.high) / 2.0
-        off = self._rate(middle, ())
-        on = self._rate(middle, self.pumps)
+        off, on = self._rate(middle, ()), self._rate(middle, self.pumps)
         rises, falls = (off, on) if self.empties else (on, off)
         if not (rises > 0.0 and falls < 0.0):
             raise NotApplicable(
@@ -203,8 +205,7 @@ class _Station:
     def _rate(self, level: float, running: Sequence[Pump]) -> float:
         """Return how fast the level rises with some pumps at full speed [m/s]."""
         process, names = self.process, [pump.name for pump in running]
-        state, inputs = self.point.state.copy(), self.point.inputs.copy()
-        state[self._place] = level
+        state, inputs = self._state_at(level), self.point.inputs.copy()
         for pump in self.pumps:
             value = pump.high if pump.name in names else pump.low
             inputs[[s.name for s in process.inputs].index(pump.name)] = value
@@ -214,13 +215,17 @@ class _Station:
         rates = process.dynamics(state, inputs, self.point.disturbances, process.parameter_values)
         return float(rates[self._place])
 
+    def _state_at(self, level: float) -> np.ndarray:
+        """Return the state at rest but for this level [m]."""
+        state = self.point.state.copy()
+        state[self._place] = level
+        return state
+
     def _volume(self, level: float) -> float:
         """Return the liquid in the plant with the level of this tank there [m³]."""
         motion, parameters = self.process.motion, self.process.parameter_values
-        state = self.point.state.copy()
-        state[self._place] = level
-        stored = motion.stored(motion.to_contents(state, parameters), parameters)
-        return float(stored[motion.stored_names.index("liquid")])
+        contents = motion.to_contents(self._state_at(level), parameters)
+        return float(motion.stored(contents, parameters)[motion.stored_names.index("liquid")])
 
     def _capacity(self, pump: Pump, level: float) -> float:
         """Return the flow of a pump alone at full speed [m³/s]."""
@@ -232,42 +237,32 @@ class _Station:
         self, volume: float, capacity: float, starts_per_hour: float
     ) -> list[tuple[float, float]]:
         """Return start and stop of each stage [m]."""
+        from scipy.optimize import brentq
+
         first, last = (self.low, self.high) if self.empties else (self.high, self.low)
-        room = abs(self._volume(last) - self._volume(first))
-        count = len(self.pumps)
+        start, count = self._volume(first), len(self.pumps)
+        room = abs(self._volume(last) - start)
         if volume >= room:
             raise NotApplicable(
                 f"{starts_per_hour:g} starts an hour of a pump of {_litres(capacity)} need "
                 f"{volume:.3g} m³ between start and stop, and {self.tank} has {room:.3g} m³ from "
                 f"{LOWEST:.0%} to {HIGHEST:.0%} of its height"
             )
+
+        def level_after(volume: float) -> float:
+            """Return the level that lies so much liquid from the first, on the way to the last."""
+            if volume == 0.0:
+                return first
+            return float(brentq(lambda h: abs(self._volume(h) - start) - volume, first, last))
+
         shares = [(room - volume) * j / count for j in range(count)]
-        return [
-            (self._level_after(first, last, share + volume), self._level_after(first, last, share))
-            for share in shares
-        ]
-
-    def _level_after(self, first: float, last: float, volume: float) -> float:
-        """Return the level that lies so much liquid from the first, on the way to the last."""
-        from scipy.optimize import brentq
-
-        if volume == 0.0:
-            return first
-        start = self._volume(first)
-        return float(brentq(lambda h: abs(self._volume(h) - start) - volume, first, last))
+        return [(level_after(share + volume), level_after(share)) for share in shares]
 
     def _shown(self, level: float) -> float:
         """Return what the sensor shows [measurement unit]."""
-        state = self.point.state.copy()
-        state[self._place] = level
-        readings = self.process.measure(state, self.process.parameter_values)
+        readings = self.process.measure(self._state_at(level), self.process.parameter_values)
         names = [signal.name for signal in self.process.measurements]
         return float(readings[names.index(self.level)])
-
-    def _in_words(self, number: int, stage: tuple[float, float]) -> str:
-        unit = self.process.state[self._place].shown_unit
-        start, stop = (f"{from_si(level, 'm', unit):.3g} {unit}" for level in stage)
-        return f"stage {number} starts at {start} and stops at {stop}"
 
 
 def _litres(flow: float) -> str:

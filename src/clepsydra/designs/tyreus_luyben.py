@@ -7,19 +7,14 @@ from typing import TYPE_CHECKING
 
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loops.pid_settings import PidSettings, SeriesSettings, from_series
-from clepsydra.designs.loops.published_rule import (
-    AS_PUBLISHED,
-    PublishedRule,
-    RuleActions,
-)
+from clepsydra.designs.loops.published_rule import AS_PUBLISHED, PublishedRule, RuleActions
 from clepsydra.designs.models.ultimate_point import UltimatePoint, ultimate_point
 from clepsydra.designs.ziegler_nichols import words_on_ultimate
 
 if TYPE_CHECKING:
     from clepsydra.controllers.controller import Controller
     from clepsydra.controllers.pid_form import PidForm
-    from clepsydra.designs.loops.multiloop import PairedLoop
-    from clepsydra.designs.loops.pairing import Pairing
+    from clepsydra.designs.loops.pairing import PairedLoop, Pairing
     from clepsydra.linear.linear_model import LinearModel
 
 METHOD = "Tyreus-Luyben"
@@ -104,4 +99,4 @@ def design_tyreus_luyben(
 
 def _rule(loop: PairedLoop, delay: float, actions: RuleActions) -> tuple[PidSettings, str]:
     point = ultimate_point(loop.element, delay)
-    return tyreus_luyben_settings(point, actions), words_on_ultimate(point, loop.output, loop.input)
+    return tyreus_luyben_settings(point, actions), words_on_ultimate(point, loop)

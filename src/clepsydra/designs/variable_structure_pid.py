@@ -148,27 +148,19 @@ def _as_given(
     model: LinearModel, pairing: Pairing | None, form: PidForm, settings: Sequence[PidSettings]
 ) -> Controller:
     together = MultiloopPid(model, pairing, form, METHOD)
-    settings = sequence_of(
-        settings, PidSettings, "settings", "a list of PidSettings",
-        "write as in [PidSettings(3.0, 30.0)]",
-    )  # fmt: skip
-    if len(settings) != len(together.loops):
-        raise InputError(
-            "settings",
-            len(settings),
-            f"{len(together.loops)} settings",
-            "give one for each pair",
-        )
+    example = "write as in [PidSettings(3.0, 30.0)]"
+    settings = sequence_of(settings, PidSettings, "settings", "a list of PidSettings", example)
+    count = len(together.loops)
+    if len(settings) != count:
+        raise InputError("settings", len(settings), f"{count} settings", "give one for each pair")
     for loop, setting in zip(together.loops, settings, strict=True):
-        integral_gain = setting.gain / setting.integral_time
-        if not integral_gain * loop.element.sign > 0.0:
-            direction = "above" if loop.element.sign > 0.0 else "below"
-            raise InputError(
-                f"integral gain K/Ti of {loop.pair}",
-                integral_gain,
-                f"a number {direction} zero, the direction in which {loop.input.name} moves "
-                f"{loop.output.name}",
-                "give K that sign and a finite Ti",
+        integral_gain, sign = setting.gain / setting.integral_time, loop.element.sign
+        if not integral_gain * sign > 0.0:
+            expected = (
+                f"a number {'above' if sign > 0.0 else 'below'} zero, the direction in which "
+                f"{loop.input.name} moves {loop.output.name}"
             )
+            place = f"integral gain K/Ti of {loop.pair}"
+            raise InputError(place, integral_gain, expected, "give K that sign and a finite Ti")
     found = together.as_given(settings, "these settings")
     return together.controller(found, "Settings as given", ())

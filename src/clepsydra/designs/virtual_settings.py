@@ -142,36 +142,24 @@ def checked_settings(
     clepsydra.base.errors.InputError: settings of level, integral gain: got 0.0, \
 expected a number above zero; give Ki above zero: without it a load leaves an offset.
     """
-    settings = sequence_of(
-        settings, VirtualSettings, "settings", "a list of VirtualSettings",
-        "write as in [VirtualSettings(0.2, 0.01)]",
-    )  # fmt: skip
+    example = "write as in [VirtualSettings(0.2, 0.01)]"
+    expected = "a list of VirtualSettings"
+    settings = sequence_of(settings, VirtualSettings, "settings", expected, example)
     if len(settings) != len(names):
         raise InputError("settings", len(settings), f"{len(names)} settings", "give one an output")
     for setting, degree, name in zip(settings, degrees, names, strict=True):
-        place = f"settings of {name}"
-        positive_number(
-            f"{place}, integral gain",
-            setting.integral_gain,
-            "a number above zero",
-            "give Ki above zero: without it a load leaves an offset",
-        )
-        if len(setting.damping) != degree - 1:
-            raise InputError(
-                f"{place}, damping",
-                list(setting.damping),
-                f"{degree - 1} numbers: its relative degree is {degree}",
-                "give m_1 to m_(r−1)",
-            )
-        weight = setting.setpoint_weight
+        place, damping, weight = f"settings of {name}", setting.damping, setting.setpoint_weight
+        remedy = "give Ki above zero: without it a load leaves an offset"
+        integral = setting.integral_gain
+        positive_number(f"{place}, integral gain", integral, "a number above zero", remedy)
+        if len(damping) != degree - 1:
+            expected = f"{degree - 1} numbers: its relative degree is {degree}"
+            raise InputError(f"{place}, damping", list(damping), expected, "give m_1 to m_(r−1)")
         if not is_finite_number(weight) or not 0.0 <= weight <= 1.0:
             raise InputError(f"{place}, setpoint weight", weight, "0 to 1", "give a share")
-        polynomial = [1.0, *reversed(setting.damping), setting.gain, setting.integral_gain]
+        polynomial = [1.0, *reversed(damping), setting.gain, integral]
         if not all(map(is_finite_number, polynomial)) or np.max(np.roots(polynomial).real) >= 0.0:
-            raise InputError(
-                place,
-                setting._asdict(),
-                "settings with which the output comes to rest",
-                "raise the gain, or lower the integral gain",
-            )
+            expected = "settings with which the output comes to rest"
+            remedy = "raise the gain, or lower the integral gain"
+            raise InputError(place, setting._asdict(), expected, remedy)
     return list(settings)

@@ -4,16 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal
 
-from clepsydra.base.signal import Signal
 from clepsydra.base.words import time_text
 from clepsydra.designs.arguments.argument import word
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loops.pid_settings import PidSettings
-from clepsydra.designs.loops.published_rule import (
-    AS_PUBLISHED,
-    PublishedRule,
-    RuleActions,
-)
+from clepsydra.designs.loops.published_rule import AS_PUBLISHED, PublishedRule, RuleActions
 from clepsydra.designs.loops.words import gain, slope
 from clepsydra.designs.models.reaction_curve import reaction_curve
 from clepsydra.designs.models.ultimate_point import UltimatePoint, ultimate_point
@@ -21,8 +16,7 @@ from clepsydra.designs.models.ultimate_point import UltimatePoint, ultimate_poin
 if TYPE_CHECKING:
     from clepsydra.controllers.controller import Controller
     from clepsydra.controllers.pid_form import PidForm
-    from clepsydra.designs.loops.multiloop import PairedLoop
-    from clepsydra.designs.loops.pairing import Pairing
+    from clepsydra.designs.loops.pairing import PairedLoop, Pairing
     from clepsydra.linear.linear_model import LinearModel
 
 METHOD = "Ziegler-Nichols"
@@ -134,22 +128,18 @@ def design_ziegler_nichols(
     100.0
     """
     rule = _from_ultimate_point if experiment == "ultimate_point" else _from_step_response
-    return PublishedRule(METHOD, SOURCE, rule, _ADVICE).designed(model, pairing, form, as_published)
-
-
-_ADVICE = (
-    "The rules of Ziegler and Nichols let a swing decay by no more than a quarter: expect "
-    "oscillation."
-)
+    advice = (
+        "The rules of Ziegler and Nichols let a swing decay by no more than a quarter: expect "
+        "oscillation."
+    )
+    return PublishedRule(METHOD, SOURCE, rule, advice).designed(model, pairing, form, as_published)
 
 
 def _from_ultimate_point(
     loop: PairedLoop, delay: float, actions: RuleActions
 ) -> tuple[PidSettings, str]:
     point = ultimate_point(loop.element, delay)
-    return ziegler_nichols_settings(point, actions), words_on_ultimate(
-        point, loop.output, loop.input
-    )
+    return ziegler_nichols_settings(point, actions), words_on_ultimate(point, loop)
 
 
 def _from_step_response(
@@ -161,15 +151,7 @@ def _from_step_response(
     return ziegler_nichols_step_settings(curve.slope, curve.delay, actions), words
 
 
-def words_on_ultimate(point: UltimatePoint, output: Signal, manipulated: Signal) -> str:
-    """Return an ultimate point in words.
-
-    Examples
-    --------
-    >>> level = Signal("level", "V", low=0.0, high=5.0)
-    >>> pump = Signal("pump", "V", low=0.0, high=10.0)
-    >>> words_on_ultimate(UltimatePoint(8.0, 3.628), level, pump)
-    'ultimate gain 4 %/%, ultimate period 3.63 s'
-    """
-    ultimate = gain(point.gain, output, manipulated)
+def words_on_ultimate(point: UltimatePoint, loop: PairedLoop) -> str:
+    """Return an ultimate point in words."""
+    ultimate = gain(point.gain, loop.output, loop.input)
     return f"ultimate gain {ultimate}, ultimate period {time_text(point.period)}"

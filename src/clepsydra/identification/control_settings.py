@@ -9,8 +9,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
 from clepsydra.base.words import time_text
 from clepsydra.designs.loops.pid_settings import PidSettings
-from clepsydra.designs.models.first_order_delay import FirstOrderDelay
-from clepsydra.designs.models.second_order_delay import SecondOrderDelay
+from clepsydra.designs.models.first_order_delay import FirstOrderDelay, SecondOrderDelay
 from clepsydra.designs.simc import simc_pid_settings, simc_settings
 from clepsydra.identification.estimate import ratio_signal
 

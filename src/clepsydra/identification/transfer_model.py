@@ -7,8 +7,7 @@ import math
 import numpy as np
 
 from clepsydra.base.signal import Signal
-from clepsydra.designs.models.first_order_delay import FirstOrderDelay
-from clepsydra.designs.models.second_order_delay import SecondOrderDelay
+from clepsydra.designs.models.first_order_delay import FirstOrderDelay, SecondOrderDelay
 from clepsydra.identification.control_settings import control_settings
 from clepsydra.identification.estimate import Estimate, around, by_logarithm, ratio_signal
 from clepsydra.identification.fitted_model import FittedModel

@@ -140,12 +140,11 @@ def literal_words(choices: Any) -> tuple[str, ...]:
 
 def flag(name: str, words: str) -> Argument:
     """Return an argument that is true or false."""
-    return argument(
-        name,
-        lambda table, key, process: table.flag(key, default=False),
-        words,
-        {"type": "boolean"},
-    )
+
+    def read(table: TableReader, key: str, process: Process) -> bool:
+        return table.flag(key, default=False)
+
+    return argument(name, read, words, {"type": "boolean"})
 
 
 def whole_number(name: str, words: str, most: int | None = None) -> Argument:

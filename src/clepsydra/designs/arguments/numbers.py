@@ -36,9 +36,8 @@ def _poles(table: TableReader, key: str, process: Process) -> list[complex]:
                 raise ValueError(entry)
             pole = complex(str(entry).replace(" ", ""))
         except ValueError:
-            raise table.refused(
-                key, table.with_value(key, entry).written(key), "a pole", remedy
-            ) from None
+            shown = table.with_value(key, entry).written(key)
+            raise table.refused(key, shown, "a pole", remedy) from None
         found.append(pole)
     return [pole.real if pole.imag == 0.0 else pole for pole in found]
 
@@ -46,9 +45,7 @@ def _poles(table: TableReader, key: str, process: Process) -> list[complex]:
 def _real_numbers(table: TableReader, key: str, process: Process) -> list[float]:
     written = table.raw(key)
     entries: list[Any] = written if isinstance(written, list) else [written]
-    if not entries or not all(
-        isinstance(entry, (int, float)) and not isinstance(entry, bool) for entry in entries
-    ):
+    if not entries or any(type(entry) not in (int, float) for entry in entries):
         raise table.wrong(key, "a list of numbers", "write as in [0.5]")
     return [float(entry) for entry in entries]
 
@@ -64,21 +61,15 @@ def _rates(table: TableReader, key: str, process: Process) -> float | list[float
     written = table.raw(key)
     if not isinstance(written, list):
         return table.quantity(key, unit, "a rate", f"write as in {example}", above=0.0)
-    return [
-        table.with_value(key, entry).quantity(
-            key, unit, "a rate", f"write as in [{example}]", above=0.0
-        )
-        for entry in written
-    ]
+    entries, remedy = [table.with_value(key, each) for each in written], f"write as in [{example}]"
+    return [entry.quantity(key, unit, "a rate", remedy, above=0.0) for entry in entries]
 
 
 def _check_assigned(poles: Sequence[float]) -> None:
     for pole in poles:
         if not is_finite_number(pole) or not 0.0 <= pole < 1.0:
-            raise InputError(
-                "assigned_poles", pole, "real poles from 0 to below 1",
-                "a smaller one is faster",
-            )  # fmt: skip
+            expected = "real poles from 0 to below 1"
+            raise InputError("assigned_poles", pole, expected, "a smaller one is faster")
 
 
 ASSIGNED_POLES = argument(

@@ -22,19 +22,14 @@ def _pairs(table: TableReader, key: str, process: Process) -> tuple[tuple[str, s
     rows = table.table(key, "controlled measurements, each with its input", remedy)
     pairs: list[tuple[str, str]] = []
     for output in rows.present:
-        known_name(
-            rows, output, output, process.controlled, f"a controlled measurement of {process.name}"
-        )
+        each = f"a controlled measurement of {process.name}"
+        known_name(rows, output, output, process.controlled, each)
         moved = rows.name(output, "the name of an input")
         known_name(rows, output, moved, inputs, f"an input of {process.name}")
         for other, taken in pairs:
             if taken == moved:
-                raise rows.refused(
-                    output,
-                    moved,
-                    f"an input of its own: {moved} moves {other} already",
-                    "pair each input once",
-                )
+                expected = f"an input of its own: {moved} moves {other} already"
+                raise rows.refused(output, moved, expected, "pair each input once")
         pairs.append((output, moved))
     if not pairs:
         raise table.refused(key, "no pair", "at least one pair", remedy)
@@ -64,11 +59,9 @@ def one_deviation(name: str, words: str) -> Argument:
     def read(table: TableReader, key: str, process: Process) -> float:
         signals = [process.signal(name) for name in process.controlled]
         if len({(signal.unit, signal.low, signal.high) for signal in signals}) > 1:
-            raise table.wrong(
-                key,
-                f"no one {key} for {', '.join(process.controlled)}, which differ in unit or range",
-                "leave it out, or give a time instead",
-            )
+            names = ", ".join(process.controlled)
+            expected = f"no one {key} for {names}, which differ in unit or range"
+            raise table.wrong(key, expected, "leave it out, or give a time instead")
         return _positive(table, key, signals[0], 'write as in "20 %" of the range')
 
     def check(value: Any) -> None:
@@ -87,14 +80,8 @@ def _positive(table: TableReader, key: str, signal: Signal, remedy: str) -> floa
 
 def _sensors(table: TableReader, key: str, process: Process) -> tuple[str, ...]:
     known = [signal.name for signal in process.measurements]
-    return known_names(
-        known,
-        table,
-        key,
-        expected="a list of sensors",
-        remedy=f'write as in ["{known[0]}"]',
-        each="the name of a sensor",
-    )
+    remedy, each = f'write as in ["{known[0]}"]', "the name of a sensor"
+    return known_names(known, table, key, expected="a list of sensors", remedy=remedy, each=each)
 
 
 def _controlled(table: TableReader, key: str, process: Process) -> str:
@@ -114,10 +101,8 @@ def _values_of(over: str) -> Argument:
         written = table.raw(key)
         if not isinstance(written, list) or not written:
             raise table.wrong(key, f"a list of values of {name}", remedy)
-        return [
-            read_value(table.with_value(key, entry), key, signal, "a value", remedy)
-            for entry in written
-        ]
+        entries = [table.with_value(key, entry) for entry in written]
+        return [read_value(entry, key, signal, "a value", remedy) for entry in entries]
 
     words = "list of values of what a schedule is over"
     schema = {"type": "array", "items": {"type": ["string", "number"]}}

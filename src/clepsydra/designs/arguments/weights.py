@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from clepsydra.designs.arguments.argument import argument
+from clepsydra.designs.states.measured_states import without_idle_states
 from clepsydra.designs.states.quadratic_weights import QuadraticWeights, diagonal_weights
-from clepsydra.designs.states.relevant_states import without_idle_states
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.process.errors_at import errors_at
 

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from clepsydra.controllers.conditioned_linear import ConditionedMatrices
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.conditioned_linear import ConditionedMatrices, conditioned_linear_law
+from clepsydra.controllers.controller import Controller
+from clepsydra.designs.at_operating_point import controller_at, numbers_at
 from clepsydra.designs.loop_shaping.coprime_factors import coprime_factors
 from clepsydra.designs.loop_shaping.robust_controller import RobustController
 from clepsydra.designs.loop_shaping.shaped_plant import ShapedPlant
 from clepsydra.designs.sampled.sampled_system import SampledSystem
+from clepsydra.linear.operating_point import OperatingPoint
 
 
 def conditioned_matrices(plant: ShapedPlant, robust: RobustController) -> ConditionedMatrices:
@@ -125,3 +131,19 @@ def _whole(plant: ShapedPlant, robust: RobustController) -> SampledSystem:
     sizes = plant.sizes
     errors = SampledSystem(a, b / sizes, sizes[:, None] * c, sizes[:, None] * d / sizes)
     return errors.then(plant.precompensator.system)
+
+
+def linear_controller(
+    point: OperatingPoint,
+    name: str,
+    family: str,
+    measured: Sequence[Signal],
+    moved: Sequence[Signal],
+    matrices: ConditionedMatrices,
+    plant: ShapedPlant,
+) -> Controller:
+    """Return the controller with these matrices, at rest; it starts as fast as its loop is."""
+    law = conditioned_linear_law(measured, moved, matrices)
+    fading = max(1.0 / plant.crossover, plant.period)
+    values = numbers_at(point, law.parameters, fading_time=fading, **matrices.numbers())
+    return controller_at(point, name, family, law, values, numbers_at(point, law.state))

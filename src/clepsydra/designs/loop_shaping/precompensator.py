@@ -53,14 +53,12 @@ class Precompensator:
     slowed: float = 1.0
 
     def __post_init__(self) -> None:
-        shape, names = self.system.D.shape, (len(self.inputs), len(self.outputs))
-        if shape != names:
-            raise InputError(
-                "precompensator",
-                f"{shape[0]} outputs and {shape[1]} inputs",
-                f"{names[0]} and {names[1]}, one for each input and output of the process",
-                "name the signals of the pre-compensator",
-            )
+        (rows, columns), m, q = self.system.D.shape, len(self.inputs), len(self.outputs)
+        if (rows, columns) != (m, q):
+            given = f"{rows} outputs and {columns} inputs"
+            expected = f"{m} and {q}, one for each input and output of the process"
+            remedy = "name the signals of the pre-compensator"
+            raise InputError("precompensator", given, expected, remedy)
 
     @property
     def inverse_direct(self) -> np.ndarray | None:
@@ -111,21 +109,15 @@ def sampled_precompensator(
     n, q, m = len(A), len(outputs), len(inputs)
     shapes = [matrix.shape for matrix in (A, B, C, D)]
     if shapes != [(n, n), (n, q), (m, n), (m, q)]:
-        raise InputError(
-            "precompensator",
-            ", ".join(f"{rows} × {columns}" for rows, columns in shapes),
-            f"A {n} × {n}, B {n} × {q}, C {m} × {n} and D {m} × {q}",
-            "give the four matrices of one state space",
-        )
+        given = ", ".join(f"{rows} × {columns}" for rows, columns in shapes)
+        expected = f"A {n} × {n}, B {n} × {q}, C {m} × {n} and D {m} × {q}"
+        remedy = "give the four matrices of one state space"
+        raise InputError("precompensator", given, expected, remedy)
     half, identity = 0.5 * period, np.eye(n)
     left = identity - half * A
     if n and np.linalg.cond(left) > _SINGULAR:
-        raise InputError(
-            "precompensator",
-            f"a pole at {2.0 / period:.3g} rad/s",
-            "no pole at 2/T",
-            "slow it down or sample faster",
-        )
+        given, remedy = f"a pole at {2.0 / period:.3g} rad/s", "slow it down or sample faster"
+        raise InputError("precompensator", given, "no pole at 2/T", remedy)
     inverse = np.linalg.inv(left)
     system = SampledSystem(
         inverse @ (identity + half * A),
@@ -164,28 +156,25 @@ def precompensator_of(controller: Controller, model: LinearModel) -> Precompensa
     """
     given = inputs_at_rest(controller, model)
     law = StepLawDerivatives(controller.law).at(controller.values, controller.initial_state, given)
-    place = "precompensator"
+    place, name = "precompensator", controller.name
     if sorted(controller.measurements) != sorted(controller.setpoints):
         raise InputError(
             place,
-            f"{controller.name}, which reads {', '.join(controller.measurements)}",
+            f"{name}, which reads {', '.join(controller.measurements)}",
             f"the measurements that have setpoints alone: {', '.join(controller.setpoints)}",
             "choose a controller of the control errors, as PI control",
         )
-    columns = [controller.measurements.index(name) for name in controller.setpoints]
+    columns = [controller.measurements.index(each) for each in controller.setpoints]
     for by_setpoint, by_measurement in (
         (law.B_setpoint, law.B_measurement),
         (law.D_setpoint, law.D_measurement),
     ):
         size = float(np.abs(by_setpoint).max(initial=0.0))
         if np.abs(by_setpoint + by_measurement[:, columns]).max(initial=0.0) > _SAME * size:
-            raise InputError(
-                place,
-                f"{controller.name}, which answers to setpoint and measurement differently",
-                "a controller of the control errors alone",
-                "give it setpoint weights of one, and derivative action on the error",
-            )
+            wrong = f"{name}, which answers to setpoint and measurement differently"
+            remedy = "give it setpoint weights of one, and derivative action on the error"
+            raise InputError(place, wrong, "a controller of the control errors alone", remedy)
     system = SampledSystem(law.A, law.B_setpoint, law.C, law.D_setpoint)
     return Precompensator(
-        controller.name, system, controller.setpoints, controller.manipulated, controller.slowed
+        name, system, controller.setpoints, controller.manipulated, controller.slowed
     )

@@ -11,7 +11,7 @@ from clepsydra.designs.loop_shaping.precompensator import Precompensator
 from clepsydra.designs.sampled.sampled_process import sampled_process
 from clepsydra.designs.sampled.sampled_system import SampledSystem
 from clepsydra.designs.sampled.sampling_period import check_sampling_period
-from clepsydra.designs.states.relevant_states import without_idle_states
+from clepsydra.designs.states.measured_states import without_idle_states
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 

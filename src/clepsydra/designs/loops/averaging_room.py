@@ -23,7 +23,6 @@ from clepsydra.process.averaging import averaged_flows
 from clepsydra.process.elements.pump import Pump
 from clepsydra.process.elements.sensor import Sensor
 from clepsydra.process.elements.tank import Tank
-from clepsydra.process.level_switch import LevelLimit
 from clepsydra.process.process import Process
 
 #: What is kept free before a limit, a share of the measurement's range.
@@ -97,13 +96,12 @@ def load_steps(model: LinearModel, output: str, others: Sequence[str] = ()) -> l
     >>> load.signal, round(load.rate, 9)
     ('inflow', 2.4e-05)
     """
-    process = operating_point_of(model).process
-    loads = []
+    process, loads = operating_point_of(model).process, []
     for element in process.elements:
         for name, sizes in element.load_steps().items():
             if name not in model.disturbances:
                 continue
-            slope = _slope(as_input(model, name), output, name)
+            slope = _slope(_as_input(model, name), output, name)
             if others:
                 moves = _moves_at_rest(model, name)
                 slope += sum(moves[u] * _slope(model, output, u) for u in others)
@@ -132,26 +130,13 @@ def _moves_at_rest(model: LinearModel, disturbance: str) -> dict[str, float]:
     return dict(zip(model.inputs, found[len(model.states) :].tolist(), strict=True))
 
 
-def as_input(model: LinearModel, disturbance: str) -> LinearModel:
-    """Return the model with a disturbance in the place of its inputs, its dead times at zero.
-
-    How fast a load moves a level does not depend on when it arrives.
-
-    Examples
-    --------
-    >>> one = np.eye(1)
-    >>> tank = LinearModel(-0.02 * one, 0.04 * one, one, one, 0.0 * one,
-    ...                    ("tank.level",), ("pump",), ("inflow",), ("level",))
-    >>> as_input(tank, "inflow").B
-    array([[1.]])
-    """
+def _as_input(model: LinearModel, disturbance: str) -> LinearModel:
+    """Return the model with a disturbance in the place of its inputs, its dead times at zero."""
     model = at_rest(model)
-    column = [model.disturbances.index(disturbance)]
-    empty = np.zeros((len(model.outputs), 1))
     return replace(
         model,
-        B=model.E[:, column],
-        D=empty,
+        B=model.E[:, [model.disturbances.index(disturbance)]],
+        D=np.zeros((len(model.outputs), 1)),
         E=np.zeros((len(model.states), 0)),
         inputs=(disturbance,),
         disturbances=(),
@@ -272,20 +257,15 @@ def _vessel_limits(point: OperatingPoint, output: str) -> Iterator[float]:
         return  # a sensor with a lag shows a state of its own, and its range has to do
     place = [signal.name for signal in process.state].index(shown)
     row = [signal.name for signal in process.measurements].index(output)
-    tank = process.state[place]
-    switches = [limit.level for limit in _switches(process) if f"{limit.tank}.level" == shown]
-    for level in (tank.low, tank.high, *switches):
+    levels = [process.state[place].low, process.state[place].high]
+    for pump in process.elements:
+        if isinstance(pump, Pump) and pump.trips is not None:
+            levels += [trip.level for trip in pump.trips.limits if f"{trip.tank}.level" == shown]
+        if isinstance(pump, Pump) and (starter := pump.starter) is not None:
+            # The level that would stop a running one or start another.
+            switch = starter.stop if starter.running else starter.start
+            levels += [switch.level] if f"{switch.tank}.level" == shown else []
+    for level in levels:
         state = np.array(point.state, float)
         state[place] = level
         yield float(np.array(process.measure(state, process.parameter_values)).ravel()[row])
-
-
-def _switches(process: Process) -> Iterator[LevelLimit]:
-    """Yield the trips of pumps, and the levels that would stop a running one or start another."""
-    for element in process.elements:
-        if not isinstance(element, Pump):
-            continue
-        if element.trips is not None:
-            yield from element.trips.limits
-        if element.starter is not None:
-            yield element.starter.stop if element.starter.running else element.starter.start

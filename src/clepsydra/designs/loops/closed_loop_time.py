@@ -1,4 +1,4 @@
-"""What the designs by a closed-loop time constant share: choose it, or take the user's."""
+"""What the designs by a closed-loop time constant share: found or given, with its notes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT, note_on_peak
 
 if TYPE_CHECKING:
     from clepsydra.controllers.controller import Controller
-    from clepsydra.designs.loops.multiloop import Detuned, MultiloopPid, PairedLoop
+    from clepsydra.designs.loops.multiloop import MultiloopPid
+    from clepsydra.designs.loops.pairing import PairedLoop
 
 CLOSED_LOOP_TIME = number(
     "closed_loop_time_constant",
@@ -90,7 +91,17 @@ def design_by_time(
 
     found, times = together.timed(settings_at, [loop.shortest for loop in loops], given)
     words = in_words(together.loops, [loop.words for loop in loops], times)
-    return together.controller(found, source, [f"{models}: {words}.", *_notes(found)])
+    if found.factor > 1.0:
+        notes = [
+            f"The closed-loop time constants were lengthened {found.factor:.3g} times, so that "
+            f"the interacting loops keep a sensitivity peak of {SENSITIVITY_LIMIT:g}."
+        ]
+    else:
+        notes = [*note_on_peak(found.peak, "choose a longer closed-loop time constant")] or [
+            f"A setpoint step of {100 * DESIGN_STEP:.0f} % of the range was taken for the choice "
+            "of the closed-loop time constants."
+        ]
+    return together.controller(found, source, [f"{models}: {words}.", *notes])
 
 
 def in_words(loops: Sequence[PairedLoop], models: Sequence[str], times: Sequence[float]) -> str:
@@ -99,17 +110,3 @@ def in_words(loops: Sequence[PairedLoop], models: Sequence[str], times: Sequence
         f"{loop.pair}: {words}, closed-loop time constant {time_text(time)}"
         for loop, words, time in zip(loops, models, times, strict=True)
     )
-
-
-def _notes(found: Detuned) -> list[str]:
-    if found.factor > 1.0:
-        return [
-            f"The closed-loop time constants were lengthened {found.factor:.3g} times, so that "
-            f"the interacting loops keep a sensitivity peak of {SENSITIVITY_LIMIT:g}."
-        ]
-    if found.peak > SENSITIVITY_LIMIT:
-        return [*note_on_peak(found.peak, "choose a longer closed-loop time constant")]
-    return [
-        f"A setpoint step of {100 * DESIGN_STEP:.0f} % of the range was taken for the choice "
-        "of the closed-loop time constants."
-    ]

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import cmath
 import math
+from functools import cache
 
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.designs.loops.law_settings import DERIVATIVE_FILTER
+from clepsydra.designs.loops.multiloop import DERIVATIVE_FILTER
 from clepsydra.designs.loops.pid_settings import PidSettings
+from clepsydra.designs.models.bisection import last_before
 from clepsydra.designs.models.transfer_element import TransferElement
-
-_BISECTIONS = 100
 
 
 def pi_for_margin(
@@ -109,32 +110,25 @@ def pid_for_margin(
     [10.0, 0.785398163]
     """
     lead = -lag_needed(element, delay, phase_margin, crossover)
-    low, high = 1e-9, _LARGEST_LEAD_AT
+    high = _place_of_largest_lead()
     if not -0.5 * math.pi < lead < phase_of_pid(high):
+        too_fast = lead > 0.0
         raise NotApplicable(
             f"at {crossover:.3g} rad/s the controller would have to "
-            f"{'lead' if lead > 0.0 else 'lag'} by {abs(math.degrees(lead)):.0f}° for a margin of "
+            f"{'lead' if too_fast else 'lag'} by {abs(math.degrees(lead)):.0f}° for a margin of "
             f"{math.degrees(phase_margin):.0f}°, and a PID leads by "
             f"{math.degrees(phase_of_pid(high)):.0f}° at most and lags by less than 90°; choose a "
-            f"{'lower' if lead > 0.0 else 'higher'} crossover"
+            f"{'lower' if too_fast else 'higher'} crossover"
         )
-    for _ in range(_BISECTIONS):
-        middle = math.sqrt(low * high)
-        low, high = (middle, high) if phase_of_pid(middle) < lead else (low, middle)
-    derivative_time = high / crossover
+    turned = last_before(1e-9, high, lambda x: phase_of_pid(x) < lead)
+    derivative_time = turned / crossover
     unit = PidSettings(1.0, 4.0 * derivative_time, derivative_time)
-    size = element.magnitude(crossover) * abs(controller_response(unit, crossover))
+    size = element.magnitude(crossover) * abs(_response(unit, crossover))
     return unit._replace(gain=element.sign / size)
 
 
-def controller_response(setting: PidSettings, omega: float) -> complex:
-    """Return C(jω) of a PID controller with the filter Td/10 of its derivative.
-
-    Examples
-    --------
-    >>> controller_response(PidSettings(2.0, 1.0), 1.0)
-    (2-2j)
-    """
+def _response(setting: PidSettings, omega: float) -> complex:
+    """Return C(jω) of a PID controller with the filter Td/10 of its derivative."""
     gain, integral_time, derivative_time = setting
     s = 1j * omega
     filtered = 1.0 + s * derivative_time / DERIVATIVE_FILTER
@@ -142,30 +136,22 @@ def controller_response(setting: PidSettings, omega: float) -> complex:
 
 
 def phase_of_pid(x: float) -> float:
-    """Return the phase [rad] of a PID with Ti = 4 Td at ω = x/Td.
-
-    Examples
-    --------
-    >>> round(math.degrees(phase_of_pid(1.0)), 1)
-    34.0
-    """
-    response = controller_response(PidSettings(1.0, 4.0 * x, x), 1.0)
-    return math.atan2(response.imag, response.real)
+    """Return the phase [rad] of a PID with Ti = 4 Td at ω = x/Td."""
+    return cmath.phase(_response(PidSettings(1.0, 4.0 * x, x), 1.0))
 
 
+@cache
 def _place_of_largest_lead() -> float:
-    """Return the x at which the phase of the PID is largest, by golden section."""
-    low, high, share = 0.0, math.log(100.0), 0.5 * (math.sqrt(5.0) - 1.0)
-    while high - low > 1e-9:
-        left, right = high - share * (high - low), low + share * (high - low)
-        if phase_of_pid(math.exp(left)) < phase_of_pid(math.exp(right)):
-            low = left
-        else:
-            high = right
-    return math.exp(low)
+    """Return the x at which the phase of the PID is largest."""
+    from scipy.optimize import minimize_scalar
 
-
-_LARGEST_LEAD_AT = _place_of_largest_lead()
+    found = minimize_scalar(
+        lambda x: -phase_of_pid(math.exp(x)),
+        bounds=(0.0, math.log(100.0)),
+        method="bounded",
+        options={"xatol": 1e-10},
+    )
+    return math.exp(found.x)
 
 
 def margin_of(element: TransferElement, delay: float, setting: PidSettings) -> tuple[float, float]:
@@ -182,18 +168,15 @@ def margin_of(element: TransferElement, delay: float, setting: PidSettings) -> t
     (1.0, 45.0)
     """
 
-    def loop_gain(omega: float) -> float:
-        return abs(controller_response(setting, omega)) * element.magnitude(omega)
+    def above_one(omega: float) -> bool:
+        return abs(_response(setting, omega)) * element.magnitude(omega) > 1.0
 
-    low, high = 1e-9, 1e-9
-    while loop_gain(high) > 1.0 and high < 1e9:
-        low, high = high, 2.0 * high
-    for _ in range(_BISECTIONS):
-        middle = math.sqrt(low * high)
-        low, high = (middle, high) if loop_gain(middle) > 1.0 else (low, middle)
-    response = controller_response(setting._replace(gain=1.0), high)
-    turned = math.atan2(response.imag, response.real)
-    return high, math.pi + element.phase(high) - high * delay + turned
+    high = 1e-9
+    while above_one(high) and high < 1e9:
+        high *= 2.0
+    crossover = last_before(0.5 * high, high, above_one)
+    turned = cmath.phase(_response(setting._replace(gain=1.0), crossover))
+    return crossover, math.pi + element.phase(crossover) - crossover * delay + turned
 
 
 def lag_needed(element: TransferElement, delay: float, phase_margin: float, omega: float) -> float:

@@ -106,12 +106,10 @@ def to_series(settings: PidSettings, place: str = "series form") -> SeriesSettin
         return SeriesSettings(gain, integral_time, derivative_time)
     inside = 1.0 - 4.0 * derivative_time / integral_time
     if inside < 0.0:
-        raise InputError(
-            place,
-            f"Ti = {integral_time:.4g} s with Td = {derivative_time:.4g} s",
-            "an integral time of at least four times the derivative time",
-            "use the ISA or the parallel form, or shorten the derivative time",
-        )
+        given = f"Ti = {integral_time:.4g} s with Td = {derivative_time:.4g} s"
+        expected = "an integral time of at least four times the derivative time"
+        remedy = "use the ISA or the parallel form, or shorten the derivative time"
+        raise InputError(place, given, expected, remedy)
     half = 0.5 * (1.0 + math.sqrt(inside))
     # Ti' Td' = Ti Td, which loses no digits where Td is small.
     return SeriesSettings(gain * half, integral_time * half, derivative_time / half)
@@ -144,12 +142,9 @@ def from_parallel(settings: ParallelSettings, place: str = "parallel form") -> P
     """
     gain, integral_gain, derivative_gain = settings
     if gain == 0.0 or gain * integral_gain < 0.0 or gain * derivative_gain < 0.0:
-        raise InputError(
-            place,
-            tuple(settings),
-            "a proportional gain that is not zero and other gains of its sign",
-            "correct the gains, or keep the parallel form",
-        )
+        expected = "a proportional gain that is not zero and other gains of its sign"
+        remedy = "correct the gains, or keep the parallel form"
+        raise InputError(place, tuple(settings), expected, remedy)
     integral_time = gain / integral_gain if integral_gain else math.inf
     return PidSettings(gain, integral_time, derivative_gain / gain)
 

@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
-from clepsydra.designs.applicability import reasons_about
 from clepsydra.designs.arguments.argument import flag
 from clepsydra.designs.loops.control_authority import DESIGN_STEP
-from clepsydra.designs.loops.pid_settings import PidSettings, slowed_down
+from clepsydra.designs.loops.pid_settings import PidSettings
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT, note_on_peak
 
 if TYPE_CHECKING:
     from clepsydra.controllers.controller import Controller
     from clepsydra.controllers.pid_form import PidForm
-    from clepsydra.designs.loops.multiloop import PairedLoop
-    from clepsydra.designs.loops.pairing import Pairing
+    from clepsydra.designs.loops.pairing import PairedLoop, Pairing
     from clepsydra.linear.linear_model import LinearModel
 
 RuleActions = Literal["PI", "PID"]
@@ -81,24 +79,22 @@ class PublishedRule(NamedTuple):
         >>> guess.designed(analysis.model, analysis.pairing, None, as_published=True).notes
         ('The rule was given, level by outflow: a guess.',)
         """
-        from clepsydra.designs.loops.multiloop import MultiloopPid, checked_form
+        from clepsydra.designs.loops.multiloop import MultiloopPid
 
-        form, actions = checked_form(form)
         together = MultiloopPid(model, pairing, form, self.method)
-        delay = together.process.sampling_period / 2.0
-        settings, origins = [], []
-        for loop in together.loops:
-            with reasons_about(loop.pair):
-                found, origin = self.settings_of(loop, delay, actions)
-            settings.append(found)
-            origins.append(f"{loop.pair}: {origin}")
+        found = together.each(lambda loop: self.settings_of(loop, together.delay, together.actions))
+        settings = [each for each, _ in found]
+        origins = [
+            f"{loop.pair}: {origin}"
+            for loop, (_, origin) in zip(together.loops, found, strict=True)
+        ]
         notes = [f"The rule was given, {'; '.join(origins)}."]
         if as_published:
             tuned = together.as_given(settings, "the settings of the rule")
             notes += note_on_peak(tuned.peak, "lower the gain")
             notes += [self.advice] if self.advice else []
         else:
-            tuned = together.slowed_down(lambda factor: slowed_down(settings, factor))
+            tuned = together.detuned(settings)
             if tuned.factor > 1.0:
                 notes.append(
                     f"The gains of the rule were divided by {tuned.factor:.3g} and its integral "

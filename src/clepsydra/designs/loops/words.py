@@ -10,21 +10,8 @@ from clepsydra.base.words import time_text
 from clepsydra.designs.gain_units import percent_gain
 
 if TYPE_CHECKING:
-    from clepsydra.designs.models.first_order_delay import FirstOrderDelay
-    from clepsydra.designs.models.second_order_delay import SecondOrderDelay
-
-
-def lag(time_constant: float) -> str:
-    """Return a time constant, or that there is none.
-
-    Examples
-    --------
-    >>> lag(62.4), lag(math.inf)
-    ('time constant 62.4 s', 'integrating')
-    """
-    return (
-        "integrating" if math.isinf(time_constant) else f"time constant {time_text(time_constant)}"
-    )
+    from clepsydra.designs.loops.pairing import PairedLoop
+    from clepsydra.designs.models.first_order_delay import FirstOrderDelay, SecondOrderDelay
 
 
 def gain(value: float, output: Signal, manipulated: Signal) -> str:
@@ -63,18 +50,9 @@ def slope(value: float, output: Signal, manipulated: Signal) -> str:
     return f"slope {60.0 * in_shares:.3g} %/% a minute"
 
 
-def model_words(
-    model: FirstOrderDelay | SecondOrderDelay, output: Signal, manipulated: Signal, more: str = ""
-) -> str:
-    """Return the slope, the lag and the delay of a model, what more there is before the delay.
-
-    Examples
-    --------
-    >>> from clepsydra.designs.models.first_order_delay import FirstOrderDelay
-    >>> level = Signal("level", "m", low=0.0, high=5.0)
-    >>> pump = Signal("pump", "V", low=0.0, high=10.0)
-    >>> model_words(FirstOrderDelay(0.001, 62.4, 5.0), level, pump)
-    'slope 0.12 %/% a minute, time constant 62.4 s, delay 5 s'
-    """
-    first = f"{slope(model.slope, output, manipulated)}, {lag(model.time_constant)}"
+def model_words(model: FirstOrderDelay | SecondOrderDelay, loop: PairedLoop, more: str = "") -> str:
+    """Return the slope, the lag and the delay of a model, what more there is before the delay."""
+    lag = model.time_constant
+    said = "integrating" if math.isinf(lag) else f"time constant {time_text(lag)}"
+    first = f"{slope(model.slope, loop.output, loop.input)}, {said}"
     return f"{first}{more}, delay {time_text(model.delay)}"

@@ -65,6 +65,15 @@ class TransferElement:
         if self.integrators > integrators:
             raise NotApplicable(f"the element integrates {self.integrators} times")
 
+    def frequencies(self, delay: float, beyond: float, a_decade: int) -> list[float]:
+        """Return frequencies [rad/s] from below its slowest root and delay to above its fastest."""
+        total = delay + self.dead_time
+        rates = [abs(root) for root in (*self.poles, *self.zeros)]
+        rates += [1.0 / total] if total > 0.0 else []
+        slowest, fastest = min(rates, default=1.0) / beyond, max(rates, default=1.0) * beyond
+        count = int(a_decade * math.log10(fastest / slowest)) + 2
+        return [slowest * (fastest / slowest) ** (k / (count - 1)) for k in range(count)]
+
     def magnitude(self, omega: float) -> float:
         """Return |g(jω)| at ω [rad/s]."""
         size = abs(self.gain) / omega**self.integrators

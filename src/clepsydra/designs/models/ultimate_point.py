@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.models.bisection import last_before
 
 if TYPE_CHECKING:
     from clepsydra.designs.models.transfer_element import TransferElement
 
-_BISECTIONS = 80
 _POINTS_A_DECADE = 60
 
 
@@ -78,39 +77,24 @@ def ultimate_point(element: TransferElement, delay: float) -> UltimatePoint:
 @lru_cache(maxsize=16)
 def _found(element: TransferElement, delay: float) -> UltimatePoint | None:
     """Return the point, if there is one; several rules ask for that of the same element."""
-    total = delay + element.dead_time
-    rates = [abs(root) for root in (*element.poles, *element.zeros)]
-    rates += [1.0 / total] if total > 0.0 else []
-    if not rates:
-        return None
-    slowest, fastest = 1e-4 * min(rates), 1e4 * max(rates)
-    count = int(_POINTS_A_DECADE * math.log10(fastest / slowest)) + 2
-    grid = [slowest * (fastest / slowest) ** (k / (count - 1)) for k in range(count)]
 
     def half_turns_late(omega: float) -> float:
         """Return how far the loop is behind −π, in whole turns."""
         return (-math.pi - element.phase(omega) + omega * delay) / math.tau
 
+    grid = element.frequencies(delay, 1e4, _POINTS_A_DECADE)
     found: list[float] = []
     turns = map(half_turns_late, grid)
     for (low, high), (before, after) in zip(pairwise(grid), pairwise(turns), strict=True):
         # Whole numbers between the two are crossings; the first is enough of many.
-        crossed = math.ceil(min(before, after))
+        crossed, rising = math.ceil(min(before, after)), after > before
+
+        def is_before(omega: float, turn: int = crossed, rising: bool = rising) -> bool:
+            return (half_turns_late(omega) < turn) == rising
+
         if crossed <= max(before, after) and crossed >= 0:
-            found.append(_crossing(half_turns_late, crossed, low, high))
+            found.append(last_before(low, high, is_before))
     if not found:
         return None
     omega = max(found, key=element.magnitude)
     return UltimatePoint(element.sign / element.magnitude(omega), math.tau / omega)
-
-
-def _crossing(function: Callable[[float], float], level: float, low: float, high: float) -> float:
-    """Return where a function meets a level between two frequencies."""
-    rising = function(high) > function(low)
-    for _ in range(_BISECTIONS):
-        middle = math.sqrt(low * high)
-        if (function(middle) < level) == rising:
-            low = middle
-        else:
-            high = middle
-    return math.sqrt(low * high)

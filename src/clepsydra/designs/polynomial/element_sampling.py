@@ -67,12 +67,11 @@ def sampled_transfer(
     above = np.trim_zeros(np.asarray(numerator, dtype=float), "f")
     below = np.trim_zeros(np.asarray(denominator, dtype=float), "f")
     if len(above) >= len(below) or not len(above):
-        raise InputError(
-            "transfer function",
-            f"a numerator of degree {len(above) - 1} over a denominator of degree {len(below) - 1}",
-            "a strictly proper one that is not zero",
-            "add the lag of the actuator or the sensor, or leave the direct way out",
-        )
+        degrees = len(above) - 1, len(below) - 1
+        given = "a numerator of degree {} over a denominator of degree {}".format(*degrees)
+        remedy = "add the lag of the actuator or the sensor, or leave the direct way out"
+        expected = "a strictly proper one that is not zero"
+        raise InputError("transfer function", given, expected, remedy)
     if not is_finite_number(period) or period <= 0.0:
         raise InputError("transfer function, period", period, "a time above 0 s", "correct it")
     samples = whole_samples(delay, period, "transfer function, delay")

@@ -60,24 +60,20 @@ class SampledModel:
             given = getattr(self, name)
             for value in given:
                 if not is_finite_number(value):
-                    raise InputError(
-                        f"sampled model, {name}", value, "finite numbers", "correct it"
-                    )
+                    place = f"sampled model, {name}"
+                    raise InputError(place, value, "finite numbers", "correct it")
             object.__setattr__(self, name, tuple(float(value) for value in given))
         if not any(self.numerator):
-            raise InputError(
-                "sampled model, numerator", list(self.numerator), "a coefficient that is not zero",
-                "give b1, b2, … of an input that moves the output",
-            )  # fmt: skip
+            expected = "a coefficient that is not zero"
+            remedy = "give b1, b2, … of an input that moves the output"
+            raise InputError("sampled model, numerator", list(self.numerator), expected, remedy)
         if not is_finite_number(self.period) or self.period <= 0.0:
-            raise InputError(
-                "sampled model, period", self.period, "a time above 0 s", "give it in seconds"
-            )
+            place, expected = "sampled model, period", "a time above 0 s"
+            raise InputError(place, self.period, expected, "give it in seconds")
         if not isinstance(self.delay, (int, np.integer)) or self.delay < 0:
-            raise InputError(
-                "sampled model, delay", self.delay, "a whole number of samples from 0 on",
-                "sample so that the delay is a multiple of the period, or round it up",
-            )  # fmt: skip
+            expected = "a whole number of samples from 0 on"
+            remedy = "sample so that the delay is a multiple of the period, or round it up"
+            raise InputError("sampled model, delay", self.delay, expected, remedy)
         object.__setattr__(self, "delay", int(self.delay))
 
     @property
@@ -168,15 +164,12 @@ period.
     if not is_finite_number(delay) or delay < 0.0:
         raise InputError(place, delay, "a time from 0 s on", "give it in seconds")
     count = delay / period
-    nearest = round(count)
-    if abs(count - nearest) > _WHOLE:
-        low = math.floor(count)
-        raise InputError(
-            place, f"{delay:g} s", f"a whole number of sampling periods of {period:g} s",
-            f"take {low} or {low + 1} of them, or sample so that the delay is a multiple of the "
-            "period",
-        )  # fmt: skip
-    return nearest
+    if abs(count - round(count)) > _WHOLE:
+        low, expected = math.floor(count), f"a whole number of sampling periods of {period:g} s"
+        few = f"take {low} or {low + 1} of them"
+        remedy = f"{few}, or sample so that the delay is a multiple of the period"
+        raise InputError(place, f"{delay:g} s", expected, remedy)
+    return round(count)
 
 
 def _polynomial(coefficients: Sequence[float], first: int, *, signed: bool = False) -> str:

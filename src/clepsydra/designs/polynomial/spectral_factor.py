@@ -72,9 +72,8 @@ def spectral_factor(A: Sequence[float], B: Sequence[float], penalty: float) -> S
     [(1.0, -1.622621, 0.68047), (1.0, -1.742615, 0.769174)]
     """
     if not is_finite_number(penalty) or penalty < 0.0:
-        raise InputError(
-            "spectral factorisation, penalty", penalty, "a number from 0 on", "correct q_u"
-        )
+        place = "spectral factorisation, penalty"
+        raise InputError(place, penalty, "a number from 0 on", "correct q_u")
     first, second = _squared(A), _squared(B)
     size = max(len(first), len(second))
     total = np.zeros(size)
@@ -84,10 +83,8 @@ def spectral_factor(A: Sequence[float], B: Sequence[float], penalty: float) -> S
     while degree and total[degree] == 0.0:
         degree -= 1
     if not isfinite(float(total.sum())) or not np.any(total):
-        raise InputError(
-            "spectral factorisation", list(total), "polynomials that are not all zero",
-            "give an input that moves the output",
-        )  # fmt: skip
+        place, expected = "spectral factorisation", "polynomials that are not all zero"
+        raise InputError(place, list(total), expected, "give an input that moves the output")
     gaps = [_gap(root) for root in _roots(total[: degree + 1])]
     poles = sorted((1.0 - gap for gap in gaps), key=lambda p: (-abs(p), -p.imag))
     coefficients = np.real(np.poly(np.array(poles))) if poles else np.ones(1)

@@ -75,9 +75,8 @@ def assigned(factor: SpectralFactor, poles: Sequence[float]) -> Characteristic:
     """
     for pole in poles:
         if not is_finite_number(pole) or not -1.0 < pole < 1.0:
-            raise InputError(
-                "assigned pole", pole, "a real number between −1 and 1", "move it inside"
-            )
+            expected = "a real number between −1 and 1"
+            raise InputError("assigned pole", pole, expected, "move it inside")
     coefficients = np.array(factor.coefficients)
     for pole in poles:
         coefficients = np.convolve(coefficients, [1.0, -pole])
@@ -162,16 +161,14 @@ def two_degree_of_freedom(
     ([17.217, -30.03, 13.256], (), 0.4419)
     """
     if not len(B) or B[0] != 0.0:
-        raise InputError(
-            "2DOF controller, B", list(B), "a first coefficient of zero",
-            "leave the direct way from input to output out: a sample's output is seen in the next",
-        )  # fmt: skip
+        remedy = (
+            "leave the direct way from input to output out: a sample's output is seen in the next"
+        )
+        raise InputError("2DOF controller, B", list(B), "a first coefficient of zero", remedy)
     gain = math.fsum(B)
     if abs(gain) <= 1e-12 * math.fsum(abs(b) for b in B):
-        raise InputError(
-            "2DOF controller, B(1)", gain, "a number that is not zero",
-            "choose an input that can hold the output",
-        )  # fmt: skip
+        remedy = "choose an input that can hold the output"
+        raise InputError("2DOF controller, B(1)", gain, "a number that is not zero", remedy)
     steadied = product(rational(A), INTEGRAL)
     degree_q = len(steadied) - 2
     degree_p = max(len(B) - 2, D.degree - len(steadied) + 1)

@@ -16,6 +16,7 @@ METHOD = "regulator"
 #: From here on a number is a mistake, or the regulator a limiter.
 _LARGEST = 1e12
 _NAMES = ("A", "B", "C", "D")
+_TOGETHER = "give A, B, C and D of one state space"
 SAMPLING_PERIOD = Quantity(
     "sampling_period", "s", low=0.0, strict=True, expected="a time",
     remedy='write as in "1 s", or leave it out in continuous time',
@@ -64,32 +65,22 @@ class GivenRegulator:
     def __post_init__(self) -> None:
         for name in _NAMES:
             object.__setattr__(self, name, self._matrix(name))
-        n, (m, _), (_, p) = len(self.A), self.C.shape, self.B.shape
+        n, (m, _), (_, p), together = len(self.A), self.C.shape, self.B.shape, _TOGETHER
         if self.A.shape != (n, n) or not 1 <= n <= MOST_STATES:
-            raise self._refused(
-                "A",
-                f"a square matrix of 1 to {MOST_STATES} states",
-                "reduce the order of the regulator, as with balred or balreduce"
-                if n == self.A.shape[1] > MOST_STATES
-                else "give A, B, C and D of one state space, a regulator without states as a PID "
-                "or own law",
-            )
+            remedy = f"{together}, a regulator without states as a PID or own law"
+            if n == self.A.shape[1] > MOST_STATES:
+                remedy = "reduce the order of the regulator, as with balred or balreduce"
+            raise self._refused("A", f"a square matrix of 1 to {MOST_STATES} states", remedy)
         if self.D.shape == (1, 1) and not self.D.any():
             object.__setattr__(self, "D", np.zeros((m, p)))
-        for name, shape in (("B", (n, p)), ("C", (m, n)), ("D", (m, p))):
-            if getattr(self, name).shape != shape:
-                raise self._refused(
-                    name,
-                    f"{shape[0]} × {shape[1]}, as the others have {n} states, {p} inputs and "
-                    f"{m} outputs",
-                    "give A, B, C and D of one state space",
-                )
+        for name, (rows, columns) in (("B", (n, p)), ("C", (m, n)), ("D", (m, p))):
+            if getattr(self, name).shape != (rows, columns):
+                others = f"as the others have {n} states, {p} inputs and {m} outputs"
+                raise self._refused(name, f"{rows} × {columns}, {others}", together)
         period = self.period
         if period is not None and (not is_finite_number(period) or period <= 0.0):
-            raise InputError(
-                f"{self.place}, sampling period", period, "a time above 0",
-                "leave it out for a regulator in continuous time",
-            )  # fmt: skip
+            remedy = "leave it out for a regulator in continuous time"
+            raise InputError(f"{self.place}, sampling period", period, "a time above 0", remedy)
 
     def _matrix(self, name: str) -> np.ndarray:
         expected, remedy = "a matrix of real finite numbers", "give numbers alone, without units"
@@ -98,20 +89,19 @@ class GivenRegulator:
             given = np.asarray(getattr(self, name))
         except ValueError:  # rows of different lengths
             raise InputError(place, "rows of different lengths", expected, remedy) from None
-        if given.dtype.kind not in "iuf" or given.ndim > 2:
-            if given.dtype.kind == "c" and not np.any(np.imag(given)):
-                given = np.real(given)
-            else:
-                shown = "complex numbers" if given.dtype.kind == "c" else f"{given.dtype} numbers"
-                shown = f"{given.ndim} dimensions" if given.ndim > 2 else shown
-                raise InputError(place, shown, expected, remedy)
+        is_complex = given.dtype.kind == "c"
+        if is_complex and not np.any(np.imag(given)):
+            given = np.real(given)
+        if given.ndim > 2 or given.dtype.kind not in "iuf":
+            shown = "complex numbers" if is_complex else f"{given.dtype} numbers"
+            shown = f"{given.ndim} dimensions" if given.ndim > 2 else shown
+            raise InputError(place, shown, expected, remedy)
         found = np.array(np.atleast_2d(given), float)
         wrong = found[~(np.abs(found) <= _LARGEST)]
         if wrong.size:
-            raise InputError(
-                place, float(wrong[0]), f"{expected}, none above {_LARGEST:g}",
-                "look at how the regulator was made",
-            )  # fmt: skip
+            expected = f"{expected}, none above {_LARGEST:g}"
+            remedy = "look at how the regulator was made"
+            raise InputError(place, float(wrong[0]), expected, remedy)
         return found
 
     def _refused(self, name: str, expected: str, remedy: str) -> InputError:
@@ -140,27 +130,22 @@ def given_regulator(regulator: Any, period: float | None = None) -> GivenRegulat
     >>> given_regulator(control.ss([[0.5]], [[1.0]], [[1.0]], [[0.0]], 2.0)).period
     2.0
     """
+    place, stated = METHOD, None
     if isinstance(regulator, GivenRegulator):
-        found, stated = regulator, regulator.period
-        matrices: Any = [getattr(found, name) for name in _NAMES]
-        place = found.place
+        stated, place = regulator.period, regulator.place
+        matrices: Any = [getattr(regulator, name) for name in _NAMES]
     elif all(hasattr(regulator, name) for name in _NAMES):
-        matrices, place = [getattr(regulator, name) for name in _NAMES], METHOD
+        matrices = [getattr(regulator, name) for name in _NAMES]
         stated = _period_of(regulator, period)
     elif isinstance(regulator, (list, tuple)) and len(regulator) == len(_NAMES):
-        matrices, place, stated = regulator, METHOD, None
+        matrices = regulator
     else:
-        name = type(regulator).__name__
-        raise InputError(
-            METHOD, f"a {name}",
-            "a MAT file, four matrices (A, B, C, D), or a state space of python-control or SciPy",
-            "turn a transfer function into one, as with control.ss(controller)",
-        )  # fmt: skip
+        expected = "a MAT file, four matrices (A, B, C, D), or a state space of python-control or "
+        remedy = "turn a transfer function into one, as with control.ss(controller)"
+        raise InputError(METHOD, f"a {type(regulator).__name__}", f"{expected}SciPy", remedy)
     if period is not None and stated is not None and not np.isclose(period, stated, rtol=1e-9):
-        raise InputError(
-            f"{place}, sampling period", f"{period:g} s", f"{stated:g} s, as the regulator has",
-            "leave it out",
-        )  # fmt: skip
+        expected = f"{stated:g} s, as the regulator has"
+        raise InputError(f"{place}, sampling period", f"{period:g} s", expected, "leave it out")
     A, B, C, D = matrices
     return GivenRegulator(A, B, C, D, stated if stated is not None else period, place)
 
@@ -171,11 +156,8 @@ def _period_of(system: Any, given: float | None) -> float | None:
     # SciPy's continuous systems have none; of python-control that is a time not told.
     if step is None and type(system).__module__.startswith("scipy."):
         return None
-    if step is None or step is True:
-        if given is None:
-            raise InputError(
-                f"{METHOD}, sampling period", "none", "the one that it was designed for",
-                'give it, as in sampling_period="1 s", or 0 to the system for continuous time',
-            )  # fmt: skip
-        return None
-    return None if step == 0 else float(step)
+    if (step is None or step is True) and given is None:
+        remedy = 'give it, as in sampling_period="1 s", or 0 to the system for continuous time'
+        expected = "the one that it was designed for"
+        raise InputError(f"{METHOD}, sampling period", "none", expected, remedy)
+    return None if step is None or step is True or step == 0 else float(step)

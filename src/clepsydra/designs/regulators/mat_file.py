@@ -35,24 +35,19 @@ def read_mat(path: str | Path) -> GivenRegulator:
     path = Path(path)
     content = read_input(path, _EXPECTED, _LARGEST_FILE)
     place = str(path) if str(path).isprintable() else ascii(str(path))
+    remedy = f"save it as in {_SAVE}"
     if b"\x89HDF\r\n" in content[:520]:
-        raise InputError(
-            place, "version 7.3, an HDF5 file", f"{_EXPECTED} of version 7 or lower",
-            f"save it as in {_SAVE}",
-        )  # fmt: skip
+        expected = f"{_EXPECTED} of version 7 or lower"
+        raise InputError(place, "version 7.3, an HDF5 file", expected, remedy)
     try:
         found = mat_variables(content, MOST_STATES)
     except ValueError:
-        raise InputError(
-            place, "something else, or damaged", _EXPECTED, f"save it as in {_SAVE}"
-        ) from None
+        raise InputError(place, "something else, or damaged", _EXPECTED, remedy) from None
     missing = [name for name in _REQUIRED if name not in found]
     if missing:
         there = ", ".join(sorted(name for name in found if name.isidentifier()))[:60]
-        raise InputError(
-            place, there or "no variables", f"{_EXPECTED}; it lacks {', '.join(missing)}",
-            f"save it as in {_SAVE}",
-        )  # fmt: skip
+        expected = f"{_EXPECTED}; it lacks {', '.join(missing)}"
+        raise InputError(place, there or "no variables", expected, remedy)
     matrices = {
         name: _numbers(f"{place}, {name}", found[name])
         for name in (*_REQUIRED, *_OPTIONAL)
@@ -66,29 +61,25 @@ def _numbers(place: str, variable: Variable) -> np.ndarray:
     """Return the numbers of a matrix, and refuse what has none or too many."""
     if variable.numbers is None:
         size = " × ".join(map(str, variable.shape))
-        raise InputError(
-            place,
-            f"{variable.kind} {size}".strip(),
-            f"a matrix of numbers, at most {MOST_STATES} × {MOST_STATES}",
-            f"save numbers, as in {_SAVE}, of a regulator of low order; full(A) if it is sparse",
+        expected = f"a matrix of numbers, at most {MOST_STATES} × {MOST_STATES}"
+        remedy = (
+            f"save numbers, as in {_SAVE}, of a regulator of low order; full(A) if it is sparse"
         )
+        raise InputError(place, f"{variable.kind} {size}".strip(), expected, remedy)
     return variable.numbers
 
 
 def _period(place: str, matrices: dict[str, np.ndarray]) -> float | None:
     """Return Ts, and refuse a descriptor system, which may be improper."""
-    order = len(matrices["A"])
-    if "E" in matrices and not np.array_equal(matrices["E"], np.eye(order)):
-        raise InputError(
-            f"{place}, E", "another matrix", "the identity: a regulator x' = A x + B e",
-            "make it proper and explicit, as with ss(F, 'explicit')",
-        )  # fmt: skip
+    if "E" in matrices and not np.array_equal(matrices["E"], np.eye(len(matrices["A"]))):
+        expected = "the identity: a regulator x' = A x + B e"
+        remedy = "make it proper and explicit, as with ss(F, 'explicit')"
+        raise InputError(f"{place}, E", "another matrix", expected, remedy)
     if "Ts" not in matrices:
         return None
     given = np.asarray(matrices["Ts"])
     if given.shape != (1, 1) or given.dtype.kind not in "iuf" or not given[0, 0] >= 0.0:
-        raise InputError(
-            f"{place}, Ts", str(given.ravel()[:3].tolist()), "one number, 0 or above [s]",
-            "give the sampling period, or 0 in continuous time; Matlab's -1 is none",
-        )  # fmt: skip
+        shown, expected = str(given.ravel()[:3].tolist()), "one number, 0 or above [s]"
+        remedy = "give the sampling period, or 0 in continuous time; Matlab's -1 is none"
+        raise InputError(f"{place}, Ts", shown, expected, remedy)
     return float(given[0, 0]) or None

@@ -106,13 +106,13 @@ def acceptable_deviations(
     {'level_1': 0.5, 'level_2': 1.0}
     """
     point = operating_point_of(model)
-    usual = {name: DESIGN_STEP * point.process.signal(name).span for name in model.outputs}
-    errors = _given("maximum_errors", maximum_errors, usual)
+    steps = {name: DESIGN_STEP * point.process.signal(name).span for name in model.outputs}
+    errors = _given("maximum_errors", maximum_errors, steps)
     rooms = control_authorities(point, model.inputs).tolist()
     usual = dict(zip(model.inputs, rooms, strict=True))
     moves = _given("maximum_moves", maximum_moves, usual)
-    sizes = np.array(list(errors.values())), np.array(list(moves.values()))
-    return Deviations(errors, moves, _horizon(model, *sizes))
+    asked = Deviations(errors, moves, 0.0)
+    return asked._replace(horizon=_horizon(model, *asked.sizes()))
 
 
 def bryson_weights(
@@ -174,14 +174,12 @@ def _given(
     place: str, given: Mapping[str, float] | None, default: dict[str, float]
 ) -> dict[str, float]:
     """Return the default deviations with those that were given in their place, checked."""
-    if given is not None and not isinstance(given, Mapping):
+    given = {} if given is None else given
+    if not isinstance(given, Mapping):
         raise InputError(place, given, "names with numbers", "give a dictionary")
-    for name, value in (given or {}).items():
+    for name, value in given.items():
         check_choice(place, name, [*default])
-        positive_number(
-            f"{place}, {name}",
-            value,
-            f"a deviation above zero, as a number in the unit of {name}",
-            "give its largest acceptable deviation",
-        )
-    return {name: float((given or {}).get(name, value)) for name, value in default.items()}
+        expected = f"a deviation above zero, as a number in the unit of {name}"
+        remedy = "give its largest acceptable deviation"
+        positive_number(f"{place}, {name}", value, expected, remedy)
+    return {name: float(given.get(name, value)) for name, value in default.items()}

@@ -15,8 +15,11 @@ from clepsydra.controllers.observers.linear_state import MOST_ESTIMATES
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.sampled.sampled_process import sampled_process, sampled_states
 from clepsydra.designs.sampled.sampling_period import check_sampling_period
-from clepsydra.designs.states.measured_states import all_states_are_measured, with_outputs
-from clepsydra.designs.states.relevant_states import without_idle_states
+from clepsydra.designs.states.measured_states import (
+    all_states_are_measured,
+    with_outputs,
+    without_idle_states,
+)
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 
@@ -65,8 +68,7 @@ class ObservedProcess:
     @property
     def sizes(self) -> np.ndarray:
         """The ranges of what is estimated, one where they are open."""
-        spans = np.array([signal.span for signal in self.estimated])
-        return np.where(np.isfinite(spans) & (spans > 0.0), spans, 1.0)
+        return _sizes(self.estimated)
 
 
 def observed_process(model: LinearModel, measurements: Sequence[str] | None) -> ObservedProcess:
@@ -94,48 +96,32 @@ def observed_process(model: LinearModel, measurements: Sequence[str] | None) -> 
     ('level_1', 'level_2')
     """
     period = check_sampling_period(model)
-    process = operating_point_of(model).process
+    signal = operating_point_of(model).process.signal
     chosen = _chosen(model, measurements)
     seen = without_idle_states(with_outputs(model, chosen))
     held, moved = sampled_process(seen, period)
-    ages = sampled_states(seen, period)
     if len(held) > MOST_ESTIMATES:
         raise NotApplicable(
             f"{len(held)} quantities would have to be estimated, and a law takes at most "
             f"{MOST_ESTIMATES}; with dead time a longer sampling period makes them fewer"
         )
-    estimated = tuple(_aged(process.signal(name), age) for name, age in ages)
+    estimated = tuple(_aged(signal(name), age) for name, age in sampled_states(seen, period))
     shown = np.zeros((len(chosen), len(held)))
     shown[:, : len(seen.states)] = seen.C
-    found = ObservedProcess(
-        seen.select(outputs=model.outputs),
-        period,
-        chosen,
-        estimated,
-        held,
-        moved,
-        shown,
-    )
-    moves = np.array([process.signal(name).span for name in model.inputs])
-    return dataclasses.replace(
-        found,
-        held=_without_rounding(held, found.sizes, found.sizes),
-        moved=_without_rounding(moved, found.sizes, np.where(np.isfinite(moves), moves, 1.0)),
-    )
+    sizes, moves = _sizes(estimated), _sizes([signal(name) for name in model.inputs])
+    held = _without_rounding(held, sizes, sizes)
+    moved = _without_rounding(moved, sizes, moves)
+    controlled = seen.select(outputs=model.outputs)
+    return ObservedProcess(controlled, period, chosen, estimated, held, moved, shown)
 
 
 def _chosen(model: LinearModel, measurements: Sequence[str] | None) -> tuple[str, ...]:
-    process = operating_point_of(model).process
+    process, relevant = operating_point_of(model).process, without_idle_states(model)
     if measurements is None:
-        relevant = without_idle_states(model)
         if all_states_are_measured(relevant):
             return model.outputs
-        others = [
-            name
-            for name, state in process.measured_state.items()
-            if state in relevant.states and name not in model.outputs
-        ]
-        return (*model.outputs, *others)
+        shown = [name for name, at in process.measured_state.items() if at in relevant.states]
+        return (*model.outputs, *(name for name in shown if name not in model.outputs))
     place, known = "measurements", [signal.name for signal in process.measurements]
     listed = isinstance(measurements, (list, tuple))
     if not listed or any(name not in known for name in measurements):
@@ -144,12 +130,8 @@ def _chosen(model: LinearModel, measurements: Sequence[str] | None) -> tuple[str
         raise InputError(place, list(measurements), "each name once", "name each once")
     missing = [name for name in model.outputs if name not in measurements]
     if missing:
-        raise InputError(
-            place,
-            list(measurements),
-            "the controlled measurements among them",
-            f"add {', '.join(missing)}",
-        )
+        expected, remedy = "the controlled measurements among them", f"add {', '.join(missing)}"
+        raise InputError(place, list(measurements), expected, remedy)
     return tuple(measurements)
 
 
@@ -163,3 +145,9 @@ def _aged(signal: Signal, age: float) -> Signal:
 def _without_rounding(matrix: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
     share = np.abs(matrix) * columns / rows[:, None]
     return np.where(share > _NOTHING, matrix, 0.0)
+
+
+def _sizes(signals: Sequence[Signal]) -> np.ndarray:
+    """Return the ranges of signals, one where they are open."""
+    spans = np.array([signal.span for signal in signals])
+    return np.where(np.isfinite(spans) & (spans > 0.0), spans, 1.0)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cache
 from numbers import Complex
+from typing import Any
 
 import numpy as np
 
@@ -103,23 +105,19 @@ def checked_poles(poles: Sequence[complex] | np.ndarray, count: int, place: str)
     clepsydra.base.errors.InputError: poles: got [0.5, (0.5+0.1j)], expected each complex pole \
 with its conjugate; add what is missing.
     """
-    listed = list(poles) if isinstance(poles, (list, tuple, np.ndarray)) else None
-    numbers = listed is not None and all(
-        isinstance(pole, Complex) and not isinstance(pole, bool) for pole in listed
-    )
-    if listed is None or not numbers or len(listed) != count:
+    listed = list(poles) if isinstance(poles, (list, tuple, np.ndarray)) else []
+    numbers = all(isinstance(pole, Complex) and not isinstance(pole, bool) for pole in listed)
+    if not numbers or len(listed) != count:
         remedy = "give one for each state of the sampled model"
-        raise InputError(place, listed if numbers else poles, f"{count} numbers", remedy)
+        raise InputError(place, (numbers and listed) or poles, f"{count} numbers", remedy)
     values = np.array(listed, complex)
     if not np.all(np.abs(values) < 1.0):
-        raise InputError(
-            place, listed, "numbers inside the unit circle, z = e^(sT)", "choose stable poles"
-        )
+        expected = "numbers inside the unit circle, z = e^(sT)"
+        raise InputError(place, listed, expected, "choose stable poles")
     unpaired = np.sort_complex(values) - np.sort_complex(values.conj())
     if np.abs(unpaired).max(initial=0.0) > 1e-12:
-        raise InputError(
-            place, listed, "each complex pole with its conjugate", "add what is missing"
-        )
+        expected = "each complex pole with its conjugate"
+        raise InputError(place, listed, expected, "add what is missing")
     return values
 
 
@@ -141,12 +139,8 @@ def _check_multiplicity(rates: np.ndarray, rank: int, place: str) -> None:
     for rate in rates:
         same = int(np.sum(np.abs(rates - rate) < 1e-9 * np.abs(rates).max()))
         if same > rank:
-            raise InputError(
-                place,
-                f"one pole {same} times",
-                f"each at most {rank} times, the number of independent inputs",
-                "move them apart a little",
-            )
+            expected = f"each at most {rank} times, the number of independent inputs"
+            raise InputError(place, f"one pole {same} times", expected, "move them apart a little")
 
 
 def _distance(found: np.ndarray, wanted: np.ndarray) -> float:
@@ -156,3 +150,191 @@ def _distance(found: np.ndarray, wanted: np.ndarray) -> float:
     distances = np.abs(found[:, None] - wanted)
     rows, columns = linear_sum_assignment(distances)
     return float(distances[rows, columns].max(initial=0.0))
+
+
+def bessel_poles(order: int, bandwidth: float, period: float) -> np.ndarray:
+    """Return the poles of Bessel's filter, taken to the unit circle by z = e^(sT).
+
+    Bessel's patterns respond to a step with an overshoot below 1 %, where Butterworth's and
+    those of least ITAE overshoot the more the higher the order: a tank must not overflow. All
+    poles are different, as placement by few inputs needs them.
+
+    Parameters
+    ----------
+    order : int
+        Number of poles.
+    bandwidth : float
+        Where the filter's gain is 1/√2 [rad/s].
+    period : float
+        T, the sampling period [s].
+
+    References
+    ----------
+    W. E. Thomson, Delay networks having maximally flat frequency characteristics, Proceedings
+    of the IEE 96(44), 1949, 487-490.
+    G. F. Franklin, J. D. Powell and A. Emami-Naeini, Feedback Control of Dynamic Systems,
+    chapter 7.
+
+    Examples
+    --------
+    The pattern of second order is s² + 3 s + 3 in its own time scale:
+
+    >>> s = np.log(bessel_poles(2, 1.0, 0.1)) / 0.1
+    >>> round(float(-s[0].real / abs(s[0])), 6)  # the damping √3/2
+    0.866025
+    """
+    poles: np.ndarray = np.exp(np.array(_prototype(order)) * bandwidth * period)
+    return poles
+
+
+def bessel_radius(order: int) -> float:
+    """Return the smallest |s| among the poles of Bessel's filter of a bandwidth of 1 rad/s.
+
+    Examples
+    --------
+    >>> round(bessel_radius(1), 12)
+    1.0
+    """
+    return float(np.min(np.abs(_prototype(order))))
+
+
+@cache
+def _prototype(order: int) -> tuple[complex, ...]:
+    """Return the poles for a bandwidth of 1 rad/s; a search asks hundreds of times for few."""
+    from scipy.signal import besselap
+
+    return tuple(np.asarray(besselap(order, norm="mag")[1], complex).tolist())
+
+
+#: A mode slower than the pattern by less than this share counts as fast enough.
+_SAME = 1e-6
+
+
+def place_slow_modes(
+    held: np.ndarray,
+    moved: np.ndarray,
+    bandwidth: float,
+    sizes: np.ndarray,
+    moves: np.ndarray,
+    period: float,
+) -> tuple[np.ndarray, int]:
+    """Return F with which the slow eigenvalues of Φ − Γ F have Bessel's pattern.
+
+    To slow a fast mode down costs gain and robustness and is good for nothing. So the k slowest
+    modes are moved, where k is the largest number of modes that are all slower than every pole
+    of the pattern of order k. F sees nothing but their part of the state, Zᵀ x with an
+    orthonormal basis Z of their left invariant subspace, and the others keep their poles.
+
+    Parameters
+    ----------
+    held, moved : ndarray [n, n], [n, m]
+        Φ and Γ.
+    bandwidth : float
+        Of the pattern [rad/s].
+    sizes, moves : ndarray [n], [m]
+        Ranges of the states and of the inputs, in which they are compared.
+    period : float
+        The sampling period [s].
+
+    Raises
+    ------
+    NotApplicable
+        A slow mode is out of reach, or the poles cannot be placed accurately.
+
+    Examples
+    --------
+    Modes of 100 s and 1 s; a pattern for 0.1 rad/s moves the first alone:
+
+    >>> held = np.diag(np.exp([-0.01, -1.0]))
+    >>> sizes = np.ones(2), np.ones(1)
+    >>> gain, count = place_slow_modes(held, np.ones((2, 1)), 0.1, *sizes, 1.0)
+    >>> np.sort(np.log(np.linalg.eigvals(held - np.ones((2, 1)) @ gain))).round(9), count
+    (array([-1. , -0.1]), 1)
+    """
+    from scipy.linalg import schur
+
+    scaled = held * sizes / sizes[:, None]
+    rates = np.sort(_rates(np.linalg.eigvals(scaled), period))
+    count = 0
+    for order in range(len(rates), 0, -1):
+        radius = bessel_radius(order) * bandwidth
+        # A pair of complex modes is not torn apart.
+        torn = order < len(rates) and rates[order] <= rates[order - 1] * (1.0 + _SAME)
+        if rates[order - 1] < radius * (1.0 - _SAME) and not torn:
+            count = order
+            break
+    if not count:
+        return np.zeros((moved.shape[1], len(held))), 0
+    limit = rates[count - 1] * (1.0 + 0.5 * _SAME)
+
+    def is_slow(real: float, imaginary: float) -> bool:
+        return bool(_rates(np.array([complex(real, imaginary)]), period)[0] <= limit)
+
+    # Φᵀ Z = Z T, so that w = Zᵀ x has w⁺ = Tᵀ w + Zᵀ Γ u.
+    form, basis, found = schur(scaled.T, output="real", sort=is_slow)
+    Z = basis[:, :found]
+    poles = bessel_poles(found, bandwidth, period)
+    reduced = Z.T @ (moved / sizes[:, None])
+    part, ones = form[:found, :found].T, np.ones(found)
+    gain = placed_gain(part, reduced, poles, ones, moves, period)
+    return gain @ Z.T / sizes, found
+
+
+def _rates(eigenvalues: np.ndarray, period: float) -> np.ndarray:
+    """Return |s| of z = e^(sT) [rad/s]."""
+    smallest = np.maximum(np.abs(eigenvalues), np.finfo(float).tiny)
+    logarithm = np.log(smallest) + 1j * np.angle(eigenvalues)
+    rates: np.ndarray = np.abs(logarithm) / period
+    return rates
+
+
+def correction(
+    placing: Callable[..., np.ndarray],
+    held: np.ndarray,
+    shown: np.ndarray,
+    wanted: Sequence[complex] | np.ndarray | float,
+    sizes: np.ndarray,
+    spans: np.ndarray,
+    period: float,
+) -> np.ndarray:
+    """Return M of the current observer whose error's poles are placed, as the dual of a gain.
+
+    The eigenvalues of (I − M C) Φ are those of Φᵀ − (C Φ)ᵀ Mᵀ.
+
+    Parameters
+    ----------
+    placing : callable
+        `placed_gain` for given poles, or `slow_modes_gain` for a bandwidth.
+    held, shown : ndarray [N, N], [p, N]
+        Φ and C.
+    wanted : sequence of complex [N], or float
+        Poles, or the bandwidth [rad/s].
+    sizes, spans : ndarray [N], [p]
+        Ranges of the states and of the measurements.
+    period : float
+        [s]
+
+    Raises
+    ------
+    NotApplicable
+        The measurements do not show a mode, or it cannot be placed accurately.
+
+    References
+    ----------
+    D. G. Luenberger, Observing the state of a linear system, IEEE Transactions on Military
+    Electronics 8(2), 1964, 74-80, doi 10.1109/TME.1964.4323124.
+    """
+    C = shown / spans[:, None]
+    try:
+        dual = placing(held.T, (C @ held).T, wanted, 1.0 / sizes, np.ones(len(C)), period)
+    except NotApplicable as refusal:
+        # What the placement says of the inputs of the dual process is said of the measurements.
+        reason = refusal.reason.replace("out of reach", "not shown by the measurements")
+        raise NotApplicable(reason) from refusal
+    found: np.ndarray = dual.T / spans
+    return found
+
+
+def slow_modes_gain(held: np.ndarray, moved: np.ndarray, *wanted: Any) -> np.ndarray:
+    """Return the gain of `place_slow_modes`."""
+    return place_slow_modes(held, moved, *wanted)[0]

@@ -130,20 +130,14 @@ def extended_kalman(
     shown = equations.at(ca.jacobian(readings, equations.state))
     found = kalman_gain(held, shown, noise._replace(process=W))
     covariance = rounded_symmetric(found.covariance)
-    return FoundFilter(
-        observer,
-        {
-            "input_noise": moves,
-            "load_noise": sizes,
-            "sensor_noise": np.sqrt(np.diag(noise.measurement)),
-        },
-        {
-            "estimate": [at[name] for name in states],
-            "covariance": covariance[np.triu_indices(len(states))],
-        },
-        Estimation(tuple(equations.signals_of_states()), held, moved, shown, found.gain),
-        f"extended Kalman filter for {', '.join(states)}, {noise.words}",
-    )
+    sensors = np.sqrt(np.diag(noise.measurement))
+    noises = {"input_noise": moves, "load_noise": sizes, "sensor_noise": sensors}
+    upper = covariance[np.triu_indices(len(states))]
+    memory: dict[str, ArrayLike] = {"estimate": [at[name] for name in states], "covariance": upper}
+    estimated = tuple(equations.signals_of_states())
+    estimation = Estimation(estimated, held, moved, shown, found.gain)
+    words = f"extended Kalman filter for {', '.join(states)}, {noise.words}"
+    return FoundFilter(observer, noises, memory, estimation, words)
 
 
 def process_state_controller(
@@ -172,17 +166,12 @@ def process_state_controller(
         A number is outside of what a controller takes.
     """
     point = source.equations.point
+    notes: tuple[str, ...] = (note_on_sensors(source.measurements),)
     if by is not None:
-        numbers, state = {**numbers, **by.noises}, {**state, **by.memory}
-    return controller_at(
-        point,
-        name,
-        family,
-        law,
-        numbers_at(point, law.parameters, **numbers),
-        numbers_at(point, law.state, **state),
-        notes=(note_on_sensors(source.measurements),) if by is None else by.notes,
-    )
+        numbers, state, notes = {**numbers, **by.noises}, {**state, **by.memory}, by.notes
+    values = numbers_at(point, law.parameters, **numbers)
+    start = numbers_at(point, law.state, **state)
+    return controller_at(point, name, family, law, values, start, notes=notes)
 
 
 def acting_model(model: LinearModel, equations: ProcessEquations) -> LinearModel:

@@ -56,27 +56,6 @@ matrix; its smallest eigenvalue is -1, raise the weights on its diagonal.
                 matrix = _checked(name, getattr(self, name), positive=name != "states")
                 object.__setattr__(self, name, matrix)
 
-    def check_fit(self, model: LinearModel) -> None:
-        """Refuse weights of other sizes than a model's states, inputs and outputs.
-
-        Raises
-        ------
-        InputError
-        """
-        sizes = {"states": len(model.states), "inputs": len(model.inputs)}
-        if self.integrals is not None:
-            sizes["integrals"] = len(model.outputs)
-        for name, size in sizes.items():
-            found = np.shape(getattr(self, name))
-            if found != (size, size):
-                names = {"states": model.states, "inputs": model.inputs}.get(name, model.outputs)
-                raise InputError(
-                    f"weights, {name}",
-                    found,
-                    f"a matrix of {(size, size)}, for {', '.join(names)}",
-                    "give one row and one column for each",
-                )
-
 
 def checked_weights(weights: object, model: LinearModel) -> QuadraticWeights:
     """Return given weights if they are weights and fit a model.
@@ -97,15 +76,16 @@ def checked_weights(weights: object, model: LinearModel) -> QuadraticWeights:
 by diagonal_weights(model, {"tank.level": 1.0}, {"pump": 1.0}), or from matrices.
     """
     example = f'{{"{model.states[0]}": 1.0}}, {{"{model.inputs[0]}": 1.0}}'
-    require_type(
-        weights,
-        QuadraticWeights,
-        "weights",
-        "QuadraticWeights",
-        f"make them by diagonal_weights(model, {example}), or from matrices",
-    )
+    remedy = f"make them by diagonal_weights(model, {example}), or from matrices"
+    require_type(weights, QuadraticWeights, "weights", "QuadraticWeights", remedy)
     assert isinstance(weights, QuadraticWeights)
-    weights.check_fit(model)
+    names = {"states": model.states, "inputs": model.inputs, "integrals": model.outputs}
+    for what, known in names.items():
+        size, matrix = len(known), getattr(weights, what)
+        if matrix is not None and matrix.shape != (size, size):
+            expected = f"a matrix of {(size, size)}, for {', '.join(known)}"
+            remedy = "give one row and one column for each"
+            raise InputError(f"weights, {what}", matrix.shape, expected, remedy)
     return weights
 
 
@@ -212,33 +192,19 @@ def _checked(name: str, matrix: np.ndarray, *, positive: bool) -> np.ndarray:
         numbers = np.full((1, 2), np.nan)
     square = numbers.ndim == 2 and numbers.shape[0] == numbers.shape[1]
     if not square or not np.all(np.isfinite(numbers)):
-        raise InputError(
-            place, matrix, "a square matrix of finite numbers", "give one number for each pair"
-        )
+        expected = "a square matrix of finite numbers"
+        raise InputError(place, matrix, expected, "give one number for each pair")
     size = float(np.abs(numbers).max(initial=0.0))
     if not np.allclose(numbers, numbers.T, rtol=0.0, atol=_ROUNDING * size):
-        raise InputError(
-            place, numbers.tolist(), "a symmetric matrix", "take half of the matrix and its mirror"
-        )
-    sizes = _sizes(numbers)
-    smallest = _smallest_eigenvalue(numbers / np.outer(sizes, sizes))
+        remedy = "take half of the matrix and its mirror"
+        raise InputError(place, numbers.tolist(), "a symmetric matrix", remedy)
+    # In the roots of the diagonal: the weights of signals of other units differ by far.
+    diagonal = np.diag(numbers)
+    sizes = np.sqrt(np.where(diagonal > 0.0, diagonal, size or 1.0))
+    smallest = float(np.linalg.eigvalsh(numbers / np.outer(sizes, sizes)).min(initial=np.inf))
     if smallest < -_ROUNDING or (positive and smallest <= _ROUNDING):
-        raise InputError(
-            place,
-            numbers.tolist(),
-            "a positive definite matrix" if positive else "a matrix that is not negative",
-            f"its smallest eigenvalue is {_smallest_eigenvalue(numbers):.3g}, raise the weights on "
-            "its diagonal",
-        )
+        smallest = float(np.linalg.eigvalsh(numbers).min())
+        expected = "a positive definite matrix" if positive else "a matrix that is not negative"
+        remedy = f"its smallest eigenvalue is {smallest:.3g}, raise the weights on its diagonal"
+        raise InputError(place, numbers.tolist(), expected, remedy)
     return numbers
-
-
-def _smallest_eigenvalue(matrix: np.ndarray) -> float:
-    return float(np.linalg.eigvalsh(matrix).min(initial=np.inf))
-
-
-def _sizes(matrix: np.ndarray) -> np.ndarray:
-    """Return the roots of the diagonal: the weights of signals of other units differ by far."""
-    diagonal = np.diag(matrix)
-    largest = float(np.abs(matrix).max(initial=0.0)) or 1.0
-    return np.asarray(np.sqrt(np.where(diagonal > 0.0, diagonal, largest)))

@@ -26,33 +26,23 @@ from clepsydra.linear.linearise import operating_point_of
 from clepsydra.process.process import Process
 
 
+class FoundLqi(NamedTuple):
+    """An LQI controller, its gains, and the deviations that they were asked to keep to."""
+
+    controller: Controller
+    gains: LqiGains
+    asked: Deviations
+
+
 class StateLqi(NamedTuple):
     """LQI by Bryson's rule of a linear model whose state is measured or estimated.
 
     Parameters
     ----------
-    name : str
-        Of the controller.
     model : LinearModel
-        With the states that are fed back.
-    deviations : Deviations
-        Those asked for, before it is slowed down.
+        Without states that act on no output, but those of an estimation.
     measurements : tuple of str
-        That show each state, or that correct the estimate.
-    estimation : Estimation or None
-        None where the measurements show the state.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.designs.states.bryson_rule import acceptable_deviations
-    >>> model = cl.load("three-tanks").linear
-    >>> levels = ("level_1", "level_2", "level_3")
-    >>> asked = acceptable_deviations(model, None, None)
-    >>> lqi = StateLqi("LQI, by hand", model, asked, levels, "none")
-    >>> controller, gains = lqi.slower(2.0)
-    >>> controller.measurements, gains.feedback.shape
-    (('level_1', 'level_2', 'level_3'), (1, 3))
+        Of every state; of an estimation what it reads.
     """
 
     name: str
@@ -62,89 +52,57 @@ class StateLqi(NamedTuple):
     anti_windup: AntiWindup
     estimation: Estimation | None = None
 
-    @property
-    def process(self) -> Process:
-        """The process of the model."""
-        return operating_point_of(self.model).process
-
-    def slower(self, factor: float) -> tuple[Controller, LqiGains]:
-        """Return controller and gains with moves that are smaller and a horizon that is longer."""
+    def slower(self, factor: float) -> FoundLqi:
+        """Return the one with moves that are smaller and a horizon that is longer."""
         asked, model, shown = self.deviations.slower(factor), self.model, self.measurements
-        period = self.process.sampling_period
-        gains = lqi_gains(model, asked.weights(model), period, asked.horizon)
+        gains = lqi_gains(model, asked.weights(model), self._process.sampling_period, asked.horizon)
         feedback, integral = gains.feedback, gains.integral
         times = [asked.horizon] * len(model.inputs)
         if self.estimation is None:
             feedback = of_measurements(model, shown, feedback)
             times = tracking_times(model, shown, feedback, integral, asked.horizon)
         parts = shown, feedback, integral, times, self.anti_windup, self.estimation
-        controller = lqi_controller(self.name, model, *parts)
-        return controller, gains
+        return FoundLqi(lqi_controller(self.name, model, *parts), gains, asked)
 
-    def robust(self, model: LinearModel) -> RobustLqi:
+    def robust(self, model: LinearModel) -> SlowedDown[FoundLqi]:
         """Return the fastest one with a sensitivity peak of at most 2 on a model of the process.
 
         Raises
         ------
         NotApplicable
-            There are no stabilising gains, or no slowing down makes the loop robust.
+            Slowing down does not bring the peak to 2, or the gains cannot be computed.
         """
-        found = slow_down(self.slower, lambda each: sensitivity_peak(each[0], model))
-        controller, gains = found.design
-        return RobustLqi(self, controller, gains, self.deviations.slower(found.factor), found)
-
-
-class RobustLqi(NamedTuple):
-    """LQI that was slowed down until its sensitivity peak is at most 2.
-
-    Parameters
-    ----------
-    controller : Controller
-        Linear.
-    asked : Deviations
-        Those of its weights.
-
-    Examples
-    --------
-    See `StateLqi`.
-    """
-
-    of: StateLqi
-    controller: Controller
-    gains: LqiGains
-    asked: Deviations
-    found: SlowedDown[tuple[Controller, LqiGains]]
+        return slow_down(self.slower, lambda each: sensitivity_peak(each.controller, model))
 
     def described(
-        self, controller: Controller, how: str = "", where: str = "", *, of_filter: bool = False
+        self,
+        found: SlowedDown[FoundLqi],
+        controller: Controller,
+        how: str = "",
+        where: str = "",
+        *,
+        of_filter: bool = False,
     ) -> Controller:
-        """Return a controller with these gains, with how it was found in words.
-
-        Parameters
-        ----------
-        how : str
-            What there is to say beside the weights.
-        where : str
-            The loop is that, if not everywhere.
-        of_filter : bool
-            Whether the time constant of the filter is told too.
-        """
-        process, estimation = self.of.process, self.of.estimation
-        slowest = self._slowest(self.gains.eigenvalues)
+        """Return a controller with these gains, with how it was found in words."""
+        _, gains, asked = found.design
+        slowest = self._slowest(gains.eigenvalues)
         time = f"slowest closed-loop time constant {slowest}"
-        if of_filter and estimation is not None:
-            slower = self._slowest(estimation.error_poles)
+        if of_filter and self.estimation is not None:
+            slower = self._slowest(self.estimation.error_poles)
             time = f"slowest time constants {slowest} of the regulator and {slower} of the filter"
         return controller.described(
-            f"LQI with Bryson's weights, {self.asked.in_words(process)}, an error lasting at "
-            f"most {time_text(self.asked.horizon)}{how}; {where}{time}, sensitivity peak "
-            f"{self.found.peak:.2f}.",
-            note_on_slowing(self.found, "the regulator"),
-            self.found.factor,
+            f"LQI with Bryson's weights, {asked.in_words(self._process)}, an error lasting at most "
+            f"{time_text(asked.horizon)}{how}; {where}{time}, sensitivity peak {found.peak:.2f}.",
+            note_on_slowing(found, "the regulator"),
+            found.factor,
         )
 
     def _slowest(self, eigenvalues: np.ndarray) -> str:
-        return time_text(slowest_time_constant(eigenvalues, self.of.process.sampling_period))
+        return time_text(slowest_time_constant(eigenvalues, self._process.sampling_period))
+
+    @property
+    def _process(self) -> Process:
+        return operating_point_of(self.model).process
 
 
 def check_lqi(model: LinearModel, delays: object = None, states: str = "its law has") -> Process:
