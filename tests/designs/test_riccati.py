@@ -14,7 +14,11 @@ from clepsydra.designs.kalman import Noise, kalman_gain, process_noise
 from clepsydra.designs.states.bryson_rule import bryson_weights
 from clepsydra.designs.states.linear_quadratic import lqr_gains
 from clepsydra.designs.states.observed_process import observed_process
-from clepsydra.designs.states.quadratic_weights import QuadraticWeights, diagonal_weights
+from clepsydra.designs.states.quadratic_weights import (
+    QuadraticWeights,
+    checked_weights,
+    diagonal_weights,
+)
 from clepsydra.designs.states.riccati import optimal_regulator, riccati_residual
 
 CATALOGUE = ["quadruple-tank", "three-tanks", "eight-tanks", "wet-well", "equalisation-tank"]
@@ -167,7 +171,7 @@ def test_weights_that_are_not_definite_are_refused(states, inputs, integrals, wo
 def test_weights_that_do_not_fit_or_name_nothing_are_refused(minimum_phase):
     model = minimum_phase.model
     with refused(place="weights, inputs", expected="for pump_1, pump_2"):
-        QuadraticWeights(np.eye(4), np.eye(1)).check_fit(model)
+        checked_weights(QuadraticWeights(np.eye(4), np.eye(1)), model)
     with pytest.raises(InputError, match=r"tank_5.*one of tank_1\.level"):
         diagonal_weights(model, {"tank_5.level": 1.0}, {"pump_1": 1.0, "pump_2": 1.0})
     with refused(remedy="add pump_2"):
