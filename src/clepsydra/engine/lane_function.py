@@ -103,10 +103,7 @@ class LaneFunction(VectorText):
 
     def whole_literal(self, value: int) -> str:
         """Return a whole number modulo 2⁶⁴ in every lane."""
-        value &= 0xFFFFFFFFFFFFFFFF
-        if self.lanes == 1:
-            return str(value)
-        return "<" + ", ".join([f"i64 {value}"] * self.lanes) + ">"
+        return self.in_every_lane("i64", str(value & 0xFFFFFFFFFFFFFFFF))
 
     def bits_of(self, x: str) -> str:
         """Append the bits of a real as a whole number."""

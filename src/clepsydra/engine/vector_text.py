@@ -94,13 +94,16 @@ class VectorText:
 
     def literal(self, value: float) -> str:
         """Return a constant in every lane."""
-        if self.lanes == 1:
-            return bits(value)
-        return "<" + ", ".join([f"double {bits(value)}"] * self.lanes) + ">"
+        return self.in_every_lane("double", bits(value))
 
     def all_true(self) -> str:
         """Return the truth value that is true in every lane."""
-        return "true" if self.lanes == 1 else "<" + ", ".join(["i1 true"] * self.lanes) + ">"
+        return self.in_every_lane("i1", "true")
+
+    def in_every_lane(self, kind: str, constant: str) -> str:
+        """Return a constant of a type in every lane."""
+        vector = ", ".join([f"{kind} {constant}"] * self.lanes)
+        return constant if self.lanes == 1 else f"<{vector}>"
 
     def negative(self, a: str) -> str:
         """Append −a."""
