@@ -12,7 +12,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from itertools import product
-from typing import NamedTuple
 
 import numpy as np
 
@@ -49,7 +48,7 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     SetUp,
     Units,
 )
-from clepsydra.papers.printed import Printed, PrintedNumber
+from clepsydra.papers.printed import Printed
 from clepsydra.papers.row import Row, Rows
 
 #: The report shows one run, so that what noise does to nearly all runs is left open.
@@ -93,26 +92,11 @@ def _scored(
     return found.scored(score, tank - 1)
 
 
-class _Spread(NamedTuple):
-    """Median, and what nearly all runs lie between."""
-
-    value: float
-    low: float
-    high: float
-
-    @classmethod
-    def of(cls, values: np.ndarray) -> _Spread:
-        # Not between two runs, of which one may never have recovered.
-        low, high = np.quantile(values, _CENTRAL, method="nearest")
-        return cls(float(np.median(values)), float(low), float(high))
-
-    def holds(self, number: PrintedNumber) -> bool:
-        return self.low - number.half_unit <= number.value <= self.high + number.half_unit
-
-    @property
-    def decides(self) -> bool:
-        """Whether the runs lie near enough together that one of them can be compared with."""
-        return self.high - self.low <= _WIDEST * self.value
+def _spread(values: np.ndarray) -> tuple[float, float, float]:
+    """Return the median, and what nearly all runs lie between."""
+    # Not between two runs, of which one may never have recovered.
+    low, high = np.quantile(values, _CENTRAL, method="nearest")
+    return float(np.median(values)), float(low), float(high)
 
 
 def _lines(kind: Kind, set_up: SetUp, score: str) -> dict[tuple[int, ...], Printed]:
@@ -172,14 +156,20 @@ def table_rows(kind: Kind) -> Rows:
 
 def _row(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...], line: Printed) -> Row:
     spreads = {
-        reading: [_Spread.of(_scored(score, set_up, kind, tank, reading)) for tank in tanks]
+        reading: [_spread(_scored(score, set_up, kind, tank, reading)) for tank in tanks]
         for reading in readings_of(set_up)
     }
     # The tank of the usual reading that is farther from the print stands for both.
-    usual = max(spreads[USUAL], key=lambda spread: abs(spread.value - line.value))
-    reach = usual.high - usual.value if line.value > usual.value else usual.value - usual.low
-    holding = {k: all(each.holds(line.number) for each in found) for k, found in spreads.items()}
-    decides = all(spread.decides for found in spreads.values() for spread in found)
+    median, least, most = max(spreads[USUAL], key=lambda spread: abs(spread[0] - line.value))
+    printed, half = line.value, line.number.half_unit
+    holding = {
+        reading: all(low - half <= printed <= high + half for _, low, high in found)
+        for reading, found in spreads.items()
+    }
+    # Only runs that lie near enough together can be compared with one.
+    every = (spread for found in spreads.values() for spread in found)
+    decides = all(high - low <= _WIDEST * value for value, low, high in every)
+    reach = most - median if printed > median else median - least
     always = all(holding.values()) and decides
     of_both = ", of the tank that is farther off" if len(tanks) == 2 else ""
     words = (
@@ -190,12 +180,12 @@ def _row(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...], line: Pr
         f"{_HOW[score]}, median of {SEEDS} runs{of_both}."
     )
     of_all = (
-        f"The middle {_NEARLY_ALL} of them are {usual.low:.3g} to {usual.high:.3g} {line.unit}, "
+        f"The middle {_NEARLY_ALL} of them are {least:.3g} to {most:.3g} {line.unit}, "
         "and in the other readings of noise and holes they leave it open as well."
     )
     row = replace(line, note=f"{words} {of_all}").compared(
-        usual.value,
-        tolerance=reach / usual.value if always and usual.value else 0.0,
+        median,
+        tolerance=reach / median if always and median else 0.0,
         unprinted=words,
     )
     if not any(holding.values()):
