@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import Any
 
 from clepsydra.base.section import Line, Mark, Picture, Section, Table, marked
 from clepsydra.linear.analysis import Analysis
@@ -27,12 +27,8 @@ from clepsydra.report.facts import gain_text, told_table
 from clepsydra.report.page import page_text, svg_text
 from clepsydra.report.quantities import time_cell
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-
 #: Identifier, title, words, and drawn by.
-_PICTURES: tuple[tuple[str, str, str, Callable[[Analysis], Figure]], ...] = (
+_PICTURES: tuple[tuple[str, str, str, Callable[[Analysis], Any]], ...] = (
     (
         "steps",
         "Step responses of the linear model",
@@ -79,12 +75,7 @@ _FURTHER = (
 
 
 def analysis_page_text(analysis: Analysis) -> str:
-    """Return the page of an analysis as HTML.
-
-    Examples
-    --------
-    See `write_analysis_page`.
-    """
+    """Return the page of an analysis as HTML."""
     point = analysis.operating_point
     pictures = [
         Section(title, (Picture(svg_text(draw(analysis), title, name), words),))
@@ -95,20 +86,16 @@ def analysis_page_text(analysis: Analysis) -> str:
         operating_point_grid(point),
         *analysis_grids(analysis),
     )
-    return page_text(
-        Section(
-            f"{point.process.title or point.process.name} – linear analysis",
-            (
-                *marked(Mark.POINT, analysis.words),
-                *marked(Mark.WATCH, point.warnings),
-                Section("The process at its operating point", at_rest),
-                *pictures,
-                Section(
-                    "Directions, modes and frequencies", (*further_grids(analysis), Line(_FURTHER))
-                ),
-            ),
-        )
+    further: tuple[Line | Table, ...] = (*further_grids(analysis), Line(_FURTHER))
+    parts: tuple[Line | Section, ...] = (
+        *marked(Mark.POINT, analysis.words),
+        *marked(Mark.WATCH, point.warnings),
+        Section("The process at its operating point", at_rest),
+        *pictures,
+        Section("Directions, modes and frequencies", further),
     )
+    title = point.process.title or point.process.name
+    return page_text(Section(f"{title} – linear analysis", parts))
 
 
 #: Of the answer: sentences, signals, pairs and warnings.
