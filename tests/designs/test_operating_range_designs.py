@@ -157,3 +157,9 @@ def test_wrong_wishes_are_refused(quadruple):
         design_recomputed_lqi(model, steps=0)
     with pytest.raises(NotApplicable, match="no equilibrium"):
         design_gain_scheduled_lqi(model, over="level_1", points=[0.3, 6.0])
+
+
+def test_points_between_which_no_gain_changes_make_no_schedule():
+    plant = cl.load("quadruple-tank")
+    with refused(place="gain-scheduled SIMC, points", expected="between which a gain changes"):
+        cl.design.gain_scheduled_pid(plant, over="level_1", points=["30 %", "50 %", "60 %"])

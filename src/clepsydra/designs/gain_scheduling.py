@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
+from clepsydra.base.errors import InputError
 from clepsydra.base.signal import path
 from clepsydra.base.words import listed, time_text
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
@@ -260,6 +261,10 @@ def _scheduled(
     over, plain, signal, kinds = along.over, along.plain, along.signal, along.kinds
     schedule = Schedule(path(over, "pv" if follows == "measurement" else "sp"), signal, len(plan))
     names = [each for each in plan[0].values if every or largest_change(plan, {each: each}) > 1e-9]
+    if not names:
+        places = [point.place for point in plan]
+        remedy = "choose others, or gains without a schedule"
+        raise InputError("points", places, "points between which a gain changes", remedy)
     law = law_of(schedule, names)
     fixed = {p.name for p in law.parameters}
     values = {each: value for each, value in plain.values.items() if each in fixed}
