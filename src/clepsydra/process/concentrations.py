@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import casadi as ca
 
@@ -13,10 +13,8 @@ from clepsydra.process import told
 from clepsydra.process.declared import Part
 from clepsydra.process.element import Element
 from clepsydra.process.outside_signal import read_disturbance_range
+from clepsydra.process.table_reader import TableReader
 from clepsydra.program.step_law import Symbols
-
-if TYPE_CHECKING:
-    from clepsydra.process.table_reader import TableReader
 
 
 @dataclass(frozen=True)

@@ -9,12 +9,10 @@ from __future__ import annotations
 from collections import ChainMap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from clepsydra.base.quantity import Quantity, declared
-
-if TYPE_CHECKING:
-    from clepsydra.process.table_reader import TableReader
+from clepsydra.process.table_reader import TableReader
 
 #: The key that has the name of its field, among those that are required.
 OWN = ""

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import casadi as ca
 
 from clepsydra.base.signal import Signal
 from clepsydra.process.hybrid import Event, switch_memory
+from clepsydra.process.table_reader import TableReader
 from clepsydra.program.step_law import Symbols
-
-if TYPE_CHECKING:
-    from clepsydra.process.table_reader import TableReader
 
 #: The actuator stands still, or has turned, when less of its way is left [share of the stroke].
 _STANDSTILL = 1e-4

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import casadi as ca
 
@@ -12,11 +11,9 @@ from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
 from clepsydra.process import told
 from clepsydra.process.hybrid import Event, switch_memory, switching
+from clepsydra.process.table_reader import TableReader
 from clepsydra.process.vessels.vessel import vessel_of
 from clepsydra.program.step_law import Symbols
-
-if TYPE_CHECKING:
-    from clepsydra.process.table_reader import TableReader
 
 _LEVEL = told.written("m")
 #: The keys of a process file that `read_trips` and `read_starter` know.

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import casadi as ca
 
 from clepsydra.base.signal import Signal
 from clepsydra.process.hybrid import Event, switch_memory, switching
+from clepsydra.process.table_reader import TableReader
 from clepsydra.process.vessels.vessel import Vessel
 from clepsydra.program.step_law import Symbols
-
-if TYPE_CHECKING:
-    from clepsydra.process.table_reader import TableReader
 
 #: The key of a process file that `read_lid` knows, and its values; the first is an open tank's.
 LID_KEY = "when_full"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import casadi as ca
 
@@ -13,10 +13,8 @@ from clepsydra.base.signal import Signal
 from clepsydra.process.declared import filled, link, read_fields
 from clepsydra.process.element import Element
 from clepsydra.process.flow import Flow, Flows
+from clepsydra.process.table_reader import TableReader
 from clepsydra.program.step_law import Symbols
-
-if TYPE_CHECKING:
-    from clepsydra.process.table_reader import TableReader
 
 
 @dataclass(frozen=True)

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from itertools import accumulate
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from clepsydra.base.units import convertible
 from clepsydra.process import told
 from clepsydra.process.declared import part
-
-if TYPE_CHECKING:
-    from clepsydra.process.table_reader import TableReader
+from clepsydra.process.table_reader import TableReader
 
 #: SI units of signals of controllers; a percentage is a pure number, 1/min a frequency.
 _UNITS = ("V", "A", "1", "Hz")

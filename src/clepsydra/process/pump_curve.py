@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import casadi as ca
 
 from clepsydra.process.root_law import falling_root
-
-if TYPE_CHECKING:
-    from clepsydra.process.table_reader import TableReader
+from clepsydra.process.table_reader import TableReader
 
 #: Flow below which it grows smoothly from zero, as a share of the last flow of the curve.
 _SMALL_FLOW = 0.01

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import convertible, split_quantity
 from clepsydra.process.signal_values import read_in_range
-
-if TYPE_CHECKING:
-    from clepsydra.process.table_reader import TableReader
+from clepsydra.process.table_reader import TableReader
 
 #: What of a tank a sensor may measure, beside concentrations.
 CONTENTS = ("level", "volume")

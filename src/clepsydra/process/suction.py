@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import casadi as ca
 
@@ -12,11 +12,9 @@ from clepsydra.base.units import from_si
 from clepsydra.process import told
 from clepsydra.process.declared import part
 from clepsydra.process.hybrid import Event, switch_memory, switching
+from clepsydra.process.table_reader import TableReader
 from clepsydra.process.vessels.vessel import Vessel, vessel_of
 from clepsydra.program.step_law import Symbols
-
-if TYPE_CHECKING:
-    from clepsydra.process.table_reader import TableReader
 
 #: The key of a process file that `read_suction` knows.
 SUCTION_KEY = "suction_level"

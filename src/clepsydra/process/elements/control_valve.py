@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import casadi as ca
 
@@ -21,12 +21,10 @@ from clepsydra.process.hybrid import Event, Switch
 from clepsydra.process.outside_signal import actuator_signal
 from clepsydra.process.root_law import falling_root, signed_root
 from clepsydra.process.suction import SUCTION_TOLD, Suction, drawn, read_suction
+from clepsydra.process.table_reader import TableReader
 from clepsydra.process.valve_characteristic import CHARACTERISTICS, opened
 from clepsydra.process.vessels.vessel import Vessel, vessel_of
 from clepsydra.program.step_law import Symbols
-
-if TYPE_CHECKING:
-    from clepsydra.process.table_reader import TableReader
 
 #: What a Kv is defined with: water, and a pressure difference of 1 bar.
 _DENSITY, _BAR = 1000.0, 1e5

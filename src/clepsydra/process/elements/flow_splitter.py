@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import casadi as ca
 
@@ -14,10 +14,8 @@ from clepsydra.process import told
 from clepsydra.process.declared import part
 from clepsydra.process.element import Connection, Element
 from clepsydra.process.flow import Flow, Flows
+from clepsydra.process.table_reader import TableReader
 from clepsydra.program.step_law import Symbols
-
-if TYPE_CHECKING:
-    from clepsydra.process.table_reader import TableReader
 
 _REMEDY = "write as in fractions = { tank_1 = 0.7, tank_4 = 0.3 }"
 

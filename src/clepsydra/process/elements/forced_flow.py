@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import casadi as ca
 
@@ -15,10 +15,8 @@ from clepsydra.process.flow import Flow, Flows
 from clepsydra.process.hybrid import Switch
 from clepsydra.process.outside_signal import ranged
 from clepsydra.process.suction import Suction, drawing, drawn
+from clepsydra.process.table_reader import TableReader
 from clepsydra.program.step_law import Symbols
-
-if TYPE_CHECKING:
-    from clepsydra.process.table_reader import TableReader
 
 
 @dataclass(frozen=True)

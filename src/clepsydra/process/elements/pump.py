@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import casadi as ca
 
@@ -27,10 +27,8 @@ from clepsydra.process.level_switch import (
 from clepsydra.process.outside_signal import actuator_signal
 from clepsydra.process.pump_curve import PumpCurve
 from clepsydra.process.suction import Suction, drawing, drawn
+from clepsydra.process.table_reader import TableReader
 from clepsydra.program.step_law import Symbols
-
-if TYPE_CHECKING:
-    from clepsydra.process.table_reader import TableReader
 
 _AT_ONCE = "leave it out for a pump that follows its signal at once"
 #: What it means that its tank is empty.

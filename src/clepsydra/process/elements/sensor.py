@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import casadi as ca
 
@@ -25,11 +25,9 @@ from clepsydra.process.sensor_reading import (
     read_scale,
     read_share,
 )
+from clepsydra.process.table_reader import TableReader
 from clepsydra.process.vessels.vessel import Vessel, reciprocal, vessel_of
 from clepsydra.program.step_law import Symbols
-
-if TYPE_CHECKING:
-    from clepsydra.process.table_reader import TableReader
 
 #: A signal of 4 to 20 mA goes on to these currents [A] beyond its range, and no further.
 NAMUR_LIMITS = (3.8e-3, 20.5e-3)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import casadi as ca
 
@@ -16,12 +16,10 @@ from clepsydra.process.elements.weir import weir_flow
 from clepsydra.process.flow import Flow, Flows
 from clepsydra.process.hybrid import Switch
 from clepsydra.process.lid import LID_CHOICES, LID_KEY, Lid, read_lid
+from clepsydra.process.table_reader import TableReader
 from clepsydra.process.vessels.reading import VESSEL_KEYS, read_vessel, vessel_checks
 from clepsydra.process.vessels.vessel import Vessel, reciprocal
 from clepsydra.program.step_law import Symbols
-
-if TYPE_CHECKING:
-    from clepsydra.process.table_reader import TableReader
 
 #: Below this share of its capacity the content of a tank does not count as a divisor, so that
 #: an empty tank has a concentration of zero and not of 0/0.

@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import ClassVar, Self
 
 import casadi as ca
 
 from clepsydra.base.quantity import quantity
+from clepsydra.process.table_reader import TableReader
 from clepsydra.process.vessels.vessel import SMALLEST_SHARE, Vessel
-
-if TYPE_CHECKING:
-    from clepsydra.process.table_reader import TableReader
 
 
 @dataclass(frozen=True)

@@ -5,16 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import casadi as ca
 
 from clepsydra.base.quantity import Quantity, quantity
 from clepsydra.process.declared import part
+from clepsydra.process.table_reader import TableReader
 from clepsydra.process.vessels.vessel import Vessel, VesselParameter, reciprocal
-
-if TYPE_CHECKING:
-    from clepsydra.process.table_reader import TableReader
 
 _OF_SIZE: Any = {"low": 0.0, "strict": True}
 _AREA = Quantity(

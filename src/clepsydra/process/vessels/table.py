@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import casadi as ca
 
 from clepsydra.process import told
 from clepsydra.process.declared import filled, part
+from clepsydra.process.table_reader import TableReader
 from clepsydra.process.vessels.vessel import SMALLEST_SHARE, Vessel
-
-if TYPE_CHECKING:
-    from clepsydra.process.table_reader import TableReader
 
 
 class _Rows(NamedTuple):
