@@ -74,17 +74,10 @@ def read_request(
     elif len(asked) != len(free):
         _refuse_number(process, given, asked, free)
     places = [i for i, signal in enumerate(process.measurements) if signal.name in asked]
-    return EquilibriumRequest(
-        inputs=np.array(
-            [given.get(signal.name, signal.initial) for signal in process.inputs], float
-        ),
-        free_inputs=tuple(free),
-        disturbances=np.array(
-            [forced.get(signal.name, signal.initial) for signal in process.disturbances], float
-        ),
-        outputs=tuple(places),
-        targets=np.array([asked[process.measurements[place].name] for place in places], float),
-    )
+    values = np.array([given.get(s.name, s.initial) for s in process.inputs], float)
+    loads = np.array([forced.get(s.name, s.initial) for s in process.disturbances], float)
+    targets = np.array([asked[process.measurements[place].name] for place in places], float)
+    return EquilibriumRequest(values, tuple(free), loads, tuple(places), targets)
 
 
 def _refuse_number(

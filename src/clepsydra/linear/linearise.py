@@ -124,19 +124,12 @@ def linearise(point: OperatingPoint) -> LinearModel:
     delays = None
     if process.motion.delays:
         A, B, E, delays = _with_delays(point, len(C))
-    return LinearModel(
-        A=A,
-        B=B,
-        E=E,
-        C=C,
-        D=np.zeros((len(C), B.shape[1])),
-        states=tuple(signal.name for signal in process.state),
-        inputs=tuple(signal.name for signal in process.inputs),
-        disturbances=tuple(signal.name for signal in process.disturbances),
-        outputs=tuple(signal.name for signal in process.measurements),
-        point=point,
-        delays=delays,
+    groups = (process.state, process.inputs, process.disturbances, process.measurements)
+    states, inputs, disturbances, outputs = (
+        tuple(signal.name for signal in group) for group in groups
     )
+    D = np.zeros((len(C), B.shape[1]))
+    return LinearModel(A, B, E, C, D, states, inputs, disturbances, outputs, point, delays)
 
 
 def _with_delays(
