@@ -9,16 +9,14 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, ClassVar, NamedTuple, Self
+from typing import ClassVar, NamedTuple, Self
 
 import casadi as ca
 
 from clepsydra.base.quantity import quantities
 from clepsydra.process.declared import DeclaredKeys, read_fields
+from clepsydra.process.table_reader import TableReader
 from clepsydra.program.step_law import Symbols
-
-if TYPE_CHECKING:
-    from clepsydra.process.table_reader import TableReader
 
 #: The smallest argument of a root, as a share of its largest: far below rounding, so that
 #: values are right to the last digit, and above zero, so that derivatives are finite.
