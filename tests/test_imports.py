@@ -5,12 +5,15 @@ itself, as a user does, so that the inside can change while the tests stay.
 """
 
 import re
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
+
+import pytest
 
 TESTS = Path(__file__).parent
 SOURCE = TESTS.parent / "src"
-MODULES = {
-    ".".join(path.relative_to(SOURCE).with_suffix("").parts).removesuffix(".__init__")
+FILES = {
+    ".".join(path.relative_to(SOURCE).with_suffix("").parts).removesuffix(".__init__"): path
     for path in SOURCE.rglob("*.py")
 }
 _IMPORT = re.compile(r"^ *import (clepsydra[\w.]+)", re.MULTILINE)
@@ -25,7 +28,7 @@ def modules_of(text: str) -> set[str]:
     found = set(_IMPORT.findall(text))
     for module, listed in _FROM.findall(text):
         names = {f"{module}.{name}": module for name in _NAME.findall(listed)}
-        found |= {name if name in MODULES else module for name, module in names.items()}
+        found |= {name if name in FILES else module for name, module in names.items()}
     return {name for name in found if name.startswith("clepsydra.")}
 
 
@@ -53,3 +56,12 @@ def test_tests_import_few_modules_from_outside_their_own_package():
         for name in foreign(file):
             users.setdefault(name, []).append(file.relative_to(TESTS).as_posix())
     assert len(users) <= LIMIT, "\n".join(f"{name}: {users[name]}" for name in sorted(users))
+
+
+def test_no_files_of_the_source_import_each_other():
+    """When they load, when a function runs, or for types alone: none needs what needs it."""
+    imported = {name: modules_of(file.read_text(encoding="utf-8")) for name, file in FILES.items()}
+    try:
+        TopologicalSorter(imported).prepare()
+    except CycleError as circle:
+        pytest.fail(" imports ".join(reversed(circle.args[1])))

@@ -27,7 +27,8 @@ from clepsydra.deploy.printing.identifiers import C_WORDS
 from clepsydra.deploy.proof import interpreted_text
 from clepsydra.deploy.proof.item import ProofItem, process_item
 from clepsydra.deploy.proof.job import Job
-from clepsydra.deploy.proof.run import Run, proved_targets, runs_of
+from clepsydra.deploy.proof.run import Run
+from clepsydra.deploy.proof.targets import proved_targets, runs_of
 from clepsydra.program.entries import signal_of
 from clepsydra.program.operation import LIBRARY, Operation
 from clepsydra.program.program import Block, Program

@@ -10,8 +10,8 @@ from clepsydra.controllers import controller as inner
 from clepsydra.deploy.proof import row as inner_proof
 from clepsydra.deploy.proof.item import controller_item, process_item_of
 from clepsydra.deploy.proof.proof import ProofProgress, prove
-from clepsydra.deploy.proof.run import proved_targets as proved_targets
 from clepsydra.deploy.proof.scans import FEWEST
+from clepsydra.deploy.proof.targets import proved_targets as proved_targets
 from clepsydra.interface.controller import of_plant
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.scenario import scenario_of

@@ -9,7 +9,7 @@ from clepsydra import PidForm, program_of
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.deploy.proof import proof
 from clepsydra.deploy.proof.item import ProofItem, controller_item
-from clepsydra.deploy.proof.run import runs_of
+from clepsydra.deploy.proof.targets import runs_of
 from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.operation import Operation

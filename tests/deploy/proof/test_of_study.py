@@ -15,7 +15,7 @@ from clepsydra.deploy.compiler import find_compiler
 from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.proof.job import Job
-from clepsydra.deploy.proof.run import runs_of
+from clepsydra.deploy.proof.targets import runs_of
 
 SETTINGS = PlantShell(
     fail_safe={"pump_1": 2.0},

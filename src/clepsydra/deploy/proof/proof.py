@@ -22,8 +22,9 @@ from clepsydra.deploy.proof.item import ProofItem
 from clepsydra.deploy.proof.job import Job, contents_digest
 from clepsydra.deploy.proof.limits import PYTHON_LAW, Limit
 from clepsydra.deploy.proof.row import Proof, ProofRow, read_memory
-from clepsydra.deploy.proof.run import Run, proved_targets, runs_of
+from clepsydra.deploy.proof.run import Run
 from clepsydra.deploy.proof.scans import FEWEST
+from clepsydra.deploy.proof.targets import proved_targets, runs_of
 
 
 class ProofProgress(NamedTuple):
