@@ -249,8 +249,7 @@ def scheduled_lqi_law(
     `measured`, `manipulated`: the measurements show the whole state; `controlled`: the measurements
     that have setpoints.
 
-    Raises InputError: A setpoint belongs to no measurement, or the anti-windup is unknown or
-    clamping.
+    Raises InputError: the anti-windup is unknown or clamping.
 
     References
     ----------

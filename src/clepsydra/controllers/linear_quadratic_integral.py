@@ -44,7 +44,7 @@ def lqi_law(
 
     The second is input-constrained LQI. The integrators stand behind the integral gain G, in
     the unit of their output, so that mode, anti-windup and hold act on each output by itself,
-    as in a PI controller (`blocks.output_stage.output_stage`). A fault of any sensor holds all
+    as in a PI controller (`blocks.final_element.output_stage`). A fault of any sensor holds all
     outputs that are in automatic, since each needs the whole state; an observer goes on with
     the inputs that are held.
 
@@ -52,9 +52,8 @@ def lqi_law(
     an observer there is a measurement for each state of the process; `controlled`: the measurements
     that have setpoints; `observer`: without it the measurements are the state.
 
-    Raises InputError: A setpoint belongs to no measurement, a signal is named twice, or the
-    anti-windup is unknown or clamping: the integral is not the whole output here, so that the
-    limits of the output are none for it.
+    Raises InputError: the anti-windup is unknown or clamping: the integral is not the whole output
+    here, so that the limits of the output are none for it.
 
     References
     ----------

@@ -215,7 +215,7 @@ def output_stage(
 def output_stage_block(anti_windup: AntiWindup, *, takes_up: bool = False) -> Block:
     """Return the block of an output with an integral: proportional + integral in automatic.
 
-    The integral takes its increment under the anti-windup rule (`blocks.integral`). The other
+    The integral takes its increment under the anti-windup rule (`blocks.anti_windup`). The other
     modes, limits and faults are those of every output (`blocks.final_element`).
 
     `takes_up`: whether it has the port taken_up.

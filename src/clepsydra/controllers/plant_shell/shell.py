@@ -72,7 +72,7 @@ def with_plant_shell(
         outputs; sampling_period [s], scan_tolerance and take_up_scans.
 
     Raises InputError: the law is written in Python, lacks an input that the shell needs or uses a
-    name of the shell; the sampling period is no time; or a setting does not fit the controller.
+    name of the shell; or a setting does not fit the controller.
 
     References
     ----------
