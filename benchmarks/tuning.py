@@ -21,8 +21,8 @@ from benchmarks.experiments import Disagreement
 from benchmarks.measure import Spread, on_one_core
 from clepsydra.base.signal import path
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.parameters import remembered_parameters
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linearise import linearise

@@ -22,7 +22,7 @@ from benchmarks.case import (
 )
 from clepsydra.base.signal import path
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.engine.kernel import Job, Kernel, Trajectories
 from clepsydra.engine.object_cache import ObjectCache
 from clepsydra.loop.closed_loop import closed_loop, controller_name, loop_inputs

@@ -7,7 +7,7 @@ from law_function import by_path, function_of
 
 from clepsydra import PidForm
 from clepsydra.controllers.at_rest import state_at_rest
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 
 MANUAL, AUTOMATIC, TRACKING = 0, 1, 2
 ANTI_WINDUPS = ("back_calculation", "conditional_integration", "clamping", "none")

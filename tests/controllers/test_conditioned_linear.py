@@ -11,7 +11,7 @@ import clepsydra as cl
 from clepsydra import PidForm, Signal
 from clepsydra.controllers.blocks.status import read_status
 from clepsydra.controllers.conditioned_linear import ConditionedMatrices, conditioned_linear_law
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 
 LEVEL, PUMP = Signal("level", "m", low=0.0, high=10.0), Signal("pump", "V", low=0.0, high=10.0)
 AT_REST = {

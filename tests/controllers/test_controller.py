@@ -11,7 +11,7 @@ from clepsydra import InputError, Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.linear_quadratic_integral import lqi_law
 from clepsydra.controllers.linear_step_law import StepLawDerivatives
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.step_law import Equations, step_law
 

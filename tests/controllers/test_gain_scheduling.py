@@ -11,7 +11,7 @@ import clepsydra as cl
 from clepsydra import PidForm, Signal
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.gain_scheduling import Schedule, scheduled_law, scheduled_lqi_law
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 
 LEVEL, PUMP = Signal("level", "m", low=0.0, high=10.0), Signal("pump", "%", low=0.0, high=100.0)
 

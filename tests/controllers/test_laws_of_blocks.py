@@ -11,7 +11,7 @@ from scheme_rig import SCHEMES
 from test_every_law import APPLIES_TO, EVERY, recorded, tuned, whatever_all_bring
 
 from clepsydra import InputError, PidForm
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.controllers.polynomial_controller import PolynomialShape
 from clepsydra.controllers.smith_predictor import PredictorShape, smith_predictor_law
 from clepsydra.controllers.variable_structure_pid import variable_structure_pid_law

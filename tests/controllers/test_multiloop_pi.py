@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from law_function import by_path, function_of
 
 from clepsydra import PidForm, Signal
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.parameters import remembered_parameters
+from clepsydra.controllers.pid import multiloop_pid_law
 
 MANUAL, AUTOMATIC, TRACKING = 0, 1, 2
 ANTI_WINDUPS = ["back_calculation", "conditional_integration", "clamping", "none"]

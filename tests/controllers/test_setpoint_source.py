@@ -7,7 +7,7 @@ import pytest
 
 import clepsydra as cl
 from clepsydra import PidForm, Signal
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.studies.file.reader import read_study
 
 LEVEL = Signal("level_1", "V", low=0.0, high=16.0, initial=5.0)

@@ -6,7 +6,7 @@ from pid_rig import AUTOMATIC, BUMP, HIGH, LOW, MANUAL, TRACKING, PlainPid, Scan
 from refusals import refused
 
 from clepsydra import PidForm
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.controllers.variable_structure_pid import (
     variable_structure_form,
     variable_structure_pid_law,

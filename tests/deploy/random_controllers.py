@@ -11,7 +11,7 @@ from random_programs import IMPORTS, Written, modest, numbers
 
 from clepsydra import PidForm, Signal, StepLaw
 from clepsydra.base.signal import path
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock, FeedforwardTerm
 from clepsydra.controllers.structure.law import structure_law
 from clepsydra.controllers.structure.output_block import OutputBlock
@@ -24,7 +24,7 @@ LAW_IMPORTS = (
     IMPORTS
     + """\
 from clepsydra import PidForm
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock, FeedforwardTerm

@@ -6,7 +6,7 @@ from deployed import no_output_lay_idle, prints_its_numbers, run_alike, spoilt
 from plants import designed, plant
 
 from clepsydra import PidForm, program_of
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.program import Program
 from clepsydra.studies.designs import DESIGNS

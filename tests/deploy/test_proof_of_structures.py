@@ -12,7 +12,7 @@ from deployed import no_output_lay_idle, run_alike, spoilt
 from tools import need_compiler
 
 from clepsydra import PidForm, Signal, program_of
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock, FeedforwardTerm
 from clepsydra.controllers.structure.law import structure_law
 from clepsydra.controllers.structure.output_block import OutputBlock

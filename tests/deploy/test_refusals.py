@@ -10,7 +10,7 @@ from refusals import refused
 from tools import need_compiler, need_grammar
 
 from clepsydra import InputError, PidForm, Signal, program_of
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.structured_text.printer import print_structured_text

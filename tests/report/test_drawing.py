@@ -11,7 +11,7 @@ from written_plants import plant_of
 
 from clepsydra import Connection, Element
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
 from clepsydra.process.reader import load_process

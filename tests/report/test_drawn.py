@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from benchmarks.exported.families import FAMILIES, ready_for_export
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.linear.equilibrium import NoEquilibrium, find_equilibrium
 from clepsydra.process.catalogue_names import catalogue_names
 from clepsydra.process.reader import load_process

@@ -8,7 +8,7 @@ import pytest
 import clepsydra as cl
 from clepsydra import PidForm, Signal
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock, FeedforwardTerm
 from clepsydra.controllers.structure.output_block import OutputBlock
 from clepsydra.controllers.structure.pid_block import PidBlock

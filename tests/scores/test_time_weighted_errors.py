@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from clepsydra.scores.integral_errors import IAE, ISE, ISEG, ITAE, ITSE, SIGNED_ERROR
+from clepsydra.scores.iae import IAE, ISE, ISEG, ITAE, ITSE, SIGNED_ERROR
 
 T = 60.0
 STEP = 2.5

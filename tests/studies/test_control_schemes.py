@@ -8,7 +8,7 @@ import pytest
 from flow_cascade import flow_cascade
 
 from clepsydra import InputError
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.loop import Loop

@@ -20,7 +20,7 @@ from refusals import refused
 
 from clepsydra import InputError, LinearModel, NotApplicable, PidForm
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse

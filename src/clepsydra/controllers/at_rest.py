@@ -64,7 +64,7 @@ def first_samples(
     --------
     A setpoint that the measurement is not at: the integral moves by K e Δt/Ti a sample.
 
-    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+    >>> from clepsydra.controllers.pid import multiloop_pid_law
     >>> pump = Signal("pump_1", "V", low=0.0, high=10.0)
     >>> law = multiloop_pid_law(["level"], [pump])
     >>> values = {parameter.name: parameter.initial for parameter in law.parameters}
@@ -113,7 +113,7 @@ def state_at_rest(
 
     Examples
     --------
-    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+    >>> from clepsydra.controllers.pid import multiloop_pid_law
     >>> law = multiloop_pid_law(["level"], ["pump"])
     >>> values = {parameter.name: parameter.initial for parameter in law.parameters}
     >>> state_at_rest(law, values, {"level": 5.0, "pump": 3.0})

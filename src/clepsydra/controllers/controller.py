@@ -106,7 +106,7 @@ class Controller:
     --------
     Gains found by hand for one tank:
 
-    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+    >>> from clepsydra.controllers.pid import multiloop_pid_law
     >>> law = multiloop_pid_law(["level_1"], ["pump_1"])
     >>> values = dict(proportional_gain=2.0, integral_time=40.0, setpoint_weight=1.0,
     ...               tracking_time=40.0, low_limit=0.0, high_limit=10.0)

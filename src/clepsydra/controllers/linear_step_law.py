@@ -42,7 +42,7 @@ class StepLawDerivatives:
     --------
     A PI controller with K = 2 V/V and Ti = 10 s at a time step of 1 s:
 
-    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+    >>> from clepsydra.controllers.pid import multiloop_pid_law
     >>> law = multiloop_pid_law(["level"], ["pump"])
     >>> values = dict(proportional_gain=2.0, integral_time=10.0, setpoint_weight=1.0,
     ...               tracking_time=10.0, low_limit=0.0, high_limit=10.0)

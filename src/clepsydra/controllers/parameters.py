@@ -23,7 +23,7 @@ def check_parameters(law: StepLaw, values: Mapping[str, float], place: str) -> N
 
     Examples
     --------
-    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+    >>> from clepsydra.controllers.pid import multiloop_pid_law
     >>> law = multiloop_pid_law(["level"], ["pump"])
     >>> check_parameters(law, {parameter.name: 0.0 for parameter in law.parameters}, "PI")
     Traceback (most recent call last):

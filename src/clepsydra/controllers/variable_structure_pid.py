@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.program.step_law import StepLaw
 

@@ -59,7 +59,7 @@ def check_wiring(
 
     Examples
     --------
-    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+    >>> from clepsydra.controllers.pid import multiloop_pid_law
     >>> law = multiloop_pid_law(["level_1", "level_2"], ["pump_1", "pump_2"])
     >>> check_wiring(law, ["level_1"], ["level_1"], ["pump_1"], "PI")
     Traceback (most recent call last):

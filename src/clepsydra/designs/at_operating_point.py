@@ -97,7 +97,7 @@ def controller_at(
     Examples
     --------
     >>> import clepsydra as cl
-    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+    >>> from clepsydra.controllers.pid import multiloop_pid_law
     >>> point = cl.load("quadruple-tank").point
     >>> law = multiloop_pid_law(["level_1"], ["pump_2"])
     >>> found = controller_at(point, "PI", "PI", law, numbers_at(point, law.parameters))

@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from clepsydra.scores.integral_errors import SIGNED_ERROR
+from clepsydra.scores.iae import SIGNED_ERROR
 from clepsydra.scores.sample import Fold, larger, magnitude
 from clepsydra.scores.score import Score
 from clepsydra.scores.step_response import BAND

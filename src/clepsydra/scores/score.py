@@ -157,7 +157,7 @@ class Score:
         --------
         A constant error of 1 costs 2² / 2 in two seconds, and as much again after a step:
 
-        >>> from clepsydra.scores.integral_errors import ITAE
+        >>> from clepsydra.scores.iae import ITAE
         >>> ITAE.along([0.0, 2.0, 4.0], [1.0, 1.0, 1.0], [0.0, 0.0, 0.0], steps=[2.0])
         4.0
         """

@@ -7,7 +7,7 @@ from scan_rig import ScannedLaw
 from clepsydra import Signal
 from clepsydra.controllers.blocks import status
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.controllers.plant_shell.status import SHELL_STATUS_BITS
 

@@ -10,7 +10,7 @@ from shell_rig import AT_REST, LEVEL, PUMP, one_loop, read_status, shelled_loop
 
 from clepsydra import PidForm
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
 

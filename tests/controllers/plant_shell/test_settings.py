@@ -9,7 +9,7 @@ from shell_rig import LEVEL, one_loop
 
 from clepsydra import InputError, PidForm, Signal, python_law
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import shell_sources, with_plant_shell
 from clepsydra.controllers.plant_shell.status import SHELL_STATUS_BITS

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from functools import lru_cache
 
 from clepsydra import PidForm, program_of
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.deploy.proof import proof
 from clepsydra.deploy.proof.item import ProofItem, controller_item
 from clepsydra.deploy.proof.targets import runs_of

@@ -6,7 +6,7 @@ from tunings import BLOCKS, LEVEL, PUMP, tuning
 
 from clepsydra import PidForm
 from clepsydra.controllers.at_rest import state_at_rest
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.deploy.vendor_tuning.filling import filled
 
 PERIOD, SAMPLES, REST, OUTPUT = 0.5, 400, 2.5, 5.0

@@ -12,7 +12,7 @@ import clepsydra as cl
 from clepsydra import LinearModel, PidForm, Signal
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.multiloop_pid import family, multiloop_pid_law
+from clepsydra.controllers.pid import family, multiloop_pid_law
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.scenario import Scenario, Segment
 

@@ -10,7 +10,7 @@ from itertools import product
 from clepsydra.base.signal import path
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.controllers.pid_form import Actions, PidForm
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of

@@ -17,7 +17,7 @@ from clepsydra.papers.averaging_tank.pi import BY_HAND
 from clepsydra.papers.averaging_tank.step_run import PERIOD, STEPS
 from clepsydra.papers.document import Found
 from clepsydra.papers.row import Row
-from clepsydra.scores.integral_errors import WEIGHT
+from clepsydra.scores.iae import WEIGHT
 
 _OUTPUTS = ("C", "V")
 #: C' = f_in/V (C_in - C) under PI control with T_i = V/f_in has the time constant T_i/K_p, and

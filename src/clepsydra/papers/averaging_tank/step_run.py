@@ -19,7 +19,7 @@ from clepsydra.loop.scenario import Scenario, scenario_of_changes
 from clepsydra.papers.averaging_tank.model import KMOL, high_tank, tank
 from clepsydra.papers.averaging_tank.symbols import Variant
 from clepsydra.papers.figure import Curve, CurveKind, Figure, Panel
-from clepsydra.scores.integral_errors import IAE, ISE, ITAE, SIGNED_ERROR
+from clepsydra.scores.iae import IAE, ISE, ITAE, SIGNED_ERROR
 from clepsydra.scores.step_response import settling_time
 
 #: Steps of C [kmol/m³] and V [m³]; they are not printed, and follow from the printed indices.

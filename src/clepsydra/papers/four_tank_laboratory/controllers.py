@@ -16,8 +16,8 @@ from clepsydra.controllers.conditioned_linear import (
     conditioned_linear_law,
 )
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.parameters import remembered_parameters
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.designs.glover_mcfarlane import design_glover_mcfarlane
 from clepsydra.designs.loop_shaping.precompensator import Precompensator, sampled_precompensator

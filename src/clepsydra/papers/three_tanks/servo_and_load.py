@@ -12,7 +12,7 @@ import numpy as np
 
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.designs.lqi import design_lqi
 from clepsydra.designs.states.state_controllers import state_feedback_controller

@@ -1,4 +1,4 @@
-"""Multiloop PID: one P, PI, PD or PID controller for each pair of signals."""
+"""The law of PI and PID loops: one P, PI, PD or PID controller for each pair of signals."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Integrals of the control error: what a run cost, whenever the error was.
+"""IAE, ISE, ITAE and the other integrals of the control error: what a run cost, whenever it was.
 
 Each is written as the mean over a sample whose error runs on a straight line from a to b, and is
 exact for such errors, see `clepsydra.scores.sample`.
