@@ -180,6 +180,10 @@ def design_smith_predictor(
 def _check(pair: ModelledPair, given: bool) -> None:
     """Refuse a model whose poles the open loop of the predictor would not bear."""
     model = pair.sampled
+    if not model.order:
+        expected = "a model with a pole: the predictor runs it from sample to sample"
+        remedy = "identify one with a coefficient a1"
+        raise InputError("models", model.in_words(), expected, remedy)
     outside = np.sum(np.abs(model.poles) >= 1.0 - ON_THE_CIRCLE)
     if outside > (1 if model.is_integrating else 0):
         if given:

@@ -211,6 +211,7 @@ def test_a_predictor_is_the_polynomial_controller_where_b_is_one_coefficient(lat
             {"models": [SampledModel((1.0, -1.0), (-0.5,), 5, 1.0)]},
             "not zero",
         ),
+        (design_smith_predictor, {"models": [SampledModel((0.2,), (), 5, 1.0)]}, "with a pole"),
         (design_smith_predictor, {"primary": "PID"}, "one of polynomial, PI"),
         (design_smith_predictor, {"primary": "PI", "penalty": 1.0}, "none for a PI controller"),
         (

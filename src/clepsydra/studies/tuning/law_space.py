@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from clepsydra.base.errors import InputError
 from clepsydra.base.signal import path
 from clepsydra.base.words import time_text
 from clepsydra.controllers.pid_keys import GAINS, SHORT_NAMES
@@ -20,6 +21,11 @@ from clepsydra.studies.tuning.search_space import SearchSpace
 class LawSpace(SearchSpace):
     """The unit cube of the tuned parameters of one controller, whose values are the start.
 
+    Raises
+    ------
+    InputError
+        As `SearchSpace`, or a bound lies outside of what the law takes of a follower.
+
     Examples
     --------
     >>> import clepsydra as cl
@@ -31,6 +37,17 @@ class LawSpace(SearchSpace):
     >>> space.name_of("level_1.proportional_gain"), space.shown("level_1.proportional_gain", 3.0)
     ('level_1.gain', '3 %/%')
     """
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        law = {each.name: each for each in self.controller.law.parameters}
+        for tuned in self.parameters:
+            for own in (law[name] for name in tuned.followers):
+                if tuned.low < own.low or own.high < tuned.high:
+                    given = f"bounds {tuned.low:g} to {tuned.high:g}"
+                    ends = f"{own.low:g} to {own.high:g} {own.unit}"
+                    expected = f"bounds within {ends}, for {own.name} is moved with it"
+                    raise InputError(f"tuning, {tuned.name}", given, expected, "narrow the bounds")
 
     @property
     def numbers(self) -> Mapping[str, float]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.applicability import NotApplicable
 
@@ -33,6 +34,11 @@ class TunedParameter:
         then have one sign and neither is zero.
     followers : tuple of str
         Parameters of the law that take the same value: a tracking time, say.
+
+    Raises
+    ------
+    InputError
+        There is nothing between the bounds, as where the law itself leaves no choice.
     """
 
     name: str
@@ -40,6 +46,11 @@ class TunedParameter:
     high: float
     logarithmic: bool = True
     followers: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.low < self.high:
+            given, expected = f"bounds {self.low:g} to {self.high:g}", "a low bound below the high"
+            raise InputError(f"tuning, {self.name}", given, expected, "widen them, or tune others")
 
     def value(self, share: np.ndarray) -> np.ndarray:
         """Return the values at some shares of the way from low to high.
