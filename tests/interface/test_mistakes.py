@@ -143,6 +143,18 @@ MISTAKES = {
         lambda plant, pi: cl.simulate(plant, state={"tank_1.level": "5 V"}),
         ("state, tank_1.level", "5 V", "convertible to m", "measures something else"),
     ),
+    "name of a state": (
+        lambda plant, pi: cl.simulate(plant, state={1: "5 cm"}),
+        ("state", "1", "a state of quadruple-tank (tank_1.level", "choose one of them"),
+    ),
+    "states as text": (
+        lambda plant, pi: cl.simulate(plant, state="tank_1.level=5cm"),
+        ("state", "tank_1.level=5cm", "states with their values", '"tank_1.level": "5 cm"'),
+    ),
+    "solver under a controller": (
+        lambda plant, pi: cl.simulate(plant, pi, solver="euler"),
+        ("solver", "euler", "kernel, reference", "correct the name"),
+    ),
     "no controllers": (
         lambda plant, pi: cl.study(plant, []),
         ("study, controllers", "none", "at least one controller", "every design"),

@@ -5,17 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import overload
 
+from clepsydra.base.arguments import require_type
 from clepsydra.controllers.controller import Controller
 from clepsydra.interface.controller import of_plant
 from clepsydra.interface.events import Events, changes_of
 from clepsydra.interface.plant import Plant, require_plant
-from clepsydra.interface.quantities import Quantity, with_unit
+from clepsydra.interface.quantities import Quantity, known, with_unit
 from clepsydra.interface.run import OpenLoopRun, Run
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.shown import lifted
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.open_loop_plan import Start, plan_simulation, read_state
-from clepsydra.loop.step_size import Solver
+from clepsydra.loop.step_size import Solver, check_solver
 
 
 @overload
@@ -81,8 +82,8 @@ def simulate(
     Raises
     ------
     InputError
-        A signal is unknown, a quantity is none of it or leaves its range, the controller is none of
-        this plant, or the simulation has no length.
+        A signal or the solver is unknown, a quantity is none of it or leaves its range, the
+        controller is none of this plant, or the simulation has no length.
     NoEquilibrium
         The plant does not rest anywhere.
 
@@ -95,6 +96,7 @@ def simulate(
     13.32
     """
     require_plant(plant)
+    check_solver(solver)
     if controller is not None:
         loop = Loop(of_plant(controller, plant), plant.measured)
         changes = () if events is None else changes_of(events, plant, controlled=True)
@@ -109,15 +111,22 @@ def simulate(
         () if events is None else changes_of(events, plant, controlled=False),
         duration=None if duration is None else str(with_unit(duration, "s")),
         start=start,
-        state={
-            name: read_state(name, _state(name, value, plant), plant.process, "state")
-            for name, value in (state or {}).items()
-        },
+        state=_states(state or {}, plant),
         rest=plant.asked_for,
     )
     return lifted(OpenLoopRun, plan.run(solver), plan=plan)
 
 
-def _state(name: str, value: Quantity, plant: Plant) -> object:
-    units = {signal.name: signal.shown_unit for signal in plant.process.state}
-    return with_unit(value, units.get(name, "1"))
+def _states(given: Mapping[str, Quantity], plant: Plant) -> dict[str, float]:
+    remedy = 'write as in {"tank_1.level": "5 cm"}'
+    require_type(given, Mapping, "state", "states with their values", remedy)
+    own, words = {s.name: s for s in plant.process.state}, f"a state of {plant.process.name}"
+    return {
+        name: read_state(
+            name,
+            with_unit(value, known("state", name, own, words).shown_unit),
+            plant.process,
+            "state",
+        )
+        for name, value in given.items()
+    }
