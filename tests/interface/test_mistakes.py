@@ -203,6 +203,22 @@ MISTAKES = {
         lambda plant, pi: cl.verify(pi, plant, scans=10),
         ("proof, scans", 10, "at least 10,000", "choose more"),
     ),
+    "scans as text": (
+        lambda plant, pi: cl.verify(pi, plant, scans="10000"),
+        ("proof, scans", "10000", "a whole number", "choose more"),
+    ),
+    "plant and controller in the other order": (
+        lambda plant, pi: cl.verify(plant, pi),
+        ("plant", "a Controller", "a plant", "cl.load"),
+    ),
+    "no controller to verify": (
+        lambda plant, pi: cl.verify(None, plant),
+        ("controller", None, "a controller", "cl.design"),
+    ),
+    "plant of an export": (
+        lambda plant, pi: cl.export(pi, "quadruple-tank"),
+        ("plant", "quadruple-tank", "a plant", "cl.load"),
+    ),
     "a system of nothing": (
         lambda plant, pi: cl.zeros("G"),
         ("python-control system", "str", "a control.StateSpace", "control.ss"),

@@ -15,7 +15,7 @@ from clepsydra.controllers import controller as inner
 from clepsydra.deploy.printing.identifiers import identifier_of as identifier_of
 from clepsydra.deploy.target import Delivery, target_of
 from clepsydra.interface.controller import of_plant
-from clepsydra.interface.plant import Plant
+from clepsydra.interface.plant import Plant, require_plant
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.shell import Settings, plant_shell
 from clepsydra.interface.shown import Answered
@@ -117,6 +117,7 @@ def export(
     >>> [path.name for path in written.files]
     ['quadruple_tank_pi_simc.h', 'quadruple_tank_pi_simc.c']
     """
+    require_plant(plant)
     settings = {
         "fail_safe": fail_safe,
         "sensor_delay": sensor_delay,

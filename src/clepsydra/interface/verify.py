@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from clepsydra.controllers import controller as inner
 from clepsydra.deploy.proof import row as inner_proof
@@ -13,7 +13,7 @@ from clepsydra.deploy.proof.proof import ProofProgress, prove
 from clepsydra.deploy.proof.scans import FEWEST
 from clepsydra.deploy.proof.targets import proved_targets as proved_targets
 from clepsydra.interface.controller import of_plant
-from clepsydra.interface.plant import Plant
+from clepsydra.interface.plant import Plant, require_plant
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.shell import Settings, plant_shell
 from clepsydra.interface.shown import Answered, lifted, screen
@@ -95,14 +95,16 @@ def verify(
     Raises
     ------
     InputError
-        There is no compiler or no such export, a package of the extra "verify" is missing, or
-        there are too few scans.
+        What is given is no controller or no plant, there is no compiler or no such export, a
+        package of the extra "verify" is missing, or there are too few scans.
 
     Examples
     --------
     See docs/plc.md.
     """
-    many = [controllers] if isinstance(controllers, inner.Controller) else list(controllers)
+    require_plant(plant)
+    given: Any = controllers
+    several = isinstance(given, Iterable) and not isinstance(given, str)
     shell = plant_shell(
         plant,
         fail_safe=fail_safe,
@@ -113,7 +115,10 @@ def verify(
     scenario = scenario or scenario_of(plant)
     chosen = proved_targets(to)
     part = "" if chosen == proved_targets(None) else f"-{'-'.join(chosen)}"
-    items = [controller_item(of_plant(each, plant), plant.point, scenario, shell) for each in many]
+    items = [
+        controller_item(of_plant(each, plant), plant.point, scenario, shell)
+        for each in (given if several else [given])
+    ]
     found = prove(
         [*items, process_item_of(plant.point)],
         scans=scans,

@@ -7,6 +7,7 @@ import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from numbers import Integral
 from pathlib import Path
 from typing import NamedTuple
 
@@ -98,8 +99,8 @@ def prove(
     Raises
     ------
     InputError
-        There is no compiler or no such export, a package is missing, too few scans, a negative
-        seed, or the folder cannot be written.
+        There is no compiler or no such export, a package is missing, too few scans, a seed that is
+        negative or no whole number, or the folder cannot be written.
 
     Examples
     --------
@@ -112,8 +113,9 @@ def prove(
     (True, 'equal')
     """
     for what, value, least in (("scans", scans, FEWEST), ("seed", seed, 0)):
-        if value < least:
-            raise InputError(f"proof, {what}", value, f"at least {least:,}", "choose more")
+        if not isinstance(value, Integral) or value < least:
+            expected = f"a whole number of at least {least:,}"
+            raise InputError(f"proof, {what}", value, expected, "choose more")
     begun, tell = time.monotonic(), progress or (lambda _: None)
     compiler, chosen = find_compiler("proof"), proved_targets(to)
     jobs = {kind: runs_of(kind, compiler, chosen) for kind in ("controller", "process")}
