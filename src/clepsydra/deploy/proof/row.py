@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
@@ -195,12 +195,32 @@ class Proof:
         }
 
 
+#: What a row holds, and its scores where it has some.
+_BLANK = asdict(ProofRow("", "", "double", "engine", "", 0, 0, bound=0.0))
+_SCORES = {"ranking": 1.0, "score": "", "change": 0.0, "is_change": False}
+_MAY_BE_NONE = ("bound", "ranking", "change")
+
+
 def row_of(said: dict[str, Any]) -> ProofRow:
     """Return the row that `ProofRow.as_dict` described; a TypeError or KeyError if it did not."""
-    if set(said) != {entry.name for entry in fields(ProofRow)}:
+    infinite = said["largest"] == "infinite"
+    _check_alike(said | ({"largest": 0.0} if infinite else {}), _BLANK)
+    if said["scores"]:
+        _check_alike(said["scores"], _SCORES)
+    return ProofRow(**said | ({"largest": math.inf} if infinite else {}))
+
+
+def _check_alike(said: dict[str, Any], example: dict[str, Any]) -> None:
+    """Refuse what has other keys than an example, or values of other types."""
+    if set(said) != set(example):
         raise KeyError("no row of a proof")
-    largest = said["largest"]
-    return ProofRow(**{**said, "largest": math.inf if largest == "infinite" else float(largest)})
+    for name, like in example.items():
+        value, kinds = said[name], (int, float) if isinstance(like, float) else type(like)
+        odd = not isinstance(value, kinds) or (
+            isinstance(value, float) and not math.isfinite(value)
+        )
+        if odd and not (value is None and name in _MAY_BE_NONE):
+            raise TypeError(f"{name} of another type")
 
 
 def read_memory(path: Path) -> dict[tuple[object, ...], ProofRow]:
