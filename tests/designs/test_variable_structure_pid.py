@@ -87,6 +87,7 @@ def test_alpha_of_the_user_is_taken_within_the_rule_and_refused_outside():
     ("settings", "words"),
     [
         ([PidSettings(3.0), JOHANSSON[1]], r"integral gain K/Ti of level_1 by pump_1: got 0\.0"),
+        ([PidSettings(3.0, 0.0), JOHANSSON[1]], r"got nan, expected a number above zero"),
         ([PidSettings(-3.0, 30.0), JOHANSSON[1]], r"got -0\.1, expected a number above zero"),
         (JOHANSSON[:1], "2 settings"),
     ],

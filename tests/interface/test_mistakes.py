@@ -179,6 +179,18 @@ MISTAKES = {
         lambda plant, pi: cl.tune(pi, plant, parameters={"level_1": {"Tii": ("1 s", "9 s")}}),
         ("tuning, parameters, level_1", "Tii", "K, Ti, b", "'Ti' was meant"),
     ),
+    "score that is no text": (
+        lambda plant, pi: cl.tune(pi, plant, goal={3: 1.0}),
+        ("tuning, objective", 3, "names as text", "write as in"),
+    ),
+    "loop that is no text": (
+        lambda plant, pi: cl.tune(pi, plant, parameters={3: (1.0, 9.0)}),
+        ("tuning, parameters", 3, "names as text", "write as in"),
+    ),
+    "input that is no text": (
+        lambda plant, pi: cl.tune(pi, plant, limits={"total_variation": {3: 1.0}}),
+        ("tuning, total_variation", 3, "names as text", "write as in"),
+    ),
     "record": (
         lambda plant, pi: cl.identify("no-such-record.csv"),
         ("no-such-record.csv", "no such file", "a CSV file", "check the path"),

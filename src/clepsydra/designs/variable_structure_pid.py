@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 
 from clepsydra.base.arguments import sequence_of
@@ -154,7 +155,8 @@ def _as_given(
     if len(settings) != count:
         raise InputError("settings", len(settings), f"{count} settings", "give one for each pair")
     for loop, setting in zip(together.loops, settings, strict=True):
-        integral_gain, sign = setting.gain / setting.integral_time, loop.element.sign
+        integral_gain = setting.gain / (setting.integral_time or math.nan)
+        sign = loop.element.sign
         if not integral_gain * sign > 0.0:
             expected = (
                 f"a number {'above' if sign > 0.0 else 'below'} zero, the direction in which "

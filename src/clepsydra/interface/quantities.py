@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from numbers import Real
 from typing import Any
 
+from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
@@ -46,7 +47,16 @@ def arguments(
     >>> arguments("step of level_1", {"at": "2 min"}).quantity("at", "s", "a time", "give one")
     120.0
     """
+    _check_names(place, values)
     return TableReader(_Arguments(place, dict(values), {}), (), keys)
+
+
+def _check_names(place: str, values: Mapping[str, Any]) -> None:
+    """Refuse a dictionary with a key that is no text, which no file could have."""
+    for name, value in values.items():
+        require_type(name, str, place, "names as text", 'write as in {"level_1": 1.0}')
+        if isinstance(value, Mapping):
+            _check_names(f"{place}, {name}", value)
 
 
 def with_unit(value: Any, unit: str) -> Any:
