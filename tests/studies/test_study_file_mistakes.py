@@ -75,6 +75,15 @@ SCENARIO = [
         "the steps at 6 h; lengthen the duration, or let it step earlier.",
     ),
     (
+        f"{BASIN}[scenario]\nduration = '1 s'\n",
+        "line 3, scenario.duration: got '1 s', expected at least",
+    ),
+    (
+        step("setpoint", 'signal = "level"', 'at = "359 min"', 'to = "60 %"'),
+        "line 6, scenario.setpoint.1.at: got '359 min', expected a time before the end of "
+        "the steps at 6 h, by two samples",
+    ),
+    (
         step("setpoint", 'signal = "level"', 'at = "1 h"', 'to = "110 %"'),
         "line 7, scenario.setpoint.1.to: got '110 %', expected a setpoint from 0 to 100 "
         "%, the range "

@@ -31,14 +31,19 @@ _KINDS: tuple[Literal["setpoint", "load"], ...] = ("setpoint", "load")
 def _instant(
     table: TableReader, key: str, known: Mapping[str, Any], of: str, remedy: str, **bounds: float
 ) -> int:
-    """Return the later one of the two samples around a time, one before an end."""
+    """Return the later one of the two samples around a time, one before an end.
+
+    What nothing follows is judged by two samples or more.
+    """
     period, samples = known["process"].sampling_period, known["samples"]
+    fewest = known.get("fewest", 2)
     sample = samples_before(table.quantity(key, "s", "a time", remedy, **bounds), period)
-    if sample >= samples:
+    if sample > samples - fewest:
         late = "let the noise begin earlier" if key == "noise" else "let it step earlier"
         raise table.wrong(
             key,
-            f"a time before the end of the {of} at {time_text(samples * period, 4)}",
+            f"a time before the end of the {of} at {time_text(samples * period, 4)}"
+            + (", by two samples" if sample < samples else ""),
             f"lengthen the duration, or {late}",
         )
     return sample
@@ -85,6 +90,10 @@ def _samples(table: TableReader, name: str, known: Mapping[str, Any]) -> int:
     )
     period = known["process"].sampling_period
     samples = samples_before(duration, period)
+    if samples < 2:
+        expected = f"at least {time_text(2 * period, 4)}, two samples"
+        remedy = "lengthen it, or shorten the sampling period of the process"
+        raise table.wrong("duration", expected, remedy)
     if samples > MOST_SAMPLES:
         raise table.wrong(
             "duration",
@@ -104,9 +113,11 @@ def _noise_begins(table: TableReader, name: str, known: Mapping[str, Any]) -> in
 
 def _steps(table: TableReader, name: str, known: Mapping[str, Any]) -> list[Step]:
     """Return the steps in order of time, all of them before the noise."""
-    last = known["samples"] if known["quiet"] is None else known["quiet"]
+    end = {"samples": known["samples"]}
+    if known["quiet"] is not None:  # which begins with another sample of the last step
+        end = {"samples": known["quiet"], "fewest": 1}
     steps = [
-        Step(kind, **read_fields(Step, row, kind=kind, process=known["process"], samples=last))
+        Step(kind, **read_fields(Step, row, kind=kind, process=known["process"], **end))
         for kind in _KINDS
         for row in table.tables(
             kind, "a list of steps", f"write each as [[scenario.{kind}]]", keys_of(Step)
