@@ -231,6 +231,14 @@ MISTAKES = {
         lambda plant, pi: cl.export(pi, "quadruple-tank"),
         ("plant", "quadruple-tank", "a plant", "cl.load"),
     ),
+    "scenario as text": (
+        lambda plant, pi: cl.verify(pi, plant, scenario="default"),
+        ("scenario", "default", "a Scenario", "that of a study"),
+    ),
+    "values as a list": (
+        lambda plant, pi: plant.with_values(["tank_1.area"]),
+        ("plant, values", "a list", "parameters with their values", '"tank_1.area": "30 cm^2"'),
+    ),
     "a system of nothing": (
         lambda plant, pi: cl.zeros("G"),
         ("python-control system", "str", "a control.StateSpace", "control.ss"),

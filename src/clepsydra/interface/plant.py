@@ -97,6 +97,8 @@ class Plant(Answered):
         """
         own = {parameter.name: parameter for parameter in self.process.parameters}
         found = {}
+        remedy = 'write as in {"tank_1.area": "30 cm^2"}'
+        require_type(values, Mapping, "plant, values", "parameters with their values", remedy)
         for name, value in values.items():
             signal = known("plant, values", name, own, f"a parameter of {self.process.name}")
             found[name] = read_signal("plant, values", name, value, signal, "a value")

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from clepsydra.base.arguments import require_type
 from clepsydra.controllers import controller as inner
 from clepsydra.deploy.proof import row as inner_proof
 from clepsydra.deploy.proof.item import controller_item, process_item_of
@@ -112,7 +113,8 @@ def verify(
         setpoint_rate=setpoint_rate,
         rate_limit=rate_limit,
     )
-    scenario = scenario or scenario_of(plant)
+    scenario = scenario_of(plant) if scenario is None else scenario
+    require_type(scenario, Scenario, "scenario", "a Scenario", "give one, as that of a study")
     chosen = proved_targets(to)
     part = "" if chosen == proved_targets(None) else f"-{'-'.join(chosen)}"
     items = [
