@@ -204,6 +204,7 @@ def test_a_predictor_is_the_polynomial_controller_where_b_is_one_coefficient(lat
         (design_polynomial, {"assigned_poles": [1.0]}, "below 1"),
         (design_polynomial, {"assigned_poles": [-0.5]}, "below 1"),
         (design_polynomial, {"models": []}, "one for each pair"),
+        (design_polynomial, {"models": 5}, "a list of sampled models"),
         (design_polynomial, {"models": [SampledModel((1.0,), (-0.5,), 5, 2.0)]}, "period of 1 s"),
         (design_polynomial, {"models": ["a model"]}, "period of 1 s"),
         (

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers.polynomial_controller import PolynomialShape
@@ -52,6 +53,9 @@ def modelled_pairs(
     """
     period = check_sampling_period(model)
     loops = paired_loops(model, pairing)
+    if given is not None:
+        expected = "a list of sampled models"
+        require_type(given, (list, tuple), "models", expected, "give one for each pair, in a list")
     models = [_sampled(loop, period) for loop in loops] if given is None else list(given)
     if len(models) != len(loops):
         expected = f"{len(loops)} models, one for each pair"
