@@ -7,7 +7,6 @@ from fmpy.validation import validate_fmu
 from fmus import VERSIONS, Imported, all_bits, cases, written
 from models import FRICTIONS, drawn, origin, process_of, rig
 from plants import STRUCTURES, plant
-from refusals import refused
 
 from clepsydra import Kernel
 from clepsydra.deploy.fmi.process import process_model
@@ -117,12 +116,6 @@ def test_a_long_time_does_not_add_up_rounding(tmp_path):
         time += 0.1
     assert abs(time - 10_000.0) > 1e-9
     fmu.close()
-
-
-def test_a_number_of_steps_that_no_delay_fits_is_refused(tmp_path):
-    point = rig(tmp_path, delay=True)
-    with refused(expected="a multiple of 2"):
-        process_model(point, 3, origin("rig", 1.0))
 
 
 def test_disturbances_are_inputs_and_measurements_outputs():
