@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
 
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
+from clepsydra.controllers.decoupling import Decoupling
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.block import Block
 from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock, FeedforwardTerm
@@ -14,9 +14,6 @@ from clepsydra.controllers.structure.law import structure_law
 from clepsydra.controllers.structure.output_block import OutputBlock
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.program.step_law import StepLaw
-
-#: By the static gains of the process, or by its dynamics.
-Decoupling = Literal["static", "dynamic"]
 
 
 def multiloop_pid_law(

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from clepsydra.controllers.decoupling import Decoupling
 from clepsydra.designs.applicability import NotApplicable, reasons_about
 from clepsydra.designs.loops.pairing import Pairing, checked_pairing
 from clepsydra.designs.models.transfer_element import (
@@ -17,7 +18,6 @@ from clepsydra.designs.models.transfer_element import (
 )
 from clepsydra.linear.linear_model import LinearModel
 
-DecouplerKind = Literal["static", "dynamic"]
 #: A lead that no lag of the process goes with gets a lag this much shorter.
 LEAD_OVER_LAG = 10.0
 
@@ -59,7 +59,7 @@ class LeadLag(NamedTuple):
 
 
 def inverted_decoupler(
-    model: LinearModel, pairing: Pairing | None = None, *, kind: DecouplerKind = "dynamic"
+    model: LinearModel, pairing: Pairing | None = None, *, kind: Decoupling = "dynamic"
 ) -> Decoupler:
     """Return the elements d_ij = −g_ij/g_ii of inverted decoupling for a pairing.
 
@@ -120,9 +120,7 @@ def inverted_decoupler(
     return Decoupler(gain, lead, lag, exact, outputs, inputs)
 
 
-def decoupling_element(
-    own: TransferElement, cross: TransferElement, kind: DecouplerKind
-) -> LeadLag:
+def decoupling_element(own: TransferElement, cross: TransferElement, kind: Decoupling) -> LeadLag:
     """Return d = −g_ij/g_ii as a gain or a lead-lag of first order.
 
     Where the quotient has more than one lead and one lag, or a dead time, the lead-lag has its

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from clepsydra.base.words import time_text
+from clepsydra.controllers.decoupling import Decoupling
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.arguments.argument import word
 from clepsydra.designs.design import Studied, design
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from clepsydra.linear.linear_model import LinearModel
 
 METHOD = "SIMC"
-Decoupling = Literal["static", "dynamic"]
 
 
 def simc_settings(model: FirstOrderDelay, closed_loop_time_constant: float) -> PidSettings:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
+from clepsydra.controllers.decoupling import Decoupling
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.virtual_input import AlphaOn, VirtualAntiWindup
 from clepsydra.designs.loop_shaping.precompensator import Precompensator
@@ -13,7 +14,6 @@ from clepsydra.designs.loops.pid_settings import PidSettings
 from clepsydra.designs.operating_plan import Follows
 from clepsydra.designs.polynomial.sampled_model import SampledModel
 from clepsydra.designs.regulator import ActsOn, RegulatorAntiWindup
-from clepsydra.designs.simc import Decoupling
 from clepsydra.designs.smith_predictor import Primary
 from clepsydra.designs.states.quadratic_weights import QuadraticWeights
 from clepsydra.designs.virtual_settings import VirtualSettings

@@ -11,7 +11,8 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import path
 from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Complexity, Controller
-from clepsydra.controllers.pid import Decoupling, family, multiloop_pid_law
+from clepsydra.controllers.decoupling import Decoupling
+from clepsydra.controllers.pid import family, multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.designs.applicability import reasons_about
 from clepsydra.designs.at_operating_point import controller_at, numbers_at
