@@ -21,11 +21,7 @@ from clepsydra.controllers.blocks.status import Mode
 from clepsydra.controllers.blocks.validity import any_of, time_step_of
 from clepsydra.controllers.control_law import control_law
 from clepsydra.controllers.observers.observer import ModelObserver
-from clepsydra.controllers.observers.state_source import (
-    sensors_of_states,
-    shown_states,
-    zeros_and_slopes,
-)
+from clepsydra.controllers.observers.state_source import ShownStates, sensors_of_states
 from clepsydra.controllers.process_model import evaluated, model_parameter, used_in
 from clepsydra.controllers.virtual_input import (
     ANTI_WINDUPS,
@@ -74,7 +70,7 @@ class LinearisedProcess:
     def __init__(
         self, linearised: VectorRelativeDegree, observer: ModelObserver | None = None
     ) -> None:
-        self.linearised, self.observer = linearised, observer
+        self.linearised = linearised
         equations = linearised.equations
         # For each output its derivatives by the drift, then E row by row.
         drift = [each for chain in linearised.derivatives for each in chain[1:]]
@@ -82,7 +78,7 @@ class LinearisedProcess:
         pairs = zip(equations.states, ca.vertsplit(equations.state), strict=True)
         needed = [name for name, symbol in pairs if ca.depends_on(found, symbol)]
         sensors = sensors_of_states(equations)
-        known = observer.equations.states if observer else sensors
+        known = observer.states if observer else sensors
         if missing := [name for name in needed if name not in known]:
             raise InputError(
                 "feedback linearisation, state",
@@ -90,19 +86,16 @@ class LinearisedProcess:
                 "a state that is measured or estimated: the law needs it",
                 "add a sensor, or an observer",
             )
-        self._sensors = {} if observer else {name: sensors[name] for name in needed}
-        shown = observer.measurements if observer else self._sensors.values()
+        self.source = observer or ShownStates(equations, {name: sensors[name] for name in needed})
         # What the law reads: the outputs, then what shows the other states.
-        self.measurements = tuple(dict.fromkeys((*equations.outputs, *shown)))
-        others = observer.expressions if observer else zeros_and_slopes(equations, self._sensors)
+        self.measurements = tuple(dict.fromkeys((*equations.outputs, *self.source.measurements)))
         # The constants of the process that it computes with.
-        self.constants = used_in(equations, [found, *others])
+        self.constants = used_in(equations, [found, *self.source.expressions])
         self._expressions = found
 
     def parameters(self) -> list[Signal]:
         """Return model.* with the values of the operating point, and those of the observer."""
-        own = self.observer.correction.signals() if self.observer else []
-        return [*map(model_parameter, self.constants), *own]
+        return [*map(model_parameter, self.constants), *self.source.parameters()]
 
     def values(self) -> dict[str, float]:
         """Return the values of model.*."""
@@ -114,16 +107,11 @@ class LinearisedProcess:
         `symbols`: model.*, estimates, correction and time_step; `measured`: in the order of
         `measurements`, as numbers; `known`: whether they may be used.
         """
-        equations, observer = self.linearised.equations, self.observer
+        equations, source = self.linearised.equations, self.source
         sample, shown = Sample(symbols), dict(zip(self.measurements, measured, strict=True))
         state = ca.SX(equations.point.state)
-        if observer:
-            names = observer.equations.states
-            found = observer.correct(sample, [shown[y] for y in observer.measurements], known)
-        else:
-            names = tuple(self._sensors)
-            found = shown_states(equations, self._sensors, symbols, shown)
-        for name, value in zip(names, found, strict=True):
+        found = source.correct(sample, [shown[y] for y in source.measurements], known)
+        for name, value in zip(source.states, found, strict=True):
             state[equations.states.index(name)] = value
         (terms,) = evaluated(equations, [self._expressions], symbols, state)
         values = iter(ca.vertsplit(ca.densify(terms)))
@@ -132,8 +120,7 @@ class LinearisedProcess:
         effects = [list(islice(values, len(equations.inputs))) for _ in equations.outputs]
 
         def following(applied: Sequence[ca.SX]) -> dict[str, ca.SX]:
-            if observer:
-                observer.predict(sample, found, applied)
+            source.predict(sample, found, applied)
             return sample.next_state
 
         return Evaluated(derivatives, effects, following)
@@ -215,7 +202,7 @@ def feedback_linearisation_law(
         state=[
             *(signal for each in virtual for signal in each.state()),
             *map(signals.last_output, moved),
-            *([] if observer is None else observer.state()),
+            *known.source.state(),
         ],
         description=(
             "u = E⁻¹ (ν − L) within the limits, with d^r y/dt^r = L + E u from the equations of "

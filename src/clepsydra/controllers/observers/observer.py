@@ -161,7 +161,7 @@ class ModelObserver(Observer):
     def __init__(
         self, equations: ProcessEquations, measurements: Sequence[str], corrected: np.ndarray
     ) -> None:
-        self.equations, self.measurements = equations, measurements
+        self.equations, self.states, self.measurements = equations, equations.states, measurements
         x = equations.signals_of_states()
         y, u = (
             [equations.point.process.signal(name) for name in names]
@@ -172,7 +172,11 @@ class ModelObserver(Observer):
         #: What it computes with: whoever writes the law gives it the constants in them.
         self.expressions = equations.rates, ca.vertcat(*map(equations.reading, measurements))
         models = models_in(equations, self.expressions)
-        super().__init__(x, y, u, [*models, *self.correction.signals()])
+        super().__init__(x, y, u, [*models, *self.parameters()])
+
+    def parameters(self) -> list[Signal]:
+        """Return the numbers of correction."""
+        return self.correction.signals()
 
     def state(self) -> list[Signal]:
         """Return estimate of each estimated state, expected in the next sample."""

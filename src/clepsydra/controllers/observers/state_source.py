@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import casadi as ca
 
@@ -15,7 +15,7 @@ from clepsydra.controllers.blocks.sample import Reading, Sample
 from clepsydra.controllers.control_law import control_law
 from clepsydra.controllers.process_model import evaluated, models_in
 from clepsydra.linear.process_equations import ProcessEquations
-from clepsydra.program.step_law import StepLaw, Symbols
+from clepsydra.program.step_law import StepLaw
 
 
 class StateSource(ABC):
@@ -145,42 +145,48 @@ def sensors_of_states(equations: ProcessEquations) -> dict[str, str]:
     return found
 
 
-def zeros_and_slopes(equations: ProcessEquations, sensors: Mapping[str, str]) -> list[ca.SX]:
-    """Return what each sensor of `sensors_of_states` shows at a state of zero, and its slope."""
-    found, zero = [], ca.SX.zeros(len(equations.states))
-    for state, sensor in sensors.items():
-        reading = equations.reading(sensor)
-        place = equations.states.index(state)
-        found.append(ca.substitute(reading, equations.state, zero))
-        found.append(ca.jacobian(reading, equations.state[place]))
-    return found
+class ShownStates:
+    """States by the sensors that show them, in the place of an observer: nothing is kept.
 
-
-def shown_states(
-    equations: ProcessEquations,
-    sensors: Mapping[str, str],
-    symbols: Symbols,
-    measured: Mapping[str, ca.SX],
-) -> list[ca.SX]:
-    """Return the states that sensors show.
-
-    `sensors`: state to its sensor, as in `sensors_of_states`; `symbols`, `measured`: model.* of the
-    sensors, and what they show.
+    `sensors`: state to its sensor, as in `sensors_of_states`.
 
     Examples
     --------
     >>> import clepsydra as cl
     >>> from clepsydra.linear.process_equations import process_equations
-    >>> equations = process_equations(cl.load("quadruple-tank").linear)
-    >>> gain = {"model.level_1.gain": ca.SX(50.0)}
-    >>> shown_states(equations, {"tank_1.level": "level_1"}, gain, {"level_1": ca.SX(5.0)})
+    >>> shown = ShownStates(
+    ...     process_equations(cl.load("quadruple-tank").linear), {"tank_1.level": "level_1"})
+    >>> shown.correct(Sample({"model.level_1.gain": ca.SX(50.0)}), [ca.SX(5.0)], ca.SX(1))
     [SX(0.1)]
     """
-    at = evaluated(equations, zeros_and_slopes(equations, sensors), symbols)
-    return [
-        (measured[sensor] - zero) / ca.if_else(slope == 0, 1, slope)
-        for sensor, zero, slope in zip(sensors.values(), at[::2], at[1::2], strict=True)
-    ]
+
+    def __init__(self, equations: ProcessEquations, sensors: Mapping[str, str]) -> None:
+        self.equations = equations
+        self.states, self.measurements = tuple(sensors), tuple(sensors.values())
+        #: What it computes with: of each sensor what it shows at a state of zero, and its slope.
+        self.expressions: list[ca.SX] = []
+        zero = ca.SX.zeros(len(equations.states))
+        for state, sensor in sensors.items():
+            reading, place = equations.reading(sensor), equations.states.index(state)
+            self.expressions.append(ca.substitute(reading, equations.state, zero))
+            self.expressions.append(ca.jacobian(reading, equations.state[place]))
+
+    def parameters(self) -> list[Signal]:
+        """Return what it computes with beside model.*: nothing."""
+        return []
+
+    state = parameters
+
+    def correct(self, sample: Sample, measured: Iterable[ca.SX], known: ca.SX) -> list[ca.SX]:
+        """Return the states that the measurements show [p], see `Observer.correct`."""
+        at = evaluated(self.equations, self.expressions, sample.symbols)
+        return [
+            (value - zero) / ca.if_else(slope == 0, 1, slope)
+            for value, zero, slope in zip(measured, at[::2], at[1::2], strict=True)
+        ]
+
+    def predict(self, sample: Sample, estimate: Sequence[ca.SX], inputs: Sequence[ca.SX]) -> None:
+        """Write the state of the next sample: none."""
 
 
 class MeasuredState(ProcessState):
@@ -198,12 +204,12 @@ class MeasuredState(ProcessState):
                 "a measurement that shows the state alone and in proportion",
                 "add a sensor, or an observer",
             )
-        self._sensors = {name: found[name] for name in equations.states}
+        self._shown = ShownStates(equations, {name: found[name] for name in equations.states})
         # The controlled outputs come first, then what shows the other states.
-        measurements = dict.fromkeys((*equations.outputs, *self._sensors.values()))
-        super().__init__(equations, [*measurements], zeros_and_slopes(equations, self._sensors))
+        measurements = dict.fromkeys((*equations.outputs, *self._shown.measurements))
+        super().__init__(equations, [*measurements], self._shown.expressions)
 
     def known(self, sample: Sample, reading: Reading) -> list[ca.SX]:
         """Return what the sensors show."""
-        shown = reading.measurements
-        return shown_states(self.equations, self._sensors, sample.symbols, shown)
+        measured = (reading.measurements[y] for y in self._shown.measurements)
+        return self._shown.correct(sample, measured, reading.known)
