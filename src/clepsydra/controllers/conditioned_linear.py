@@ -11,9 +11,8 @@ import numpy as np
 from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.matrix import Matrix
-from clepsydra.controllers.blocks.sample import Reading, Sample
+from clepsydra.controllers.blocks.sample import Reading, Sample, control_law
 from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step
-from clepsydra.controllers.control_law import control_law
 from clepsydra.controllers.state_feedback import fading_output, fading_parameters
 from clepsydra.program.step_law import StepLaw
 

@@ -11,9 +11,8 @@ from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import final_element
 from clepsydra.controllers.blocks.ports import Asked
-from clepsydra.controllers.blocks.sample import Reading, Sample
+from clepsydra.controllers.blocks.sample import Reading, Sample, control_law
 from clepsydra.controllers.blocks.validity import all_of, is_number, time_step_of
-from clepsydra.controllers.control_law import control_law
 from clepsydra.program.step_law import StepLaw
 
 FAMILY = "active disturbance rejection"

@@ -16,10 +16,9 @@ from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import IN_WORDS, cut_off
 from clepsydra.controllers.blocks.final_element import final_element
 from clepsydra.controllers.blocks.ports import Applied, Asked
-from clepsydra.controllers.blocks.sample import Reading, Sample
+from clepsydra.controllers.blocks.sample import Reading, Sample, control_law
 from clepsydra.controllers.blocks.status import Mode
 from clepsydra.controllers.blocks.validity import any_of, time_step_of
-from clepsydra.controllers.control_law import control_law
 from clepsydra.controllers.observers.observer import ModelObserver
 from clepsydra.controllers.observers.state_source import ShownStates, sensors_of_states
 from clepsydra.controllers.process_model import evaluated, model_parameter, used_in

@@ -13,9 +13,8 @@ from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.blocks.ports import truth
-from clepsydra.controllers.blocks.sample import Reading, Sample
+from clepsydra.controllers.blocks.sample import Reading, Sample, inner_equations
 from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step
-from clepsydra.controllers.control_law import inner_equations
 from clepsydra.controllers.linear_quadratic_integral import output_parameters, varying_lqi
 from clepsydra.controllers.observers.linear_state import LinearState
 from clepsydra.program.block import Block

@@ -15,14 +15,13 @@ from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import final_element
 from clepsydra.controllers.blocks.ports import Asked
-from clepsydra.controllers.blocks.sample import Sample
+from clepsydra.controllers.blocks.sample import Sample, inner_equations
 from clepsydra.controllers.blocks.validity import (
     all_of,
     is_number,
     is_time_step,
     value_or_zero,
 )
-from clepsydra.controllers.control_law import inner_equations
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 

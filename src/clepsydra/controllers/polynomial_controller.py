@@ -19,9 +19,8 @@ from clepsydra.controllers.blocks.final_element import (
     output_results,
 )
 from clepsydra.controllers.blocks.ports import ASKED, Asked, truth
-from clepsydra.controllers.blocks.sample import Reading, Sample
+from clepsydra.controllers.blocks.sample import Reading, Sample, control_law
 from clepsydra.controllers.blocks.validity import all_of, is_time_step
-from clepsydra.controllers.control_law import control_law
 from clepsydra.program.block import Block
 from clepsydra.program.entries import Entry
 from clepsydra.program.step_law import Equations, StepLaw, Symbols

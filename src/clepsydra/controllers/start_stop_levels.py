@@ -14,10 +14,9 @@ from clepsydra.base.units import from_si
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import final_element
 from clepsydra.controllers.blocks.ports import Asked, truth
-from clepsydra.controllers.blocks.sample import Reading, Sample
+from clepsydra.controllers.blocks.sample import Reading, Sample, control_law
 from clepsydra.controllers.blocks.status import Mode
 from clepsydra.controllers.blocks.validity import is_time_step, limit
-from clepsydra.controllers.control_law import control_law
 from clepsydra.program.step_law import StepLaw
 
 

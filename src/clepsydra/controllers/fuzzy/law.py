@@ -9,9 +9,8 @@ import casadi as ca
 from clepsydra.base.signal import path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import give_output
-from clepsydra.controllers.blocks.sample import Sample
+from clepsydra.controllers.blocks.sample import Sample, control_law
 from clepsydra.controllers.blocks.validity import all_of
-from clepsydra.controllers.control_law import control_law
 from clepsydra.controllers.fuzzy.inference import rule_base
 from clepsydra.controllers.fuzzy.system import FuzzySystem
 from clepsydra.controllers.fuzzy.variables import FuzzyInput, FuzzyOutput

@@ -11,8 +11,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.matrix import Matrix
-from clepsydra.controllers.blocks.sample import Reading, Sample
-from clepsydra.controllers.control_law import control_law
+from clepsydra.controllers.blocks.sample import Reading, Sample, control_law
 from clepsydra.controllers.process_model import evaluated, models_in
 from clepsydra.linear.process_equations import ProcessEquations
 from clepsydra.program.step_law import StepLaw
