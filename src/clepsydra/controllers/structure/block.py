@@ -21,51 +21,12 @@ class Opened(NamedTuple):
     close: Callable[[Sequence[Applied]], tuple[Applied, ...]]
 
 
-class Block(Protocol):
-    """A part of a control scheme: a loop, a selector, an output.
-
-    A sample runs forward from setpoints to outputs, each block asking something of the next
-    one, and then backward, each telling what was applied, so that every integral knows it:
-    limits, selectors and hands far behind it included.
-    """
-
-    @property
-    def name(self) -> str:
-        """What others call it."""
-
-    @property
-    def sources(self) -> tuple[str, ...]:
-        """The ports whose values it takes."""
-
-    @property
-    def ports(self) -> tuple[str, ...]:
-        """The names under which others take what it asks for; each is taken once."""
-
-    def parameters(self) -> list[Signal]:
-        """Its parameters."""
-
-    def state(self) -> list[Signal]:
-        """Its state."""
-
-    def inputs(self) -> list[Signal]:
-        """Inputs that it has beside measurements, setpoints and what belongs to outputs."""
-
-    def outputs(self) -> list[Signal]:
-        """What it gives to the plant."""
-
-    def limits(self, sample: Sample, after: Sequence[Limits]) -> tuple[Limits, ...]:
-        """Between which values it takes each source, from the limits after each port."""
-
-    def open(self, sample: Sample, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
-        """Run forward from what the sources ask for; `limits` are those after each port."""
-
-
-class WithoutSignals:
-    """A block of a scheme that has no signals of its own but for those that it names."""
+class PlainBlock(Protocol):
+    """What a block is that says nothing else: a port of its name, no signals, limits handed on."""
 
     @property
     def ports(self: Block) -> tuple[str, ...]:
-        """Its name, under which the next block takes what it asks for."""
+        """The names under which others take what it asks for; each is taken once."""
         return (self.name,)
 
     def parameters(self) -> list[Signal]:
@@ -83,3 +44,27 @@ class WithoutSignals:
     def outputs(self) -> list[Signal]:
         """What it gives to the plant."""
         return []
+
+    def limits(self: Block, sample: Sample, after: Sequence[Limits]) -> tuple[Limits, ...]:
+        """Between which values it takes each source, from the limits after each port."""
+        return (after[0],) * len(self.sources)
+
+
+class Block(PlainBlock, Protocol):
+    """A part of a control scheme: a loop, a selector, an output.
+
+    A sample runs forward from setpoints to outputs, each block asking something of the next
+    one, and then backward, each telling what was applied, so that every integral knows it:
+    limits, selectors and hands far behind it included.
+    """
+
+    @property
+    def name(self) -> str:
+        """What others call it."""
+
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """The ports whose values it takes."""
+
+    def open(self, sample: Sample, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
+        """Run forward from what the sources ask for; `limits` are those after each port."""

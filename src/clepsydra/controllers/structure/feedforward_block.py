@@ -14,7 +14,7 @@ from clepsydra.controllers.blocks.ports import Applied, Asked, Limits, instance,
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.validity import is_number, time_step_of, value_or_zero
 from clepsydra.controllers.signals import amount, signed
-from clepsydra.controllers.structure.block import Opened, WithoutSignals
+from clepsydra.controllers.structure.block import Opened, PlainBlock
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
 
@@ -56,11 +56,12 @@ _DYNAMICS = tuple(amount(what, "s", f"{what} time {_WAY}") for what in ("lead", 
 
 
 @dataclass(frozen=True)
-class FeedforwardBlock(WithoutSignals):
+class FeedforwardBlock(PlainBlock):
     """A sum: what a loop asks for, and feedforward from other signals.
 
     With the last outputs of the other loops as signals it is inverted decoupling. A signal that
-    fails leaves its term where it went to at last, and the loop goes on.
+    fails leaves its term where it went to at last, and the loop goes on. The limits after
+    it bound the loop's part loosely.
 
     `source`: the loop's port; `moved`: what the sum moves: an output, or another loop's setpoint.
 
@@ -86,10 +87,6 @@ class FeedforwardBlock(WithoutSignals):
     def state(self) -> list[Signal]:
         """Those of all terms."""
         return [state for term in self.terms for state in term.state()]
-
-    def limits(self, sample: Sample, after: Sequence[Limits]) -> tuple[Limits, ...]:
-        """Those after it: they bound the loop's part loosely."""
-        return (after[0],)
 
     def open(self, sample: Sample, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Add the terms."""

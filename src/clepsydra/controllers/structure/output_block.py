@@ -10,11 +10,11 @@ from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import final_element
 from clepsydra.controllers.blocks.ports import Asked, Limits
 from clepsydra.controllers.blocks.sample import Sample
-from clepsydra.controllers.structure.block import Opened, WithoutSignals
+from clepsydra.controllers.structure.block import Opened, PlainBlock
 
 
 @dataclass(frozen=True)
-class OutputBlock(WithoutSignals):
+class OutputBlock(PlainBlock):
     """One manipulated variable of a control scheme.
 
     `signal`: the process input; `source`: the port that moves it in automatic; `rate_limited`:

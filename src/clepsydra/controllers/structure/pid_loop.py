@@ -17,7 +17,7 @@ from clepsydra.controllers.blocks.pid import PID_WORDS, pid_state, pid_terms
 from clepsydra.controllers.blocks.ports import GOOD, PV, SP, Applied, Asked
 from clepsydra.controllers.blocks.validity import is_number, limit, time_step_of, value_or_zero
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.controllers.structure.block import WithoutSignals
+from clepsydra.controllers.structure.block import PlainBlock
 from clepsydra.program.step_law import Symbols
 
 
@@ -35,7 +35,7 @@ class Setpoint(NamedTuple):
 
 
 @dataclass(frozen=True)
-class PidLoop(WithoutSignals):
+class PidLoop(PlainBlock):
     """A PID loop: it measures one signal and moves an output, or another loop's setpoint.
 
     `name`: what other blocks call it; `owner`: what its parameters and its state belong to;

@@ -23,7 +23,7 @@ from clepsydra.controllers.blocks.ports import (
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.validity import is_number, value_or_zero
 from clepsydra.controllers.signals import signed
-from clepsydra.controllers.structure.block import Opened, WithoutSignals
+from clepsydra.controllers.structure.block import Opened, PlainBlock
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
 
@@ -32,7 +32,7 @@ _TOO_SMALL = 1e-3
 
 
 @dataclass(frozen=True)
-class RatioBlock(WithoutSignals):
+class RatioBlock(PlainBlock):
     """What is asked for is a ratio times a wild signal, in units of both.
 
     `owner`: what its parameters belong to; `wild`: the measurement that nobody moves here; `moved`:

@@ -11,7 +11,7 @@ import casadi as ca
 
 from clepsydra.controllers.blocks.ports import ASKED, Applied, Asked, Limits, instance, prefixed
 from clepsydra.controllers.blocks.sample import Sample
-from clepsydra.controllers.structure.block import Opened, WithoutSignals
+from clepsydra.controllers.structure.block import Opened, PlainBlock
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
 
@@ -19,7 +19,7 @@ Selection = Literal["low", "high"]
 
 
 @dataclass(frozen=True)
-class SelectorBlock(WithoutSignals):
+class SelectorBlock(PlainBlock):
     """The lowest or highest of several values.
 
     All its sources are told what was applied, so the integrals of those that were not selected
@@ -36,10 +36,6 @@ class SelectorBlock(WithoutSignals):
     name: str
     sources: tuple[str, ...]
     selection: Selection
-
-    def limits(self, sample: Sample, after: Sequence[Limits]) -> tuple[Limits, ...]:
-        """Those after it, for every source."""
-        return (after[0],) * len(self.sources)
 
     def open(self, sample: Sample, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Select."""

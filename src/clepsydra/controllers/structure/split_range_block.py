@@ -14,7 +14,7 @@ from clepsydra.controllers.blocks.ports import APPLIED, Applied, Asked, Limits, 
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.validity import limit
 from clepsydra.controllers.signals import signed
-from clepsydra.controllers.structure.block import Opened, WithoutSignals
+from clepsydra.controllers.structure.block import Opened, PlainBlock
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
 
@@ -44,7 +44,7 @@ class Leg:
 
 
 @dataclass(frozen=True)
-class SplitRangeBlock(WithoutSignals):
+class SplitRangeBlock(PlainBlock):
     """One value from 0 to 100 % moves several actuators.
 
     `source`: the port that gives the value, in percent; `legs`: their parts of the range do not
