@@ -10,6 +10,7 @@ import numpy as np
 from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import from_si
 from clepsydra.controllers.blocks.status import Mode
+from clepsydra.engine.law_evaluation import LawEvaluation
 from clepsydra.program.entries import Entry
 from clepsydra.program.step_law import StepLaw
 
@@ -22,19 +23,15 @@ _SAMPLES = 3
 def scanned(
     law: StepLaw,
     values: Mapping[str, float],
-    state: Iterable[float],
-    given: Mapping[str, float],
-    count: int,
+    state: Mapping[str, float],
+    *scans: Mapping[str, float],
 ) -> tuple[dict[str, float], dict[str, float]]:
-    """Return state and outputs of a law after some scans with the same inputs."""
-    inputs = [given[signal.name] for signal in law.inputs]
-    parameters = [values[parameter.name] for parameter in law.parameters]
-    now = np.array([*state])
-    for _ in range(count):
-        following, outputs, _ = law.function(now, inputs, parameters)
-        now = np.array(following).ravel()
-    found = np.array(outputs).ravel()
-    return _by_name(law.state, now), _by_name(law.outputs, found)
+    """Return state and outputs of a law after some scans, of each of which the inputs are given."""
+    parameters = np.array([values[parameter.name] for parameter in law.parameters])
+    run = LawEvaluation(law, parameters, np.array([state[entry.name] for entry in law.state]))
+    for given in scans:
+        outputs = run.step(np.array([given[signal.name] for signal in law.inputs]))
+    return _by_name(law.state, run.state), _by_name(law.outputs, outputs)
 
 
 def _by_name(entries: Iterable[Entry], values: np.ndarray) -> dict[str, float]:
@@ -76,8 +73,7 @@ def first_samples(
     given = {signal.name: signal.initial for signal in law.inputs} | dict(inputs)
     given |= {path(signal, "mode"): float(Mode.AUTOMATIC) for signal in manipulated}
     given |= {"time_step": period}
-    began = (state[entry.name] for entry in law.state)
-    settled, found = scanned(law, values, began, given, _SAMPLES)
+    settled, found = scanned(law, values, state, *[given] * _SAMPLES)
     notes = []
     for signal in manipulated:
         before, after = given[path(signal, "tracking")], found[path(signal, "out")]
@@ -126,5 +122,5 @@ def state_at_rest(
     given |= dict(at)
     given |= {s.name: float(Mode.TRACKING) for s in law.inputs if s.part == "mode"}
     given |= {"time_step": _FOR_EVER}
-    began = (entry.initial if isinstance(entry, Signal) else 0.0 for entry in law.state)
-    return scanned(law, values, began, given, _SCANS)[0]
+    began = {e.name: e.initial if isinstance(e, Signal) else 0.0 for e in law.state}
+    return scanned(law, values, began, *[given] * _SCANS)[0]

@@ -8,11 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from clepsydra.base.signal import Signal, path
+from clepsydra.controllers.at_rest import scanned
 from clepsydra.controllers.blocks.status import Mode
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.signals import owners
 from clepsydra.controllers.wiring import wired_setpoints
-from clepsydra.engine.law_evaluation import LawEvaluation
 
 #: A move of an output below this share of its range is none that an actuator could follow.
 _NO_MOVE = 1e-5
@@ -72,15 +72,11 @@ def take_up_scans(controller: Controller, sampling_period: float, safe: Sequence
     half = {name: 0.5 * (rest[name] + value) for name, value in zip(tracked, safe, strict=True)}
     moved = now(rest | half | change)
     automatic = moved | {path(u, "mode"): float(Mode.AUTOMATIC) for u in outputs}
-    parameters = np.array([controller.values[parameter.name] for parameter in law.parameters])
-    state = np.array([controller.initial_state[entry.name] for entry in law.state])
 
     def moves(*scans: dict[str, float]) -> np.ndarray:
         """Return by which share of its range each output would move in automatic after these."""
-        run, found = LawEvaluation(law, parameters, state), np.zeros(0)
-        for given in (*scans, automatic):
-            found = run.step(np.array([given[name] for name in inputs]))
-        result = dict(zip((s.name for s in law.outputs), found, strict=True))
+        values, state = controller.values, controller.initial_state
+        _, result = scanned(law, values, state, *scans, automatic)
         ends = (s for s in law.outputs if s.part == "out")
         return np.array(
             [(result[s.name] - moved[path(s.owner, "tracking")]) / _span(s) for s in ends]
