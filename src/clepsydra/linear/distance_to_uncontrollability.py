@@ -11,8 +11,8 @@ import numpy as np
 _SHARP = 0.99
 _MOST = 20_000
 _STARTS = 5
-# To this share of the height minima are compared, and the lowest is found.
-_ROUGH, _FINE = 1e-6, 1e-12
+# Where the height falls by less than this share of a step, it is lowest.
+_FLAT = 1e-8
 
 
 class Distance(NamedTuple):
@@ -69,15 +69,14 @@ def distance_to_uncontrollability(A: np.ndarray, B: np.ndarray) -> Distance:
     n = len(A)
     whole, diagonal, states = np.hstack([A, B]).astype(complex), A.diagonal(), np.arange(n)
 
-    def sizes(points: np.ndarray) -> np.ndarray:
-        tests = np.empty((*points.shape, *whole.shape), complex)
-        tests[...] = whole
-        tests[..., states, states] = diagonal - points[..., None]
-        return np.asarray(np.linalg.svd(tests, compute_uv=False)[..., -1])
+    def tests(points: np.ndarray | complex) -> np.ndarray:
+        found = np.broadcast_to(whole, (*np.shape(points), *whole.shape)).copy()
+        found[..., states, states] = diagonal - np.expand_dims(points, -1)
+        return found
 
     starts = np.linalg.eigvals(A).astype(complex)
-    value, root = _descend(sizes, starts)
     rounding = 1e-14 * float(np.linalg.norm(np.hstack([A, B]), 2))
+    value, root = _descend(tests, starts, rounding)
     if value <= rounding:  # nothing below it could be told from it
         return Distance(value, 0.0, root)
     # Where σ_min(A - s I, B) ≤ d, s lies within d of the numerical range of A.
@@ -90,10 +89,10 @@ def distance_to_uncontrollability(A: np.ndarray, B: np.ndarray) -> Distance:
     centres = (reals[:, None] + 1j * imaginaries).ravel() + (1.0 + 1.0j) * side / 2.0
     used, bound = 0, 0.0
     while len(centres):
-        heights = sizes(centres)
+        heights = _smallest(tests(centres))
         used += len(centres)
         lowest = np.argsort(heights)[:_STARTS]
-        found = _descend(sizes, centres[lowest])
+        found = _descend(tests, centres[lowest], rounding)
         if found[0] < value:
             value, root = found
         below = heights - side / np.sqrt(2.0)
@@ -111,24 +110,35 @@ def distance_to_uncontrollability(A: np.ndarray, B: np.ndarray) -> Distance:
 
 
 def _descend(
-    sizes: Callable[[np.ndarray], np.ndarray], starts: np.ndarray
+    tests: Callable[[np.ndarray | complex], np.ndarray], starts: np.ndarray, rounding: float
 ) -> tuple[float, complex]:
     """Return the lowest place found from the starts, and from none of them uphill."""
     from scipy.optimize import minimize
 
-    def lowered(place: complex, accuracy: float) -> complex:
-        found = minimize(
-            lambda place: float(sizes(np.array(complex(*place)))),
-            [place.real, place.imag],
-            method="Nelder-Mead",
-            options={"xatol": 1e3 * accuracy * max(abs(place), best), "fatol": accuracy * best},
-        )
-        return complex(*found.x)
+    heights = _smallest(tests(starts))
+    order = np.argsort(heights)[:_STARTS]
+    best, root = float(heights[order[0]]), complex(starts[order[0]])
+    if best <= rounding:
+        return best, root
 
-    heights = sizes(starts)
-    best, root = float(heights.min()), complex(starts[int(np.argmin(heights))])
-    # All starts are followed as far as it takes to tell their minima apart, and one to the end.
-    ends = np.array([lowered(start, _ROUGH) for start in starts[np.argsort(heights)[:_STARTS]]])
-    end = lowered(ends[int(np.argmin(sizes(ends)))], _FINE)
-    found = float(sizes(np.array(end)))
-    return (found, end) if found < best else (best, root)
+    def squared(place: np.ndarray) -> tuple[float, np.ndarray]:
+        # As a share of the best, and smooth also where it reaches zero: dσ = -Re(uᴴ v ds).
+        left, sizes, right = np.linalg.svd(tests(best * complex(*place)), full_matrices=False)
+        slope = -left[:, -1].conj() @ right[-1, : len(left)].conj()
+        height = sizes[-1] / best
+        return height**2, 2.0 * height * np.array([slope.real, -slope.imag])
+
+    found = [
+        minimize(squared, [start.real, start.imag], jac=True, options={"gtol": _FLAT}).x
+        for start in starts[order] / best
+    ]
+    ends = best * np.array([complex(*place) for place in found])
+    heights = _smallest(tests(ends))
+    lowest = int(np.argmin(heights))
+    if heights[lowest] < best:
+        return float(heights[lowest]), complex(ends[lowest])
+    return best, root
+
+
+def _smallest(tests: np.ndarray) -> np.ndarray:
+    return np.asarray(np.linalg.svd(tests, compute_uv=False)[..., -1])
