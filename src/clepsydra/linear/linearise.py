@@ -13,6 +13,10 @@ from clepsydra.linear.linear_model import InternalDelays, LinearModel
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
 
+#: What a cause does to a rate over its whole range, as a share of what the strongest cause does
+#: to it: less is rounding.
+_ROUNDING = 1e-13
+
 
 @dataclass(frozen=True)
 class LocalDerivatives:
@@ -124,12 +128,31 @@ def linearise(point: OperatingPoint) -> LinearModel:
     delays = None
     if process.motion.delays:
         A, B, E, delays = _with_delays(point, len(C))
+    A, B, E = _without_rounding(point, A, B, E)
     groups = (process.state, process.inputs, process.disturbances, process.measurements)
     states, inputs, disturbances, outputs = (
         tuple(signal.name for signal in group) for group in groups
     )
     D = np.zeros((len(C), B.shape[1]))
     return LinearModel(A, B, E, C, D, states, inputs, disturbances, outputs, point, delays)
+
+
+def _without_rounding(point: OperatingPoint, *by_cause: np.ndarray) -> list[np.ndarray]:
+    """Return ∂f/∂x, ∂f/∂u and ∂f/∂d with zeros for what is left of terms that balance at rest.
+
+    In a mixed tank the flows that enter and leave change no concentration when the level rises.
+    Their sum leaves 10⁻¹⁸ or nothing, as the numbers happen to be, and a drifting level would
+    then seem to carry the concentration along.
+    """
+    process = point.process
+    causes = [*process.state, *process.inputs, *process.disturbances]
+    values = np.concatenate([point.state, point.inputs, point.disturbances])
+    spans = np.array([signal.span for signal in causes])
+    sizes = np.where(np.isfinite(spans), spans, np.maximum(np.abs(values), 1.0))
+    rates = np.hstack(by_cause)
+    effects = np.abs(rates) * sizes
+    rates[effects <= _ROUNDING * effects.max(axis=1, keepdims=True, initial=0.0)] = 0.0
+    return np.split(rates, np.cumsum([len(cause.T) for cause in by_cause])[:-1], axis=1)
 
 
 def _with_delays(
