@@ -99,7 +99,12 @@ def link(expected: str, wanted: str, *, optional: bool = False, carries_flow: bo
     """Return a field that holds the name of another element, see `Connection`."""
 
     def read(table: TableReader, key: str, known: Mapping[str, Any]) -> str:
-        return table.name(key, expected) if not optional or table.has(key) else ""
+        if optional and not table.has(key):
+            return ""
+        name = table.name(key, expected)
+        if optional and not name:
+            raise table.wrong(key, expected, "leave the key out for outside the plant")
+        return name
 
     made = Part(
         read,

@@ -119,8 +119,7 @@ class Element(ABC):
             if isinstance(each, Part) and each.wanted:
                 name = getattr(self, key)
                 wanted = "tank" if getattr(self, "submerged", False) else each.wanted
-                # Without a name it is beyond the plant, where no level is.
-                if name or (wanted == "tank" and each.required):
+                if name or each.required:  # else it may be outside the plant
                     found.append(Connection((key,), name, wanted, each.carries_flow))
         return tuple(found)
 
