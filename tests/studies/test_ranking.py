@@ -179,6 +179,19 @@ def test_rounding_makes_no_controller_many_times_worse(trial):
     assert rank([a, b])[1].criteria["load error"] == 1.5
 
 
+def test_an_error_that_no_sensor_shows_decides_nothing(trial, resting):
+    """Of a second loop that a load hardly reaches, 0.0001 % and 0.0009 % of the range."""
+    level = resting.process.signal("level_1")
+    shown = 1e-5 * level.span * float(resting.time[-1] - resting.time[0])
+    a = trial("a", (1, 1), loads=(0.1 * shown, 2))
+    b = trial("b", (1, 1), loads=(0.9 * shown, 1))
+    assert order([a, b]) == ["b", "a"]
+    assert rank([a, b])[1].criteria["load error"] == 1.5
+    more = trial("more", (1, 1), loads=(3.0 * shown, 1))
+    assert rank([b, more])[1].criteria["load error"] == pytest.approx(2.0)
+    assert "below 0.001 % of the range in the mean over the run counts as that much" in RULE
+
+
 def test_robust_before_stable_before_unsafe_whatever_the_error(trial, resting):
     overflowing = changed(resting, "tank_1.level", 0.21)
     robust = trial("robust", (9, 9), peak=2.0)

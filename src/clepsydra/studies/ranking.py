@@ -37,7 +37,8 @@ _GROUPS = (
 _USUAL = (
     "the smaller mean of setpoint error and load error: the integral absolute error over all "
     "setpoint steps and over all load steps, without the stretch of noise, each averaged over the "
-    "controlled variables as multiples of the best among the first of these groups. Where a level "
+    "controlled variables as multiples of the best among the first of these groups; one that is "
+    "below 0.001 % of the range in the mean over the run counts as that much. Where a level "
     "is there to average a flow, outflow change and outflow variance, its largest rate of change "
     "and its variance ratio over the load steps, stand in place of its errors; where the level has "
     "a band, which says how much room there is, the outflow change alone, or the time outside "
@@ -55,10 +56,10 @@ RULE = _GROUPS + _USUAL + _TIES
 _OF_HELD = ("iae_setpoint", "iae_load")
 #: Largest noise movement of a quiet controller, share of the input's range.
 QUIET = 0.05
-#: What is smaller is rounding, and no reason to call a controller many times worse than another:
-#: a mean error and a move in shares of the signal's range, a variance ratio [1], and a rate of
-#: change of an outflow [m³/h per h].
-_SMALLEST_SHARE, _SMALLEST_RATIO, _SMALLEST_CHANGE = 1e-6, 1e-6, 1e-9
+#: What is smaller no sensor shows, and is no reason to call a controller many times worse than
+#: another: a mean error and a move in shares of the signal's range, a variance ratio [1], and a
+#: rate of change of an outflow [m³/h per h].
+_SMALLEST_SHARE, _SMALLEST_RATIO, _SMALLEST_CHANGE = 1e-5, 1e-6, 1e-9
 #: And an overshoot, or a travel in an hour.
 _SMALLEST_PERCENT = 0.1
 
@@ -276,7 +277,7 @@ class _Judge:
         return max(worse, smallest) / max(better, smallest)
 
     def _smallest(self, key: str) -> float:
-        """Return what of a score is only rounding."""
+        """Return what of a score counts as nothing."""
         score, name = score_key(key)
         if score == "variance_ratio":
             return _SMALLEST_RATIO
