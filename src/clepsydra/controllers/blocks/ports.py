@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
+from itertools import starmap
 from typing import Self
 
 import casadi as ca
@@ -21,7 +22,13 @@ def truth(name: str, description: str) -> Signal:
 
 @dataclass(frozen=True)
 class _Handed:
-    """What one block hands to another; each field is a port."""
+    """What one block hands to another, a value and conditions; each field is a port."""
+
+    @classmethod
+    def declared(cls) -> tuple[Signal, ...]:
+        """Return the ports of a block that takes or gives it."""
+        (value, words), *conditions = ((e.name, e.metadata["words"]) for e in fields(cls))
+        return (Signal(value, description=words), *starmap(truth, conditions))
 
     @classmethod
     def read(cls, symbols: Symbols, prefix: str = "") -> Self:
@@ -35,32 +42,30 @@ class _Handed:
 
 @dataclass(frozen=True)
 class Asked(_Handed):
-    """What a block asks of the next one.
+    """What a block asks of the next one; for the status word the signals behind it.
 
-    `asked`: always a number where `usable` holds; `usable`: whether it may be acted on in this
-    sample; `numbers`, `sensors`: whether all signals behind it are numbers, and their sensors
-    sound: for the status word.
+    `asked` is always a number where `usable` holds.
     """
 
-    asked: ca.SX
-    usable: ca.SX
-    numbers: ca.SX
-    sensors: ca.SX
+    asked: ca.SX = field(metadata={"words": "in automatic, in the unit of the output"})
+    usable: ca.SX = field(metadata={"words": "what is asked for may be acted on"})
+    numbers: ca.SX = field(metadata={"words": "the signals behind it are numbers"})
+    sensors: ca.SX = field(metadata={"words": "their sensors are sound"})
 
 
 @dataclass(frozen=True)
 class Applied(_Handed):
     """What became of it, told back (the back calculation of a fieldbus block).
 
-    `applied`: what the block would have had to ask for to get what was applied; `in_force`: whether
-    the block had its say: the way to the actuator is in automatic; `follows`: whether the actuator
-    moves without it, in manual or in tracking, and it has to follow. Where neither holds, an
-    unusable signal froze everything.
+    `in_force`: the way to the actuator is in automatic; `follows`: the block has to follow. Where
+    neither holds, an unusable signal froze everything.
     """
 
-    applied: ca.SX
-    in_force: ca.SX
-    follows: ca.SX
+    applied: ca.SX = field(metadata={"words": "what was applied, as if asked for"})
+    in_force: ca.SX = field(metadata={"words": "what was asked for had its say"})
+    follows: ca.SX = field(
+        metadata={"words": "the actuator moves without it, in manual or in tracking"}
+    )
 
 
 @dataclass(frozen=True)
@@ -71,18 +76,7 @@ class Limits:
     high: ca.SX
 
 
-#: The ports of `Asked` and of `Applied`.
-ASKED = (
-    Signal("asked", description="in automatic, in the unit of the output"),
-    truth("usable", "what is asked for may be acted on"),
-    truth("numbers", "the signals behind it are numbers"),
-    truth("sensors", "their sensors are sound"),
-)
-APPLIED = (
-    Signal("applied", description="what was applied, as if asked for"),
-    truth("in_force", "what was asked for had its say"),
-    truth("follows", "the actuator moves without it, in manual or in tracking"),
-)
+ASKED, APPLIED = Asked.declared(), Applied.declared()
 
 
 def prefixed(ports: Iterable[Signal], prefix: str) -> tuple[Signal, ...]:
