@@ -72,11 +72,6 @@ class ConditionedMatrices:
             matrix = np.atleast_2d(np.asarray(getattr(self, name), float))
             object.__setattr__(self, name, matrix)
 
-    @property
-    def counts(self) -> dict[str, int]:
-        """How many states (z), control errors (e) and manipulated variables (u) there are."""
-        return {"z": len(self.transition), "e": self.direct.shape[1], "u": len(self.direct)}
-
     def unconditioned(self) -> ConditionedMatrices:
         """Return the same controller that is told nothing: it winds up in saturation."""
         return ConditionedMatrices(
@@ -91,17 +86,31 @@ class ConditionedMatrices:
         self, measured: Sequence[Signal | str], manipulated: Sequence[Signal | str]
     ) -> dict[str, float]:
         """Return the numbers that are not zero as parameters of the law for these signals."""
-        _, joined = _joined(self, measured, manipulated)
-        numbers = ((joined[called], array) for called, array in self._arrays().items())
+        _, joined = self.joined(measured, manipulated)
         return {
             name: float(value)
-            for matrix, array in numbers
-            for name, value in matrix.named(array).items()
+            for called, array in self._arrays().items()
+            for name, value in joined[called].named(array).items()
         }
 
     def numbers(self) -> dict[str, np.ndarray]:
         """Return the numbers that are not zero by what they are called in the law."""
         return {called: array[array != 0.0] for called, array in self._arrays().items()}
+
+    def joined(
+        self, measured: Sequence[Signal | str], manipulated: Sequence[Signal | str]
+    ) -> tuple[_Ends, dict[str, Matrix]]:
+        """Return the signals that the matrices join, z without units, and the matrices."""
+        ends: _Ends = {
+            "z": [*map(Signal, elements("memory", len(self.transition)))],
+            "e": signals.process_signals(measured),
+            "u": signals.process_signals(manipulated),
+        }
+        used = {called: array != 0.0 for called, array in self._arrays().items()}
+        return ends, {
+            called: Matrix(called, ends[to], ends[by], _WORDS, used=used[called], digits=9)
+            for called, (_, to, by) in _MATRICES.items()
+        }
 
     def _arrays(self) -> dict[str, np.ndarray]:
         return {called: getattr(self, name) for called, (name, _, _) in _MATRICES.items()}
@@ -161,7 +170,7 @@ def conditioned_linear_law(
     >>> float(outputs[0]), float(state[2])
     (5.0, 0.2)
     """
-    ends, joined = _joined(matrices, measured, manipulated)
+    ends, joined = matrices.joined(measured, manipulated)
     parameters = [number for matrix in joined.values() for number in matrix.signals()]
     parameters += fading_parameters(ends["u"])
     return control_law(
@@ -182,23 +191,6 @@ def conditioned_linear_law(
             "Anti-windup: conditioning, z follows what was applied.",
         ),
     )
-
-
-def _joined(
-    matrices: ConditionedMatrices,
-    measured: Sequence[Signal | str],
-    manipulated: Sequence[Signal | str],
-) -> tuple[_Ends, dict[str, Matrix]]:
-    """Return the signals that the matrices join, those of z having no unit, and the matrices."""
-    shown, moved = signals.process_signals(measured), signals.process_signals(manipulated)
-    memory = tuple(map(Signal, elements("memory", matrices.counts["z"])))
-    ends = {"z": memory, "e": shown, "u": moved}
-    return ends, {
-        called: Matrix(
-            called, ends[to], ends[by], _WORDS, used=getattr(matrices, name) != 0.0, digits=9
-        )
-        for called, (name, to, by) in _MATRICES.items()
-    }
 
 
 def _equations(sample: Sample, ends: _Ends, joined: dict[str, Matrix]) -> None:
