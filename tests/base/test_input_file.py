@@ -84,3 +84,9 @@ def test_a_line_without_end_is_refused():
     with pytest.raises(InputError) as refusal:
         input_text(b"1\n" + b"2" * 81, "a.csv", "a CSV file", 80)
     assert (refusal.value.place, refusal.value.value) == ("a.csv, line 2", "81 characters")
+
+
+def test_a_misspelt_file_leads_to_the_one_that_is_there(tmp_path):
+    (tmp_path / "quanser.toml").touch()
+    (tmp_path / "quansr.csv").touch()
+    assert refused(tmp_path / "quansr.toml").remedy == "perhaps 'quanser.toml' was meant"

@@ -33,7 +33,7 @@ GENERAL = [
         "path of a process file",
     ),
     ('process = "quadruple-tonk"\n', "perhaps 'quadruple-tank' was meant."),
-    ('process = "plant.toml"\n', "check the path, which starts in the folder ./"),
+    ('process = "plant.toml"\n', "check the path, which starts in the folder of the study"),
     (QUADRUPLE + "seed = -1\n", "line 2, seed: got -1, expected a whole number from 0"),
     (QUADRUPLE + "seed = true\n", "line 2, seed: got True, expected a whole number from 0"),
     (QUADRUPLE + '[ranking]\nscores = ["iea"]\n', "line 3, ranking.scores: got 'iea', expected "),
@@ -350,6 +350,9 @@ LOOPS = [
     (loop(algorithm='"velocity"', actions='"P"', integral_time=None), "PI or PID"),
     (loop(setpoint_weight="1.5"), "expected a number of at most 1"),
     (loop(gian='"2 %/%"'), "perhaps 'gain' was meant"),
+    (loop(Kp='"2 %/%"', gain=None), "perhaps 'gain' was meant"),
+    (loop(Ti='"1 h"', integral_time=None), "perhaps 'integral_time' was meant"),
+    (designed('design = "simc"', 'lambda = "9 s"'), "perhaps 'closed_loop_time_constant' was"),
     (loop(setpoint_low='"10 %"'), "it limits what an outer loop may ask for, and here is none"),
     (
         loop() + '[controllers.a.outputs.outflow]\nlow = "60 %"\nhigh = "40 %"\n',

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import glob
 import os
 import stat
 from pathlib import Path
 
 from clepsydra.base.errors import InputError, reason_of
+from clepsydra.base.suggestion import suggestion
 
 #: A process of a thousand tanks takes less; what is larger is something else.
 LARGEST_TEXT = 1_000_000
@@ -56,7 +58,8 @@ check the path.
             _check_regular(status.st_mode, place, expected, inside)
             content = stream.read(largest + 1) if status.st_size <= largest else None
     except FileNotFoundError:
-        raise InputError(place, "no such file", expected, "check the path") from None
+        remedy = suggestion(path.name, files_beside(path), "check the path")
+        raise InputError(place, "no such file", expected, remedy) from None
     except (OSError, ValueError) as error:
         raise InputError(place, reason_of(error), expected, "check the path") from None
     if content is None or len(content) > largest:
@@ -66,6 +69,11 @@ check the path.
             "check that this is the file you mean",
         )  # fmt: skip
     return content
+
+
+def files_beside(path: Path) -> list[str]:
+    """Return the names of the files in the folder of a path that end as it does."""
+    return sorted(each.name for each in path.parent.glob(f"*{glob.escape(path.suffix)}"))
 
 
 def input_text(content: bytes, file: str, expected: str, longest_line: int) -> str:

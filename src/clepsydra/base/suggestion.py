@@ -3,11 +3,31 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+
+#: The symbols that books and panels have for a name, that of tables first.
+SYMBOLS = {
+    "gain": ("K", "Kp", "Kc"),
+    "integral_gain": ("Ki",),
+    "derivative_gain": ("Kd",),
+    "integral_time": ("Ti", "Tn", "tau_i"),
+    "derivative_time": ("Td", "Tv", "tau_d"),
+    "filter_time": ("Tf", "tau_f"),
+    "derivative_filter": ("N",),
+    "setpoint_weight": ("b", "beta"),
+    "closed_loop_time_constant": ("tau_c", "lambda", "lambda_", "lam", "Tc", "Tcl"),
+    "maximum_sensitivity": ("max|S|", "Ms"),
+    "damping": ("zeta",),
+    "maximum_errors": ("Q",),
+    "maximum_moves": ("R",),
+    "weights": ("Q", "R"),
+}
 
 
 def suggestion(wrong: object, known: Iterable[str], otherwise: str) -> str:
     """Return "perhaps … was meant" where a known name is close, else what to do instead.
+
+    Close is what is spelt alike, or what a symbol stands for.
 
     It is the remedy of an `InputError` about a name.
 
@@ -26,9 +46,17 @@ def suggestion(wrong: object, known: Iterable[str], otherwise: str) -> str:
     "perhaps 'tank_1' was meant"
     >>> suggestion("pi, simc", ["PI, arrest time", "PI, SIMC"], "choose one")
     "perhaps 'PI, SIMC' was meant"
+    >>> suggestion("tau_c", ["pairing", "closed_loop_time_constant"], "choose one")
+    "perhaps 'closed_loop_time_constant' was meant"
     >>> suggestion("pump", ["tank_1", "basin"], "choose one")
     'choose one'
     """
-    spelt = {name.lower(): name for name in known}
-    close = difflib.get_close_matches(str(wrong)[:80].lower(), spelt, n=1)
+    spelt, given = {name.lower(): name for name in known}, str(wrong)[:80].lower()
+    close = [*_synonyms(given, spelt), *difflib.get_close_matches(given, spelt, n=1)]
     return f"perhaps '{spelt[close[0]]}' was meant" if close else otherwise
+
+
+def _synonyms(given: str, spelt: Mapping[str, str]) -> list[str]:
+    """Return the known names for what a symbol stands for."""
+    groups = ([each.lower() for each in (name, *more)] for name, more in SYMBOLS.items())
+    return [each for group in groups if given in group for each in group if each in spelt]

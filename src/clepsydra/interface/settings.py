@@ -9,7 +9,7 @@ from clepsydra.base.arguments import is_finite_number, require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.section import Table
 from clepsydra.base.signal import Signal
-from clepsydra.base.suggestion import suggestion
+from clepsydra.base.suggestion import SYMBOLS, suggestion
 from clepsydra.base.units import from_si
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.start_stop_levels import FAMILY, check_levels
@@ -30,8 +30,6 @@ from clepsydra.studies.file.law_parameters import (
     parameter_of,
 )
 
-#: What the table calls a key of a study file, where it has a symbol.
-SYMBOLS = {"gain": "K", "integral_time": "Ti", "derivative_time": "Td", "setpoint_weight": "b"}
 _PLACE = "values"
 
 
@@ -99,13 +97,13 @@ def _of_loop(controller: Controller, loop: PidBlock, name: str, given: Any) -> d
 def setting_of(loop: PidBlock, word: object, place: str) -> str:
     """Return the key of study files for a word of the table; refuse what is none of the loop."""
     keys = keys_of(loop)
-    by_word = {SYMBOLS.get(key, key): key for key in keys}
+    by_word = {_symbol(key): key for key in keys}
     key = by_word.get(str(word), str(word))
     if key in keys:
         return key
     raise InputError(
         place, str(word)[:60], f"a setting of this loop ({', '.join(by_word)})",
-        suggestion(word, by_word, "choose one of them"),
+        suggestion(word, [*by_word, *keys], "choose one of them"),
     )  # fmt: skip
 
 
@@ -159,9 +157,12 @@ def settings_grid(controller: Controller) -> Table | None:
         own = keys_of(loop)
         cells = [_cell(controller, loop, key, law) if key in own else "" for key in keys]
         rows.append((name, loop.moved.name, *cells))
-    return Table(
-        "Settings", ("loop", "moves", *(SYMBOLS.get(key, key) for key in keys)), tuple(rows)
-    )
+    return Table("Settings", ("loop", "moves", *map(_symbol, keys)), tuple(rows))
+
+
+def _symbol(key: str) -> str:
+    """Return what the table calls a key of a study file."""
+    return SYMBOLS.get(key, (key,))[0]
 
 
 def _cell(controller: Controller, loop: PidBlock, key: str, law: Mapping[str, Signal]) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
-from clepsydra.base.input_file import read_input
+from clepsydra.base.input_file import files_beside, read_input
 from clepsydra.base.suggestion import suggestion
 from clepsydra.linear.analysis import analyse
 from clepsydra.process import told
@@ -41,7 +41,11 @@ def _process(table: TableReader, key: str, known: Mapping[str, Any]) -> Process:
             key,
             written[:60],
             f"{expected} ({', '.join(names)})",
-            suggestion(name, names, f"check the path, which starts in the folder {folder}/"),
+            suggestion(
+                name,
+                [*names, *files_beside(folder / name)],
+                "check the path, which starts in the folder of the study file",
+            ),
         )
     return load_process(folder / name, variants)
 
