@@ -4,8 +4,8 @@ import pytest
 from tunings import BLOCKS, LEVEL, PUMP, tuning
 
 from clepsydra import InputError, PidForm, Signal
-from clepsydra.deploy.vendor_tuning.block_units import printed_number
 from clepsydra.deploy.vendor_tuning.filling import filled
+from clepsydra.deploy.vendor_tuning.printed_gain import printed_number
 
 
 def words(key, case):

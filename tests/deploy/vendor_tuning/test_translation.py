@@ -179,6 +179,21 @@ def test_both_loops_of_a_cascade(tmp_path):
         assert row.by_numbers < (1e-2 if row.block.key in COARSE else 1e-6), row.block.key
 
 
+@pytest.mark.parametrize("kind", ["static", "dynamic"])
+def test_what_decoupling_adds_stands_beside_the_blocks(kind):
+    plant = cl.load("quadruple-tank")
+    found = translate(cl.design.simc(plant, decoupling=kind), plant.process)
+    gains = cl.analyse(plant).static_gain
+    for row, words in enumerate(found.beside):
+        own, other = f"pump_{row + 1}", f"pump_{2 - row}"
+        assert words.startswith(f"Add to {own} what {other} moves from 3 V, times ")
+        gain = float(words.partition("times ")[2].split()[0])
+        assert gain == pytest.approx(-gains[row, 1 - row] / gains[row, row], rel=1e-4)
+        assert ("with a lead of " in words) == (kind == "dynamic")
+        assert f"- {words}" in found.as_markdown().replace("\\", "")
+    assert len(found.beside) == 2 == len(found.as_dict()["beside"])
+
+
 def test_a_loop_with_gap_action_is_left_out_with_its_reason(tmp_path):
     text = CASCADE.replace(
         'setpoint_high = "35 l/s"', 'setpoint_high = "35 l/s"\nerror = "gap"\ngap = "1 l/s"\n'

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 
 from clepsydra.controllers.pid_form import DerivativeOn
 from clepsydra.deploy.vendor_tuning.filtered_forms import FilteredPid
+from clepsydra.deploy.vendor_tuning.printed_gain import (
+    engineering_factor,
+    engineering_unit,
+)
 from clepsydra.deploy.vendor_tuning.standard_tuning import StandardTuning
 from clepsydra.deploy.vendor_tuning.vendor_block import Kind, Parameter, VendorBlock
 from clepsydra.designs.gain_units import gain_from_percent, percent_gain
-
-#: Significant digits that are printed.
-DIGITS = 5
 
 
 @dataclass(frozen=True)
@@ -35,19 +36,6 @@ class Setting:
         return f"{self.name} = {self.text} {self.unit}".strip()
 
 
-def printed_number(value: float, resolution: float = 0.0) -> str:
-    """Return a number as it is printed: five significant digits, in the block's steps.
-
-    Examples
-    --------
-    >>> printed_number(1.0 / 3.0), printed_number(1.0 / 3.0, 0.01), printed_number(3.0e-7)
-    ('0.33333', '0.33', '3e-07')
-    """
-    if resolution:
-        value = round(round(value / resolution) * resolution, 12)
-    return f"{value:.{DIGITS}g}"
-
-
 @dataclass(frozen=True)
 class BlockUnits:
     """The units of a block for one loop: its gain in percent of ranges, or in display units."""
@@ -61,7 +49,7 @@ class BlockUnits:
         if self.block.gain_in == "percent":
             shown = percent_gain(gain, tuning.measurement, tuning.moved)
         else:
-            shown = gain * tuning.engineering_factor
+            shown = gain * engineering_factor(tuning.measurement, tuning.moved)
         return abs(shown) if sign == "switch" else -shown if sign == "opposite gain" else shown
 
     def _gain_of(self, shown: float) -> float:
@@ -73,7 +61,7 @@ class BlockUnits:
             shown = -shown
         if self.block.gain_in == "percent":
             return gain_from_percent(shown, tuning.measurement, tuning.moved)
-        return shown / tuning.engineering_factor
+        return shown / engineering_factor(tuning.measurement, tuning.moved)
 
     def unit(self, parameter: Parameter) -> str:
         """Return the unit of a parameter as it is printed."""
@@ -82,7 +70,8 @@ class BlockUnits:
             return parameter.unit
         if percent and parameter.unit:
             return parameter.unit
-        return f"{'%/%' if percent else self.tuning.engineering_unit} {parameter.unit}".strip()
+        gain = engineering_unit(self.tuning.measurement, self.tuning.moved)
+        return f"{'%/%' if percent else gain} {parameter.unit}".strip()
 
     def value(
         self, parameter: Parameter, numbers: FilteredPid, derivative_on: DerivativeOn

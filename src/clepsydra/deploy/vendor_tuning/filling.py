@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.pid_form import DerivativeOn
-from clepsydra.deploy.vendor_tuning.block_units import BlockUnits, Setting, printed_number
+from clepsydra.deploy.vendor_tuning.block_units import BlockUnits, Setting
 from clepsydra.deploy.vendor_tuning.filtered_forms import FilteredPid, to_series
+from clepsydra.deploy.vendor_tuning.printed_gain import printed_number
 from clepsydra.deploy.vendor_tuning.standard_tuning import StandardTuning
 from clepsydra.deploy.vendor_tuning.vendor_block import (
     DERIVATIVE_KINDS,

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
-from clepsydra.base.units import from_si
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.pid_block import PidBlock
@@ -63,24 +62,6 @@ class StandardTuning:
         """Whether there is integral action that does something."""
         return math.isfinite(self.settings.integral_time)
 
-    @property
-    def engineering_factor(self) -> float:
-        """How many display units of a gain one SI unit of it is."""
-        moved, measured = (
-            from_si(1.0, signal.unit, signal.shown_unit)
-            for signal in (self.moved, self.measurement)
-        )
-        return moved / measured
-
-    @property
-    def engineering_unit(self) -> str:
-        """The unit of a gain in display units, "V/cm"."""
-        above, below = (
-            f"({unit})" if "/" in unit else unit
-            for unit in (self.moved.shown_unit, self.measurement.shown_unit)
-        )
-        return f"{above}/{below}"
-
 
 def standard_tunings(
     controller: Controller, process: Process
@@ -116,7 +97,7 @@ def standard_tunings(
     for block in controller.law.blocks:
         if not isinstance(block, PidBlock):
             continue
-        measurement, moved = (_known(process, s) for s in (block.measurement, block.moved))
+        measurement, moved = (known_signal(process, s) for s in (block.measurement, block.moved))
         try:
             settings = _settings(block, controller)
         except InputError as error:
@@ -136,7 +117,7 @@ def standard_tunings(
     return found, refused
 
 
-def _known(process: Process, signal: Signal) -> Signal:
+def known_signal(process: Process, signal: Signal) -> Signal:
     """Return the signal as the process shows it, by its tag; one of the scheme alone stays."""
     try:
         return replace(process.signal(signal.name), name=process_tagging(process)(signal.name))

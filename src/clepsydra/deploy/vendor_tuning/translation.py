@@ -13,12 +13,17 @@ from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
 from clepsydra.controllers.controller import Controller
 from clepsydra.deploy.tagged import process_tagging
-from clepsydra.deploy.vendor_tuning.block_units import printed_number
+from clepsydra.deploy.vendor_tuning.beside_blocks import beside_blocks
 from clepsydra.deploy.vendor_tuning.check import Check
 from clepsydra.deploy.vendor_tuning.filling import Applied, Filled, filled
+from clepsydra.deploy.vendor_tuning.printed_gain import (
+    engineering_factor,
+    engineering_unit,
+    gain_words,
+    printed_number,
+)
 from clepsydra.deploy.vendor_tuning.standard_tuning import StandardTuning, standard_tunings
 from clepsydra.deploy.vendor_tuning.vendor_block import EVERY_BLOCK, VendorBlock
-from clepsydra.designs.gain_units import percent_gain
 from clepsydra.linear.analysis import analyse
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.scenario import Scenario
@@ -75,6 +80,8 @@ class Translation:
     tunings : tuple of StandardTuning
         One for each loop.
     rows : tuple of TranslatedLoop
+    beside : tuple of str
+        What decoupling and feedforward add to the outputs of the blocks.
     refused : tuple of (str, str, str)
         Loop, block and the reason; the block is empty where the loop has no tuning at all.
     saturated : float
@@ -85,6 +92,7 @@ class Translation:
     process: str
     tunings: tuple[StandardTuning, ...]
     rows: tuple[TranslatedLoop, ...]
+    beside: tuple[str, ...]
     refused: tuple[tuple[str, str, str], ...]
     saturated: float
 
@@ -105,6 +113,7 @@ class Translation:
             "process": self.process,
             "saturated_share": self.saturated,
             "loops": [_loop_dict(self, tuning) for tuning in self.tunings],
+            "beside": list(self.beside),
             "refused": [
                 {"loop": loop, "block": block, "reason": why} for loop, block, why in self.refused
             ],
@@ -176,7 +185,13 @@ def translate(
             if tuning.loop in found
         ]
     return Translation(
-        controller.title, plant.name, tuple(tunings), tuple(rows), tuple(refused), check.saturated()
+        controller.title,
+        plant.name,
+        tuple(tunings),
+        tuple(rows),
+        beside_blocks(controller, plant),
+        tuple(refused),
+        check.saturated(),
     )
 
 
@@ -187,12 +202,12 @@ def _of(tuning: StandardTuning, differences: dict[str, float]) -> float:
 
 
 def _loop_dict(translation: Translation, tuning: StandardTuning) -> dict[str, Any]:
-    numbers = tuning.settings
+    numbers, signals = tuning.settings, (tuning.measurement, tuning.moved)
     return {
         "loop": tuning.title,
         "action": tuning.action,
-        "gain": numbers.gain * tuning.engineering_factor,
-        "gain_unit": tuning.engineering_unit,
+        "gain": numbers.gain * engineering_factor(*signals),
+        "gain_unit": engineering_unit(*signals),
         "integral_time_s": numbers.integral_time if tuning.has_integral else None,
         "derivative_time_s": numbers.derivative_time,
         "filter_time_s": numbers.filter_time,
@@ -231,6 +246,7 @@ def _glance(translation: Translation, refused: list[str]) -> tuple[Line, ...]:
     vendors = ", ".join(dict.fromkeys(title.split()[0] for title in titles))
     return (
         *first(Mark.POINT, [_loop_words(each) for each in translation.tunings], "loops"),
+        *first(Mark.POINT, list(translation.beside), "that are added"),
         *((Line(f"Filled in for {len(titles)} blocks: {vendors}."),) if titles else ()),
         *first(Mark.REFUSED, refused, "that are not translated"),
     )
@@ -242,6 +258,8 @@ def _whole(translation: Translation, refused: list[str]) -> tuple[Line | Section
     limits = f"{100.0 * share:.2g} % of its samples have an output at a limit"
     checked = Line(f"{_CHECK}; {limits if share else 'no output reaches a limit in it'}.")
     loops = [_loop(translation, tuning, marks) for tuning in translation.tunings]
+    if translation.beside:
+        loops.append(Section("Beside the blocks", marked(Mark.POINT, translation.beside)))
     numbered = (Line(f"({number}) {words}") for number, words in enumerate(notes, start=1))
     blocks = {row.block.key: row.block for row in translation.rows}
     about = (
@@ -289,10 +307,7 @@ def _percent(share: float) -> str:
 def _loop_words(tuning: StandardTuning) -> str:
     """Return a loop and its tuning in ISA form, with the scales that percent are of."""
     numbers, signals = tuning.settings, (tuning.measurement, tuning.moved)
-    gain = f"{printed_number(numbers.gain * tuning.engineering_factor)} {tuning.engineering_unit}"
-    if all(signal.has_range for signal in signals) and tuning.engineering_unit != "%/%":
-        gain += f" = {printed_number(percent_gain(numbers.gain, *signals))} %/%"
-    shown = [f"K = {gain}"]
+    shown = [f"K = {gain_words(numbers.gain, *signals)}"]
     if tuning.has_integral:
         shown.append(f"Ti = {printed_number(numbers.integral_time)} s")
     if tuning.has_derivative:
