@@ -10,7 +10,7 @@ from typing import Self
 
 from clepsydra.controllers.parameters import (
     check_finite,
-    check_initial_state,
+    check_numbers,
     check_parameters,
     remembered_parameters,
 )
@@ -138,7 +138,7 @@ class Controller:
         check_parameters(self.law, self.values, self.name)
         complete = remembered_parameters(self.law, self.values) | self.initial_state
         object.__setattr__(self, "initial_state", complete)
-        check_initial_state(self.law, self.initial_state, self.name)
+        check_numbers(self.law.state, self.initial_state, self.name)
         wires = self.measurements, self.setpoints, self.manipulated
         check_wiring(self.law, *wires, self.name, self.free_inputs, self.free_outputs)
         for name, value in self.free_inputs.items():

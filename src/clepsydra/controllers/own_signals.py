@@ -15,7 +15,7 @@ from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import final_element
 from clepsydra.controllers.blocks.ports import Asked
-from clepsydra.controllers.blocks.sample import Sample, inner_equations
+from clepsydra.controllers.blocks.sample import Sample, control_law, inner_equations
 from clepsydra.controllers.blocks.validity import (
     all_of,
     is_number,
@@ -96,43 +96,36 @@ class OwnSignals:
 
     @cached_property
     def end(self) -> StepLaw:
-        """What comes after the user's part: a law whose inputs are asked, and when it counts."""
+        """What comes after the user's part; what that asks, and when it counts, are parameters."""
         moved = [replace(signal, name=signal.owner) for signal in self.outputs]
+        asked = [path(output, "asked") for output in moved]
 
-        def equations(symbols: Symbols) -> Equations:
-            sample = Sample(symbols)
-            for output in moved:
-                asked = symbols[path(output, "asked")]
-                final_element(sample, output, Asked(asked, *(symbols[name] for name in _COUNTS)))
-            return sample.equations()
+        def equations(sample: Sample) -> None:
+            for output, name in zip(moved, asked, strict=True):
+                final_element(sample, output, Asked(*(sample[n] for n in (name, *_COUNTS))))
 
-        return step_law(
+        limits = (limit for output in moved for limit in signals.limit_parameters(output))
+        return control_law(
             "end",
-            inputs=[
-                *(Signal(path(output, "asked")) for output in moved),
-                *map(Signal, _COUNTS),
-                *signals.output_inputs(moved),
-            ],
-            parameters=[limit for output in moved for limit in signals.limit_parameters(output)],
-            state=map(signals.last_output, moved),
-            outputs=[result for output in moved for result in signals.output_signals(output)],
-            equations=equations,
+            equations,
+            measured=(),
+            controlled=(),
+            manipulated=moved,
+            parameters=[*map(Signal, (*asked, *_COUNTS)), *limits],
+            state=[*map(signals.last_output, moved)],
         )
 
     @cached_property
     def whole(self) -> dict[str, Any]:
         """The signals of the whole law by their groups: the user's, and those that are added."""
-        of_plant = self.end.inputs[len(self.outputs) + len(_COUNTS) :]
         good = (Signal(n, low=0.0, high=1.0, initial=1.0, kind="boolean") for n in self.sensors)
-        added = [*good, *of_plant]
+        added = [*good, *self.end.inputs]
         known = {signal.name for signal in (*added, *self.end.state)}
         own = {parameter.name for parameter in self.parameters}
+        limits = self.end.parameters[len(self.outputs) + len(_COUNTS) :]
         return {
             "inputs": (*(signal for signal in self.inputs if signal.name not in known), *added),
-            "parameters": (
-                *self.parameters,
-                *(p for p in self.end.parameters if p.name not in own),
-            ),
+            "parameters": (*self.parameters, *(p for p in limits if p.name not in own)),
             "state": (*self.state, *self.end.state),
             "outputs": self.end.outputs,
         }

@@ -31,7 +31,7 @@ def check_parameters(law: StepLaw, values: Mapping[str, float], place: str) -> N
     clepsydra.base.errors.InputError: PI, level.integral_time: got 0.0, expected a number from \
 1e-06 to 1e+09 s; give a value in this range.
     """
-    _check_numbers(law.parameters, values, place)
+    check_numbers(law.parameters, values, place)
     for parameter in law.parameters:
         value, low, high = values[parameter.name], parameter.low, parameter.high
         if not low <= value <= high:
@@ -55,16 +55,11 @@ def remembered_parameters(law: StepLaw, values: Mapping[str, float]) -> dict[str
     }
 
 
-def check_initial_state(law: StepLaw, values: Mapping[str, float], place: str) -> None:
-    """Refuse an initial state that is incomplete or not finite.
+def check_numbers(entries: Sequence[Entry], values: Mapping[str, float], place: str) -> None:
+    """Refuse values, of parameters or of an initial state, that are not one finite number for each.
 
-    Raises InputError: A state is missing, unknown or not a finite number.
+    Raises InputError: One is missing, unknown or not a finite number.
     """
-    _check_numbers(law.state, values, place)
-
-
-def _check_numbers(entries: Sequence[Entry], values: Mapping[str, float], place: str) -> None:
-    """Refuse values that are not one finite number for each entry."""
     names = [entry.name for entry in entries]
     missing = [name for name in names if name not in values]
     unknown = [name for name in values if name not in names]

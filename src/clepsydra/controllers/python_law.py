@@ -133,12 +133,12 @@ class _PythonFunction:
         following, asked = kept, dict.fromkeys((output.name for output in own.outputs), 0.0)
         if usable:
             following, asked = self._stepped(kept, given | last, values)
-        told = {path(output.owner, "asked"): asked[output.name] for output in own.outputs}
-        told |= {"usable": usable, "numbers": numbers, "sensors": sensors} | given
+        told = values | {path(output.owner, "asked"): asked[output.name] for output in own.outputs}
+        told |= {"usable": usable, "numbers": numbers, "sensors": sensors}
         ended, outputs, _ = end.function(
             [*last.values()],
-            [float(told[signal.name]) for signal in end.inputs],
-            [values[parameter.name] for parameter in end.parameters],
+            [given[signal.name] for signal in end.inputs],
+            [float(told[parameter.name]) for parameter in end.parameters],
         )
         following_state = [*(following[name] for name in kept), *np.array(ended).ravel()]
         return np.array(following_state), np.array(outputs).ravel(), np.zeros(0)
