@@ -80,14 +80,14 @@ def test_beyond_the_third_a_reason_has_no_numbers(result):
         "variation. Behind PI: its mean is 34 % larger, most of all by the load error (6.04 "
         "against 3.81)."
     )
-    level = "Robust. 1.2 times the least total variation. Level with PI to within 2 %."
+    level = "Robust. 1.2 times the least total variation. As good as PI to within 2 %."
     first = result.ranking[0]
     twins = tuple(replace(first, reason=words) for words in (reason,) * 4 + (level, "Unsafe."))
     found = reasons(twins)
     assert found[:3] == [reason] * 3
     assert found[3:] == [
         "Behind PI: its mean is 34 % larger.",
-        "Level with PI to within 2 %.",
+        "As good as PI to within 2 %.",
         "Unsafe.",
     ]
 

@@ -303,10 +303,10 @@ def test_each_is_compared_with_the_next_better_one_in_what_decided(trial):
 def test_a_tie_is_said_with_the_wear_that_decided(trial):
     calm, wild = rank([trial("wild", (1, 1), (3, 3)), trial("calm", (1.01, 1.01), (2, 2))])
     assert calm.reason.endswith(
-        "Level with wild to within 2 %, which moves its inputs 1.50 times as much."
+        "As good as wild to within 2 %, which moves its inputs 1.50 times as much."
     )
     assert wild.reason.endswith(
-        "Level with calm to within 2 %, but moves its inputs 1.50 times as much."
+        "As good as calm to within 2 %, but moves its inputs 1.50 times as much."
     )
 
 

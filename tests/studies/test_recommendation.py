@@ -74,7 +74,7 @@ def test_of_one_kind_the_one_with_less_to_watch_is_taken_as_long_as_it_is_good_e
     assert rank_of(*kinds, watch={2: ["It rings."], 3: ["It rings."]}) == 2
     assert rank_of(*kinds, watch={2: ["It rings.", "It is slow."], 3: ["It rings."]}) == 3
     found = recommend(candidates(*kinds, watch={2: ["It rings."]}))
-    assert found.why == "good enough, with less to watch than number 2"
+    assert found.why == "good enough, with fewer warnings than number 2"
     assert rank_of((LOOPS, 1.0), (MODEL, 1.1), watch={1: ["It rings."]}) == 1
 
 

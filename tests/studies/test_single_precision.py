@@ -54,7 +54,7 @@ def test_a_regulator_by_its_coefficients_is_watched_and_the_same_one_by_lags_is_
     assert SENTENCE not in " ".join(found["Lags"].warnings)
     # It is one more thing to watch, so the other one is recommended.
     assert found.recommended is found["Lags"]
-    assert "with less to watch than Regulator" in found.verdict
+    assert "with fewer warnings than Regulator" in found.verdict
 
 
 def test_its_answer_says_so_in_a_line(plant):

@@ -117,10 +117,10 @@ def _beside(candidate: Candidate, rival: Candidate, ahead: bool, tied: bool) -> 
     if worse.standing is not better.standing:
         return f"{place} {name}, which is {'not ' if ahead else ''}{STANDINGS[better.standing]}."
     if tied and worse.wear <= _AS_CALM * better.wear:
-        return f"Level with {name}, in errors and in moves."
+        return f"As good as {name}, in errors and in moves."
     if tied:
         which = "which" if ahead else "but"
-        return f"Level with {name} to within 2 %, {which} {_moves(worse.wear, better.wear)}."
+        return f"As good as {name} to within 2 %, {which} {_moves(worse.wear, better.wear)}."
     return f"{place} {name}{', whose' if ahead else ': its'} {_larger(worse, better)}."
 
 

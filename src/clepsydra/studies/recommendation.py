@@ -80,7 +80,7 @@ def recommend(ranking: Sequence[Candidate], accept: float = ACCEPTED) -> Recomme
     if chosen is best:
         return Recommendation(chosen, best)
     if chosen is not simplest[0]:
-        why = f"good enough, with less to watch than {simplest[0].controller.name}"
+        why = f"good enough, with fewer warnings than {simplest[0].controller.name}"
     elif chosen.mean_error <= accept * best.mean_error:
         why = "the simplest that is good enough"
     else:
