@@ -43,6 +43,26 @@ MISTAKES = {
         lambda plant, pi: plant.with_values({"tank_1.aera": "1 m^2"}),
         ("plant, values", "tank_1.aera", "a parameter of quadruple-tank", "'tank_1.area' was"),
     ),
+    "symbol of an argument": (
+        lambda plant, pi: cl.design.simc(plant, tau_c="10 s"),
+        ("simc", "tau_c", "pairing, form", "'closed_loop_time_constant' was meant"),
+    ),
+    "setting without its loop": (
+        lambda plant, pi: pi.with_values(K=2),
+        ("Controller.with_values", "K", "values, name", '{"level_1": {"K": 6.0}}'),
+    ),
+    "output without its table": (
+        lambda plant, pi: plant.at(level_1="4 V"),
+        ("Plant.at", "level_1", "inputs, outputs", 'outputs={"level_1": "4 V"}'),
+    ),
+    "keyword of a verb": (
+        lambda plant, pi: cl.tune(pi, plant, limit={"overshoot": "5 %"}),
+        ("tune", "limit", "goal, limits", "'limits' was meant"),
+    ),
+    "keyword of a fuzzy file": (
+        lambda plant, pi: cl.design.fuzzy(plant, "a.toml", nmae="a"),
+        ("fuzzy", "nmae", "plant, path, name", "'name' was meant"),
+    ),
     "time without its unit": (
         lambda plant, pi: cl.design.simc(plant, closed_loop_time_constant="20"),
         ("simc, closed_loop_time_constant", "20", "convertible to s", "the unit is missing"),
@@ -256,6 +276,31 @@ def test_a_mistake_names_what_is_wrong_and_what_to_do(case, plant, pi, tmp_path,
     assert (found.place, found.value) == (place, value)
     assert expected in found.expected and remedy in found.remedy
     assert not list(tmp_path.iterdir())
+
+
+def test_an_unknown_keyword_is_a_type_error_too(plant, pi):
+    calls = (
+        lambda: cl.design.lqi(plant, Q=1.0),
+        lambda: cl.simulate(plant, pi, time=1.0),
+        lambda: cl.load("quadruple-tank", inputs_=1.0),
+        lambda: cl.step("level_1", size="1 V"),
+    )
+    for call in calls:
+        with pytest.raises(TypeError) as error:
+            call()
+        assert isinstance(error.value, cl.InputError) and error.value.remedy
+
+
+def test_an_unknown_score_is_a_key_error_that_names_the_signals(plant, pi):
+    scores = cl.simulate(plant, pi, [cl.step("level_1", "1 V")], duration="5 min").scores
+    with pytest.raises(KeyError) as error:
+        scores["overshoot"]
+    assert isinstance(error.value, cl.InputError)
+    assert error.value.expected == "one of overshoot[level_1]"
+    assert str(error.value).startswith("scores: got 'overshoot', expected one of overshoot[")
+    with pytest.raises(KeyError, match=r"one of .*iae\[level_2\]"):
+        scores["iaf"]
+    assert scores.get("overshoot") is None and "overshoot" not in scores
 
 
 def test_a_design_that_does_not_suit_says_why(plant):

@@ -75,6 +75,32 @@ class UnknownName(InputError, AttributeError):
         super().__init__(owner, name, f"one of {', '.join(names)}", remedy)
 
 
+class UnknownKey(InputError, KeyError):
+    """A key that a mapping of the public interface does not have; all as for `InputError`."""
+
+    def __str__(self) -> str:  # that of a KeyError would be in quotation marks
+        return str(self.args[0])
+
+
+class UnknownArgument(InputError, TypeError):
+    """A keyword that a call of the public interface does not take.
+
+    Parameters
+    ----------
+    place : str
+        What was called.
+    known : iterable of str
+        The arguments that it takes.
+    remedy : str
+        What to do where none of them is close.
+    """
+
+    def __init__(self, place: str, name: str, known: Iterable[str], remedy: str) -> None:
+        names = list(known)
+        expected = f"one of {', '.join(names)}" if names else "no keyword"
+        super().__init__(place, name, expected, suggestion(name, names, remedy))
+
+
 def reason_of(error: OSError | ValueError) -> str:
     """Return why a file cannot be used, in the same words in every version of Python."""
     if isinstance(error, ValueError):  # what `open` raises for it, each version in words of its own

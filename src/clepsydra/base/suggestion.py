@@ -58,5 +58,5 @@ def suggestion(wrong: object, known: Iterable[str], otherwise: str) -> str:
 
 def _synonyms(given: str, spelt: Mapping[str, str]) -> list[str]:
     """Return the known names for what a symbol stands for."""
-    groups = ([each.lower() for each in (name, *more)] for name, more in SYMBOLS.items())
+    groups = ([each.lower() for each in (*more, name)] for name, more in SYMBOLS.items())
     return [each for group in groups if given in group for each in group if each in spelt]

@@ -8,6 +8,7 @@ from typing import Any
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
+from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.section import Line, Mark, Section, marked
 from clepsydra.controllers import controller as inner
 from clepsydra.controllers.controller import plain_name as plain_name
@@ -34,6 +35,7 @@ class Controller(Answered, inner.Controller):
 
     plant: Plant = field(kw_only=True)
 
+    @keywords_checked('write as in with_values({"level_1": {"K": 6.0}})')
     def with_values(self, values: Mapping[str, Any], *, name: str | None = None) -> Controller:
         """Return a controller with other settings, at rest at the same operating point.
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from clepsydra.base.errors import UnknownName
+from clepsydra.base.keywords import keywords_checked
 from clepsydra.controllers.fuzzy.file import WiredFuzzy, load_fuzzy
 from clepsydra.designs.arguments.argument import of_quantity
 from clepsydra.designs.design import DESIGNS, Design
@@ -26,6 +27,7 @@ regulator = of_model(
 )
 
 
+@keywords_checked()
 def fuzzy(plant: Plant, path: str | Path, *, name: str = "Fuzzy") -> Controller:
     """Return the controller of a fuzzy file, which docs/fuzzy-files.md describes.
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from clepsydra.base.arguments import require_type, sequence_of
 from clepsydra.base.errors import InputError
+from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.signal import Signal
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity, check_within, known, read_signal, read_time
@@ -53,6 +54,7 @@ class Event:
 Events = Sequence[Event | Change]
 
 
+@keywords_checked()
 def step(
     signal: str,
     by: Quantity | None = None,
@@ -85,6 +87,7 @@ def step(
     return _event("step", signal, by, to, at)
 
 
+@keywords_checked()
 def ramp(
     signal: str,
     by: Quantity | None = None,
@@ -110,6 +113,7 @@ def ramp(
     return _event("ramp", signal, by, to, at, over)
 
 
+@keywords_checked()
 def disturbance(
     signal: str,
     by: Quantity | None = None,

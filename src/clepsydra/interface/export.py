@@ -10,6 +10,7 @@ from typing import Any
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.files import write_together
+from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.section import Line, Mark, Section, marked
 from clepsydra.controllers import controller as inner
 from clepsydra.deploy.printing.identifiers import identifier_of as identifier_of
@@ -53,6 +54,7 @@ class Exported(Answered):
         return replace(self.said, parts=(*self.said.parts, *written, *following, *steps))
 
 
+@keywords_checked()
 def export(
     controller: inner.Controller | None,
     plant: Plant,

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, overload
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.keywords import keywords_checked
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.identification import identification as inner
 from clepsydra.identification import process_fit
@@ -88,6 +89,7 @@ def identify(
 def identify(
     record: str | Path | Record, *, plant: Plant, parameters: Sequence[str]
 ) -> FittedPlant: ...
+@keywords_checked()
 def identify(
     record: str | Path | Record,
     manipulated: str | None = None,

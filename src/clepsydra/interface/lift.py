@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Mapping
 from types import MappingProxyType
 from typing import Any, Concatenate, ParamSpec
 
+from clepsydra.base.keywords import check_keywords
 from clepsydra.controllers import controller as inner
 from clepsydra.designs.arguments.argument import Argument
 from clepsydra.designs.arguments.weights import OfModel
@@ -46,16 +47,16 @@ def of_model(
     Those that it declares may be what people write as well: text with a unit besides numbers.
     """
     signature = inspect.signature(design)
+    place, (_, *known) = _called(design), signature.parameters
 
     @functools.wraps(design)
     def designed(plant: Plant, *args: P.args, **kwargs: P.kwargs) -> Controller:
         require_plant(plant)
+        check_keywords(place, kwargs, known)
         _, *given_ones = signature.bind(None, *args, **kwargs).arguments.items()
         given = dict(given_ones)
         found = {
-            name: _read(design.__name__, declared[name], value, given, plant)
-            if name in declared
-            else value
+            name: _read(place, declared[name], value, given, plant) if name in declared else value
             for name, value in given.items()
         }
         return of_plant(design(plant.linear, **found), plant)  # type: ignore[call-arg]
@@ -68,8 +69,13 @@ def of_model(
     return designed
 
 
+def _called(design: Callable[..., Any]) -> str:
+    """Return what messages call a design."""
+    return design.__name__.removeprefix("design_").replace("_", " ")
+
+
 def _read(
-    design: str, argument: Argument, value: Any, given: Mapping[str, Any], plant: Plant
+    place: str, argument: Argument, value: Any, given: Mapping[str, Any], plant: Plant
 ) -> Any:
     """Return an argument as the design takes it, from text or a number in display units."""
     if isinstance(value, inner.Controller) or value is None:
@@ -80,7 +86,6 @@ def _read(
         value = {what: dict(weights) for what, weights in value.items()}
     elif argument.given != "quantity" or not _has_text(value):
         return value
-    place = design.removeprefix("design_").replace("_", " ")
     table = arguments(place, {**given, argument.name: value})
     found = argument.read(table, argument.name, plant.process)
     return found.of(plant.linear) if isinstance(found, OfModel) else found

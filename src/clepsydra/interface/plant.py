@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import ClepsydraError
 from clepsydra.base.files import whole_file
+from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.section import Mark, Section, Table, marked
 from clepsydra.base.signal import Signal
 from clepsydra.interface.analysis import Analysis
@@ -59,6 +60,7 @@ class Plant(Answered):
         self._outputs = self._read("outputs", outputs, process.measurements)
         self._disturbances = self._read("disturbances", disturbances, process.disturbances)
 
+    @keywords_checked('write as in plant.at(outputs={"level_1": "4 V"})')
     def at(
         self,
         *,
@@ -81,6 +83,7 @@ class Plant(Answered):
         """
         return Plant(self.process, inputs=inputs, outputs=outputs, disturbances=disturbances)
 
+    @keywords_checked('write as in plant.with_values({"tank_1.area": "30 cm^2"})')
     def with_values(self, values: Mapping[str, Quantity]) -> Plant:
         """Return a plant with other physical parameters, at the operating point asked for there.
 
@@ -256,6 +259,7 @@ def require_plant(plant: object) -> Plant:
     return plant
 
 
+@keywords_checked()
 def load(
     name_or_path: str | Path,
     *,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from clepsydra.base.keywords import keywords_checked
 from clepsydra.interface.plant import Plant, require_plant
 from clepsydra.interface.quantities import Quantity, known, read_signal, read_time
 from clepsydra.loop import relay_experiment as inner
@@ -9,6 +10,7 @@ from clepsydra.loop import relay_experiment as inner
 _PLACE = "relay experiment"
 
 
+@keywords_checked()
 def relay_experiment(
     plant: Plant,
     measured: str,

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
+from clepsydra.base.errors import UnknownKey
 from clepsydra.base.section import Section, Table
+from clepsydra.base.suggestion import suggestion
 from clepsydra.interface.shown import Answered
 from clepsydra.process.process import Process
 from clepsydra.scores.score import SCORES
 from clepsydra.scores.score_key import score_key
-
-if TYPE_CHECKING:
-    pass
 
 #: What says most of a loop, in the order of a table.
 _SHORT = ("iae", "overshoot", "settling_time", "total_variation")
@@ -33,6 +31,18 @@ class Scores(Answered, dict[str, float]):
     def __init__(self, values: Mapping[str, float], process: Process, duration: float) -> None:
         super().__init__(values)
         self._process, self._duration = process, duration
+
+    def __missing__(self, name: str) -> float:
+        """Refuse a name that is none of them.
+
+        Raises
+        ------
+        UnknownKey
+        """
+        score = score_key(str(name)).score
+        known = [each for each in self if score_key(each).score == score] or list(self)
+        remedy = suggestion(name, known, f'write as in scores["{next(iter(known), "")}"]')
+        raise UnknownKey("scores", str(name)[:60], f"one of {', '.join(known)}", remedy)
 
     def answer(self) -> Section:
         """Return all of them."""

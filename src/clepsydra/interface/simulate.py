@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import overload
 
 from clepsydra.base.arguments import require_type
+from clepsydra.base.keywords import keywords_checked
 from clepsydra.controllers.controller import Controller
 from clepsydra.interface.controller import of_plant
 from clepsydra.interface.events import Events, changes_of
@@ -40,6 +41,7 @@ def simulate(
     seed: int = 1,
     solver: Solver = "kernel",
 ) -> Run: ...
+@keywords_checked()
 def simulate(
     plant: Plant,
     controller: Controller | None = None,

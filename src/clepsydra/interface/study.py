@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from clepsydra.base.arguments import is_finite_number, sequence_of
 from clepsydra.base.errors import InputError
 from clepsydra.base.files import require_writable
+from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.section import Section
 from clepsydra.controllers import controller as inner
 from clepsydra.interface.controller import Controller, of_plant
@@ -154,6 +155,7 @@ class Study(Answered, results.StudyResult):
         return study_answer(self, every=every, why=why, refused=refused)
 
 
+@keywords_checked()
 def study(
     plant: Plant | StudyRequest | str | Path,
     controllers: Sequence[inner.Controller] | None = None,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
+from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.section import Line, Section
 from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers import controller as inner
@@ -62,6 +63,7 @@ class TunedController(Controller):
         return replace(made, parts=(*made.parts, Line(words)))
 
 
+@keywords_checked()
 def tune(
     controller: inner.Controller,
     plant: Plant,

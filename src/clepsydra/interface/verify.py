@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.arguments import require_type
+from clepsydra.base.keywords import keywords_checked
 from clepsydra.controllers import controller as inner
 from clepsydra.deploy.proof import row as inner_proof
 from clepsydra.deploy.proof.item import controller_item, process_item_of
@@ -49,6 +50,7 @@ def so_far(progress: ProofProgress) -> RenderableType:
     return screen(proved_so_far(progress.rows))
 
 
+@keywords_checked()
 def verify(
     controllers: inner.Controller | Sequence[inner.Controller],
     plant: Plant,
