@@ -52,6 +52,50 @@ def test_what_the_table_shows_can_be_given_back(plant, pi):
     assert len(rows) == 2
 
 
+def test_settings_are_the_numbers_of_the_table_in_the_units_of_the_file(basin):
+    """A level in cm and a pump in V: the gain in V/cm, and in percent of 30 cm and 12 V."""
+    tanks = cl.load("three-tanks")
+    pi = cl.design.simc(tanks).with_values({"level_3": {"K": "0.005 m^2/s", "Ti": "2 min"}})
+    loop = pi.settings["level_3"]
+    # 0.005 m^2/s is 50 cm^3/s a cm; 1 % of 100 cm^3/s for 1 % of 70 cm is 1/0.7 cm^3/s a cm.
+    assert loop["K"].value == pytest.approx(50.0, rel=1e-12)
+    assert loop["K"].percent == pytest.approx(35.0, rel=1e-12)
+    assert (loop["K"].unit, loop["K"].percent_unit) == ("(cm³/s)/cm", "%/%")
+    assert (loop["Ti"].value, loop["Ti"].unit, loop["Ti"].percent) == (120.0, "s", None)
+    assert (loop.moves, loop.action, loop.form) == ("feed", "reverse", cl.PidForm("PI"))
+    shown = repr(pi.settings)
+    assert shown in repr(pi) and "35.00 %/%   120.0 s" in shown
+    direct = cl.design.simc(basin).settings["level"]
+    assert direct.action == "direct" and direct["K"].value > 0.0
+
+
+@pytest.mark.parametrize("algorithm", ["isa", "series", "parallel", "velocity"])
+def test_settings_of_one_controller_are_those_of_another(algorithm):
+    form = cl.PidForm("PID", algorithm=algorithm)
+    pid = cl.design.simc(cl.load("three-tanks"), form=form)
+    other = pid.with_values({"level_3": {"K": 0.5, "b": 0.5}}).with_values(pid.settings)
+    assert other.values == pytest.approx(pid.values, rel=1e-12)
+
+
+def test_what_is_no_setting_leads_to_where_it_stands(plant, pi):
+    for owner, name, remedy in (
+        (pi, "K", 'settings["level_1"]["K"]'),
+        (pi, "setings", "'settings' was meant"),
+        (cl.study(plant, [pi], duration="2 min"), "recomended", "'recommended' was meant"),
+    ):
+        with pytest.raises(AttributeError) as error:
+            getattr(owner, name)
+        assert isinstance(error.value, cl.InputError) and remedy in error.value.remedy
+        assert not hasattr(owner, name)
+    for wrong, loop in (("level", pi.settings), ("Kp", pi.settings["level_1"])):
+        with pytest.raises(KeyError, match="was meant"):
+            loop[wrong]
+    lqi = cl.design.lqi(plant)
+    assert not lqi.settings
+    with pytest.raises(KeyError, match="see its values"):
+        lqi.settings["level_1"]
+
+
 def test_a_tracking_time_follows_its_integral_time(pi):
     changed = pi.with_values({"level_1": {"Ti": "1 min"}})
     assert (

@@ -62,6 +62,8 @@ class UnknownName(InputError, AttributeError):
         What was asked for it.
     known : iterable of str
         The names that there are.
+    remedy : str
+        What to do where none of them is close; to choose one if left out.
 
     Examples
     --------
@@ -69,9 +71,9 @@ class UnknownName(InputError, AttributeError):
     cl.design: got 'smic', expected one of lqi, simc; perhaps 'simc' was meant.
     """
 
-    def __init__(self, owner: str, name: str, known: Iterable[str]) -> None:
+    def __init__(self, owner: str, name: str, known: Iterable[str], remedy: str = "") -> None:
         names = sorted(known)
-        remedy = suggestion(name, names, f"choose one of them; dir({owner}) lists them")
+        remedy = suggestion(name, names, remedy or f"choose one of them; dir({owner}) lists them")
         super().__init__(owner, name, f"one of {', '.join(names)}", remedy)
 
 

@@ -24,6 +24,17 @@ SYMBOLS = {
 }
 
 
+def symbol_of(name: str) -> str:
+    """Return what tables call a name.
+
+    Examples
+    --------
+    >>> symbol_of("integral_time"), symbol_of("tracking_time")
+    ('Ti', 'tracking_time')
+    """
+    return SYMBOLS.get(name, (name,))[0]
+
+
 def suggestion(wrong: object, known: Iterable[str], otherwise: str) -> str:
     """Return "perhaps … was meant" where a known name is close, else what to do instead.
 

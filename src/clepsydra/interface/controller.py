@@ -13,8 +13,9 @@ from clepsydra.base.section import Line, Mark, Section, marked
 from clepsydra.controllers import controller as inner
 from clepsydra.controllers.controller import plain_name as plain_name
 from clepsydra.controllers.python_law import PythonLaw
+from clepsydra.interface.loop_settings import Settings
 from clepsydra.interface.plant import Plant, require_plant
-from clepsydra.interface.settings import settings_grid, values_of
+from clepsydra.interface.settings import values_of
 from clepsydra.interface.shown import Answered, lifted
 from clepsydra.loop.loop import Loop
 from clepsydra.studies.tuning.resting_states import rested_elsewhere
@@ -24,8 +25,9 @@ from clepsydra.studies.tuning.resting_states import rested_elsewhere
 class Controller(Answered, inner.Controller):
     """A step law with its numbers, for a plant; `cl.design` makes them.
 
-    Printed, it shows the settings of its loops. `design` says how the numbers were found, `notes`
-    what to watch, `values` are the numbers of the law [SI].
+    Printed, it shows the settings of its loops. `settings` has them, in the units of the process
+    file and in percent. `design` says how the numbers were found, `notes` what to watch, `values`
+    are the numbers of the law [SI].
 
     Parameters
     ----------
@@ -34,6 +36,11 @@ class Controller(Answered, inner.Controller):
     """
 
     plant: Plant = field(kw_only=True)
+
+    @property
+    def settings(self) -> Settings:
+        """Its loops with their settings, `settings["level_1"]["K"].value`; empty without loops."""
+        return Settings(self)
 
     @keywords_checked('write as in with_values({"level_1": {"K": 6.0}})')
     def with_values(self, values: Mapping[str, Any], *, name: str | None = None) -> Controller:
@@ -44,7 +51,8 @@ class Controller(Answered, inner.Controller):
         values : mapping
             Loop to its settings, {"level_1": {"K": 6.0, "Ti": "40 s"}}, in the words of the
             controller's own table: K, Ti, Td, b, and the keys of study files. Text with a unit, or
-            a number in the unit of the table: K in %/%, a time in s. The gain has no sign: the
+            a number in the unit of the table: K in %/%, a time in s, or those of the `settings` of
+            another controller. The gain has no sign: the
             action of the loop gives it. What follows a setting does so still: a tracking time that
             equals Ti. Of other laws, parameter to its value, a number in SI as in `values` or text
             with a unit.
@@ -83,12 +91,16 @@ class Controller(Answered, inner.Controller):
         """Return it under another name, by which a study tells it apart."""
         return replace(self, name=name)
 
+    def _remedy(self, name: str) -> str:
+        """Lead from a setting to where it stands."""
+        loops = (loop for loop, settings in self.settings.items() if name in settings)
+        return next((f'write settings["{loop}"]["{name}"]' for loop in loops), "")
+
     def answer(self) -> Section:
         """Return name, design and settings."""
         from clepsydra.report.law_tables import law_grids
 
-        settings = settings_grid(self)
-        tables = law_grids(self, self.plant.process) if settings is None else [settings]
+        tables = self.settings.answer().parts or law_grids(self, self.plant.process)
         notes = marked(Mark.POINT, self.notes)
         title = f"{self.title} for {self.plant.name}"
         return Section(title, (Line(self.design), *tables, *notes))

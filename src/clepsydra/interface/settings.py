@@ -1,4 +1,4 @@
-"""The settings of a controller in the words and units in which its table shows them."""
+"""Settings of a controller, read in the words and units in which its table shows them."""
 
 from __future__ import annotations
 
@@ -7,19 +7,14 @@ from typing import Any
 
 from clepsydra.base.arguments import is_finite_number, require_type
 from clepsydra.base.errors import InputError
-from clepsydra.base.section import Table
-from clepsydra.base.signal import Signal
-from clepsydra.base.suggestion import SYMBOLS, suggestion
-from clepsydra.base.units import from_si
+from clepsydra.base.suggestion import suggestion, symbol_of
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.start_stop_levels import FAMILY, check_levels
 from clepsydra.controllers.structure.pid_block import PidBlock
-from clepsydra.designs.gain_units import percent_gain
+from clepsydra.interface.loop_settings import Setting
 from clepsydra.interface.quantities import arguments, with_unit
 from clepsydra.process.joined_unit import BESIDE
 from clepsydra.process.table_reader import shown_value
-from clepsydra.report.facts import gain_factor, gain_unit
-from clepsydra.report.quantities import number_text, unit_text
 from clepsydra.studies.file.law_parameters import (
     GAINS,
     check_law_range,
@@ -75,6 +70,7 @@ def _of_loop(controller: Controller, loop: PidBlock, name: str, given: Any) -> d
     require_type(given, Mapping, place, "settings with their values", 'write as in {"K": 6.0}')
     found = {}
     for word, value in given.items():
+        value = value.text if isinstance(value, Setting) else value
         key = setting_of(loop, word, place)
         parameter = parameter_of(loop, key)
         unit = unit_of(controller, loop, key)
@@ -97,7 +93,7 @@ def _of_loop(controller: Controller, loop: PidBlock, name: str, given: Any) -> d
 def setting_of(loop: PidBlock, word: object, place: str) -> str:
     """Return the key of study files for a word of the table; refuse what is none of the loop."""
     keys = keys_of(loop)
-    by_word = {_symbol(key): key for key in keys}
+    by_word = {symbol_of(key): key for key in keys}
     key = by_word.get(str(word), str(word))
     if key in keys:
         return key
@@ -143,37 +139,3 @@ def _read(
     )
     check_law_range(table, word, parameters.known[parameter], found)
     return found
-
-
-def settings_grid(controller: Controller) -> Table | None:
-    """Return the settings of each loop in the words and units of `values_of`; None for none."""
-    loops = loops_of(controller.law)
-    if not loops:
-        return None
-    law = {parameter.name: parameter for parameter in controller.law.parameters}
-    keys = list(dict.fromkeys(key for loop in loops.values() for key in keys_of(loop)))
-    rows = []
-    for name, loop in loops.items():
-        own = keys_of(loop)
-        cells = [_cell(controller, loop, key, law) if key in own else "" for key in keys]
-        rows.append((name, loop.moved.name, *cells))
-    return Table("Settings", ("loop", "moves", *map(_symbol, keys)), tuple(rows))
-
-
-def _symbol(key: str) -> str:
-    """Return what the table calls a key of a study file."""
-    return SYMBOLS.get(key, (key,))[0]
-
-
-def _cell(controller: Controller, loop: PidBlock, key: str, law: Mapping[str, Signal]) -> str:
-    parameter = parameter_of(loop, key)
-    value = controller.values[parameter]
-    if key not in GAINS:
-        signal = law[parameter]
-        shown = from_si(value, signal.unit, signal.shown_unit)
-        return f"{number_text(shown, 4)} {unit_text(signal.shown_unit)}".strip()
-    time = BESIDE[GAINS[key]]
-    if table_unit(loop) == "%/%":
-        return f"{number_text(abs(percent_gain(value, loop.measurement, loop.moved)), 4)} %/%{time}"
-    shown = abs(value) * gain_factor(loop.measurement, loop.moved)
-    return f"{number_text(shown, 4)} {gain_unit(loop.measurement, loop.moved)}{time}".strip()

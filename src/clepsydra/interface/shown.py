@@ -6,6 +6,8 @@ import io
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from clepsydra.base.errors import UnknownName
+
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
@@ -14,7 +16,23 @@ if TYPE_CHECKING:
 _WIDTH = 100
 
 
-class Shown:
+class Told:
+    """What answers to an unknown name with the nearest that there is."""
+
+    def _remedy(self, name: str) -> str:
+        """Return what to do about a name that is like none of its own; empty for the usual."""
+        return ""
+
+    if not TYPE_CHECKING:  # where a type checker would take any name for known
+
+        def __getattr__(self, name: str) -> Any:
+            if name.startswith("_") or hasattr(type(self), name):  # Python's own error, or ours
+                return object.__getattribute__(self, name)
+            kind, names = type(self), [each for each in dir(self) if not each.startswith("_")]
+            raise UnknownName(kind.__name__, name, names, self._remedy(name))
+
+
+class Shown(Told):
     """What prints itself as the command line shows it, in text and, by Rich, in colour."""
 
     def __rich__(self) -> RenderableType:

@@ -15,12 +15,13 @@ from clepsydra.base.section import Section
 from clepsydra.controllers import controller as inner
 from clepsydra.interface.controller import Controller, of_plant
 from clepsydra.interface.events import Events
+from clepsydra.interface.loop_settings import Settings
 from clepsydra.interface.plant import Plant, require_plant
 from clepsydra.interface.quantities import Quantity
 from clepsydra.interface.run import Run
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.scores import Scores
-from clepsydra.interface.shown import Answered, lifted, screen
+from clepsydra.interface.shown import Answered, Told, lifted, screen
 from clepsydra.interface.subject import read_subject
 from clepsydra.loop.step_size import substeps_for
 from clepsydra.studies import result as results
@@ -35,15 +36,21 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
 
-class Candidate(results.Candidate):
+class Candidate(Told, results.Candidate):
     """A controller of a study with its run, its scores and its place in the ranking.
 
-    `controller`, `run`, `scores`, `rank`, `standing`, `maximum_sensitivity`, `reason`, `warnings`
-    of the controller, `caveats` of its simulation and scenario and, of a tuned one, `tuning`.
+    `controller`, `settings`, `run`, `scores`, `rank`, `standing`, `maximum_sensitivity`, `reason`,
+    `warnings` of the controller, `caveats` of its simulation and scenario and, of a tuned one,
+    `tuning`.
     """
 
     controller: Controller
     run: Run
+
+    @property
+    def settings(self) -> Settings:
+        """The settings of the loops of its controller."""
+        return self.controller.settings
 
 
 @dataclass(frozen=True, eq=False, repr=False)
