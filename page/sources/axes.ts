@@ -15,6 +15,12 @@ export function axisStyle(): Partial<uPlot.Axis> {
   };
 }
 
+/** Return the multiples of a step between two numbers. */
+export function multiples(low: number, high: number, step: number): number[] {
+  const [first, last] = [Math.ceil(low / step - 1e-6), Math.floor(high / step + 1e-6)];
+  return Array.from({ length: Math.max(0, last - first + 1) }, (_, place) => (first + place) * step);
+}
+
 /** Return an axis with a label whose numbers stand where `ticks` has them. */
 export function logAxis(label: string, size: number, ticks: (low: number, high: number) => number[]): uPlot.Axis {
   return {

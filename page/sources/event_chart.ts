@@ -2,7 +2,7 @@
 
 import uPlot from "uplot";
 
-import { axisStyle, limitLine } from "./axes";
+import { axisStyle, decades, limitLine, multiples } from "./axes";
 import type { Signal } from "./data";
 import { colour, type Shown } from "./shown";
 import { differenceText, numberText, timeText, timeUnit } from "./words";
@@ -11,6 +11,11 @@ const HEIGHT = 94;
 const AXIS = 20;
 /** What a chart leaves free above and below its curves, as a share of what they span. */
 const MARGIN = 0.1;
+
+/** Steps between the marks of a signal. */
+const STEPS = decades(1e-12, 1e12, [1, 2, 2.5, 5]);
+/** Return a mark of an axis with all its digits, however close the next one is. */
+const markText = (value: number): string => numberText(value, 9);
 
 export interface Curves {
   signal: Signal;
@@ -133,9 +138,9 @@ export class EventChart {
   }
 
   private options(series: uPlot.Series[]): uPlot.Options {
-    const axis = axisStyle();
     const [unit, length] = timeUnit(this.range[1]);
-    const steps = [1, 2, 5, 10, 15, 20, 30, 60, 100, 120, 150, 200, 300, 500, 600].map((each) => each * length);
+    const axis: uPlot.Axis = { ...axisStyle(), splits: (_, __, low, high, step) => multiples(low, high, step) };
+    const steps = [...decades(1e-3, 10, [1, 2, 5]), 15, 20, 30, 60, 100, 120, 150, 200, 300, 500, 600];
     return {
       width: this.canvas.clientWidth || 400,
       height: this.height,
@@ -148,11 +153,11 @@ export class EventChart {
       axes: [
         {
           ...axis, size: this.last ? AXIS : 0, show: this.last, space: 60, gap: 2,
-          incrs: [...[0.01, 0.02, 0.05, 0.1, 0.2, 0.5].map((each) => each * length), ...steps],
+          incrs: steps.map((each) => each * length),
           values: (_, splits) =>
-            splits.map((each, place) => numberText(each / length) + (place === splits.length - 1 ? ` ${unit}` : "")),
+            splits.map((each, place) => markText(each / length) + (place === splits.length - 1 ? ` ${unit}` : "")),
         },
-        { ...axis, size: 46, space: 24, gap: 3, values: (_, splits) => splits.map((each) => numberText(each)) },
+        { ...axis, size: 46, space: 20, gap: 3, incrs: STEPS, values: (_, splits) => splits.map(markText) },
       ],
       cursor: {
         sync: { key: "events", scales: ["x", null] },

@@ -11,7 +11,11 @@ import { numberText } from "./words";
 const HEIGHT = 300;
 const LIMIT = 2;
 /** Beyond these a controller is out of the question, and stands at the edge. */
-const [WORST_PEAK, WORST_ERROR] = [10, 100];
+const [WORST_PEAK, WORST_ERROR] = [10, 1000];
+/** How far beyond all others those without a number stand. */
+const BEYOND = 1.3;
+/** From the middle of a number to its edge [px]. */
+const RADIUS = 9;
 
 /** From left and top [px]. */
 type Place = [number, number];
@@ -24,15 +28,18 @@ interface Point {
 }
 
 export function drawMap(place: HTMLElement, controllers: Controller[], shown: Shown): void {
-  const least = Math.min(...controllers.map(({ error }) => error ?? Infinity));
+  const edges = [
+    edge([LIMIT, ...controllers.map(({ peak }) => peak)], WORST_PEAK),
+    edge(controllers.map(({ error }) => error), WORST_ERROR),
+  ] as const;
   const points = controllers.flatMap((each, controller): Point[] =>
     each.peak === null && each.standing !== "unsafe"
       ? []
       : [
           {
             controller,
-            x: Math.min(each.peak ?? WORST_PEAK, WORST_PEAK),
-            y: Math.min(each.error ?? Infinity, WORST_ERROR * least),
+            x: Math.min(each.peak ?? Infinity, edges[0]),
+            y: Math.min(each.error ?? Infinity, edges[1]),
             button: pointButton(each, controller, shown),
           },
         ],
@@ -45,8 +52,10 @@ export function drawMap(place: HTMLElement, controllers: Controller[], shown: Sh
   const hint = document.createElement("span");
   hint.className = "hint";
   hint.textContent = " A click shows it in all pictures.";
+  const away = points.some(({ controller, x, y }) => x !== controllers[controller]!.peak || y !== controllers[controller]!.error);
   words.append(
     "Each number is a controller at its rank; to the left of the line it is robust, the lower, the smaller its error.",
+    away ? " What stands at the upper or right edge lies beyond it." : "",
     hint,
   );
   const canvas = document.createElement("div");
@@ -60,12 +69,18 @@ export function drawMap(place: HTMLElement, controllers: Controller[], shown: Sh
   onLook(draw);
 }
 
+/** Return where those stand that have no number, or a larger one than the worst. */
+function edge(numbers: (number | null)[], worst: number): number {
+  return Math.min(worst, BEYOND * Math.max(...numbers.filter((each) => each !== null)));
+}
+
 function drawn(canvas: HTMLElement, points: Point[]): void {
   const sorted = [...points].sort((a, b) => a.x - b.x);
-  const bounds = (least: number, numbers: number[]): [number, number] => [
-    0.92 * Math.min(least, ...numbers),
-    1.15 * Math.max(2.2, ...numbers),
-  ];
+  const bounds = (least: number, numbers: number[]): [number, number] => {
+    const [low, high] = [Math.min(least, ...numbers), Math.max(2.2, ...numbers)];
+    const margin = Math.max(1.09, (high / low) ** 0.05);
+    return [low / margin, high * margin];
+  };
   const place = (chart: uPlot) => {
     limitLine(chart, "x", LIMIT);
     const { ctx, bbox, over } = chart;
@@ -74,7 +89,7 @@ function drawn(canvas: HTMLElement, points: Point[]): void {
     ctx.strokeStyle = colour("--muted");
     for (const { x, y, button } of points) {
       const own: Place = [chart.valToPos(x, "x"), chart.valToPos(y, "y")];
-      const room: Place = x > LIMIT ? [wall, over.clientWidth] : [0, wall + 1];
+      const room: Place = x > LIMIT ? [wall, over.clientWidth - RADIUS] : [RADIUS, wall + 1];
       const found = freePlace(own, taken, room, over.clientHeight);
       taken.push(found);
       Object.assign(button.style, { left: `${found[0]}px`, top: `${found[1]}px` });
@@ -123,7 +138,7 @@ function freePlace(own: Place, taken: Place[], [first, last]: Place, height: num
     for (let turn = 0; turn < 16; turn += 1) {
       const left = own[0] + radius * Math.cos((turn * Math.PI) / 8);
       const top = own[1] - radius * Math.sin((turn * Math.PI) / 8);
-      const inside = left >= first && left <= last && top > 8 && top < height - 8;
+      const inside = left >= first && left <= last && top >= RADIUS && top <= height - RADIUS;
       if (inside && taken.every(([a, b]) => Math.hypot(left - a, top - b) >= ROOM)) return [left, top];
     }
   return own;

@@ -41,8 +41,12 @@ export function drawSensitivity(place: HTMLElement, data: PageData, shown: Shown
     const drawn = shown.controllers.filter((each) => curves[each]);
     const values = drawn.flatMap((each) => curves[each]!).filter((each) => each !== null);
     const highest = 1.1 * Math.max(3, ...(values as number[]));
-    const felt = frequencies.filter((_, place) => drawn.some((each) => (curves[each]![place] ?? 0) > LOWEST));
-    const lowest = felt[0] ?? frequencies[0]!;
+    // From where all curves are known on, and one of them is felt.
+    const felt = frequencies.find((_, place) => {
+      const sizes = drawn.map((each) => curves[each]![place] ?? null);
+      return sizes.every((size) => size !== null) && sizes.some((size) => size! > LOWEST);
+    });
+    const lowest = felt ?? frequencies[0]!;
     chart = new uPlot(
       {
         width: Math.max(280, canvas.clientWidth),

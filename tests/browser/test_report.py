@@ -2,6 +2,7 @@
 
 import json
 import re
+from itertools import pairwise
 
 import pytest
 
@@ -28,6 +29,18 @@ COLUMNS = """place => {
 }"""
 
 
+#: Keep what is written at the left of each chart, from its lowest mark to its highest.
+MARKS = """() => {
+    window.marks = new Map();
+    const written = CanvasRenderingContext2D.prototype.fillText;
+    CanvasRenderingContext2D.prototype.fillText = function (text, x, y) {
+        if (this.textAlign === "right" && this.canvas.closest("#overlay")) {
+            if (!window.marks.has(this.canvas)) window.marks.set(this.canvas, []);
+            window.marks.get(this.canvas).push(text);
+        }
+        return written.apply(this, arguments);
+    };
+}"""
 #: When something was painted first [ms].
 PAINTED = """() => new Promise(done => new PerformanceObserver(list => {
     for (const { name, startTime } of list.getEntries())
@@ -83,6 +96,10 @@ def test_everyone_can_read_the_page_of_each_process_at_each_width(
     assert beyond(page) <= 0
     assert findings(page) == []
     assert hidden(page, ".card .wide") == []
+    heights = page.locator("#overlay > .events h3").evaluate_all(
+        "found => found.map(each => Math.round(each.getBoundingClientRect().height))"
+    )
+    assert len(set(heights)) == 1  # or the charts of a row would not stand side by side
     paper, drawn = page.evaluate(
         """() => [
             getComputedStyle(document.body).backgroundColor,
@@ -111,11 +128,44 @@ def test_a_page_is_small_unfolds_within_bounds_and_prints_on_six_sheets(
         assert not rows or "standing" in sheet
 
 
+@pytest.mark.parametrize("process", catalogue_names())
+def test_the_marks_of_an_axis_have_all_their_digits(report, opened, process):
+    page = opened(report(process))
+    page.evaluate(MARKS)
+    page.set_viewport_size({"width": 1300, "height": 900})
+    page.wait_for_function("window.marks.size > 5")
+    for marks in page.evaluate("[...window.marks.values()]"):
+        values = [float(text.replace("−", "-")) for text in marks]
+        steps = {f"{after - before:.5e}" for before, after in pairwise(values)}
+        (step,) = steps  # one, and so at least two marks
+        assert float(step.partition("e")[0]) in (1.0, 2.0, 2.5, 5.0), marks
+
+
+@pytest.mark.parametrize("process", catalogue_names())
+def test_on_a_phone_the_first_numbers_of_the_ranking_and_small_plants_are_whole(
+    report, opened, process
+):
+    page = opened(report(process), width=420)
+    ends = page.locator(".ranking thead th:nth-child(5)").bounding_box()
+    assert ends["x"] + ends["width"] <= 420
+    plant = page.locator(".drawing svg")
+    full = page.evaluate("document.querySelector('.drawing svg').viewBox.baseVal.width")
+    assert plant.bounding_box()["width"] >= 0.57 * full  # words of 12 px stay above 6 px
+    if full < 680:
+        assert page.locator(".drawing").evaluate("each => each.scrollWidth - each.clientWidth") == 0
+
+
 def test_everyone_can_read_what_is_unfolded(report, opened, look, findings):
     page = opened(report(PROCESS), **look)
     for fold in page.locator("#details > details > summary").all():
         fold.click()
     assert page.locator("#details > details template").count() == 1  # a fold within a fold
+    page.get_by_text("The blocks of its export").first.click()
+    paper, *blocks = page.evaluate(
+        """() => [document.body, ...document.querySelectorAll(".picture svg.blocks")]
+            .map(each => getComputedStyle(each).backgroundColor)"""
+    )
+    assert blocks and set(blocks) <= {"rgba(0, 0, 0, 0)", paper}
     assert findings(page) == []
     assert beyond(page) <= 0
 
@@ -172,6 +222,24 @@ def test_a_tick_shows_a_curve_in_each_chart(page):
         assert chart.locator(".readout span").count() == 3
     page.locator("#sensitivity .u-over").hover()
     assert "PI, AMIGO" in page.locator("#sensitivity .note").inner_text()
+
+
+@pytest.mark.parametrize("process", catalogue_names())
+def test_the_map_has_errors_of_other_sizes_at_other_heights(report, opened, process):
+    page = opened(report(process))
+    errors = [each["error"] for each in data_of(page)["controllers"]]
+    assert None not in errors and max(errors) < 1000  # else some would stand at the edge
+    assert "beyond it" not in page.locator("#map").inner_text()
+    tops = dict(
+        page.locator(".point").evaluate_all(
+            "found => found.map(each => [Number(each.textContent), parseFloat(each.style.top)])"
+        )
+    )
+    order = sorted(tops, key=lambda number: errors[number - 1])
+    for place, low in enumerate(order):
+        for high in order[place:]:
+            if errors[high - 1] > 10.0 * errors[low - 1]:
+                assert tops[high] < tops[low], (low, high)
 
 
 @pytest.mark.parametrize("process", ["quadruple-tank-nonminimum-phase", "equalisation-tank"])

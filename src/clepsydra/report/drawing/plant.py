@@ -33,9 +33,8 @@ _STYLE = (
     f".plant text.small{{font-size:{SMALL:g}px}}"
     ".plant text.tag{font-size:11.5px;stroke:none}.plant text.inside{stroke:none}"
 )
-#: A page narrower than this scrolls sideways, so that words stay readable: least width [px], and
-#: least share of the width of the drawing.
-_LEAST_WIDTH, _LEAST_SHARE = 560.0, 0.6
+#: A page narrower than this share of a drawing scrolls sideways, so that words stay readable.
+_LEAST_SHARE = 0.58
 #: From the middle of a symbol to its edge, sideways and upright [px].
 _REACH = {
     "instrument": (BALLOON, BALLOON),
@@ -101,8 +100,7 @@ def process_drawing(
     by = "" if controller is None else f", controlled by {controller.title}"
     at = ", at the operating point" if scene.values else ""
     title = f"Process drawing of {process.title}{by}{at}"
-    least = max(min(width, _LEAST_WIDTH), _LEAST_SHARE * width)
-    room = f"max-width:{width:.0f}px;min-width:{least:.0f}px"
+    room = f"max-width:{width:.0f}px;min-width:{_LEAST_SHARE * width:.0f}px"
     return picture("plant", (width, height), title, _STYLE, parts, style=room)
 
 
