@@ -222,7 +222,7 @@ def test_matrices_name_their_rows_and_columns_in_display_units(wet_well):
     controller = cl.design.lqi_kalman(wet_well)
     grids = {grid.title: grid for grid in law_grids(controller, wet_well.point.process)}
     feedback = grids["F, feedback"]
-    assert feedback.head[1:] == ("well.level [m]", "duty.actual [%]")
+    assert feedback.head == ("", "well.level [m]", "duty.actual [%]")
     ((name, level, actual),) = feedback.rows
     values = controller.values
     assert name == "duty [%]"

@@ -7,8 +7,10 @@ import pytest
 from flow_cascade import flow_cascade
 
 import clepsydra as cl
-from clepsydra.report.overlay import event_windows, overlay_data, shown_signals
+from clepsydra.loop.scenario import Segment
+from clepsydra.report.overlay import event_title, event_windows, overlay_data, shown_signals
 from clepsydra.report.overlay_picture import overlay_figure
+from clepsydra.report.score_tables import figures_of
 
 DRUM = Path(__file__).parents[2] / "docs" / "examples" / "surge-drum.toml"
 
@@ -35,6 +37,17 @@ def test_of_an_averaging_level_the_outflow_comes_first_and_the_band_is_told(drum
     metres = run.values["drum.level"]
     assert rows["level"].values(run) == pytest.approx(50.0 * metres)  # 2 m are 100 %
     assert rows["level"].setpoint(run) == pytest.approx(100.0 * run.values["level.setpoint"])
+
+
+def test_a_volume_is_shown_in_cubic_metres_whatever_its_level():
+    plant = cl.load("averaging-tank")
+    result = cl.study(plant, [cl.design.simc(plant)])
+    told = {each["name"]: each["unit"] for each in data_of(result)["signals"]}
+    assert told["volume"] == "m³" and "tank.level" not in told
+    step = Segment("setpoint", "volume", 0.0, 9.0, 0.4)
+    assert event_title(plant.process, step) == "Setpoint volume +0.4 m³"
+    deviates = next(each for each in figures_of(plant.process) if each.title == "deviates")
+    assert deviates.text(plant.process, "volume", 0.0112) == "0.011 m³"
 
 
 def test_the_still_picture_has_a_load_either_way_and_the_ends_of_the_band(drum):

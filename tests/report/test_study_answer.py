@@ -10,8 +10,8 @@ from rich.console import Console
 import clepsydra as cl
 from clepsydra.process.catalogue_names import catalogue_names
 from clepsydra.report.screen import Screen
-from clepsydra.report.study_answer import better_words, study_answer
-from clepsydra.studies.recommendation import Recommendation
+from clepsydra.report.study_answer import better_words, lead, study_answer
+from clepsydra.studies.recommendation import Recommendation, recommend
 from clepsydra.studies.result import Standing
 
 
@@ -85,7 +85,7 @@ def test_a_best_that_is_no_better_is_not_praised():
     assert "The best, Feedback linearisation, has " in said
     alike = replace(simplest, mean_error=1.01 * best.mean_error)
     said = " ".join(screen(replace(found, ranking=(best, alike)), 100))
-    assert "Feedback linearisation, first of the ranking, is no better by more than 2 %." in said
+    assert "Feedback linearisation is first in the ranking, by less than 2 %." in said
 
 
 def test_columns_go_from_the_right_and_names_stay_whole(result):
@@ -180,6 +180,14 @@ def test_what_does_not_apply_is_counted_and_named_on_request(result):
 def test_reasons_and_the_rule_come_on_request(result):
     said = " ".join(screen(result, 100, why=True))
     assert result.ranking[1].reason in said and "Order: " in said
+
+
+def test_on_a_single_loop_the_best_of_all_is_told_from_the_best_pi():
+    plant = cl.load("wet-well")
+    controllers = [cl.design.feedback_linearisation(plant), cl.design.simc(plant)]
+    found = cl.study(plant, controllers)
+    said = lead(found, recommend(found.ranking))
+    assert said.startswith("The best PI or PID. The best of all, Feedback linearisation, has ")
 
 
 def test_the_least_bad_is_not_recommended(result):

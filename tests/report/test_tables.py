@@ -15,6 +15,7 @@ from clepsydra.report.score_tables import (
     glossary,
     reasons,
     score_tables,
+    tuning_grid,
 )
 from clepsydra.report.screen import Screen
 from clepsydra.report.study_answer import ranking_columns
@@ -102,6 +103,28 @@ def test_what_has_no_end_is_shown_as_infinite(result):
     never = replace(result.ranking[0], maximum_sensitivity=np.inf)
     changed = replace(result, ranking=(never, *result.ranking[1:]))
     assert column(changed, "max|S|") == ["∞", "1.92"]
+
+
+def test_what_does_not_settle_is_never_settled_in_ranking_and_details(result):
+    first = result.ranking[0]
+    restless = {"settling_time[level_1]": np.inf, "settling_time[level_2]": 9.0}
+    changed = replace(result, ranking=(replace(first, scores=restless),))
+    assert column(changed, "settles") == ["never"]
+    (table,) = score_tables(result.process, changed.ranking[0])
+    assert table.rows == (("Settling time", "never", "9.00 s"),)
+    assert "What never settles does not settle within the run." in report_text(changed)
+
+
+def test_the_bounds_of_a_tuning_are_told_with_their_unit(result):
+    tuning = result.ranking[0].tuning
+    reached = replace(
+        tuning,
+        start_scores={"lowest[tank_1.level]": 0.04},
+        scores={"lowest[tank_1.level]": 0.05},
+    )
+    assert tuning_grid(reached, result.process).rows[-1] == (
+        "Lowest tank_1.level", "4.00 cm", "5.00 cm"
+    )  # fmt: skip
 
 
 def test_scores_carry_the_units_of_their_signal(result):

@@ -220,7 +220,9 @@ def margin_grid(response: LoopResponse) -> Table:
         numbers = number_text(gain), angle, number_text(crossing), time_cell(late)
         rows.append((f"{name}{inner}", *numbers, number_text(peak)))
     margins = "gain margin", "phase margin", "crossover [rad/s]", "delay margin", "max|S|"
-    return Table("Margins, the other loops closed", ("loop broken at", *margins), tuple(rows))
+    several = len(response.channels) > 2  # a single loop is broken at its two ends
+    title = "Margins, the other loops closed" if several else "Margins"
+    return Table(title, ("loop broken at", *margins), tuple(rows))
 
 
 def margin_table(response: LoopResponse) -> dict[str, dict[str, float]]:

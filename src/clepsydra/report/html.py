@@ -39,7 +39,7 @@ from clepsydra.report.quantities import RESOLUTION_WORDS, number_text, quantity_
 from clepsydra.report.scheme_tables import scheme_blocks
 from clepsydra.report.score_tables import (
     glossary,
-    ranking_note,
+    ranking_notes,
     score_tables,
     standing_word,
     tuning_grid,
@@ -140,8 +140,8 @@ def _more(result: StudyResult) -> list[Section]:
         folded = bool(result.ranking)
         found.append(Section("Not applicable, and why", (refused,), folded=folded))
     bits = tuple((str(bit.value), bit.meaning) for bit in STATUS_BITS.values())
-    meanings = (
-        Line(ranking_note(result)),
+    meanings: tuple[Line | Table, ...] = (
+        *ranking_notes(result),
         facts_table("Scores", glossary(result)),
         Line(RESOLUTION_WORDS),
         Line(_PID_WORDS),

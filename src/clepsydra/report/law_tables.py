@@ -91,8 +91,8 @@ def law_grids(controller: Controller, process: Process) -> list[Table]:
     >>> import clepsydra as cl
     >>> plant = cl.load("quadruple-tank")
     >>> grid, _ = law_grids(cl.design.lqi(plant), plant.process)
-    >>> grid.head
-    ('F, feedback', 'level_1 [V]', 'level_2 [V]', 'level_3 [V]', 'level_4 [V]')
+    >>> grid.title, grid.head
+    ('F, feedback', ('', 'level_1 [V]', 'level_2 [V]', 'level_3 [V]', 'level_4 [V]'))
     """
     if owners(controller.law.parameters, "start_level"):
         return [_stages(controller, process)]
@@ -188,7 +188,7 @@ def _matrix(
         (_named(row), *(number_text(gain, DIGITS) for gain in of_row))
         for row, of_row in zip(rows, shown.tolist(), strict=True)
     ]
-    return Table(title, (title, *(_named(column) for column in columns)), tuple(body))
+    return Table(title, ("", *(_named(column) for column in columns)), tuple(body))
 
 
 def _named(signal: Signal) -> str:
@@ -204,7 +204,7 @@ def _stages(controller: Controller, process: Process) -> Table:
         words = (level_words(process, level, value) for value in ends)
         rows.append((f"stage {number}: {number} running", *words))
     title = f"Levels ({level.name})"
-    return Table(title, (title, "starts at", "stops at"), tuple(rows))
+    return Table(title, ("", "starts at", "stops at"), tuple(rows))
 
 
 def output_facts(signal: Signal, controller: Controller) -> list[tuple[str, str]]:

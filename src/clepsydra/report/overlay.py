@@ -23,6 +23,7 @@ from clepsydra.report.quantities import (
     change_text,
     display_factor,
     sensor_scale,
+    shown_signal,
     unit_text,
 )
 from clepsydra.report.score_tables import standing_word
@@ -124,16 +125,10 @@ class EventWindow:
     again: bool
 
 
-def _seen(process: Process, measurement: str) -> Signal:
-    """Return what is drawn of a measurement: the level, or itself where its band is in its unit."""
-    shown = measurement in process.bands
-    return process.signal(measurement if shown else process.measured_state[measurement])
-
-
 def shown_signals(result: StudyResult) -> list[ShownSignal]:
     """Return the rows of charts: what is controlled, what inner loops measure, what is moved."""
     process = result.process
-    held = [ShownSignal(_seen(process, name), name) for name in process.controlled]
+    held = [ShownSignal(shown_signal(process, name)[0], name) for name in process.controlled]
     measured = [name for each in result.ranking for _, name in inner_loops(each.controller)]
     inner = [
         ShownSignal(process.signal(name), inner=True)
@@ -236,9 +231,9 @@ def event_title(process: Process, segment: Segment) -> str:
     if segment.kind == "noise":
         return "Measurement noise"
     signal, size = process.signal(segment.signal), segment.size
-    if segment.signal in process.measured_state and segment.signal not in process.bands:
-        signal = process.signal(process.measured_state[segment.signal])
-        size /= sensor_scale(process, segment.signal).gain
+    if segment.kind == "setpoint":
+        signal, gain = shown_signal(process, segment.signal)
+        size /= gain
     words = change_text(size * display_factor(signal), signal.shown_unit)
     return f"{segment.kind.capitalize()} {segment.signal} {words}"
 

@@ -45,7 +45,7 @@ def number_text(value: float, digits: int = 3) -> str:
     Examples
     --------
     >>> number_text(12.2629), number_text(-0.000123456), number_text(123456.0)
-    ('12.3', '−1.23e−4', '123456')
+    ('12.3', '−1.23e−4', '123000')
     """
     if math.isnan(value):
         return "–"
@@ -53,9 +53,10 @@ def number_text(value: float, digits: int = 3) -> str:
         return "∞" if value > 0 else "−∞"
     if value == 0.0:
         return "0"
-    exponent = math.floor(math.log10(abs(float(f"{value:.{digits - 1}e}"))))
+    rounded = float(f"{value:.{digits - 1}e}")
+    exponent = math.floor(math.log10(abs(rounded)))
     if -4 < exponent < 6:
-        text = f"{value:.{max(digits - 1 - exponent, 0)}f}"
+        text = f"{rounded:.{max(digits - 1 - exponent, 0)}f}"
     else:
         mantissa, power = f"{value:.{digits - 1}e}".split("e")
         text = f"{mantissa}e{int(power)}"
@@ -104,7 +105,7 @@ def setting_time(time: float, digits: int = 4) -> str:
     Examples
     --------
     >>> setting_time(30.0), setting_time(90519.0)
-    ('30.00 s', '90519 s = 25.1 h')
+    ('30.00 s', '90520 s = 25.1 h')
     """
     words, shown = f"{number_text(time, digits)} s", time_cell(time)
     return words if shown.endswith(" s") or not math.isfinite(time) else f"{words} = {shown}"
@@ -251,6 +252,27 @@ def sensor_scale(process: Process, measurement: str) -> SensorScale:
         readings.append(float(np.asarray(output).ravel()[row]))
     gain = (readings[1] - readings[0]) / level.span
     return SensorScale(gain, readings[0] - gain * level.low)
+
+
+def shown_signal(process: Process, measurement: str) -> tuple[Signal, float]:
+    """Return what the reader sees of a measurement, and how much of the measurement one of it is.
+
+    It is the state that it measures, as a level in cm behind a signal in V; the measurement
+    itself where its band is in its unit, and a volume, which no straight line makes a level.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> signal, gain = shown_signal(load_process("quadruple-tank"), "level_1")
+    >>> signal.name, gain  # [V/m]
+    ('tank_1.level', 50.0)
+    >>> shown_signal(load_process("averaging-tank"), "volume")[0].name
+    'volume'
+    """
+    own, state = process.signal(measurement), process.measured_state.get(measurement)
+    if state is None or measurement in process.bands or own.unit == "m^3":
+        return own, 1.0
+    return process.signal(state), sensor_scale(process, measurement).gain
 
 
 #: Said in a report below the tables that show 0 for less.

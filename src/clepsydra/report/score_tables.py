@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from clepsydra.base.section import Table
+from clepsydra.base.section import Line, Mark, Table, marked
 from clepsydra.base.words import listed
 from clepsydra.process.averaging import band_text
 from clepsydra.process.process import Process
@@ -18,8 +19,9 @@ from clepsydra.report.quantities import (
     INTEGRAND,
     display_factor,
     number_text,
-    sensor_scale,
+    quantity_text,
     settled,
+    shown_signal,
     time_cell,
     unit_text,
 )
@@ -66,13 +68,14 @@ _COLUMNS_NOTE = (
     "much. Noise is the standard deviation with which measurement noise throws the worst "
     "manipulated variable about, overshoot that of the worst setpoint step, max|S| the peak of the "
     "sensitivity at the controlled measurements; inner loops and manipulated variables have theirs "
-    "with the controller."
+    "with the controller. What never settles does not settle within the run."
 )
 
 
-def ranking_note(result: StudyResult) -> str:
-    """Return what stands below a ranking: its columns and its rule in words."""
-    return f"{_COLUMNS_NOTE} Order: {result.rule or RULE}"
+def ranking_notes(result: StudyResult) -> tuple[Line, ...]:
+    """Return what stands below a ranking, a point a sentence: its columns and its rule."""
+    words = f"{_COLUMNS_NOTE} Order: {result.rule or RULE}"
+    return marked(Mark.POINT, re.split(r"(?<=\.) (?=[A-Z])", words))
 
 
 def reasons(ranking: Sequence[Candidate]) -> list[str]:
@@ -154,7 +157,7 @@ def score_text(
     """
     power, power_of_time = score.powers
     if not score.unit and not power:
-        shown, _, unit = time_cell(value).partition(" ")
+        shown, _, unit = _time(process, name, value).partition(" ")
         return shown, unit
     if score.unit:
         if score.unit in _OF_WHOLE:
@@ -209,7 +212,8 @@ def tuning_grid(tuning: TuningResult, process: Process, duration: float = 0.0) -
             ]
             rows.append((score_key(key).title, *cells))
         else:
-            rows.append((key, number_text(before), number_text(value)))
+            reached = (quantity_text(process.signal(signal), each) for each in (before, value))
+            rows.append((f"{name.capitalize()} {signal}", *reached))
     return Table("Tuned by simulation", ("", "start", "tuned"), tuple(rows))
 
 
@@ -274,13 +278,10 @@ def _time(process: Process, name: str, value: float) -> str:
 
 def _level(process: Process, name: str, value: float) -> str:
     """Return a deviation of a measurement as one of the level that it measures."""
-    signal = process.signal(name)
-    value = settled(value, DEVIATION * signal.span)
-    state = process.measured_state.get(name)
-    if state is not None:
-        signal, value = process.signal(state), value / abs(sensor_scale(process, name).gain)
+    value = settled(value, DEVIATION * process.signal(name).span)
+    signal, gain = shown_signal(process, name)
     unit = unit_text(signal.shown_unit)
-    return f"{number_text(value * display_factor(signal), 2)} {unit}".strip()
+    return f"{number_text(value / abs(gain) * display_factor(signal), 2)} {unit}".strip()
 
 
 def _of_range(process: Process, name: str, value: float) -> str:

@@ -19,7 +19,7 @@ from clepsydra.report.scheme_tables import added_table
 from clepsydra.report.score_tables import (
     figures_of,
     performance_words,
-    ranking_note,
+    ranking_notes,
     reasons,
     standing_word,
 )
@@ -120,7 +120,7 @@ def better_words(advice: Recommendation) -> str:
     """Return what the best controller gains and needs beside the simplest."""
     controller = advice.best.controller
     if advice.saved < TIE - 1.0:
-        return f"{controller.name}, first of the ranking, is no better by more than 2 %."
+        return f"{controller.name} is first in the ranking, by less than 2 %."
     if not controller.setpoints:
         needs = "; it switches at levels, and holds no setpoint"
     elif controller.further_measurements:
@@ -173,7 +173,7 @@ def _reasons(result: StudyResult) -> list[Line | Table | Section]:
         titled = (f"{each.controller.title}: {words}" for words in each.warnings)
         parts += marked(Mark.WATCH, titled)
     parts += marked(Mark.WATCH, result.caveats)
-    return [*parts, _EMPTY, Line(ranking_note(result))]
+    return [*parts, _EMPTY, *ranking_notes(result)]
 
 
 def _commands(result: StudyResult, advice: Recommendation) -> tuple[Line, ...]:
@@ -222,7 +222,10 @@ def lead(result: StudyResult, advice: Recommendation | None) -> str:
     why = advice.why or f"the {result.verdict.partition(': the ')[2].rstrip('.')}"
     said = [f"{why[:1].upper()}{why[1:]}."]
     if advice.best is not advice.simplest:
-        said.append(better_words(advice))
+        better = better_words(advice)
+        if why.startswith("the best"):
+            better = better.replace("The best,", "The best of all,")
+        said.append(better)
     return " ".join(said)
 
 
