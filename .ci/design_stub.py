@@ -22,7 +22,7 @@ def stub() -> str:
     """Return the text of the stub."""
     imports: set[tuple[str, str]] = {
         ("clepsydra.interface.controller", "Controller"),
-        ("clepsydra.interface.plant", "Plant"),
+        ("clepsydra.interface.subject", "Subject"),
     }
     functions = []
     for name in dir(design):
@@ -81,7 +81,7 @@ def _imported(function: Callable[..., object]) -> dict[str, str]:
         elif isinstance(node, ast.Assign | ast.ClassDef):
             targets = node.targets if isinstance(node, ast.Assign) else [ast.Name(node.name)]
             found |= {each.id: module.__name__ for each in targets if isinstance(each, ast.Name)}
-    return {word: place for word, place in found.items() if word not in ("Controller", "Plant")}
+    return {word: place for word, place in found.items() if word not in ("Controller", "Subject")}
 
 
 def main() -> None:

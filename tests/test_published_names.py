@@ -39,7 +39,12 @@ def test_names_are_listed():
 
 @pytest.mark.parametrize(
     ("owner", "name", "meant"),
-    [(cl, "desing", "design"), (cl.design, "smic", "simc"), (cl.design, "lambd", "lambda_")],
+    [
+        (cl, "desing", "design"),
+        (cl, "processes", "catalogue"),
+        (cl.design, "smic", "simc"),
+        (cl.design, "lambd", "lambda_"),
+    ],
 )
 def test_an_unknown_name_is_an_attribute_error_that_says_what_was_meant(owner, name, meant):
     with pytest.raises(AttributeError) as error:

@@ -23,6 +23,7 @@ from clepsydra.interface.analyse import zeros as zeros
 from clepsydra.interface.analysis import Analysis as Analysis
 from clepsydra.interface.catalogue import catalogue as catalogue
 from clepsydra.interface.controller import Controller as Controller
+from clepsydra.interface.draw import draw as draw
 from clepsydra.interface.events import Event as Event
 from clepsydra.interface.events import disturbance as disturbance
 from clepsydra.interface.events import profile as profile

@@ -12,8 +12,8 @@ MISTAKES = {
         ("process", "quadruple-tnak", "quadruple-tank", "'quadruple-tank' was meant"),
     ),
     "plant as text": (
-        lambda plant, pi: cl.design.simc("quadruple-tank"),
-        ("plant", "quadruple-tank", "a plant", "cl.load"),
+        lambda plant, pi: cl.design.simc("quadruple-tnak"),
+        ("process", "quadruple-tnak", "quadruple-tank", "'quadruple-tank' was meant"),
     ),
     "controller as text": (
         lambda plant, pi: cl.simulate(plant, "PI"),
@@ -248,8 +248,8 @@ MISTAKES = {
         ("controller", None, "a controller", "cl.design"),
     ),
     "plant of an export": (
-        lambda plant, pi: cl.export(pi, "quadruple-tank"),
-        ("plant", "quadruple-tank", "a plant", "cl.load"),
+        lambda plant, pi: cl.export(pi, None),
+        ("plant", None, "the name or path of a process", "cl.load"),
     ),
     "scenario as text": (
         lambda plant, pi: cl.verify(pi, plant, scenario="default"),
@@ -260,8 +260,8 @@ MISTAKES = {
         ("plant, values", "a list", "parameters with their values", '"tank_1.area": "30 cm^2"'),
     ),
     "a system of nothing": (
-        lambda plant, pi: cl.zeros("G"),
-        ("python-control system", "str", "a control.StateSpace", "control.ss"),
+        lambda plant, pi: cl.zeros([1.0]),
+        ("python-control system", "list", "a control.StateSpace", "control.ss"),
     ),
 }  # fmt: skip
 

@@ -66,9 +66,9 @@ def test_what_is_printed_fits_and_says_what_it_is(call, plant, pi):
 
 
 def test_a_drawing_has_the_values_of_the_operating_point(plant, tmp_path):
-    assert plant.draw(tmp_path / "plant.svg") is None
+    assert cl.draw(plant, tmp_path / "plant.svg") is None
     lower = plant.at(inputs={"pump_1": 2.5, "pump_2": 2.5})
-    assert lower.draw(tmp_path / "lower.svg") is None
+    assert cl.draw(lower, tmp_path / "lower.svg") is None
     drawn, other = ((tmp_path / f"{name}.svg").read_text("utf-8") for name in ("plant", "lower"))
     assert "3.00 V" in drawn and "2.50 V" in other and "2.50 V" not in drawn
 
@@ -76,9 +76,9 @@ def test_a_drawing_has_the_values_of_the_operating_point(plant, tmp_path):
 def test_a_drawing_takes_only_a_controller_of_its_signals(plant, pi, tmp_path):
     drum = cl.load("wet-well")
     with refused(place="measurements", value="level_1", expected=drum.name):
-        drum.draw(tmp_path / "drum.svg", pi)
+        cl.draw(drum, tmp_path / "drum.svg", pi)
     with refused(place="controller", value="PI", remedy="cl.design.simc(plant)"):
-        plant.draw(tmp_path / "plant.svg", "PI")
+        cl.draw(plant, tmp_path / "plant.svg", "PI")
     assert not list(tmp_path.iterdir())
 
 

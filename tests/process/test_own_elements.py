@@ -47,7 +47,7 @@ def message_for(python: str = PYTHON, toml: str = TOML) -> str:
 
 
 def drawing() -> str:
-    cl.load("weir-tank.toml").draw("weir-tank.svg")
+    cl.draw("weir-tank.toml")
     return Path("weir-tank.svg").read_text(encoding="utf-8")
 
 

@@ -63,7 +63,7 @@ give the name of a process.
 
 
 def sequence_of(
-    value: Any, wanted: type, place: str, expected: str, remedy: str
+    value: Any, wanted: type | tuple[type, ...], place: str, expected: str, remedy: str
 ) -> tuple[Any, ...]:
     """Return a list or tuple of one type; refuse anything else, in words.
 

@@ -22,6 +22,13 @@ SYMBOLS = {
     "maximum_moves": ("R",),
     "weights": ("Q", "R"),
 }
+#: What the command line calls a call in Python, where that is not the same.
+_VERBS = {
+    "audit": ("papers",),
+    "catalogue": ("processes",),
+    "design": ("designs",),
+    "new_process": ("new",),
+}
 
 
 def symbol_of(name: str) -> str:
@@ -69,5 +76,6 @@ def suggestion(wrong: object, known: Iterable[str], otherwise: str) -> str:
 
 def _synonyms(given: str, spelt: Mapping[str, str]) -> list[str]:
     """Return the known names for what a symbol stands for."""
-    groups = ([each.lower() for each in (*more, name)] for name, more in SYMBOLS.items())
+    known = SYMBOLS | _VERBS
+    groups = ([each.lower() for each in (*more, name)] for name, more in known.items())
     return [each for group in groups if given in group for each in group if each in spelt]

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clepsydra.controllers import controller as inner
 from clepsydra.interface.analysis import Analysis
-from clepsydra.interface.controller import of_plant
-from clepsydra.interface.plant import Plant, require_plant
+from clepsydra.interface.controller import AnyController, of_plant
+from clepsydra.interface.plant import Plant
+from clepsydra.interface.subject import StudyRequest, Subject, plant_of
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.relative_gain_array import relative_gain_response
 from clepsydra.linear.relative_gain_array import relative_gains as relative_gains_of
@@ -22,12 +23,12 @@ if TYPE_CHECKING:
     import pandas
 
 
-def analyse(plant: Plant) -> Analysis:
+def analyse(plant: Subject) -> Analysis:
     """Say what the linear model of a plant means for its control.
 
     Parameters
     ----------
-    plant : Plant
+    plant : Plant, str or Path
 
     Returns
     -------
@@ -45,15 +46,15 @@ def analyse(plant: Plant) -> Analysis:
     >>> analyse(cl.load("quadruple-tank")).pairing[0]
     ('level_1', 'pump_1')
     """
-    return require_plant(plant).analysis
+    return plant_of(plant).analysis
 
 
-def zeros(system: Plant | LinearModel | control.StateSpace) -> np.ndarray:
+def zeros(system: Subject | LinearModel | control.StateSpace) -> np.ndarray:
     """Return the transmission zeros [rad/s], rightmost first.
 
     Parameters
     ----------
-    system : Plant, LinearModel or control.StateSpace
+    system : Plant, str, Path, LinearModel or control.StateSpace
         Of a plant from its inputs to its controlled measurements. Every input of a state space of
         python-control counts; `LinearModel.from_control(system, ["inflow"])` tells apart those
         that are disturbances.
@@ -67,19 +68,19 @@ def zeros(system: Plant | LinearModel | control.StateSpace) -> np.ndarray:
     return roots_of(_linear(system)).zeros
 
 
-def poles(system: Plant | LinearModel | control.StateSpace) -> np.ndarray:
+def poles(system: Subject | LinearModel | control.StateSpace) -> np.ndarray:
     """Return the poles [rad/s], rightmost first; see `zeros`."""
     return roots_of(_linear(system)).poles
 
 
 def relative_gains(
-    system: Plant | LinearModel | control.StateSpace, frequency: float = 0.0
+    system: Subject | LinearModel | control.StateSpace, frequency: float = 0.0
 ) -> pandas.DataFrame:
     """Return the relative gain array, a row for each output and a column for each input.
 
     Parameters
     ----------
-    system : Plant, LinearModel or control.StateSpace
+    system : Plant, str, Path, LinearModel or control.StateSpace
     frequency : float
         That of the response there, complex [rad/s]; at rest if left out.
 
@@ -98,7 +99,7 @@ def relative_gains(
     return pandas.DataFrame(found, index=list(model.outputs), columns=list(model.inputs))
 
 
-def margins(controller: inner.Controller, plant: Plant) -> pandas.DataFrame:
+def margins(controller: AnyController, plant: Subject) -> pandas.DataFrame:
     """Return gain, phase and delay margin and max|S| of each loop, the others closed.
 
     They are those of the sampled loop, exact, broken at each measurement and at each input.
@@ -112,13 +113,14 @@ def margins(controller: inner.Controller, plant: Plant) -> pandas.DataFrame:
     """
     import pandas
 
-    found = margin_table(loop_response(of_plant(controller, require_plant(plant)), plant.measured))
+    plant = plant_of(plant)
+    found = margin_table(loop_response(of_plant(controller, plant), plant.measured))
     return pandas.DataFrame.from_dict(found, orient="index")
 
 
 def _linear(system: object) -> LinearModel:
-    if isinstance(system, Plant):
-        return system.linear
+    if isinstance(system, (Plant, StudyRequest, str, Path)):
+        return plant_of(system).linear
     if isinstance(system, LinearModel):
         return system
     return LinearModel.from_control(system)

@@ -14,10 +14,12 @@ from clepsydra.controllers import controller as inner
 from clepsydra.controllers.controller import plain_name as plain_name
 from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.interface.loop_settings import Settings
-from clepsydra.interface.plant import Plant, require_plant
+from clepsydra.interface.plant import Plant
 from clepsydra.interface.settings import values_of
 from clepsydra.interface.shown import Answered, lifted
+from clepsydra.interface.subject import Subject, plant_of
 from clepsydra.loop.loop import Loop
+from clepsydra.studies.result import TriedController
 from clepsydra.studies.tuning.resting_states import rested_elsewhere
 
 
@@ -106,7 +108,25 @@ class Controller(Answered, inner.Controller):
         return Section(title, (Line(self.design), *tables, *notes))
 
 
-def of_plant(controller: inner.Controller, plant: Plant) -> Controller:
+#: What every call takes for a controller: one, or a candidate of a study.
+AnyController = inner.Controller | TriedController
+
+
+def required(controller: AnyController) -> inner.Controller:
+    """Return the controller that was given, that of a candidate of a study too.
+
+    Raises
+    ------
+    InputError
+        It is none.
+    """
+    found = controller.controller if isinstance(controller, TriedController) else controller
+    remedy = "give one, as from cl.design.simc(plant)"
+    require_type(found, inner.Controller, "controller", "a controller", remedy)
+    return found
+
+
+def of_plant(controller: AnyController, plant: Subject) -> Controller:
     """Return a controller as one of a plant, where it starts at rest.
 
     One that was made for another plant, or for another operating point, is taken as it is where
@@ -117,11 +137,7 @@ def of_plant(controller: inner.Controller, plant: Plant) -> Controller:
     InputError
         It is no controller, or it is wired to signals that the plant does not have.
     """
-    require_plant(plant)
-    require_type(
-        controller, inner.Controller, "controller", "a controller",
-        "give one, as from cl.design.simc(plant)",
-    )  # fmt: skip
+    plant, controller = plant_of(plant), required(controller)
     if not isinstance(controller, Controller):
         return lifted(Controller, controller, plant=plant)
     if controller.plant is plant:

@@ -19,7 +19,7 @@ from clepsydra.designs.regulator import regulator_controller
 from clepsydra.designs.regulators.given import SAMPLING_PERIOD
 from clepsydra.interface.controller import Controller, of_plant
 from clepsydra.interface.lift import of_model
-from clepsydra.interface.plant import Plant
+from clepsydra.interface.subject import Subject, plant_of
 
 own = of_model(own_controller)
 regulator = of_model(
@@ -28,12 +28,12 @@ regulator = of_model(
 
 
 @keywords_checked()
-def fuzzy(plant: Plant, path: str | Path, *, name: str = "Fuzzy") -> Controller:
+def fuzzy(plant: Subject, path: str | Path, *, name: str = "Fuzzy") -> Controller:
     """Return the controller of a fuzzy file, which docs/fuzzy-files.md describes.
 
     Parameters
     ----------
-    plant : Plant
+    plant : Plant, str or Path
     path : str or Path
     name : str
         What the reader sees.
@@ -43,6 +43,7 @@ def fuzzy(plant: Plant, path: str | Path, *, name: str = "Fuzzy") -> Controller:
     InputError
         The file cannot be used; the message names the line.
     """
+    plant = plant_of(plant)
     law = WiredFuzzy(load_fuzzy(path), plant.process)
     return of_plant(law.controller(plant.point, name), plant)
 

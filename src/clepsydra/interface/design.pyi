@@ -19,12 +19,12 @@ from clepsydra.designs.states.quadratic_weights import QuadraticWeights
 from clepsydra.designs.virtual_settings import VirtualSettings
 from clepsydra.designs.ziegler_nichols import Experiment
 from clepsydra.interface.controller import Controller
-from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity
+from clepsydra.interface.subject import Subject
 from clepsydra.program.step_law import StepLaw
 
 def amigo(
-    plant: Plant,
+    plant: Subject,
     pairing: Pairing | None = ...,
     *,
     form: PidForm | None = ...,
@@ -33,7 +33,7 @@ def amigo(
     """Design a PI or PID controller for each pair by AMIGO."""
 
 def arrest_time(
-    plant: Plant,
+    plant: Subject,
     pairing: Pairing | None = ...,
     *,
     form: PidForm | None = ...,
@@ -44,7 +44,7 @@ def arrest_time(
     """Design PI controllers that let levels move, so that the flows behind them hardly do."""
 
 def disturbance_rejection(
-    plant: Plant,
+    plant: Subject,
     pairing: Pairing | None = ...,
     *,
     closed_loop_time_constant: Quantity | None = ...,
@@ -53,7 +53,7 @@ def disturbance_rejection(
     """Design a loop of active disturbance rejection for each pair."""
 
 def feedback_linearisation(
-    plant: Plant,
+    plant: Subject,
     *,
     measurements: Sequence[str] | None = ...,
     closed_loop_time_constant: Quantity | None = ...,
@@ -66,7 +66,7 @@ def feedback_linearisation(
     """Design feedback linearisation of a process, with a PI controller for each output."""
 
 def fuzzy(
-    plant: Plant,
+    plant: Subject,
     path: str | Path,
     *,
     name: str = ...,
@@ -74,7 +74,7 @@ def fuzzy(
     """Return the controller of a fuzzy file, which docs/fuzzy-files.md describes."""
 
 def fuzzy_pi(
-    plant: Plant,
+    plant: Subject,
     pairing: Pairing | None = ...,
     *,
     largest_error: Quantity = ...,
@@ -83,7 +83,7 @@ def fuzzy_pi(
     """Design an incremental fuzzy PI controller for each pair, from SIMC's linear one."""
 
 def gain_scheduled_lqi(
-    plant: Plant,
+    plant: Subject,
     *,
     maximum_errors: Mapping[str, Quantity] | None = ...,
     maximum_moves: Mapping[str, Quantity] | None = ...,
@@ -95,7 +95,7 @@ def gain_scheduled_lqi(
     """Design LQI by Bryson's rule at several operating points, and schedule the gains."""
 
 def gain_scheduled_pid(
-    plant: Plant,
+    plant: Subject,
     pairing: Pairing | None = ...,
     *,
     form: PidForm | None = ...,
@@ -106,7 +106,7 @@ def gain_scheduled_pid(
     """Design PI or PID controllers by SIMC at several operating points, and schedule them."""
 
 def glover_mcfarlane(
-    plant: Plant,
+    plant: Subject,
     pairing: Pairing | None = ...,
     *,
     precompensator: Controller | Precompensator | None = ...,
@@ -116,7 +116,7 @@ def glover_mcfarlane(
     """Design the most robust controller of a loop that a pre-compensator has shaped."""
 
 def lambda_(
-    plant: Plant,
+    plant: Subject,
     pairing: Pairing | None = ...,
     *,
     form: PidForm | None = ...,
@@ -125,7 +125,7 @@ def lambda_(
     """Design a PI controller for each pair by lambda tuning."""
 
 def lqi(
-    plant: Plant,
+    plant: Subject,
     *,
     maximum_errors: Mapping[str, Quantity] | None = ...,
     maximum_moves: Mapping[str, Quantity] | None = ...,
@@ -134,7 +134,7 @@ def lqi(
     """Design LQI control with weights by Bryson's rule."""
 
 def lqi_by_weights(
-    plant: Plant,
+    plant: Subject,
     weights: Mapping[str, Mapping[str, float]] | QuadraticWeights,
     *,
     anti_windup: AntiWindup = ...,
@@ -142,7 +142,7 @@ def lqi_by_weights(
     """Design LQI control with given weights."""
 
 def lqi_extended_kalman(
-    plant: Plant,
+    plant: Subject,
     *,
     measurements: Sequence[str] | None = ...,
     maximum_errors: Mapping[str, Quantity] | None = ...,
@@ -152,7 +152,7 @@ def lqi_extended_kalman(
     """Design LQI control of states that an extended Kalman filter estimates."""
 
 def lqi_kalman(
-    plant: Plant,
+    plant: Subject,
     *,
     measurements: Sequence[str] | None = ...,
     maximum_errors: Mapping[str, Quantity] | None = ...,
@@ -162,7 +162,7 @@ def lqi_kalman(
     """Design LQI control of states that a Kalman filter estimates."""
 
 def lqr(
-    plant: Plant,
+    plant: Subject,
     *,
     weights: Mapping[str, Mapping[str, float]] | QuadraticWeights | None = ...,
     measurements: Sequence[str] | None = ...,
@@ -172,7 +172,7 @@ def lqr(
     """Design a linear-quadratic regulator with a precompensator for the setpoints."""
 
 def own(
-    plant: Plant,
+    plant: Subject,
     law: StepLaw,
     *,
     measurements: Sequence[str],
@@ -186,7 +186,7 @@ def own(
     """Return a controller with an own law, whose outputs start at the operating point."""
 
 def phase_margin(
-    plant: Plant,
+    plant: Subject,
     pairing: Pairing | None = ...,
     *,
     form: PidForm | None = ...,
@@ -196,7 +196,7 @@ def phase_margin(
     """Design a PI or PID controller for each pair from its phase margin."""
 
 def pole_placement(
-    plant: Plant,
+    plant: Subject,
     *,
     poles: Sequence[complex] | None = ...,
     bandwidth: Quantity | None = ...,
@@ -206,7 +206,7 @@ def pole_placement(
     """Design state feedback with a precompensator by placing the poles of the sampled loop."""
 
 def polynomial(
-    plant: Plant,
+    plant: Subject,
     pairing: Pairing | None = ...,
     *,
     penalty: Quantity | None = ...,
@@ -216,7 +216,7 @@ def polynomial(
     """Design a polynomial controller of two degrees of freedom for each pair."""
 
 def recomputed_lqi(
-    plant: Plant,
+    plant: Subject,
     *,
     measurements: Sequence[str] | None = ...,
     maximum_errors: Mapping[str, Quantity] | None = ...,
@@ -227,7 +227,7 @@ def recomputed_lqi(
     """Design LQI control whose gains follow the operating point without a table."""
 
 def regulator(
-    plant: Plant,
+    plant: Subject,
     regulator: Any,
     *,
     sampling_period: Quantity | None = ...,
@@ -241,7 +241,7 @@ def regulator(
     """Return a controller with the matrices of a regulator, at rest at the operating point."""
 
 def simc(
-    plant: Plant,
+    plant: Subject,
     pairing: Pairing | None = ...,
     *,
     form: PidForm | None = ...,
@@ -251,7 +251,7 @@ def simc(
     """Design a PI or PID controller for each pair by SIMC."""
 
 def smith_predictor(
-    plant: Plant,
+    plant: Subject,
     pairing: Pairing | None = ...,
     *,
     primary: Primary = ...,
@@ -263,14 +263,14 @@ def smith_predictor(
     """Design a digital Smith predictor for each pair."""
 
 def start_stop_levels(
-    plant: Plant,
+    plant: Subject,
     *,
     starts_per_hour: Quantity = ...,
 ) -> Controller:
     """Return levels at which pumps start and stop, with duty and standby."""
 
 def tyreus_luyben(
-    plant: Plant,
+    plant: Subject,
     pairing: Pairing | None = ...,
     *,
     form: PidForm | None = ...,
@@ -279,7 +279,7 @@ def tyreus_luyben(
     """Design a PI or PID controller for each pair by the rules of Tyreus and Luyben."""
 
 def variable_structure_pid(
-    plant: Plant,
+    plant: Subject,
     pairing: Pairing | None = ...,
     *,
     form: PidForm | None = ...,
@@ -289,7 +289,7 @@ def variable_structure_pid(
     """Design variable-structure PI or PID control for each pair."""
 
 def ziegler_nichols(
-    plant: Plant,
+    plant: Subject,
     pairing: Pairing | None = ...,
     *,
     form: PidForm | None = ...,

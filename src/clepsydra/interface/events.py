@@ -12,6 +12,7 @@ from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.signal import Signal
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity, check_within, known, read_signal, read_time
+from clepsydra.interface.subject import Subject, plant_of
 from clepsydra.loop.default_scenario import segment_samples
 from clepsydra.loop.profile import Change as Change
 from clepsydra.loop.profile import read_assignment
@@ -157,7 +158,7 @@ def _event(
     return event
 
 
-def profile(path: str | Path, plant: Plant) -> list[Change]:
+def profile(path: str | Path, plant: Subject) -> list[Change]:
     """Return the values of signals over time, from a CSV file, as events of `cl.simulate`.
 
     Parameters
@@ -165,14 +166,14 @@ def profile(path: str | Path, plant: Plant) -> list[Change]:
     path : str or Path
         Its head names time and signals with their units, "time [min],pump_1 [V]"; each value is
         held until the next row.
-    plant : Plant
+    plant : Plant, str or Path
 
     Raises
     ------
     InputError
         The file cannot be used, or a signal is none that moves a plant without a controller.
     """
-    return read_profile_csv(path, plant.process)
+    return read_profile_csv(path, plant_of(plant).process)
 
 
 def change_in_words(text: str, plant: Plant, place: str) -> Change:

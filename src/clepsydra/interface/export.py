@@ -12,14 +12,14 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.files import write_together
 from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.section import Line, Mark, Section, marked
-from clepsydra.controllers import controller as inner
 from clepsydra.deploy.printing.identifiers import identifier_of as identifier_of
 from clepsydra.deploy.target import Delivery, target_of
-from clepsydra.interface.controller import of_plant
-from clepsydra.interface.plant import Plant, require_plant
+from clepsydra.interface.controller import AnyController, of_plant
+from clepsydra.interface.plant import Plant
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.shell import Settings, plant_shell
 from clepsydra.interface.shown import Answered
+from clepsydra.interface.subject import Subject, plant_of
 from clepsydra.loop.scenario import Scenario
 
 
@@ -56,8 +56,8 @@ class Exported(Answered):
 
 @keywords_checked()
 def export(
-    controller: inner.Controller | None,
-    plant: Plant,
+    controller: AnyController | None,
+    plant: Subject,
     folder: str | Path = ".",
     to: str = "st",
     *,
@@ -76,7 +76,7 @@ def export(
     ----------
     controller : Controller or None
         None for the process itself, which is exported as FMUs only.
-    plant : Plant
+    plant : Plant, str or Path
     folder : str or Path
         It is made where it is missing.
     to : {"st", "c", "fmu", "tuning", "signals"}
@@ -119,7 +119,7 @@ def export(
     >>> [path.name for path in written.files]
     ['quadruple_tank_pi_simc.h', 'quadruple_tank_pi_simc.c']
     """
-    require_plant(plant)
+    plant = plant_of(plant)
     settings = {
         "fail_safe": fail_safe,
         "sensor_delay": sensor_delay,

@@ -16,6 +16,7 @@ from clepsydra.identification.process_file import write_fitted_process
 from clepsydra.identification.record import Record, read_record
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.shown import Answered, lifted
+from clepsydra.interface.subject import Subject, plant_of
 
 if TYPE_CHECKING:
     from clepsydra.base.section import Section
@@ -87,7 +88,7 @@ def identify(
 ) -> Identification: ...
 @overload
 def identify(
-    record: str | Path | Record, *, plant: Plant, parameters: Sequence[str]
+    record: str | Path | Record, *, plant: Subject, parameters: Sequence[str]
 ) -> FittedPlant: ...
 @keywords_checked()
 def identify(
@@ -95,7 +96,7 @@ def identify(
     manipulated: str | None = None,
     measured: str | None = None,
     *,
-    plant: Plant | None = None,
+    plant: Subject | None = None,
     parameters: Sequence[str] | None = None,
 ) -> Identification | FittedPlant:
     """Identify a model from a record: ARX, FOPDT, SOPDT, IPDT, or parameters of a plant.
@@ -107,7 +108,7 @@ def identify(
         "time [s],pump_1 [V]".
     manipulated, measured : str, optional
         The column that moves the other, and that other; the record may leave only one choice.
-    plant : Plant, optional
+    plant : Plant, str or Path, optional
         Whose parameters are fitted instead, to all of its inputs and measurements in the record.
     parameters : sequence of str, optional
         Those to fit, ["outlet_1.area"].
@@ -128,9 +129,9 @@ def identify(
     >>> round(gain, 1), round(time_constant)  # [V/V], [s]
     (2.6, 63)
     """
-    process = None if plant is None else plant.process
+    process = None if plant is None else plant_of(plant).process
     read = record if isinstance(record, Record) else read_record(record, process)
-    if plant is None:
+    if process is None:
         if parameters is not None:
             raise InputError(
                 "parameters", str(parameters), "a plant that has them", "name it: plant=plant"
@@ -142,5 +143,5 @@ def identify(
                 key, name, f"no {key} with a plant",
                 "leave it out: every input and measurement of the plant that is recorded counts",
             )  # fmt: skip
-    fit = process_fit.fit_process(plant.process, read, list(parameters or ()))
+    fit = process_fit.fit_process(process, read, list(parameters or ()))
     return lifted(FittedPlant, fit)

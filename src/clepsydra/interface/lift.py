@@ -14,8 +14,9 @@ from clepsydra.controllers import controller as inner
 from clepsydra.designs.arguments.argument import Argument
 from clepsydra.designs.arguments.weights import OfModel
 from clepsydra.interface.controller import Controller, of_plant
-from clepsydra.interface.plant import Plant, require_plant
+from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import arguments, with_unit
+from clepsydra.interface.subject import Subject, plant_of
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.process.process import Process
 
@@ -30,7 +31,7 @@ _SHARED = {
     "form": "    form : PidForm, optional\n        PI in ISA form if left out.\n",
 }
 _OTHERS = re.compile(r"`designs\.[a-z_.]*design_(\w+)`")
-_PLANT = '    plant : Plant\n        As from ``cl.load("quadruple-tank")``.\n'
+_PLANT = "    plant : Plant, str or Path\n        Or as for `cl.load`.\n"
 _QUANTITIES = """
     Times, angles and rates may be text with a unit, "20 s", "60 deg", or a number in the unit in
     [brackets]; what belongs to a signal text with a unit, "5 cm" or "10 %" of its range, or a
@@ -41,7 +42,7 @@ _QUANTITIES = """
 def of_model(
     design: Callable[Concatenate[LinearModel, P], inner.Controller],
     declared: Mapping[str, Argument] = MappingProxyType({}),
-) -> Callable[Concatenate[Plant, P], Controller]:
+) -> Callable[Concatenate[Subject, P], Controller]:
     """Return a design as a function of a plant; its other arguments stay.
 
     Those that it declares may be what people write as well: text with a unit besides numbers.
@@ -50,19 +51,19 @@ def of_model(
     place, (_, *known) = _called(design), signature.parameters
 
     @functools.wraps(design)
-    def designed(plant: Plant, *args: P.args, **kwargs: P.kwargs) -> Controller:
-        require_plant(plant)
+    def designed(plant: Subject, *args: P.args, **kwargs: P.kwargs) -> Controller:
         check_keywords(place, kwargs, known)
+        own = plant_of(plant)
         _, *given_ones = signature.bind(None, *args, **kwargs).arguments.items()
         given = dict(given_ones)
         found = {
-            name: _read(place, declared[name], value, given, plant) if name in declared else value
+            name: _read(place, declared[name], value, given, own) if name in declared else value
             for name, value in given.items()
         }
-        return of_plant(design(plant.linear, **found), plant)  # type: ignore[call-arg]
+        return of_plant(design(own.linear, **found), own)  # type: ignore[call-arg]
 
     first, *others = signature.parameters.values()
-    of_plant_ = first.replace(name="plant", annotation="Plant")
+    of_plant_ = first.replace(name="plant", annotation="Subject")
     designed.__signature__ = signature.replace(parameters=[of_plant_, *others])  # type: ignore[attr-defined]
     designed.declared = declared  # type: ignore[attr-defined]
     designed.__doc__ = _documented(inspect.getdoc(design) or "", signature.parameters)

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import ClepsydraError
-from clepsydra.base.files import whole_file
 from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.section import Mark, Section, Table, marked
 from clepsydra.base.signal import Signal
@@ -18,7 +17,7 @@ from clepsydra.interface.analysis import Analysis
 from clepsydra.interface.quantities import Quantity, known, read_signal
 from clepsydra.interface.shown import Answered, lifted
 from clepsydra.linear.analysis import analyse
-from clepsydra.linear.equilibrium import NoEquilibrium, find_equilibrium
+from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
@@ -26,7 +25,7 @@ from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 
 if TYPE_CHECKING:
-    from clepsydra.controllers.controller import Controller
+    pass
 
 
 class Plant(Answered):
@@ -114,6 +113,16 @@ class Plant(Answered):
         plant._disturbances = self._disturbances
         return plant
 
+    def equilibrium(self) -> OperatingPoint:
+        """Return the operating point alone, without an analysis.
+
+        Raises
+        ------
+        NoEquilibrium
+            It never rests as asked.
+        """
+        return find_equilibrium(self.process, self._inputs, self._outputs, self._disturbances)
+
     @cached_property
     def analysis(self) -> Analysis:
         """What the linear model says about it, as `cl.analyse` returns it."""
@@ -135,44 +144,6 @@ class Plant(Answered):
     def linear(self) -> LinearModel:
         """The linear model from inputs to controlled measurements; it has `to_control()`."""
         return self.analysis.model
-
-    def draw(self, path: str | Path, controller: Controller | None = None) -> NoEquilibrium | None:
-        """Draw the process with the values of its operating point, as SVG.
-
-        Parameters
-        ----------
-        path : str or Path
-        controller : Controller, optional
-            Whose loops are drawn; without one there are transmitters alone.
-
-        Returns
-        -------
-        NoEquilibrium or None
-            Why it is drawn without values, where it never rests.
-
-        Raises
-        ------
-        InputError
-            It is no controller, or it is wired to signals that the plant does not have.
-        """
-        from clepsydra.controllers.controller import Controller
-        from clepsydra.controllers.wiring import check_signals
-        from clepsydra.report.drawing.plant import process_drawing
-
-        if controller is not None:
-            remedy = "give one, as from cl.design.simc(plant), or leave it out"
-            require_type(controller, Controller, "draw, controller", "a controller", remedy)
-            wires = controller.measurements, controller.setpoints, controller.manipulated
-            check_signals(*wires, controller.name, self.process)
-        reason = None
-        try:
-            point = find_equilibrium(self.process, self._inputs, self._outputs, self._disturbances)
-        except NoEquilibrium as error:
-            point, reason = None, error
-        picture = process_drawing(self.process, point, controller)
-        with whole_file(Path(path)) as part:
-            part.write_text(picture, encoding="utf-8")
-        return reason
 
     @property
     def file_stem(self) -> str:
@@ -244,19 +215,6 @@ class Plant(Answered):
         title = f"{process.title} ({process.address})"
         table = Table("Signals", head, tuple(rows), names=2)
         return Section(title, (table, *marked(Mark.WATCH, notes)))
-
-
-def require_plant(plant: object) -> Plant:
-    """Return what a user gave for a plant.
-
-    Raises
-    ------
-    InputError
-        It is none.
-    """
-    require_type(plant, Plant, "plant", "a plant", 'give one, as from cl.load("quadruple-tank")')
-    assert isinstance(plant, Plant)
-    return plant
 
 
 @keywords_checked()

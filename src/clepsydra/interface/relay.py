@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from clepsydra.base.keywords import keywords_checked
-from clepsydra.interface.plant import Plant, require_plant
 from clepsydra.interface.quantities import Quantity, known, read_signal, read_time
+from clepsydra.interface.subject import Subject, plant_of
 from clepsydra.loop import relay_experiment as inner
 
 _PLACE = "relay experiment"
@@ -12,7 +12,7 @@ _PLACE = "relay experiment"
 
 @keywords_checked()
 def relay_experiment(
-    plant: Plant,
+    plant: Subject,
     measured: str,
     manipulated: str,
     *,
@@ -27,7 +27,7 @@ def relay_experiment(
 
     Parameters
     ----------
-    plant : Plant
+    plant : Plant, str or Path
     measured, manipulated : str
         The loop.
     amplitude : str or float, optional
@@ -57,7 +57,8 @@ def relay_experiment(
     >>> round(cl.ultimate_point_of_relay(record).period)  # [s]
     20
     """
-    process = require_plant(plant).process
+    plant = plant_of(plant)
+    process = plant.process
     outputs = {name: process.signal(name) for name in process.controlled}
     y = known(_PLACE, measured, outputs, "a controlled measurement")
     u = known(_PLACE, manipulated, {each.name: each for each in process.inputs}, "an input")

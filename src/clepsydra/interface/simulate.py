@@ -7,14 +7,14 @@ from typing import overload
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.keywords import keywords_checked
-from clepsydra.controllers.controller import Controller
-from clepsydra.interface.controller import of_plant
+from clepsydra.interface.controller import AnyController, of_plant
 from clepsydra.interface.events import Events, changes_of
-from clepsydra.interface.plant import Plant, require_plant
+from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity, known, with_unit
 from clepsydra.interface.run import OpenLoopRun, Run
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.shown import lifted
+from clepsydra.interface.subject import Subject, plant_of
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.open_loop_plan import Start, plan_simulation, read_state
 from clepsydra.loop.step_size import Solver, check_solver
@@ -22,7 +22,7 @@ from clepsydra.loop.step_size import Solver, check_solver
 
 @overload
 def simulate(
-    plant: Plant,
+    plant: Subject,
     controller: None = None,
     events: Events | None = None,
     *,
@@ -33,8 +33,8 @@ def simulate(
 ) -> OpenLoopRun: ...
 @overload
 def simulate(
-    plant: Plant,
-    controller: Controller,
+    plant: Subject,
+    controller: AnyController,
     events: Events | None = None,
     *,
     duration: Quantity | None = None,
@@ -43,8 +43,8 @@ def simulate(
 ) -> Run: ...
 @keywords_checked()
 def simulate(
-    plant: Plant,
-    controller: Controller | None = None,
+    plant: Subject,
+    controller: AnyController | None = None,
     events: Events | None = None,
     *,
     duration: Quantity | None = None,
@@ -57,7 +57,7 @@ def simulate(
 
     Parameters
     ----------
-    plant : Plant
+    plant : Plant, str or Path
     controller : Controller, optional
         Without one the inputs stay where they rest, but for the events.
     events : sequence of Event, optional
@@ -97,13 +97,14 @@ def simulate(
     >>> round(100 * float(run.values["tank_1.level"][-1]), 2)  # [cm]
     13.32
     """
-    require_plant(plant)
+    plant = plant_of(plant)
     check_solver(solver)
     if controller is not None:
-        loop = Loop(of_plant(controller, plant), plant.measured)
+        own = of_plant(controller, plant)
+        loop = Loop(own, plant.measured)
         changes = () if events is None else changes_of(events, plant, controlled=True)
         scenario = scenario_of(plant, events, duration, seed)
-        if solver == "reference" or not controller.setpoints:
+        if solver == "reference" or not own.setpoints:
             run = loop.run(scenario, solver=solver)
         else:
             run = loop.run_checked(scenario)

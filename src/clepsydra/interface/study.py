@@ -13,16 +13,16 @@ from clepsydra.base.files import require_writable
 from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.section import Section
 from clepsydra.controllers import controller as inner
-from clepsydra.interface.controller import Controller, of_plant
+from clepsydra.interface.controller import AnyController, Controller, of_plant
 from clepsydra.interface.events import Events
 from clepsydra.interface.loop_settings import Settings
-from clepsydra.interface.plant import Plant, require_plant
+from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity
 from clepsydra.interface.run import Run
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.scores import Scores
 from clepsydra.interface.shown import Answered, Told, lifted, screen
-from clepsydra.interface.subject import read_subject
+from clepsydra.interface.subject import Subject, plant_of, read_subject
 from clepsydra.loop.step_size import substeps_for
 from clepsydra.studies import result as results
 from clepsydra.studies.file.request import ControllerRequest, Maker, StudyRequest
@@ -164,8 +164,8 @@ class Study(Answered, results.StudyResult):
 
 @keywords_checked()
 def study(
-    plant: Plant | StudyRequest | str | Path,
-    controllers: Sequence[inner.Controller] | None = None,
+    plant: Subject,
+    controllers: Sequence[AnyController] | None = None,
     events: Events | None = None,
     *,
     duration: Quantity | None = None,
@@ -180,8 +180,7 @@ def study(
     Parameters
     ----------
     plant : Plant, str or Path
-        Or the path of a study file, which says itself what is studied, or what was read of one; or
-        a name or path as for `cl.load`.
+        Or the path of a study file, which says itself what is studied.
     controllers : sequence of Controller, optional
         If left out, every design that applies, and PI control tuned by simulation. Those of one
         name are numbered: "PI, SIMC" and "PI, SIMC, 2"; `controller.named` gives another.
@@ -231,7 +230,7 @@ def study(
         _check_alone(controllers, events, duration)
         found = run_study(plant, progress=progress, tuning_folder=kept, only=only)
         return _of_plant(found, Plant(plant.process), accept)
-    require_plant(plant)
+    plant = plant_of(plant)
     substeps_for(plant.linear)  # a process that cannot be simulated is refused before all else
     scenario = scenario_of(plant, events, duration, 1 if seed is None else seed)
     given = None if controllers is None else _given(controllers, plant)
@@ -287,8 +286,8 @@ def _check_alone(controllers: object, events: object, duration: object) -> None:
 def _given(controllers: object, plant: Plant) -> tuple[ControllerRequest, ...]:
     """Return controllers as a study file asks for them, each by a name of its own."""
     chosen = sequence_of(
-        controllers, inner.Controller, "study, controllers", "a list of controllers",
-        "write as in [cl.design.simc(plant)]",
+        controllers, (inner.Controller, results.TriedController), "study, controllers",
+        "a list of controllers", "write as in [cl.design.simc(plant)]",
     )  # fmt: skip
     if not chosen:
         raise InputError(
@@ -297,11 +296,12 @@ def _given(controllers: object, plant: Plant) -> tuple[ControllerRequest, ...]:
         )  # fmt: skip
     own: list[Controller] = []
     for each in chosen:
-        name, number = each.name, 1
+        made, number = of_plant(each, plant), 1
+        name = made.name
         while name in [other.name for other in own]:
             number += 1
-            name = f"{each.name}, {number}"
-        own.append(of_plant(each, plant).named(name))
+            name = f"{made.name}, {number}"
+        own.append(made.named(name))
     return tuple(ControllerRequest(each.name, _made(each), None) for each in own)
 
 

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from clepsydra.base.arguments import require_type
 from clepsydra.interface.plant import Plant, load
 from clepsydra.studies.file.reader import is_study_file, read_study
 from clepsydra.studies.file.request import StudyRequest as StudyRequest
+
+#: What every call takes for its plant: one that is loaded, the name of a process, the path of its
+#: file or of a study file, or what was read of the latter.
+Subject = Plant | StudyRequest | str | Path
 
 
 def read_subject(subject: str | Path, seed: int | None = None) -> Plant | StudyRequest:
@@ -31,6 +36,23 @@ def read_subject(subject: str | Path, seed: int | None = None) -> Plant | StudyR
     return read_study(subject, seed=seed) if is_study_file(str(subject)) else load(subject)
 
 
-def plant_of(subject: Plant | StudyRequest) -> Plant:
-    """Return the plant that it is about."""
+def plant_of(subject: Subject) -> Plant:
+    """Return the plant that it is about.
+
+    Raises
+    ------
+    InputError
+        It is none, or there is no such process or file.
+
+    Examples
+    --------
+    >>> plant_of("three-tanks").name
+    'three-tanks'
+    """
+    if isinstance(subject, (str, Path)):
+        subject = read_subject(subject)
+    require_type(
+        subject, (Plant, StudyRequest), "plant", "a plant, or the name or path of a process",
+        'give one, as from cl.load("quadruple-tank")',
+    )  # fmt: skip
     return subject if isinstance(subject, Plant) else Plant(subject.process)

@@ -5,29 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.section import Line, Section
 from clepsydra.base.suggestion import suggestion
-from clepsydra.controllers import controller as inner
-from clepsydra.interface.controller import Controller, of_plant
+from clepsydra.interface.controller import AnyController, Controller, of_plant
 from clepsydra.interface.events import Events
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity, arguments, with_unit
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.settings import setting_of, unit_of
 from clepsydra.interface.shown import lifted
+from clepsydra.interface.subject import Subject, plant_of
 from clepsydra.process.declared import keys_of
 from clepsydra.studies.file.law_parameters import loops_of
 from clepsydra.studies.file.tuning_reader import Tuning, read_tuning
 from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.tuning.tune import Progress, Search
-
-if TYPE_CHECKING:
-    pass
 
 #: The limits of a tuning, and the keys that study files have for them.
 _LIMITS = {
@@ -65,8 +62,8 @@ class TunedController(Controller):
 
 @keywords_checked()
 def tune(
-    controller: inner.Controller,
-    plant: Plant,
+    controller: AnyController,
+    plant: Subject,
     goal: str | Sequence[str] | Mapping[str, float] = "iae",
     limits: Mapping[str, Any] | None = None,
     *,
@@ -83,7 +80,7 @@ def tune(
     ----------
     controller : Controller
         Where the search starts.
-    plant : Plant
+    plant : Plant, str or Path
     goal : str, sequence of str or mapping
         A score of all its signals, "iae", or of one, "iae[level_1]"; of several the largest counts,
         each relative to the start. Scores with weights, {"iae": 1.0, "total_variation": 0.1}, are
@@ -126,6 +123,7 @@ def tune(
     >>> round(best.tuning.objective, 2), best.tuning.maximum_sensitivity < 2.0
     (0.53, True)
     """
+    plant = plant_of(plant)
     start = of_plant(controller, plant)
     written: dict[str, Any] = {"objective": goal if isinstance(goal, str) else _plain(goal)}
     written |= _limits(limits or {}, plant)

@@ -8,17 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.keywords import keywords_checked
-from clepsydra.controllers import controller as inner
 from clepsydra.deploy.proof import row as inner_proof
 from clepsydra.deploy.proof.item import controller_item, process_item_of
 from clepsydra.deploy.proof.proof import ProofProgress, prove
 from clepsydra.deploy.proof.scans import FEWEST
 from clepsydra.deploy.proof.targets import proved_targets as proved_targets
-from clepsydra.interface.controller import of_plant
-from clepsydra.interface.plant import Plant, require_plant
+from clepsydra.interface.controller import AnyController, of_plant
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.shell import Settings, plant_shell
 from clepsydra.interface.shown import Answered, lifted, screen
+from clepsydra.interface.subject import Subject, plant_of
 from clepsydra.loop.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -52,8 +51,8 @@ def so_far(progress: ProofProgress) -> RenderableType:
 
 @keywords_checked()
 def verify(
-    controllers: inner.Controller | Sequence[inner.Controller],
-    plant: Plant,
+    controllers: AnyController | Sequence[AnyController],
+    plant: Subject,
     *,
     to: str | Sequence[str] | None = None,
     scans: int = FEWEST,
@@ -72,7 +71,7 @@ def verify(
     Parameters
     ----------
     controllers : Controller or sequence of Controller
-    plant : Plant
+    plant : Plant, str or Path
     to : str or sequence of str, optional
         What is run, each in all that it has: dialects, versions, precisions; all if left out.
     scans : int
@@ -105,7 +104,7 @@ def verify(
     --------
     See docs/plc.md.
     """
-    require_plant(plant)
+    plant = plant_of(plant)
     given: Any = controllers
     several = isinstance(given, Iterable) and not isinstance(given, str)
     shell = plant_shell(
