@@ -146,8 +146,12 @@ def test_on_a_phone_the_first_numbers_of_the_ranking_and_small_plants_are_whole(
     report, opened, process
 ):
     page = opened(report(process), width=420)
-    ends = page.locator(".ranking thead th:nth-child(5)").bounding_box()
-    assert ends["x"] + ends["width"] <= 420
+    first, room = (
+        page.locator(each).bounding_box()
+        for each in (".ranking tbody td:nth-child(5) >> nth=0", "#ranking .wide")
+    )
+    padding = 6.0
+    assert first["x"] + first["width"] - padding <= room["x"] + room["width"]
     plant = page.locator(".drawing svg")
     full = page.evaluate("document.querySelector('.drawing svg').viewBox.baseVal.width")
     assert plant.bounding_box()["width"] >= 0.57 * full  # words of 12 px stay above 6 px
