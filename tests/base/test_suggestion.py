@@ -1,13 +1,13 @@
 """The name that was probably meant."""
 
+import inspect
+
 import pytest
 
+import clepsydra as cl
 from clepsydra.base.suggestion import suggestion
-from clepsydra.controllers.pid_form import PidForm
-from clepsydra.controllers.pid_keys import SHORT_NAMES
-from clepsydra.designs.design import DESIGNS
 
-OF_A_LOOP = [SHORT_NAMES.get(name, name) for name in PidForm("PID").parameters]
+OF_A_LOOP = ["gain", "integral_time", "derivative_time", "derivative_filter", "setpoint_weight"]
 
 
 @pytest.mark.parametrize(
@@ -29,9 +29,11 @@ def test_a_symbol_of_a_loop_leads_to_its_key(symbol, meant):
 
 
 @pytest.mark.parametrize("symbol", ["tau_c", "lambda", "lambda_", "Tcl"])
-@pytest.mark.parametrize("design", ["simc", "lambda", "disturbance_rejection", "fuzzy_pi"])
+@pytest.mark.parametrize("design", ["simc", "lambda_", "disturbance_rejection", "fuzzy_pi"])
 def test_a_symbol_leads_to_the_argument_of_a_design(symbol, design):
-    found = suggestion(symbol, DESIGNS[design].arguments, "choose one")
+    found = suggestion(
+        symbol, inspect.signature(getattr(cl.design, design)).parameters, "choose one"
+    )
     assert found == "perhaps 'closed_loop_time_constant' was meant"
 
 

@@ -1,5 +1,7 @@
 """Analyses, models from records, exports and proofs, as values and as text."""
 
+import re
+
 import numpy as np
 import pytest
 from refusals import refused
@@ -63,6 +65,55 @@ def test_what_is_printed_fits_and_says_what_it_is(call, plant, pi):
     lines = shown.splitlines()
     assert 5 < len(lines) < 60 and max(map(len, lines)) <= 100
     assert "quadruple-tank" in shown and "level_1" in shown and "object at" not in shown
+
+
+@pytest.fixture(scope="module")
+def answers(plant, pi, tmp_path_factory):
+    """What each verb returns that has more to show and something to do next."""
+    folder = tmp_path_factory.mktemp("record")
+    step = [cl.step("level_1", "1 V")]
+    alone = cl.simulate(plant, None, [cl.step("pump_1", "50 mV")])
+    alone.save(folder / "record.csv")
+    return {
+        "analysis": cl.analyse(plant),
+        "study": cl.study(plant, [pi, pi, pi, pi, pi, pi], step, duration="2 min"),
+        "simulation": alone,
+        "nothing moves": cl.simulate(plant, duration="10 s"),
+        "identification": cl.identify(folder / "record.csv", "pump_1", "level_1"),
+        "fit": cl.identify(folder / "record.csv", plant=plant, parameters=["outlet_1.area"]),
+    }
+
+
+@pytest.mark.parametrize(
+    ("name", "calls"),
+    [
+        ("analysis", {"every"}),
+        ("study", {"every", "why"}),
+        ("simulation", {"every"}),
+        ("nothing moves", {"every"}),
+        ("identification", {"every"}),
+        ("fit", {"every"}),
+    ],
+)
+def test_a_result_says_what_to_call_and_not_what_to_type_on_the_command_line(answers, name, calls):
+    found = answers[name]
+    for said in (repr(found), found._repr_markdown_()):
+        assert "--" not in said.replace("---", "") and "clepsydra " not in said
+        assert "Next" not in said and "the report" not in said
+        assert set(re.findall(r"shown\((\w+)=True\)", said)) == calls
+    for call in calls:
+        more = found.shown(**{call: True})
+        assert f"{call}=True" not in repr(more) and len(repr(more)) > len(repr(found))
+
+
+def test_a_tuning_is_printed_in_sentences(basin):
+    step = [cl.step("level", "5 %")]
+    best = cl.tune(cl.design.arrest_time(basin), basin, events=step, duration="1 d")
+    said = repr(best.tuning)
+    assert said.startswith("Tuned by simulation from PI, arrest time for IAE of level")
+    assert "level.gain = " in said and "max|S|" in said and "array" not in said
+    assert said.count("\n") < 8 and best.tuning.objective < 1.0
+    assert repr(best.tuning).split("objective")[1][:20] in repr(best)
 
 
 def test_a_drawing_has_the_values_of_the_operating_point(plant, tmp_path):

@@ -29,7 +29,8 @@ def test_a_table_that_may_lose_no_column_breaks_its_cells_and_loses_no_word():
 
 @pytest.mark.parametrize("width", [60, 80, 120])
 def test_a_command_can_be_copied_whatever_the_width(result, width):
-    lines = shown(replace(result, path=Path("plants/a-plant-in-the-cellar.toml")), width)
+    result = replace(result, path=Path("plants/a-plant-in-the-cellar.toml"))
+    lines = shown(result.shown().on_command_line, width)
     start = next(place for place, line in enumerate(lines) if line.startswith("Next: "))
     copied = "\n".join(lines[start:]).removeprefix("Next: ").replace("\\\n", "")
     export, verify = (shlex.split(line) for line in copied.splitlines())

@@ -13,6 +13,7 @@ _LINES = {
     Mark.WATCH: "- ⚠ {}",
     Mark.REFUSED: "- {}",
     Mark.COMMAND: "`{}`",
+    Mark.NEXT: "{}",
     Mark.FILE: "- {}",
 }
 

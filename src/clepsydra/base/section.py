@@ -8,7 +8,10 @@ from enum import Enum
 
 
 class Mark(Enum):
-    """What stands before a line, and so what kind of line it is."""
+    """What stands before a line, and so what kind of line it is.
+
+    COMMAND is one to copy, NEXT what else follows on the command line; Python shows neither.
+    """
 
     PLAIN = ""
     ANSWER = "answer"
@@ -16,6 +19,7 @@ class Mark(Enum):
     WATCH = "!"
     REFUSED = "–"
     COMMAND = "$"
+    NEXT = "next"
     FILE = "file"
 
 

@@ -95,7 +95,7 @@ def show(result: object) -> None:
     console = Console()
     if not console.is_terminal and "COLUMNS" not in os.environ:
         console = Console(width=100)
-    console.print(result, crop=False)  # a path stays whole
+    console.print(getattr(result, "on_command_line", result), crop=False)  # a path stays whole
 
 
 def tell(result: Any, files: dict[str, Path], *, as_json: bool, **how: bool) -> None:

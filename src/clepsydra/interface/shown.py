@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import io
-from dataclasses import fields
+import re
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from clepsydra.base.errors import UnknownName
+from clepsydra.base.section import Line, Mark, Picture, Section, Table
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from clepsydra.base.section import Section
-
 _WIDTH = 100
+#: What an option of the command line is called as an argument of `shown`.
+_OPTIONS = {"--all": "every", "--why": "why", "--refused": "refused"}
+_OPTION = re.compile(rf"(?:{'|'.join(_OPTIONS)})\b")
 
 
 class Told:
@@ -60,6 +63,34 @@ def screen(section: Section) -> RenderableType:
     return Screen(section)
 
 
+class Page(Shown):
+    """An answer: printed in Python, and `on_command_line` with the commands that follow.
+
+    Parameters
+    ----------
+    section : Section
+        In the words of the command line.
+    """
+
+    def __init__(self, section: Section) -> None:
+        self.section = section
+
+    @property
+    def on_command_line(self) -> RenderableType:
+        """What a terminal shows of it."""
+        return screen(self.section)
+
+    def __rich__(self) -> RenderableType:
+        """Return what a prompt of Python shows."""
+        return screen(in_python(self.section))
+
+    def _repr_markdown_(self) -> str:
+        """Return what a notebook shows."""
+        from clepsydra.base.markdown import markdown
+
+        return markdown(in_python(self.section))
+
+
 class Answered(Shown):
     """What answers in sections: in text, in colour, and as Markdown in a notebook."""
 
@@ -67,19 +98,43 @@ class Answered(Shown):
         """Return what it says."""
         raise NotImplementedError
 
-    def shown(self, **more: bool) -> RenderableType:
-        """Return the answer for a terminal, with what `answer` is asked for beside it."""
-        return screen(self.answer(**more))
+    def shown(self, **more: bool) -> Page:
+        """Return the answer to print, with what `answer` is asked for beside it."""
+        return Page(self.answer(**more))
 
     def __rich__(self) -> RenderableType:
-        """Return what a terminal shows."""
-        return self.shown()
+        """Return what a prompt of Python shows."""
+        return self.shown().__rich__()
 
     def _repr_markdown_(self) -> str:
         """Return what a notebook shows."""
-        from clepsydra.base.markdown import markdown
+        return self.shown()._repr_markdown_()
 
-        return markdown(self.answer())
+
+def in_python(section: Section) -> Section:
+    """Return an answer with calls for options, and without what follows on the command line.
+
+    Examples
+    --------
+    >>> said = Line("why this order: --why"), Line("Next: clepsydra verify", Mark.COMMAND)
+    >>> in_python(Section("", said)).parts[0].text
+    'why this order: shown(why=True)'
+    """
+    parts: list[Line | Table | Picture | Section] = []
+    for part in section.parts:
+        if isinstance(part, Section):
+            parts.append(in_python(part))
+        elif not isinstance(part, Line):
+            parts.append(part)
+        elif part.mark not in (Mark.COMMAND, Mark.NEXT):
+            parts.append(replace(part, text=_OPTION.sub(_call, part.text)))
+    while parts and parts[-1] == Line(""):
+        parts.pop()
+    return replace(section, parts=tuple(parts))
+
+
+def _call(option: re.Match[str]) -> str:
+    return f"shown({_OPTIONS[option[0]]}=True)"
 
 
 _Kind = TypeVar("_Kind")

@@ -23,6 +23,7 @@ from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.scores import Scores
 from clepsydra.interface.shown import Answered, Told, lifted, screen
 from clepsydra.interface.subject import Subject, plant_of, read_subject
+from clepsydra.interface.tune import Tuned
 from clepsydra.loop.step_size import substeps_for
 from clepsydra.studies import result as results
 from clepsydra.studies.file.request import ControllerRequest, Maker, StudyRequest
@@ -46,6 +47,7 @@ class Candidate(Told, results.Candidate):
 
     controller: Controller
     run: Run
+    tuning: Tuned | None
 
     @property
     def settings(self) -> Settings:
@@ -317,6 +319,7 @@ def _of_plant(found: results.StudyResult, plant: Plant, accept: float) -> Study:
             each,
             controller=of_plant(each.controller, plant),
             run=lifted(Run, each.run),
+            tuning=each.tuning and lifted(Tuned, each.tuning),
             scores=Scores(each.scores, plant.process, each.run.scenario.duration),
         )
         for each in told_of_single_precision(found.ranking, found.model, accept)

@@ -18,7 +18,7 @@ from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity, arguments, with_unit
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.settings import setting_of, unit_of
-from clepsydra.interface.shown import lifted
+from clepsydra.interface.shown import Answered, lifted
 from clepsydra.interface.subject import Subject, plant_of
 from clepsydra.process.declared import keys_of
 from clepsydra.studies.file.law_parameters import loops_of
@@ -34,30 +34,40 @@ _LIMITS = {
 }
 
 
+class Tuned(Answered, TuningResult):
+    """How a tuning came out: `objective`, `scores`, `binding`, `front` and what it started from."""
+
+    def answer(self) -> Section:
+        """Return what was achieved, what was found and on which limits it stands."""
+        return Section("", (Line(self.controller.design), self.line()))
+
+    def line(self) -> Line:
+        """Return what was achieved, in a sentence."""
+        words = (
+            f"Tuned by {self.evaluations} simulations: objective {self.objective:.3g} from "
+            f"{self.start_objective:.3g}, max|S| {self.maximum_sensitivity:.2f} from "
+            f"{self.start_maximum_sensitivity:.2f}"
+        )
+        return Line(words + (f"; it stands on {', '.join(self.binding)}." if self.binding else "."))
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class TunedController(Controller):
     """A controller that was tuned by simulation, and how.
 
     Parameters
     ----------
-    tuning : TuningResult
+    tuning : Tuned
         `objective`, `scores` and `maximum_sensitivity`, each also of the start, `binding` limits,
         `evaluations` and the `front` of score against robustness.
     """
 
-    tuning: TuningResult = field(kw_only=True)
+    tuning: Tuned = field(kw_only=True)
 
     def answer(self) -> Section:
         """Return name, what the tuning achieved, and settings."""
-        found = self.tuning
-        words = (
-            f"Tuned by {found.evaluations} simulations: objective {found.objective:.3g} from "
-            f"{found.start_objective:.3g}, max|S| {found.maximum_sensitivity:.2f} from "
-            f"{found.start_maximum_sensitivity:.2f}"
-        )
-        words += f"; it stands on {', '.join(found.binding)}." if found.binding else "."
         made = super().answer()
-        return replace(made, parts=(*made.parts, Line(words)))
+        return replace(made, parts=(*made.parts, self.tuning.line()))
 
 
 @keywords_checked()
@@ -138,7 +148,8 @@ def tune(
         Search(seed=seed, progress=progress, state_file=state_file),
     )
     tuned = lifted(Controller, found.controller, plant=plant)
-    return lifted(TunedController, replace(tuned, name=f"{start.name}, tuned"), tuning=found)
+    named = replace(tuned, name=f"{start.name}, tuned")
+    return lifted(TunedController, named, tuning=lifted(Tuned, found))
 
 
 def _plain(goal: object) -> Any:

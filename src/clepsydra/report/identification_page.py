@@ -133,7 +133,7 @@ def identification_answer(found: Identification | ProcessFit, *, every: bool = F
         rest = Line(f"{said} parameter and remark: --all")
         parts += [Line(""), *first, *watched[:_WATCHED], rest]
     step = f"Next: see measured against simulated on the page; {following}"
-    return Section("", (*parts, Line(""), Line(step)))
+    return Section("", (*parts, Line(""), Line(step, Mark.NEXT)))
 
 
 def _watched(found: Identification | ProcessFit) -> tuple[Line, ...]:

@@ -68,7 +68,7 @@ def _line(line: Line, width: int) -> RenderableType:
     from rich.text import Text
 
     style = _STYLES.get(line.mark, "")
-    if line.mark in (Mark.PLAIN, Mark.ANSWER):
+    if line.mark in (Mark.PLAIN, Mark.ANSWER, Mark.NEXT):
         return Text(line.text, style=style)
     if line.mark is Mark.COMMAND:
         return Text(_continued(line.text, width))

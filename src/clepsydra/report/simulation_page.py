@@ -113,7 +113,8 @@ def simulation_answer(plan: Plan, run: Simulation, *, every: bool = False) -> Se
         parts.append(Line(f"{more} and balances: --all"))
     unmoved = not plan.changes and plan.begins == "at rest"
     following = _example(plan) if unmoved else "Next: open the report and look at the trends."
-    return Section(f"{process.title} ({process.name})", (*parts, Line(""), Line(following)))
+    parts += [Line(""), Line(following, Mark.NEXT)]
+    return Section(f"{process.title} ({process.name})", tuple(parts))
 
 
 def _example(plan: Plan) -> str:

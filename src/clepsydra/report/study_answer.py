@@ -73,7 +73,8 @@ def study_answer(
     if advice is not None:
         parts += [_EMPTY, *_commands(result, advice)]
     elif result.ranking:
-        parts += [_EMPTY, Line("Next: open the report, and change the process or its sampling.")]
+        step = "Next: open the report, and change the process or its sampling."
+        parts += [_EMPTY, Line(step, Mark.NEXT)]
     return Section("", tuple(parts))
 
 

@@ -62,7 +62,7 @@ def test_the_worst_is_said_first_and_with_how_much(rows, said):
 
 def screen(proof, columns, **more):
     console = Console(width=columns, file=io.StringIO(), record=True)
-    console.print(proof.shown(**more))
+    console.print(proof.shown(**more).on_command_line)
     return [line.rstrip() for line in console.export_text().splitlines()]
 
 

@@ -54,7 +54,7 @@ def shelled(name: str) -> ProofItem:
 
 def screen(proof, *, whole: bool = False, columns: int = 100) -> str:
     console = Console(width=columns, record=True, file=io.StringIO())
-    console.print(cl.Proof(**vars(proof)).shown(every=whole))
+    console.print(cl.Proof(**vars(proof)).shown(every=whole).on_command_line)
     return console.export_text()
 
 

@@ -52,7 +52,7 @@ def proof_answer(proof: Proof, *, every: bool = False) -> Section:
     elif subjects:
         more = len(subjects) - len(listed) + max(len(told) - _TOLD, 0)
         parts.append(Line(f"{f'{more} more, and e' if more else 'E'}very target: --all"))
-    return Section("", (*parts, _EMPTY, Line(f"Next: {next_step(proof)}")))
+    return Section("", (*parts, _EMPTY, Line(f"Next: {next_step(proof)}", Mark.NEXT)))
 
 
 def proved_so_far(rows: Sequence[ProofRow]) -> Section:
