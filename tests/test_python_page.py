@@ -6,7 +6,6 @@ import pytest
 import typer
 
 import clepsydra as cl
-from clepsydra.base.suggestion import suggestion
 from clepsydra.cli.application import application
 
 PAGE = (Path(__file__).parent.parent / "docs" / "python.md").read_text()
@@ -31,11 +30,6 @@ def test_every_verb_is_a_call_or_the_page_says_what_to_use(verb):
         assert name in cl.__all__
         assert callable(getattr(cl, name)) or verb == "designs"
         assert verb == name or (f"`{verb}` is" in PAGE and f"`cl.{name}`" in PAGE)
-
-
-@pytest.mark.parametrize("verb", OTHERWISE)
-def test_the_name_of_a_verb_leads_to_its_call(verb):
-    assert suggestion(verb, cl.__all__, "none") == f"perhaps '{OTHERWISE[verb][0]}' was meant"
 
 
 def test_only_these_have_another_name():

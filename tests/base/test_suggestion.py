@@ -44,3 +44,16 @@ def test_a_name_leads_to_the_symbol_of_a_table():
 
 def test_a_symbol_of_nothing_known_leads_nowhere():
     assert suggestion("Td", ["pairing", "form"], "choose one") == "choose one"
+
+
+@pytest.mark.parametrize(
+    ("verb", "call"),
+    [
+        ("processes", "catalogue"),
+        ("papers", "audit"),
+        ("designs", "design"),
+        ("new", "new_process"),
+    ],
+)
+def test_a_verb_of_the_command_line_leads_to_its_call(verb, call):
+    assert suggestion(verb, cl.__all__, "choose one") == f"perhaps '{call}' was meant"
