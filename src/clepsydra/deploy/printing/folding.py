@@ -19,7 +19,7 @@ from clepsydra.deploy.printing.listing import (
 from clepsydra.deploy.printing.typed_values import in_own_type
 from clepsydra.deploy.printing.whole_numbers import INTEGERS, WholeRange
 from clepsydra.program.needed import needed_body, needed_part, needed_values
-from clepsydra.program.operation import COMPARISONS, Operation
+from clepsydra.program.operation import Operation
 from clepsydra.program.program import Block, Call, Conditional, ForLoop, read_by
 
 #: A truth value up to this width is written wherever it is read [characters].
@@ -104,15 +104,12 @@ class FoldedBlock:
         self.results = [self._values[value] for value in block.results]
 
     def _look_ahead(self, block: Block) -> None:
-        #: The values that something reads as a number, not as an integer, and those rounded ones
-        #: that something else than a comparison reads.
-        self._as_number, self._kept = {*block.results}, {*block.results}
+        #: The values that something reads as a number, not as an integer.
+        self._as_number = {*block.results}
         for each in block.statements:
             if isinstance(each, Operation):
                 self._as_number.update(() if each.target in self._ranges else each.arguments)
-                self._kept.update(() if each.code in COMPARISONS else each.arguments)
                 continue
-            self._kept.update(read_by(each))
             if not isinstance(each, Call):
                 self._as_number.update(read_by(each))
                 continue
@@ -149,8 +146,7 @@ class FoldedBlock:
         """Write an operation where it is read, or give it a variable."""
         target = operation.target
         expression = self._values[target] = self._operation(operation)
-        rounded = operation.code in ("floor", "ceiling")
-        if expression.is_atom or (rounded and target not in self._kept):
+        if expression.is_atom:
             return
         often = self._uses[target] > 1 and not self._is_short(expression, self._uses[target])
         if target in self._labels or often:

@@ -5,23 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from clepsydra.deploy.printing.expressions import Expression, constant
+from clepsydra.deploy.printing.expressions import Expression
 from clepsydra.deploy.printing.whole_numbers import WholeRange
 from clepsydra.program.operation import COMPARISONS
 
 _OF_INTEGERS = {"add", "subtract", "multiply", "negate", "absolute", "maximum", "minimum"}
-#: Comparison of a whole number n with what was rounded up, and the other way round: with which
-#: comparison of the unrounded value, and what is added to n.
-_ROUNDED = {
-    ("less", "ceiling", 1): ("less", 0),  # n < ceil(x) is n < x
-    ("less_equal", "ceiling", 1): ("less", -1),  # n <= ceil(x) is n - 1 < x
-    ("less", "floor", 1): ("less_equal", 1),  # n < floor(x) is n + 1 <= x
-    ("less_equal", "floor", 1): ("less_equal", 0),
-    ("less", "ceiling", 0): ("less_equal", -1),  # ceil(x) < n is x <= n - 1
-    ("less_equal", "ceiling", 0): ("less_equal", 0),
-    ("less", "floor", 0): ("less", 0),
-    ("less_equal", "floor", 0): ("less", 1),  # floor(x) <= n is x < n + 1
-}
 
 
 def in_own_type(
@@ -46,7 +34,7 @@ def in_own_type(
 
     Examples
     --------
-    >>> from clepsydra.deploy.printing.expressions import reading
+    >>> from clepsydra.deploy.printing.expressions import constant, reading
     >>> scans, bounds = reading("integer", "scans"), [WholeRange(0, 9), WholeRange(1, 1)]
     >>> more = in_own_type("add", [scans, constant(1.0)], bounds, WholeRange(1, 10), (-99.0, 99.0))
     >>> more.operation, more.operands[0].code
@@ -64,7 +52,7 @@ def in_own_type(
         return Expression("select", (operands[0], *filter(None, truths))).to("real")
     whole = tuple(filter(None, parts))
     if len(whole) != len(parts):
-        return _compared(code, operands, bounds, integers) if code in COMPARISONS else None
+        return None
     if code in COMPARISONS:
         return Expression(code, whole)
     if code in ("floor", "ceiling"):
@@ -110,28 +98,3 @@ def _limited(integer: Expression) -> Expression:
             if first.code == "constant" and low.number <= high.number:
                 return Expression("limit", (low, value, high))
     return integer
-
-
-def _compared(
-    code: str,
-    operands: Sequence[Expression],
-    bounds: Sequence[WholeRange | None],
-    integers: tuple[float, float],
-) -> Expression | None:
-    """Return the comparison of an integer with what is rounded, without the rounding."""
-    for place, other in ((1, 0), (0, 1)):
-        rounded, bound = operands[place], bounds[other]
-        integer = operands[other].known_as("integer")
-        rule = _ROUNDED.get((code, rounded.code, place))
-        if rule is None or integer is None or bound is None:
-            continue
-        compared, more = rule
-        if not bound.within(integers[0] + 1.0, integers[1] - 1.0):
-            continue
-        if more:
-            step = "add" if more > 0 else "subtract"
-            integer = Expression(step, (integer, constant(1.0, "integer")))
-        sides = [rounded.operands[0], rounded.operands[0]]
-        sides[other] = integer.to("real")
-        return Expression(compared, tuple(sides))
-    return None
