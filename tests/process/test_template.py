@@ -97,3 +97,11 @@ def test_what_the_template_shows_in_comments_can_be_written(table, tmp_path):
     (tmp_path / "plant.toml").write_text(text, encoding="utf-8")
     name = re.match(r"\[\w+\.(\w+)\]", lines[0]).group(1)
     assert name in {e.name for e in load_process(tmp_path / "plant.toml").elements}
+
+
+@pytest.mark.thorough
+def test_its_first_study_has_nothing_to_watch(tmp_path):
+    found = cl.study(cl.new_process("my-plant", folder=tmp_path))
+    assert " !  " not in repr(found)
+    assert not found.recommended.warnings and not found.recommended.caveats
+    assert found.recommended.standing.name == "ROBUST"
