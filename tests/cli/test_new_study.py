@@ -131,3 +131,17 @@ def test_options_that_do_not_fit_are_refused(command, tmp_path):
     refused(command("new", "my study", "--study"), "NAME", "my study")
     refused(command("new", "mine", "--study", "--process", "three-tonks"), "three-tanks")
     assert not list(tmp_path.iterdir())
+
+
+def test_every_key_of_a_tuning_is_shown_and_its_limits_may_be_written(command, tmp_path):
+    command("new", "--study", "mine", "--process", "three-tanks")
+    file = tmp_path / "mine.toml"
+    text = file.read_text("utf-8")
+    _, _, tuning = text.partition('tuned".tune]')
+    controller = study_schema()["properties"]["controllers"]["additionalProperties"]
+    for key in controller["properties"]["tune"]["properties"]:
+        assert re.search(rf"^(# )?{key}\b", tuning, re.MULTILINE), key
+    file.write_text(re.sub("^# (overshoot|total_variation) =", r"\1 =", text, flags=re.MULTILINE))
+    (limits,) = [each.tune.limits for each in read_study(file).controllers if each.tune]
+    assert limits.overshoot == pytest.approx(10.0)
+    assert limits.total_variation == pytest.approx({"feed": 3e-4})  # of 100 cm³/s, the range

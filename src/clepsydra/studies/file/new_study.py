@@ -78,6 +78,7 @@ def new_study(process: Process, named: str, template: str) -> str:
         noise=time_text(max(s.start for s in scenario.segments if s.kind == "noise"), 4),
         steps=_steps(process, scenario),
         output=process.controlled[0],
+        moved=json.dumps(designed.manipulated[0]),
         first=first,
         first_name=_LOOPS[first],
         second=second,
