@@ -105,3 +105,21 @@ def test_a_tuned_controller_that_is_changed_says_no_more_that_it_is_tuned(plant,
     tuned = cl.tune(pi, plant, parameters=one, events=step, duration=20)
     changed = tuned.with_values({"level_1": {"K": 2.0}})
     assert isinstance(tuned, cl.TunedController) and not isinstance(changed, cl.TunedController)
+
+
+def test_of_a_design_that_was_named_it_is_said_at_once_why_it_does_not_apply(tmp_path):
+    """A user who wrote it in a study file asked for it; of all designs only a count is said."""
+    file = tmp_path / "two.toml"
+    named = '[controllers.{}]\ndesign = "{}"\n'
+    file.write_text(
+        'process = "three-tanks"\n'
+        + named.format("lag", "smith_predictor")
+        + named.format("pi", "simc")
+    )
+    found = cl.study(file)
+    ((name, reason),) = found.not_applicable
+    said = " ".join(repr(found).split())
+    assert f"– {name} does not apply: {reason}" in said
+    assert "not applicable:" not in said
+    every = cl.study("three-tanks", only="PI, SIMC")
+    assert not every.named

@@ -65,10 +65,14 @@ class Study(Answered, results.StudyResult):
     Parameters
     ----------
     plant : Plant
+    named : bool
+        Whether its controllers were asked for by name, as in a study file, and not tried in turn:
+        of one that does not apply it is then said at once, why.
     """
 
     ranking: tuple[Candidate, ...]
     plant: Plant = field(kw_only=True)
+    named: bool = field(default=False, kw_only=True)
 
     @property
     def best(self) -> Candidate:
@@ -157,11 +161,11 @@ class Study(Answered, results.StudyResult):
         why : bool
             Whether with the reason of every place, all warnings and the rule.
         refused : bool
-            Whether with what does not apply.
+            Whether with what does not apply; always where the controllers were named.
         """
         from clepsydra.report.study_answer import study_answer
 
-        return study_answer(self, every=every, why=why, refused=refused)
+        return study_answer(self, every=every, why=why, refused=refused or self.named)
 
 
 @keywords_checked()
@@ -231,7 +235,7 @@ def study(
     if isinstance(plant, StudyRequest):
         _check_alone(controllers, events, duration)
         found = run_study(plant, progress=progress, tuning_folder=kept, only=only)
-        return _of_plant(found, Plant(plant.process), accept)
+        return _of_plant(found, Plant(plant.process), accept, named=bool(plant.controllers))
     plant = plant_of(plant)
     substeps_for(plant.linear)  # a process that cannot be simulated is refused before all else
     scenario = scenario_of(plant, events, duration, 1 if seed is None else seed)
@@ -247,7 +251,7 @@ def study(
         seed=1 if seed is None else seed,
     )
     found = run_study(request, progress=progress, tuning_folder=kept, only=only)
-    return _of_plant(found, plant, accept)
+    return _of_plant(found, plant, accept, named=given is not None)
 
 
 def so_far(progress: StudyProgress) -> RenderableType:
@@ -312,7 +316,7 @@ def _made(controller: inner.Controller) -> Maker:
     return lambda analysis, model: controller
 
 
-def _of_plant(found: results.StudyResult, plant: Plant, accept: float) -> Study:
+def _of_plant(found: results.StudyResult, plant: Plant, accept: float, *, named: bool) -> Study:
     ranking = tuple(
         lifted(
             Candidate,
@@ -325,4 +329,5 @@ def _of_plant(found: results.StudyResult, plant: Plant, accept: float) -> Study:
         for each in told_of_single_precision(found.ranking, found.model, accept)
     )
     said = verdict(plant.process, ranking, accept)
-    return lifted(Study, found, ranking=ranking, plant=plant, accept=accept, verdict=said)
+    how = {"ranking": ranking, "plant": plant, "accept": accept, "verdict": said, "named": named}
+    return lifted(Study, found, **how)
