@@ -113,7 +113,7 @@ def test_of_a_design_that_was_named_it_is_said_at_once_why_it_does_not_apply(tmp
     named = '[controllers.{}]\ndesign = "{}"\n'
     file.write_text(
         'process = "three-tanks"\n'
-        + named.format("lag", "smith_predictor")
+        + named.format("arrest", "arrest_time")
         + named.format("pi", "simc")
     )
     found = cl.study(file)
