@@ -89,4 +89,6 @@ def test_a_line_without_end_is_refused():
 def test_a_misspelt_file_leads_to_the_one_that_is_there(tmp_path):
     (tmp_path / "quanser.toml").touch()
     (tmp_path / "quansr.csv").touch()
+    (tmp_path / "tank.toml").touch()
     assert refused(tmp_path / "quansr.toml").remedy == "perhaps 'quanser.toml' was meant"
+    assert refused(tmp_path / "cascade.toml").remedy == "check the path"

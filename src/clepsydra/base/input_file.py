@@ -8,7 +8,7 @@ import stat
 from pathlib import Path
 
 from clepsydra.base.errors import InputError, reason_of
-from clepsydra.base.suggestion import suggestion
+from clepsydra.base.suggestion import nearest
 
 #: A process of a thousand tanks takes less; what is larger is something else.
 LARGEST_TEXT = 1_000_000
@@ -58,8 +58,7 @@ check the path.
             _check_regular(status.st_mode, place, expected, inside)
             content = stream.read(largest + 1) if status.st_size <= largest else None
     except FileNotFoundError:
-        remedy = suggestion(path.name, files_beside(path), "check the path")
-        raise InputError(place, "no such file", expected, remedy) from None
+        raise InputError(place, "no such file", expected, check_path(path)) from None
     except (OSError, ValueError) as error:
         raise InputError(place, reason_of(error), expected, "check the path") from None
     if content is None or len(content) > largest:
@@ -71,9 +70,11 @@ check the path.
     return content
 
 
-def files_beside(path: Path) -> list[str]:
-    """Return the names of the files in the folder of a path that end as it does."""
-    return sorted(each.name for each in path.parent.glob(f"*{glob.escape(path.suffix)}"))
+def check_path(path: Path, otherwise: str = "check the path") -> str:
+    """Return what to do about a file that is not there: which of those beside it may be meant."""
+    beside = {each.stem: each.name for each in path.parent.glob(f"*{glob.escape(path.suffix)}")}
+    close = nearest(path.stem, sorted(beside))
+    return f"perhaps '{beside[close]}' was meant" if close else otherwise
 
 
 def input_text(content: bytes, file: str, expected: str, longest_line: int) -> str:

@@ -69,9 +69,21 @@ def suggestion(wrong: object, known: Iterable[str], otherwise: str) -> str:
     >>> suggestion("pump", ["tank_1", "basin"], "choose one")
     'choose one'
     """
+    close = nearest(wrong, known)
+    return f"perhaps '{close}' was meant" if close else otherwise
+
+
+def nearest(wrong: object, known: Iterable[str]) -> str:
+    """Return the known name that is close, as for `suggestion`; empty where none is.
+
+    Examples
+    --------
+    >>> nearest("smic", ["lqi", "simc"]), nearest("pid", ["lqi", "simc"])
+    ('simc', '')
+    """
     spelt, given = {name.lower(): name for name in known}, str(wrong)[:80].lower()
     close = [*_synonyms(given, spelt), *difflib.get_close_matches(given, spelt, n=1)]
-    return f"perhaps '{spelt[close[0]]}' was meant" if close else otherwise
+    return spelt[close[0]] if close else ""
 
 
 def _synonyms(given: str, spelt: Mapping[str, str]) -> list[str]:

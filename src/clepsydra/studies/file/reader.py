@@ -9,7 +9,7 @@ from typing import Any
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
-from clepsydra.base.input_file import files_beside, read_input
+from clepsydra.base.input_file import check_path, read_input
 from clepsydra.base.suggestion import suggestion
 from clepsydra.linear.analysis import analyse
 from clepsydra.process import told
@@ -27,6 +27,8 @@ from clepsydra.studies.file.fields import table_below
 from clepsydra.studies.file.request import ControllerRequest, StudyRequest
 from clepsydra.studies.file.scenario_reader import ScenarioTable, read_scenario
 
+_PATH = "check the path, which starts in the folder of the study file"
+
 
 def _process(table: TableReader, key: str, known: Mapping[str, Any]) -> Process:
     """Return a process of the catalogue, or of a file whose path starts beside the study file."""
@@ -41,11 +43,7 @@ def _process(table: TableReader, key: str, known: Mapping[str, Any]) -> Process:
             key,
             written[:60],
             f"{expected} ({', '.join(names)})",
-            suggestion(
-                name,
-                [*names, *files_beside(folder / name)],
-                "check the path, which starts in the folder of the study file",
-            ),
+            suggestion(name, names, check_path(folder / name, _PATH)),
         )
     return load_process(folder / name, variants)
 
