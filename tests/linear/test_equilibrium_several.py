@@ -113,7 +113,7 @@ def test_a_concentration_may_rest_at_zero(make_process):
 def test_a_position_below_its_range_is_named(make_process):
     process = make_process(lambda x, u, d: [u[0] - 10 * x[0], -x[1] - 0.25], 2, 1)
     stem = Signal("valve_1.position", "1", low=0.0, high=1.0, initial=0.5)
-    with pytest.raises(Exception, match=r"valve_1.position would be -0.25 1, below its range"):
+    with pytest.raises(Exception, match=r"valve_1.position would be -0.25, below its range"):
         find_equilibrium(with_state(process, stem))
 
 

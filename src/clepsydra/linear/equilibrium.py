@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,11 +11,12 @@ from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import ClepsydraError
 from clepsydra.base.rounding import rounded
 from clepsydra.linear.equilibrium_continuation import by_homotopy, by_pseudo_transient
+from clepsydra.linear.equilibrium_inputs import shown, warnings_of_inputs
+from clepsydra.linear.equilibrium_mixtures import beyond_mixtures
 from clepsydra.linear.equilibrium_reasons import (
     reasons_of_harm,
     reasons_outside_ranges,
     reasons_without_solution,
-    shown,
     undetermined,
     warnings_of_sensors,
 )
@@ -42,6 +44,8 @@ class NoEquilibrium(ClepsydraError):
         Its file, or its name where it has none, is the place in the message.
     reasons : sequence of str
         Sentences with the names of the signals, without the full stop.
+    place : str, optional
+        Where what was asked stands, if anywhere: file, line and table.
 
     Examples
     --------
@@ -51,10 +55,10 @@ class NoEquilibrium(ClepsydraError):
 outputs (in a process file the pumps' 'nominal', or [operating_point]), or change the plant.
     """
 
-    def __init__(self, process: Process, reasons: tuple[str, ...] | list[str]) -> None:
-        self.reasons = tuple(reasons)
+    def __init__(self, process: Process, reasons: Sequence[str], place: str = "") -> None:
+        self.reasons, self.place = tuple(reasons), place or str(process.path or process.name)
         super().__init__(
-            f"{process.path or process.name}: no equilibrium as asked: "
+            f"{self.place}: no equilibrium as asked: "
             f"{'; '.join(self.reasons)}; ask for other inputs or outputs (in a process file the "
             "pumps' 'nominal', or [operating_point]), or change the plant."
         )
@@ -114,21 +118,24 @@ def find_equilibrium(
     request = read_request(process, inputs, outputs, disturbances)
     search = EquilibriumSearch(process, request)
     solution = _first_found(search)
-    if not solution.solved:
-        raise NoEquilibrium(process, reasons_without_solution(search, solution))
     state, manipulated = (_rounded(values) for values in search.values(solution.unknowns))
-    refused = reasons_outside_ranges(search, solution) or reasons_of_harm(
-        process, state, manipulated, request.disturbances
+    refused = (
+        reasons_outside_ranges(search, solution)
+        or reasons_of_harm(process, state, manipulated, request.disturbances)
+        if solution.solved
+        else reasons_without_solution(search, solution)
     )
     if refused:
-        raise NoEquilibrium(process, refused)
+        of_file = inputs is None and outputs is None and process.nominal_outputs
+        place = process.place("operating_point") if of_file else ""
+        raise NoEquilibrium(process, beyond_mixtures(process, request) or refused, place)
     point = OperatingPoint.at(process, state, manipulated, request.disturbances)
     warnings = [
         f"{signal.name} stands on its floor: the tank is empty and has no linear model there"
         for signal, value in zip(process.state, state, strict=True)
         if signal.unit == "m" and value <= signal.low
     ]
-    warnings += warnings_of_sensors(process, point.measurements)
+    warnings += _warnings_at(point)
     free_names = undetermined(search, solution)
     if free_names:
         warnings.append(
@@ -137,6 +144,11 @@ def find_equilibrium(
             "sensor under [operating_point]"
         )
     return replace(point, warnings=(*process.warnings, *warnings))
+
+
+def _warnings_at(point: OperatingPoint) -> list[str]:
+    """Return what leaves no room for control there."""
+    return [*warnings_of_sensors(point.process, point.measurements), *warnings_of_inputs(point)]
 
 
 def _rounded(values: np.ndarray) -> np.ndarray:
@@ -201,12 +213,7 @@ def find_equilibria(
         if any(_same(search, state, manipulated, known) for known in found):
             continue
         point = OperatingPoint.at(process, state, manipulated, first.disturbances)
-        found.append(
-            replace(
-                point,
-                warnings=(*process.warnings, *warnings_of_sensors(process, point.measurements)),
-            )
-        )
+        found.append(replace(point, warnings=(*process.warnings, *_warnings_at(point))))
     if len(found) == 1:
         return found
     return [

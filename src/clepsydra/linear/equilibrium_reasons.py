@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from clepsydra.base.signal import Signal
-from clepsydra.base.units import from_si
+from clepsydra.linear.equilibrium_inputs import beyond_its_range, input_flow, range_of, shown
 from clepsydra.linear.equilibrium_search import RANK, EquilibriumSearch, Iterate
+from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
 
 # A share of the range that rounding may add to a value at its limit.
@@ -35,12 +36,22 @@ def reasons_outside_ranges(search: EquilibriumSearch, solved: Iterate) -> tuple[
     """
     process = search.process
     state, inputs = search.values(solved.unknowns)
-    reasons = [
-        f"{signal.name} would have to be {shown(signal, value)}, {outside}"
+    point = OperatingPoint.at(process, state, inputs, search.request.disturbances)
+    beyond = [
+        (signal, value, input_flow(point, signal))
         for signal, value in zip(process.inputs, inputs, strict=True)
-        if (outside := _outside(signal, value))
+        if _outside(signal, value)
     ]
+    reasons = [
+        beyond_its_range(flow, value)
+        if flow
+        else f"{signal.name} would have to be {shown(signal, value)}, {_outside(signal, value)}"
+        for signal, value, flow in beyond
+    ]
+    moved = [signal.name for signal, *_ in beyond]
     for signal, value in zip(process.state, state, strict=True):
+        if signal.owner in moved:  # an actuator follows its signal
+            continue
         if value > signal.high + _AT_LIMIT * abs(signal.high):
             where = "its rim" if signal.unit == "m" else "the top of its range,"
             reasons.append(
@@ -141,12 +152,7 @@ def _outside(signal: Signal, value: float) -> str:
     slack = _AT_LIMIT * (signal.span if np.isfinite(signal.span) else 0.0)
     if signal.low - slack <= value <= signal.high + slack:
         return ""
-    return f"outside its range from {shown(signal, signal.low)} to {shown(signal, signal.high)}"
-
-
-def shown(signal: Signal, value: float) -> str:
-    """Return a value with the unit that the reader sees."""
-    return f"{from_si(float(value), signal.unit, signal.shown_unit):.4g} {signal.shown_unit}"
+    return f"outside its range {range_of(signal)}"
 
 
 def _accumulation(search: EquilibriumSearch, stuck: Iterate) -> tuple[str, ...]:
@@ -158,7 +164,8 @@ def _accumulation(search: EquilibriumSearch, stuck: Iterate) -> tuple[str, ...]:
     states = len(process.state)
     free = search.unknown_names[states:]
     if _taking_part(free, right[states:]):
-        outputs = _taking_part(search.row_names[states:], left[states:])
+        asked = search.row_names[states:]
+        outputs = _taking_part(asked, left[states:]) or asked
         return (
             f"{' and '.join(outputs)} cannot take the asked "
             f"{'values' if len(outputs) > 1 else 'value'}: {' and '.join(free)} cannot set the "

@@ -20,6 +20,9 @@ _ROUNDING = 100.0 * float(np.finfo(float).eps)
 _SMALLEST_STEP = 1e-10
 # A ζ this close to zero is a level on its floor (ζ² = 1e-14 of the tank's height).
 FLOOR = 1e-7
+# An actuator beyond its range counts in a straight line from this share of it inside of its end,
+# for at a stop there is no slope.
+_INSIDE = 1e-9
 # The equations are continued in a straight line below this ζ; the floor has no derivative.
 _CONTINUED = 1e-20
 
@@ -81,7 +84,8 @@ class EquilibriumSearch:
     A level is written as x = floor + span ζ²: Torricelli's outflow is linear in ζ, so that a
     network of tanks takes a step or two. Below the floor the equations are continued
     in a straight line, so that an impossible request ends with ζ < 0 where a flow would have to
-    be negative, and with the input that it would take. Other unknowns are span ζ.
+    be negative, and with the input that it would take. Other unknowns are span ζ; the inputs
+    searched, and their actuators, are continued in a straight line beyond their ranges.
     """
 
     def __init__(self, process: Process, request: EquilibriumRequest) -> None:
@@ -100,6 +104,12 @@ class EquilibriumSearch:
         metres = np.array([signal.unit == "m" for signal in process.state], bool)
         floored = np.isfinite(self.floors) & metres
         self.floored = np.concatenate([floored, np.zeros(len(free), bool)])
+        names = {signal.name for signal in free}
+        ends = [
+            (s.low, s.high) if {s.name, s.owner} & names else (-np.inf, np.inf)
+            for s in self._signals
+        ]
+        self._least, self._most = np.reshape(ends, (-1, 2)).T / self.spans
         self._origins = np.where(floored, self.floors, 0.0)
 
     def start(self, share: float | None) -> np.ndarray:
@@ -180,9 +190,11 @@ class EquilibriumSearch:
         request, states = self.request, len(self.process.state)
         rows, columns = list(request.outputs), list(request.free_inputs)
         above = np.where(self.floored, np.maximum(unknowns, _CONTINUED), unknowns)
+        inside = np.clip(above, self._least + _INSIDE, self._most - _INSIDE)
+        above = np.where((above < self._least) | (above > self._most), inside, above)
         scaled, spans = above[:states], self.spans[:states]
         risen = self._origins + spans * np.where(self.floored[:states], scaled**2, scaled)
-        _, inputs = self.values(unknowns)
+        _, inputs = self.values(above)
         local = self.derivatives.at(risen, inputs, request.disturbances)
         slopes = self.state_slopes(above)
         jacobian = np.zeros((states + len(rows), states + len(columns)))

@@ -192,7 +192,7 @@ def plan_simulation(
     except NoEquilibrium as error:
         if start == "rest" and not complete:
             raise NoEquilibrium(
-                process, [*error.reasons, "so that a simulation has to start empty"]
+                process, [*error.reasons, "so that a simulation has to start empty"], error.place
             ) from None
         rest = _middle(process)
     model = _model_near(rest)

@@ -12,6 +12,7 @@ import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.process.component import Component
+from clepsydra.process.document import Document
 from clepsydra.process.element import Element
 from clepsydra.process.equations import Equations
 from clepsydra.program.dense_function import DenseFunction
@@ -48,6 +49,8 @@ class Process(Equations):
         Those controlled measurements whose tank is there to smooth the flow through it.
     bands : mapping
         Those of them that loads must leave in a band to its ends [unit of the measurement].
+    document : Document or None
+        What that file says, with its lines.
     tags : mapping
         Signal, or element, to the name that it has in the plant's control system: exports show
         that in its place.
@@ -75,6 +78,7 @@ class Process(Equations):
     averaging: tuple[str, ...] = ()
     bands: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     tags: Mapping[str, str] = field(default_factory=dict)
+    document: Document | None = field(default=None, compare=False, repr=False)
 
     @cached_property
     def show(self) -> ca.Function:
@@ -98,6 +102,10 @@ class Process(Equations):
         """What a user types to load it again: "laboratory-four-tanks:fitted,volts"."""
         where = str(self.path or self.name)
         return f"{where}:{','.join(self.variant)}" if self.variant else where
+
+    def place(self, *keys: str) -> str:
+        """Return where a key of its file stands, for a message; its name where it has no file."""
+        return self.document.place(*keys) if self.document else self.name
 
     @property
     def file_stem(self) -> str:

@@ -192,6 +192,7 @@ def _process(document: Document, path: Path | None, asked: tuple[str, ...] | Non
         nominal_outputs=nominal_outputs,
         sampling_period=general.declared(_SAMPLING_PERIOD, {}, MISSING),
         path=path,
+        document=None if path is None else document,
         components=components,
         variant=chosen.names,
         variants=chosen.descriptions,

@@ -137,7 +137,7 @@ def better_words(advice: Recommendation) -> str:
 
 def watch_lines(result: StudyResult, candidate: Candidate) -> tuple[Line, ...]:
     """Return the first of what to watch with a controller and its run, and how much more."""
-    said = [*watched(candidate)]
+    said = [*map(first_clause, result.warnings), *watched(candidate)]
     for caveat in candidate.caveats:
         if caveat.seen:
             shared = [any(c.about == caveat.about for c in each.caveats) for each in result.ranking]
@@ -173,7 +173,7 @@ def _reasons(result: StudyResult) -> list[Line | Table | Section]:
     for each in result.ranking:
         titled = (f"{each.controller.title}: {words}" for words in each.warnings)
         parts += marked(Mark.WATCH, titled)
-    parts += marked(Mark.WATCH, result.caveats)
+    parts += marked(Mark.WATCH, (*result.warnings, *result.caveats))
     return [*parts, _EMPTY, *ranking_notes(result)]
 
 
