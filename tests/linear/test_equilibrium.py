@@ -273,14 +273,14 @@ def test_equations_without_a_derivative_are_refused_in_words(make_process):
         ({"inputs": {"pmp_1": 1.0}}, r"perhaps 'pump_1' was meant"),
         (
             {"inputs": {"pump_1": 11.0}},
-            r"inputs\.pump_1: got 11\.0, expected a number from 0 to 10",
+            r"inputs\.pump_1: got '11 V', expected a value from 0 V to 10 V",
         ),
-        ({"inputs": {"pump_1": -1e-9}}, r"inputs\.pump_1: got -1e-09"),
+        ({"inputs": {"pump_1": -1e-9}}, r"inputs\.pump_1: got '-1e-09 V'"),
         ({"inputs": {"pump_1": math.nan}}, r"inputs\.pump_1: got nan"),
         ({"inputs": {"pump_1": True}}, r"inputs\.pump_1: got True"),
         ({"inputs": {"pump_1": "3 V"}}, r"inputs\.pump_1: got '3 V'"),
         ({"outputs": {"level_9": 5.0, "level_1": 5.0}}, r"outputs\.level_9"),
-        ({"outputs": {"level_1": 10.5, "level_2": 5.0}}, r"outputs\.level_1: got 10\.5"),
+        ({"outputs": {"level_1": 10.5, "level_2": 5.0}}, r"outputs\.level_1: got '10.5 V'"),
         ({"outputs": {"level_1": 5.0}}, r"expected exactly 2 outputs.*\(pump_1, pump_2\)"),
         ({"outputs": dict.fromkeys(("level_1", "level_2", "level_3"), 5.0)}, r"exactly 2 outputs"),
         (
@@ -291,7 +291,7 @@ def test_equations_without_a_derivative_are_refused_in_words(make_process):
             {"inputs": {"pump_1": 3.0}, "outputs": {"level_1": 6.0, "level_2": 6.0}},
             r"not given \(1: pump_2\); give either an input or an output",
         ),
-        ({"disturbances": {"inflow_1": 1.0}}, r"disturbances\.inflow_1: got 1\.0"),
+        ({"disturbances": {"inflow_1": 1.0}}, r"disturbances\.inflow_1: got '1 m\^3/s'"),
         ({"disturbances": {"leak": 1.0}}, r"disturbances\.leak"),
     ],
 )

@@ -1,6 +1,7 @@
 """What keeps a plant from the operating point that is asked for, told in its own flows."""
 
 import pytest
+from refusals import refused
 from written_plants import plant_of
 
 import clepsydra as cl
@@ -160,3 +161,15 @@ def test_a_study_says_that_there_is_no_room(tmp_path):
     assert watched[0].startswith(
         "water_pump rests at 97.56 %, close to the end of its range at 100"
     )
+
+
+def test_a_value_out_of_range_is_told_in_the_unit_of_its_signal(tmp_path):
+    plant = plant_of(tmp_path, STATION, ('range = ["0 m", "1.5 m"]', 'range = ["0 cm", "150 cm"]'))
+    beyond = plant.at(outputs={"level": "160 cm", "strength": "40 g/l"})
+    with refused(
+        place="operating point, outputs.level",
+        value="160 cm",
+        expected="a value from 0 cm to 150 cm",
+        remedy="choose a value inside the range of level",
+    ):
+        _ = beyond.point

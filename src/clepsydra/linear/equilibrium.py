@@ -11,7 +11,7 @@ from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import ClepsydraError
 from clepsydra.base.rounding import rounded
 from clepsydra.linear.equilibrium_continuation import by_homotopy, by_pseudo_transient
-from clepsydra.linear.equilibrium_inputs import shown, warnings_of_inputs
+from clepsydra.linear.equilibrium_inputs import warnings_of_inputs
 from clepsydra.linear.equilibrium_mixtures import beyond_mixtures
 from clepsydra.linear.equilibrium_reasons import (
     reasons_of_harm,
@@ -23,6 +23,7 @@ from clepsydra.linear.equilibrium_reasons import (
 from clepsydra.linear.equilibrium_request import Given, read_request
 from clepsydra.linear.equilibrium_search import EquilibriumSearch, Iterate
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.linear.signal_words import shown
 from clepsydra.process.process import Process
 
 _DIGITS = 14

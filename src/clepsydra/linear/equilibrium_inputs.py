@@ -11,6 +11,7 @@ import numpy as np
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import convertible, from_si
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.linear.signal_words import range_of, shown
 from clepsydra.process.element import Element
 from clepsydra.process.elements.pump import Pump
 
@@ -182,14 +183,3 @@ lower it: it gives 0.666 cm^3/s of at most 33.3 cm^3/s']
             )
         found.append(f"{signal.name} rests at {shown(signal, value)}, {words}")
     return found
-
-
-def range_of(signal: Signal) -> str:
-    """Return the range of a signal in words."""
-    return f"from {shown(signal, signal.low)} to {shown(signal, signal.high)}"
-
-
-def shown(signal: Signal, value: float) -> str:
-    """Return a value with the unit that the reader sees."""
-    number = f"{from_si(float(value), signal.unit, signal.shown_unit):.4g}"
-    return number if signal.shown_unit == "1" else f"{number} {signal.shown_unit}"

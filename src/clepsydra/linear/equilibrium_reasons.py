@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from clepsydra.base.signal import Signal
-from clepsydra.linear.equilibrium_inputs import beyond_its_range, input_flow, range_of, shown
+from clepsydra.linear.equilibrium_inputs import beyond_its_range, input_flow
 from clepsydra.linear.equilibrium_search import RANK, EquilibriumSearch, Iterate
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.linear.signal_words import range_of, shown
 from clepsydra.process.process import Process
 
 # A share of the range that rounding may add to a value at its limit.

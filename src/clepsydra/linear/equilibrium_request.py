@@ -11,6 +11,7 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
+from clepsydra.linear.signal_words import range_of, shown
 from clepsydra.process.process import Process
 
 #: Values of signals by their names [SI].
@@ -90,7 +91,7 @@ def _refuse_number(
     else:
         expected = f"exactly {len(free)} outputs, one for each manipulated input ({names})"
         remedy = "name as many outputs as there are inputs to be found"
-    raise InputError("equilibrium, outputs", ", ".join(asked), expected, remedy)
+    raise InputError("operating point, outputs", ", ".join(asked), expected, remedy)
 
 
 def _checked(
@@ -99,18 +100,19 @@ def _checked(
     by_name = {signal.name: signal for signal in signals}
     checked = {}
     for name, value in values.items():
-        place = f"equilibrium, {what}.{name}"
+        place = f"operating point, {what}.{name}"
         if name not in by_name:
             remedy = suggestion(name, by_name, f"use the name of {one}")
             expected = "one of " + ", ".join(by_name) if by_name else f"no name: there is not {one}"
             raise InputError(place, name, expected, remedy)
         signal = by_name[name]
-        span = f"a number from {signal.low:g} to {signal.high:g} {signal.unit}"
         number = isinstance(value, (int, float, np.integer, np.floating))
         if not number or isinstance(value, bool) or not math.isfinite(value):
+            unit = "" if signal.unit == "1" else f" {signal.unit}"
+            span = f"a number from {signal.low:g} to {signal.high:g}{unit}"
             raise InputError(place, value, span, "give a finite number in SI units")
         if not signal.low <= value <= signal.high:
-            remedy = "choose a value inside the range of the signal"
-            raise InputError(place, float(value), span, remedy)
+            remedy = f"choose a value inside the range of {name}"
+            raise InputError(place, shown(signal, value, 10), f"a value {range_of(signal)}", remedy)
         checked[name] = float(value)
     return checked
