@@ -19,6 +19,14 @@ def read(tmp_path: Path, *edits: tuple[str, str]) -> Process:
     return plant_of(tmp_path, VALID, *edits).process
 
 
+def test_an_orifice_may_have_a_diameter(tmp_path: Path) -> None:
+    """Of 20 mm: π/4 · 4 cm²."""
+    process = read(tmp_path, ('area = "0.071 cm^2"', 'diameter = "20 mm"'))
+    area = process.signal("outlet_1.area")
+    assert area.initial == pytest.approx(3.14159265e-4, rel=1e-8)
+    assert area.shown_unit == "mm^2"
+
+
 def test_signals_of_the_catalogue() -> None:
     process = load_process("quadruple-tank")
     assert [s.name for s in process.state] == [f"tank_{i}.level" for i in range(1, 5)]

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
 from clepsydra.base.quantity import quantity
+from clepsydra.base.signal import Signal
+from clepsydra.process.cross_section import cross_section
 from clepsydra.process.declared import flag, link
 from clepsydra.process.element import Element
 from clepsydra.process.flow import Flow, Flows
@@ -51,12 +53,11 @@ class Orifice(Element):
 
     source: str = link("the name of a tank", "tank")
     destination: str = link("the name of a tank or reservoir", "receiver")
-    area: float = quantity(
-        "m^2",
-        "an area",
-        "cross-section of",
-        at_least=0.0,
-        remedy="give the cross-section of the hole, 0 if it is plugged",
+    area: float = cross_section(
+        "opening",
+        "give the cross-section of the hole, 0 if it is plugged",
+        "give the inner diameter of the hole, 0 if it is plugged",
+        strict=False,
     )
     discharge: float = quantity(
         "1",
@@ -81,6 +82,14 @@ class Orifice(Element):
         default=LAMINAR,
         remedy="leave it out for 1 mm",
     )
+
+    def parameters(self) -> tuple[Signal, ...]:
+        """Return its area, shown in the square of the unit of a diameter, and the coefficient."""
+        area = self._parameter("area", "m^2", self.area, "cross-section of")
+        diameter = self.display_units.get("diameter")
+        if diameter is not None:
+            area = replace(area, display_unit=f"{diameter}^2")
+        return (area, *super().parameters())
 
     def flows(self, symbols: Symbols, received: Flows) -> tuple[Flow, ...]:
         """Return q = (c a √(2 g)) · φ: one root a step, the other once a run."""

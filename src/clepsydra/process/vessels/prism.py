@@ -2,25 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from dataclasses import MISSING, dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass
+from typing import ClassVar
 
 import casadi as ca
 
-from clepsydra.base.quantity import Quantity, quantity
-from clepsydra.process.declared import part
-from clepsydra.process.table_reader import TableReader
+from clepsydra.base.quantity import quantity
+from clepsydra.process.cross_section import cross_section
 from clepsydra.process.vessels.vessel import Vessel, VesselParameter, reciprocal
-
-_OF_SIZE: Any = {"low": 0.0, "strict": True}
-_AREA = Quantity(
-    "area", "m^2", expected="an area", remedy="give the cross-section of the tank", **_OF_SIZE
-)
-_DIAMETER = Quantity(
-    "diameter", "m", expected="a diameter", remedy="give the inner diameter of the tank", **_OF_SIZE
-)
 
 
 @dataclass(frozen=True)
@@ -48,13 +38,11 @@ class Prism(Vessel):
     height: float = quantity(
         "m", "a height", above=0.0, remedy="give the height of the rim above the floor"
     )
-    area: float = part(
-        lambda table, key, known: _read_area(table),
-        {
-            "area": _AREA.schema(words="its cross-section"),
-            "diameter": _DIAMETER.schema(words="its inner diameter, in place of the area"),
-        },
-        checks=({"anyOf": [{"required": ["area"]}, {"required": ["diameter"]}]},),
+    area: float = cross_section(
+        "tank",
+        "give the cross-section of the tank",
+        "give the inner diameter of the tank",
+        strict=True,
     )
 
     def parameters(self) -> tuple[VesselParameter, ...]:
@@ -76,11 +64,3 @@ class Prism(Vessel):
     _area_within = surface
     _volume_within = volume
     _level_within = level
-
-
-def _read_area(table: TableReader) -> float:
-    if table.has("area") and table.has("diameter"):
-        table.refuse(("diameter",), "either an area or a diameter", "remove one of the two")
-    if not table.has("diameter"):
-        return float(table.declared(_AREA, {}, MISSING))
-    return math.pi / 4 * float(table.declared(_DIAMETER, {}, MISSING)) ** 2
