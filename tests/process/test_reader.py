@@ -90,7 +90,7 @@ def test_any_unit_of_the_right_kind(tmp_path: Path) -> None:
     )
     assert list(first.parameter_values) == list(second.parameter_values)
     assert first.elements == second.elements
-    assert second.signal("tank_1.area").display_unit == "m²"
+    assert second.signal("tank_1.area").display_unit == "m^2"
     assert second.signal("valve.tank_1").shown_unit == "%"
     assert second.sampling_period == 1.0
     tank = next(e for e in second.elements if isinstance(e, Tank))

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import re
-from contextlib import suppress
 from fractions import Fraction
 from functools import cache
 from typing import TYPE_CHECKING
@@ -62,8 +61,8 @@ _UNIT_TOKEN = re.compile(
 )
 #: What follows the whole part of "3,5 V".
 _DECIMAL_COMMA = re.compile(r",(\d+) *(.*)", re.ASCII)
-#: Where "cm2" lacks its "^".
-_UNMARKED_POWER = re.compile(r"(?<=[A-Za-z])(?=\d)")
+#: Where "cm2" lacks its "^"; no name of a unit ends in one of these digits.
+_UNMARKED_POWER = re.compile(r"(?<=[A-Za-z])(?=[2-9](?!\w))", re.ASCII)
 _LONGEST_TEXT = 120
 _LONGEST_UNIT = 60
 
@@ -71,17 +70,19 @@ _LONGEST_UNIT = 60
 def split_quantity(text: object) -> tuple[str, str] | None:
     """Split text into its number and its unit; None for what is none or begins with no number.
 
+    The powers in the unit are marked with "^", however they were written.
+
     Examples
     --------
     >>> split_quantity("3.33 cm^3/(s V)")
     ('3.33', 'cm^3/(s V)')
-    >>> split_quantity("50%")
-    ('50', '%')
+    >>> split_quantity("50%"), split_quantity("2 m3/h"), split_quantity("2 m³/h")
+    (('50', '%'), ('2', 'm^3/h'), ('2', 'm^3/h'))
     """
     if not isinstance(text, str) or len(text) > _LONGEST_TEXT:
         return None
     match = _NUMBER.fullmatch(text)
-    return (match[1], match[2]) if match else None
+    return (match[1], _with_marked_powers(match[2])) if match else None
 
 
 def to_si(text: object, unit: str, place: str) -> float:
@@ -236,10 +237,6 @@ def _factor_of_user(
         return factor_of(unit_text, unit)
     except pint.UndefinedUnitError:
         problem = f"the unit {unit_text!r} is unknown"
-        with suppress(pint.PintError, ValueError):
-            marked = _UNMARKED_POWER.sub("^", unit_text)
-            factor_of(marked, unit)
-            problem += f", perhaps {marked!r} was meant"
     except pint.DimensionalityError:
         problem = f"{unit_text!r} measures something else"
     except ValueError:
@@ -258,7 +255,7 @@ def factor_of(source: str, target: str) -> Fraction:
     """
     import pint
 
-    source = source.replace("²", "^2").replace("³", "^3")
+    source = _with_marked_powers(source)
     remainder = re.sub(r"\A *1 *(?=/)", "", source)
     if len(source) > _LONGEST_UNIT or _UNIT_TOKEN.sub("", remainder).strip(" "):
         raise ValueError(source)
@@ -267,6 +264,10 @@ def factor_of(source: str, target: str) -> Fraction:
         return _factor_in(_common_units(), source, target)
     except pint.UndefinedUnitError:
         return _factor_in(_all_units(), source, target)
+
+
+def _with_marked_powers(unit: str) -> str:
+    return _UNMARKED_POWER.sub("^", unit.replace("²", "^2").replace("³", "^3"))
 
 
 def _factor_in(registry: pint.UnitRegistry, source: str, target: str) -> Fraction:
