@@ -84,6 +84,8 @@ class Element(ABC):
     table: ClassVar[str]
     #: The keys that a process file may give: those that its fields declare, if nothing is said.
     keys: ClassVar[tuple[str, ...]] = DeclaredKeys()  # type: ignore[assignment]
+    #: What to write in the place of a key that others use for one of these.
+    other_keys: ClassVar[Mapping[str, str]] = {}
     #: How the process drawing shows it: "tank", "reservoir", "orifice", "pump", "valve", "flow",
     #: "splitter", "delay" or "sensor"; anything else is a plain box with its name.
     symbol: ClassVar[str] = "box"

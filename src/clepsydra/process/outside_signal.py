@@ -108,7 +108,13 @@ def read_disturbance_range(table: TableReader, unit: str, quantity: str) -> Dist
     what = f"a {quantity}"
     low, high = table.range("range", unit, at_least=0.0)
     nominal = table.quantity(
-        "nominal", unit, what, f"choose {what} within the range", at_least=low, at_most=high
+        "nominal",
+        unit,
+        what,
+        f"choose {what} within the range",
+        at_least=low,
+        at_most=high,
+        example=table.in_written_unit("range", (low + high) / 2.0, unit),
     )
     return DisturbanceRange(low, high, nominal, _steps(table, unit, what, (low, high, nominal)))
 

@@ -245,6 +245,7 @@ def _elements(
                 components=components,
                 made=vessels,
                 general=GENERAL_KEYS,
+                others=kind.other_keys,
             )
             element = kind.read(name, table)
             elements.append(element)

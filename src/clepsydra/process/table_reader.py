@@ -41,6 +41,8 @@ class TableReader:
         shape.
     general : mapping
         Key of the top of the file to its schema, for who writes it into this table.
+    others : mapping
+        Key that others use for what a key of this table says to what to write in its place.
 
     Raises
     ------
@@ -65,6 +67,7 @@ class TableReader:
         components: tuple[Component, ...] = (),
         made: Mapping[str, Any] | None = None,
         general: Mapping[str, Any] | None = None,
+        others: Mapping[str, str] | None = None,
     ) -> None:
         self.components = components
         self.made = made or {}
@@ -82,6 +85,7 @@ class TableReader:
         for key in content:
             if known is not None and key not in known:
                 remedy = suggestion(key, known, "remove or rename it")
+                remedy = (others or {}).get(key.lower(), remedy)
                 if general and key in general:
                     remedy = "write it at the top of the file, before the first table"
                     is_list = general[key].get("type") == "array"
@@ -180,6 +184,7 @@ class TableReader:
         at_least: float | None = None,
         at_most: float | None = None,
         default: float | None = None,
+        example: str = "",
     ) -> float:
         """Return the value of a key [`unit`].
 
@@ -193,10 +198,13 @@ class TableReader:
             Bounds [`unit`].
         default : float or None
             Where the key is missing; None if it must not be.
+        example : str
+            What could be written; one in the SI unit where empty.
         """
         if default is not None and key not in self._content:
             return default
-        value = self._require(key, expected, f'{remedy}, as in {key} = "{_example(unit)}"')
+        example = example or _example(unit)
+        value = self._require(key, expected, f'{remedy}, as in {key} = "{example}"')
         number = self._to_si(key, value, unit)
         for bound, words, kept in (
             (above, "above", above is None or number > above),
@@ -204,7 +212,7 @@ class TableReader:
             (at_most, "of at most", at_most is None or number <= at_most),
         ):
             if bound is not None and not kept:
-                shown = self._in_written_unit(key, bound, unit)
+                shown = self.in_written_unit(key, bound, unit)
                 hinted = with_percent_hint(remedy, value, unit) if bound == at_most else remedy
                 raise self.refused(key, shown_value(value), f"{expected} {words} {shown}", hinted)
         return number
@@ -240,7 +248,7 @@ class TableReader:
             raise self.wrong(key, "a lower end below the upper end", "exchange or correct them")
         if at_least is not None and low < at_least:
             raise self.wrong(
-                key, f"a lower end of at least {self._in_written_unit(key, at_least, unit)}", remedy
+                key, f"a lower end of at least {self.in_written_unit(key, at_least, unit)}", remedy
             )
         return low, high
 
@@ -301,7 +309,7 @@ class TableReader:
                 units[key] = parts[1]
         return units
 
-    def _in_written_unit(self, key: str, value: float, unit: str) -> str:
+    def in_written_unit(self, key: str, value: float, unit: str) -> str:
         """Return a value [`unit`] as text in the unit that the user wrote at a key."""
         written = self.display_units(key).get(key, unit)
         return f"{from_si(value, unit, written):g}" + ("" if written == "1" else f" {written}")

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import ClassVar, Self
 
 import casadi as ca
 
@@ -82,6 +83,9 @@ class ControlValve(Element):
 
     kind, table, symbol, place = "control valve", "valves", "valve", 6
     tagged = True
+    other_keys: ClassVar[Mapping[str, str]] = {
+        "cv": 'give the Kv, 0.865 times the Cv: that of 10 is kv = "8.65 m^3/h"'
+    }
 
     source: str = link("the name of a tank or reservoir", "source")
     destination: str = link("the name of a tank or reservoir", "receiver")
