@@ -114,7 +114,7 @@ def read_disturbance_range(table: TableReader, unit: str, quantity: str) -> Dist
         f"choose {what} within the range",
         at_least=low,
         at_most=high,
-        example=table.in_written_unit("range", (low + high) / 2.0, unit),
+        typical=(low + high) / 2.0,
     )
     return DisturbanceRange(low, high, nominal, _steps(table, unit, what, (low, high, nominal)))
 

@@ -184,7 +184,7 @@ class TableReader:
         at_least: float | None = None,
         at_most: float | None = None,
         default: float | None = None,
-        example: str = "",
+        typical: float | None = None,
     ) -> float:
         """Return the value of a key [`unit`].
 
@@ -198,12 +198,12 @@ class TableReader:
             Bounds [`unit`].
         default : float or None
             Where the key is missing; None if it must not be.
-        example : str
-            What could be written; one in the SI unit where empty.
+        typical : float or None
+            What could be written [`unit`], shown in the unit of the key "range"; one where None.
         """
         if default is not None and key not in self._content:
             return default
-        example = example or _example(unit)
+        example = self._in_written_unit("range", typical, unit) if typical else _example(unit)
         value = self._require(key, expected, f'{remedy}, as in {key} = "{example}"')
         number = self._to_si(key, value, unit)
         for bound, words, kept in (
@@ -212,7 +212,7 @@ class TableReader:
             (at_most, "of at most", at_most is None or number <= at_most),
         ):
             if bound is not None and not kept:
-                shown = self.in_written_unit(key, bound, unit)
+                shown = self._in_written_unit(key, bound, unit)
                 hinted = with_percent_hint(remedy, value, unit) if bound == at_most else remedy
                 raise self.refused(key, shown_value(value), f"{expected} {words} {shown}", hinted)
         return number
@@ -248,7 +248,7 @@ class TableReader:
             raise self.wrong(key, "a lower end below the upper end", "exchange or correct them")
         if at_least is not None and low < at_least:
             raise self.wrong(
-                key, f"a lower end of at least {self.in_written_unit(key, at_least, unit)}", remedy
+                key, f"a lower end of at least {self._in_written_unit(key, at_least, unit)}", remedy
             )
         return low, high
 
@@ -309,7 +309,7 @@ class TableReader:
                 units[key] = parts[1]
         return units
 
-    def in_written_unit(self, key: str, value: float, unit: str) -> str:
+    def _in_written_unit(self, key: str, value: float, unit: str) -> str:
         """Return a value [`unit`] as text in the unit that the user wrote at a key."""
         written = self.display_units(key).get(key, unit)
         return f"{from_si(value, unit, written):g}" + ("" if written == "1" else f" {written}")
