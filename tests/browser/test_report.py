@@ -160,11 +160,15 @@ def test_on_a_phone_the_first_numbers_of_the_ranking_and_small_plants_are_whole(
 
 
 def test_everyone_can_read_what_is_unfolded(report, opened, look, findings):
+    from playwright.sync_api import expect
+
     page = opened(report(PROCESS), **look)
     for fold in page.locator("#details > details > summary").all():
         fold.click()
-    assert page.locator("#details > details template").count() == 1  # a fold within a fold
+    # A fold is filled when the browser says that it was opened; one stands within another.
+    expect(page.locator("#details > details template")).to_have_count(1)
     page.get_by_text("The blocks of its export").first.click()
+    page.locator(".picture svg.blocks").first.wait_for()
     paper, *blocks = page.evaluate(
         """() => [document.body, ...document.querySelectorAll(".picture svg.blocks")]
             .map(each => getComputedStyle(each).backgroundColor)"""
