@@ -190,9 +190,9 @@ BAD = {
         [RUN, "--process", "quadruple-tank", "--parameters", "pump_1.gain", "--write", "a.csv"],
         "a file that ends in .toml",
     ),
-    "no file": (["nothing.csv"], "nothing.csv: got 'no such file'"),
-    "a device": (["/dev/zero"], "/dev/zero: got 'no regular file'"),
-    "a folder": (["."], ".: got 'a folder'"),
+    "no file": (["nothing.csv"], "nothing.csv: got no such file"),
+    "a device": (["/dev/zero"], "/dev/zero: got no regular file"),
+    "a folder": (["."], ".: got a folder"),
 }  # fmt: skip
 
 
@@ -211,7 +211,7 @@ def test_a_pipe_is_refused_at_once(identified, tmp_path):
     """Where it is opened to be read, the program waits for somebody to write."""
     os.mkfifo(tmp_path / "pipe.csv")
     status, _, errors = identified("pipe.csv")
-    assert status == 2 and errors.startswith("clepsydra: pipe.csv: got 'no regular file'")
+    assert status == 2 and errors.startswith("clepsydra: pipe.csv: got no regular file")
 
 
 def test_a_million_rows_are_refused_with_the_reason(identified, tmp_path):

@@ -111,7 +111,7 @@ MISTAKES = [
     ("points = 51", "points = 51.5", "a.toml, line 2, points: got 51.5, expected a whole number"),
     ("points = 51", "points = true", "a.toml, line 2, points: got 'true', expected a whole number"),
     ("points = 51", "dots = 51", "a.toml, line 2, dots: got 'dots', expected one of title, points"),
-    ('unit = "mV"\n', "", "a.toml, line 4, inputs.e.unit: got 'no unit', expected a unit"),
+    ('unit = "mV"\n', "", "a.toml, line 4, inputs.e.unit: got no unit, expected a unit"),
     ('"mV"', '"mm"', "a.toml, line 6, inputs.e.unit: got '1 mm', expected a quantity convertible"),
     ('of = "level_1"\nunit', 'of = "level_9"\nunit', "a.toml, line 5, inputs.e.of: got 'level_9'"),
     ('of = "level_1"\nunit', 'of = "level_3"\nunit', "a.toml, line 5, inputs.e.of: got 'level_3', "
@@ -144,7 +144,7 @@ MISTAKES = [
     ('"0.5 V/s"', '"0 V/s"', "a.toml, line 28, outputs.u.rate_limit: got '0 V/s', expected a rate"),
     ("gain = 3", 'gain = 3\nfading_time = "1 s"', "a.toml, line 30, outputs.u.fading_time: got "
      "'1 s', expected a fading time of a position only"),
-    ("range = [-1, 1]\n", "", "a.toml, line 24, outputs.u.range: got 'no range'"),
+    ("range = [-1, 1]\n", "", "a.toml, line 24, outputs.u.range: got no range"),
     ("L = { right_shoulder = [0, 1] }", "L = { right_shoulder = [1.5, 2] }",
      "a.toml, line 34, outputs.u.sets.L: got 'a set outside of the range'"),
     ("L = { right_shoulder = [0, 1] }", "L = { triangle = [0.605, 0.61, 0.615] }",
@@ -167,11 +167,11 @@ MISTAKES = [
     ("[rules]\n", "[rules]\nup-2 = 7\n", "a.toml, line 37, rules.up-2: got 7, expected a rule"),
     ("outputs.u", "outputs.e", "a.toml, line 4, inputs.e: got 'e', expected a name of its own"),
     ("[outputs.u]", "[outputs.u__v]", "a.toml, line 24, outputs.u__v: got 'u__v', expected a name"),
-    (TEXT, "  \n", "a.toml: got 'an empty file', expected a fuzzy; begin with a copy"),
-    (TEXT[TEXT.index("[inputs"):], "", "a.toml, line 1, inputs: got 'no inputs'"),
+    (TEXT, "  \n", "a.toml: got an empty file, expected a fuzzy; begin with a copy"),
+    (TEXT[TEXT.index("[inputs"):], "", "a.toml, line 1, inputs: got no inputs"),
     (TEXT[TEXT.index("[inputs.e]"):TEXT.index("[outputs.u]")], "[inputs]\n", "a.toml, line 4, "
      "inputs: got 'none', expected a table for each of the inputs"),
-    (TEXT[TEXT.index("[rules]"):], "", "a.toml, line 1, rules: got 'no rules'"),
+    (TEXT[TEXT.index("[rules]"):], "", "a.toml, line 1, rules: got no rules"),
 ]  # fmt: skip
 
 

@@ -106,8 +106,8 @@ REFUSED = {
     "no time": (text(head="pump_1 [V],x [s],level_1 [cm]\n"), "expected the time with its unit"),
     "no name": (text(head="time [s],pump_1 [V],[cm]\n"), "line 1, column 3: got ''"),
     "twice": (text(head="time [s],pump_1 [V],pump_1 [V]\n"), "expected each signal once"),
-    "empty": ("", "tank.csv: got 'an empty file'"),
-    "no text": (b"time [s],a [V]\n\xff\xfe", "line 2: got 'byte 0xff', expected text in UTF-8"),
+    "empty": ("", "tank.csv: got an empty file"),
+    "no text": (b"time [s],a [V]\n\xff\xfe", "line 2: got byte 0xff, expected text in UTF-8"),
     "cut off": (text()[:-6], "line 41: got '2 fields', expected 3 fields"),
     "long": (text() + 100_000 * "1,2,3\n", "got '100,040 rows', expected at most 100,000 rows"),
 }  # fmt: skip

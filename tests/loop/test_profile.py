@@ -146,8 +146,8 @@ def test_values_of_a_file_are_held_until_the_next_row(process, tmp_path):
 
 
 BAD_FILES = {
-    "empty": (b"", "a.csv: got 'an empty file', expected a head and rows of numbers; write a head"),
-    "blank": (b"\n \n", "a.csv: got 'an empty file'"),
+    "empty": (b"", "a.csv: got an empty file, expected a head and rows of numbers; write a head"),
+    "blank": (b"\n \n", "a.csv: got an empty file"),
     "head only": (b"time [s],pump_1 [V]\n", "a.csv: got 'a head without rows'"),
     "no head": (b"0,3\n1,4\n", "a.csv, line 1, column 1: got '0', expected the time with its unit"),
     "one column": (b"time [s]\n0\n", "a.csv, line 1: got 'time [s]', expected a time and at least"),
@@ -200,10 +200,10 @@ BAD_FILES = {
         "a.csv, line 3, column 'pump_1': got '11 V', expected a value from 0 to 10 V",
     ),
     "Latin letters": (
-        b"time [s],pump_1 [V]\n0,3 \xb5\n", "a.csv, line 2: got 'byte 0xb5', expected text",
+        b"time [s],pump_1 [V]\n0,3 \xb5\n", "a.csv, line 2: got byte 0xb5, expected text",
     ),
     "wide letters": (
-        "time [s],pump_1 [V]\n0,3\n".encode("utf-16"), "line 1: got 'byte 0xff', expected text",
+        "time [s],pump_1 [V]\n0,3\n".encode("utf-16"), "line 1: got byte 0xff, expected text",
     ),
     "open quotes": (
         b'time [s],pump_1 [V]\n0,3\n1,"3\n2,3\n', "a.csv, line 3: got 'unexpected end of data'",
@@ -220,7 +220,7 @@ BAD_FILES = {
         "line 1: got 'pump_1\\u202e [V]', expected names that can be printed",
     ),
     "a line without end": (
-        b"time [s],pump_1 [V]\n0,3" + 100_000 * b" ", "line 2: got '100003 characters'",
+        b"time [s],pump_1 [V]\n0,3" + 100_000 * b" ", "line 2: got 100003 characters",
     ),
 }  # fmt: skip
 

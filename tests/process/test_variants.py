@@ -132,7 +132,7 @@ def test_default_variants() -> None:
          'as in variant="fitted" or variant=["fitted", "volts"].'),
         ("quadruple-tank:wide", None, "variant: got 'wide', expected no variant, "
          "since quadruple-tank.toml has none; leave it out."),
-        ("none.toml:wide", None, "none.toml: got 'no such file', expected a process file; check "
+        ("none.toml:wide", None, "none.toml: got no such file, expected a process file; check "
          "the path."),
     ],
 )  # fmt: skip

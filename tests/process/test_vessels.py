@@ -415,7 +415,7 @@ def table_of(rows: str) -> str:
         ),
         (
             "height = '1 m'",
-            "line 1, tanks.a.area: got 'no area', expected an area; give the cross-section of "
+            "line 1, tanks.a.area: got no area, expected an area; give the cross-section of "
             'the tank, as in area = "1 m^2".',
         ),
         (
@@ -450,12 +450,12 @@ def table_of(rows: str) -> str:
         ),
         (
             "shape = 'horizontal cylinder'\ndiameter = '1 m'",
-            "line 1, tanks.a.length: got 'no length', expected a length; give the inner length "
+            "line 1, tanks.a.length: got no length, expected a length; give the inner length "
             'of the tank, as in length = "1 m".',
         ),
         (
             CONE,
-            "line 1, tanks.a.rim_diameter: got 'no rim_diameter', expected a diameter; give the "
+            "line 1, tanks.a.rim_diameter: got no rim_diameter, expected a diameter; give the "
             'inner diameter at the rim, 0 for a point, as in rim_diameter = "1 m".',
         ),
         (
@@ -480,17 +480,17 @@ def table_of(rows: str) -> str:
         ),
         (
             "shape = 'sphere'\ndiameter = '1e-10 m'",
-            "line 1, tanks.a: got 'sizes of no tank', expected a capacity from 1e-15 m^3 to "
+            "line 1, tanks.a: got sizes of no tank, expected a capacity from 1e-15 m^3 to "
             "1e+15 m^3; check the units of the sizes.",
         ),
         (
             "shape = 'sphere'\ndiameter = '1e10 m'",
-            "line 1, tanks.a: got 'sizes of no tank', expected a capacity from 1e-15 m^3 to "
+            "line 1, tanks.a: got sizes of no tank, expected a capacity from 1e-15 m^3 to "
             "1e+15 m^3; check the units of the sizes.",
         ),
         (
             "shape = 'table'",
-            "line 1, tanks.a.table: got 'no table', expected a list of pairs of level and area; "
+            "line 1, tanks.a.table: got no table, expected a list of pairs of level and area; "
             + EXAMPLE
             + ".",
         ),

@@ -24,7 +24,7 @@ GENERAL = [
     ),
     (
         "controllers = {}\n",
-        "s.toml, line 1, process: got 'no process', expected a process of the catalogue, ",
+        "s.toml, line 1, process: got no process, expected a process of the catalogue, ",
     ),
     (
         'process = "quadruple-tonk"\n',
@@ -204,12 +204,12 @@ DESIGNS = [
     ),
     (
         designed('design = "lqi_by_weights"'),
-        "line 2, controllers.a.weights: got 'no weights', expected weights of states and inputs, "
+        "line 2, controllers.a.weights: got no weights, expected weights of states and inputs, "
         'for LQI of integrals as well; write as in weights = { states = { "tank_1.level" = 4.0 }, ',
     ),
     (
         designed('design = "lqi_by_weights"', WEIGHTS),
-        "line 4, controllers.a.weights: got 'no integrals', expected weights for the integrals of "
+        "line 4, controllers.a.weights: got no integrals, expected weights for the integrals of "
         "level_1, level_2",
     ),
     (
@@ -272,7 +272,7 @@ LOOPS = [
     (loop(integral_time=None), 'without this action write actions = "P"'),
     (
         loop(actions='"PID"'),
-        "got 'no derivative_time', expected a time; without this action write actions = \"PI\"",
+        'got no derivative_time, expected a time; without this action write actions = "PI"',
     ),
     (
         loop(actions='"I"'),
@@ -285,7 +285,7 @@ LOOPS = [
     ),
     (
         loop(action=None),
-        "got 'no action', expected reverse or direct; write action = \"reverse\" if "
+        'got no action, expected reverse or direct; write action = "reverse" if '
         'outflow has to rise when level falls, else action = "direct".',
     ),
     (
@@ -309,7 +309,7 @@ LOOPS = [
     ),
     (
         loop(measurement='"strength"'),
-        "got 'no setpoint', expected a value, since strength is none of the controlled "
+        "got no setpoint, expected a value, since strength is none of the controlled "
         "measurements "
         "(level)",
     ),
@@ -341,7 +341,7 @@ LOOPS = [
         "controllers.a.loops.level.gap: got '5 %', expected a setting of this isa PI loop",
     ),
     (loop(gap='"5 %"'), 'remove it, or write error = "gap"'),
-    (loop(error='"gap"'), "got 'no gap'"),
+    (loop(error='"gap"'), "got no gap"),
     (loop(error='"gap"', algorithm='"series"'), "expected linear error"),
     (
         loop(anti_windup='"clamping"', tracking_time='"5 min"'),
@@ -388,7 +388,7 @@ LOOPS = [
     ),
     (
         loop() + '[controllers.a.feedforward.ahead]\nmeasurement = "strength"\n',
-        "controllers.a.feedforward.ahead.to: got 'no to', expected the loop, selector or ratio "
+        "controllers.a.feedforward.ahead.to: got no to, expected the loop, selector or ratio "
         'that it adds to (level); write as in to = "level".',
     ),
     (
@@ -399,7 +399,7 @@ LOOPS = [
     ),
     (
         loop(output=None),
-        "controllers.a.loops.level.output: got 'no output', expected what it moves; write the name "
+        "controllers.a.loops.level.output: got no output, expected what it moves; write the name "
         'of one, as in output = "outflow".',
     ),
     (loop() + '[controllers.a.outputs.inflow]\nlow = "60 %"\n', "expected one of outflow"),

@@ -113,7 +113,7 @@ SCHEMES = [
     (
         loop() + '[controllers.a.feedforward.f]\nmeasurement = "strength"\nto = "level"\n'
         'gain = "1 %/%"\nlead = "3 s"\n',
-        "got 'no lag', expected a time; give both lead and lag",
+        "got no lag, expected a time; give both lead and lag",
     ),
 ]
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.input_file import input_text, read_input
 from clepsydra.base.units import split_quantity
 
@@ -51,7 +51,9 @@ def csv_rows(file: Path, most_rows: int) -> list[tuple[int, list[str]]]:
     content = read_input(file, _EXPECTED, _LARGEST, inside="the .csv file")
     text = input_text(content, str(file), _EXPECTED, _LONGEST_LINE).replace("\r", "\n").rstrip()
     if not text:
-        raise InputError(str(file), "an empty file", "a head and rows of numbers", _HEAD_EXAMPLE)
+        raise InputError(
+            str(file), Finding("an empty file"), "a head and rows of numbers", _HEAD_EXAMPLE
+        )
     odd = _CONTROL.search(text)
     if odd:
         raise InputError(

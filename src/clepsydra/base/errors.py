@@ -19,8 +19,23 @@ class ClepsydraError(Exception):
     ...     load_process("no-such-tank.toml")
     ... except ClepsydraError as error:
     ...     print(error)
-    no-such-tank.toml: got 'no such file', expected a process file; check the path.
+    no-such-tank.toml: got no such file, expected a process file; check the path.
     """
+
+
+class Finding(str):
+    """What was found in the place of a value, in words: a message has it without quotation marks.
+
+    Examples
+    --------
+    >>> print(InputError("plant.toml, line 3", Finding("no area"), "an area", "give one"))
+    plant.toml, line 3: got no area, expected an area; give one.
+    """
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return str(self)
 
 
 class InputError(ClepsydraError):
@@ -31,7 +46,7 @@ class InputError(ClepsydraError):
     place : str
         File and line ("plant.toml, line 12") or path in the model ("tanks.tank_1.area").
     value : object
-        The offending value as the user wrote it.
+        The offending value as the user wrote it, or a `Finding`.
     expected : str
         What was expected, with its unit.
     remedy : str

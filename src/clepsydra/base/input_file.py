@@ -7,7 +7,7 @@ import os
 import stat
 from pathlib import Path
 
-from clepsydra.base.errors import InputError, reason_of
+from clepsydra.base.errors import Finding, InputError, reason_of
 from clepsydra.base.suggestion import nearest
 
 #: A process of a thousand tanks takes less; what is larger is something else.
@@ -45,7 +45,7 @@ def read_input(
     >>> read_input(Path("/dev/null"), "a CSV file")
     Traceback (most recent call last):
         ...
-    clepsydra.base.errors.InputError: /dev/null: got 'no regular file', expected a CSV file; \
+    clepsydra.base.errors.InputError: /dev/null: got no regular file, expected a CSV file; \
 check the path.
     """
     place = str(path) if str(path).isprintable() else ascii(str(path))
@@ -58,13 +58,13 @@ check the path.
             _check_regular(status.st_mode, place, expected, inside)
             content = stream.read(largest + 1) if status.st_size <= largest else None
     except FileNotFoundError:
-        raise InputError(place, "no such file", expected, check_path(path)) from None
+        raise InputError(place, Finding("no such file"), expected, check_path(path)) from None
     except (OSError, ValueError) as error:
-        raise InputError(place, reason_of(error), expected, "check the path") from None
+        raise InputError(place, Finding(reason_of(error)), expected, "check the path") from None
     if content is None or len(content) > largest:
         bound = f"{largest / _MEGABYTE:g} MB"
         raise InputError(
-            place, f"more than {bound}", f"{expected} of at most {bound}",
+            place, Finding(f"more than {bound}"), f"{expected} of at most {bound}",
             "check that this is the file you mean",
         )  # fmt: skip
     return content
@@ -104,14 +104,14 @@ def input_text(content: bytes, file: str, expected: str, longest_line: int) -> s
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         raise InputError(
-            f"{file}, line {line}", f"byte 0x{content[error.start]:02x}", "text in UTF-8",
+            f"{file}, line {line}", Finding(f"byte 0x{content[error.start]:02x}"), "text in UTF-8",
             f"check that this is {expected}, and save it as UTF-8",
         ) from None  # fmt: skip
     text = text.replace("\r\n", "\n")
     for number, line_text in enumerate(text.split("\n"), 1):
         if len(line_text) > longest_line:
             raise InputError(
-                f"{file}, line {number}", f"{len(line_text)} characters",
+                f"{file}, line {number}", Finding(f"{len(line_text)} characters"),
                 f"a line of at most {longest_line} characters", "break the line",
             )  # fmt: skip
     return text
@@ -119,6 +119,6 @@ def input_text(content: bytes, file: str, expected: str, longest_line: int) -> s
 
 def _check_regular(mode: int, place: str, expected: str, inside: str) -> None:
     if stat.S_ISDIR(mode):
-        raise InputError(place, "a folder", expected, f"name {inside} in it")
+        raise InputError(place, Finding("a folder"), expected, f"name {inside} in it")
     if not stat.S_ISREG(mode):
-        raise InputError(place, "no regular file", expected, "check the path")
+        raise InputError(place, Finding("no regular file"), expected, "check the path")

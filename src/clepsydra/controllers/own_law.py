@@ -44,7 +44,7 @@ def load_law(path: str | Path) -> StepLaw:
     >>> load_law("no-such-law.py")
     Traceback (most recent call last):
         ...
-    clepsydra.base.errors.InputError: no-such-law.py: got 'no such file', expected a Python file \
+    clepsydra.base.errors.InputError: no-such-law.py: got no such file, expected a Python file \
 with a step law; check the path.
     """
     require_type(path, (str, Path), "law", "the path of a Python file", "give it as text or Path")

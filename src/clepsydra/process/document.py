@@ -7,7 +7,7 @@ import tomllib
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.input_file import input_text
 from clepsydra.process.toml_lines import key_lines, line_of
 
@@ -77,12 +77,15 @@ def parse(content: bytes, file: str, kind: Kind = "process") -> Document:
     """
     text = input_text(content, file, f"a {kind} file", _LONGEST_LINE)
     if not text.strip():
-        raise InputError(file, "an empty file", f"a {kind}", _BEGIN[kind])
+        raise InputError(file, Finding("an empty file"), f"a {kind}", _BEGIN[kind])
     try:
         tables = tomllib.loads(text)
     except RecursionError:
         raise InputError(
-            file, "brackets in brackets without end", f"a {kind} file", "check the brackets"
+            file,
+            Finding("brackets in brackets without end"),
+            f"a {kind} file",
+            "check the brackets",
         ) from None
     except ValueError as error:
         raise _syntax_error(error, text, file) from None
@@ -114,7 +117,9 @@ def _syntax_error(error: ValueError, text: str, file: str) -> InputError:
     if message.startswith(("Cannot declare", "Cannot overwrite", "Duplicate")):
         return InputError(place, value, "every name once", "rename or remove one of the two")
     if "limit" in message:
-        return InputError(file, "a number of thousands of digits", "a number", "shorten it")
+        return InputError(
+            file, Finding("a number of thousands of digits"), "a number", "shorten it"
+        )
     bare = _BARE_QUANTITY.fullmatch(value)
     if bare is not None:
         key, amount, unit = bare.groups()

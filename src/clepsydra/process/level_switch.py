@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from clepsydra.base.errors import Finding
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
 from clepsydra.process import told
@@ -207,7 +208,7 @@ def read_starter(table: TableReader) -> LevelStarter | None:
     remedy = 'write as in start_above = { well = "1.2 m" } and stop_below = { well = "0.4 m" }'
     for key, limits in (("start_above", start), ("stop_below", stop)):
         if len(limits) != 1:
-            got = f"no {key}" if not limits else table.written(key)
+            got = Finding(f"no {key}") if not limits else table.written(key)
             raise table.refused(key, got, "one level of one tank", remedy)
     if start[0].tank != stop[0].tank:
         raise table.refused(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.units import from_si
 from clepsydra.process.document import Document
 from clepsydra.process.element import Element
@@ -66,7 +66,7 @@ def read_nominal_outputs(
     if len(values) != len(manipulated):
         raise InputError(
             table.place(),
-            f"{len(values)} values",
+            Finding(f"{len(values)} value{'s' if len(values) != 1 else ''}"),
             f"as many values as signals are manipulated, {len(manipulated)}: "
             f"{', '.join(manipulated)}",
             "give one reading for each, from which all else follows, or list at the top of the "

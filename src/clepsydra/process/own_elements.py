@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from clepsydra.base.errors import ClepsydraError, InputError
+from clepsydra.base.errors import ClepsydraError, Finding, InputError
 from clepsydra.base.input_file import read_input
 from clepsydra.base.signal import Signal
 from clepsydra.base.user_code import line_of, run_user_code, shortened, words_of
@@ -152,11 +152,11 @@ def _check_kind(kind: type[Element], file: Path) -> None:
     if missing:
         expected = "a class that says how it is read"
         remedy = "add def read(cls, name, table) as a class method"
-        raise InputError(place, f"no method {', '.join(missing)}", expected, remedy)
+        raise InputError(place, Finding(f"no method {', '.join(missing)}"), expected, remedy)
     if not isinstance(inspect.getattr_static(kind, "read"), classmethod):
         expected = "a class that says how it is read"
         remedy = "write @classmethod above def read(cls, name, table)"
-        raise InputError(f"{place}.read", "no class method", expected, remedy)
+        raise InputError(f"{place}.read", Finding("no class method"), expected, remedy)
     for attribute, example in (
         ("kind", '"V-notch weir"'),
         ("table", '"v_notch_weirs"'),
@@ -166,7 +166,7 @@ def _check_kind(kind: type[Element], file: Path) -> None:
         if not isinstance(value, str) or not value.isprintable() or not value.strip():
             raise InputError(
                 f"{place}.{attribute}",
-                f"no {attribute}" if value is None else shortened(repr(value)),
+                Finding(f"no {attribute}") if value is None else shortened(repr(value)),
                 "a text",
                 f"write as in {attribute} = {example}",
             )
@@ -175,7 +175,7 @@ def _check_kind(kind: type[Element], file: Path) -> None:
     if not isinstance(keys, tuple) or not all(isinstance(key, str) for key in keys):
         raise InputError(
             f"{place}.keys",
-            "no keys" if keys is None else shortened(repr(keys)),
+            Finding("no keys") if keys is None else shortened(repr(keys)),
             "a tuple of texts",
             'write as in keys = ("source", "destination")',
         )

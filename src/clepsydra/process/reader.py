@@ -8,7 +8,7 @@ from dataclasses import MISSING
 from pathlib import Path
 
 from clepsydra.base.arguments import require_type
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.input_file import read_input
 from clepsydra.base.quantity import Quantity
 from clepsydra.base.signal import Signal
@@ -154,7 +154,9 @@ def _process(document: Document, path: Path | None, asked: tuple[str, ...] | Non
     """Build a process from a parsed file; every mistake in it ends here as an `InputError`."""
     if kind_of(document) == "study":
         remedy = "give it to clepsydra study, or name the process that it is about"
-        raise InputError(document.file, "a study file", "a process file, with tanks", remedy)
+        raise InputError(
+            document.file, Finding("a study file"), "a process file, with tanks", remedy
+        )
     chosen = choose_variants(document, asked)
     document = chosen.document
     known = (*GENERAL_KEYS, *(kind.table for kind in kinds()))
@@ -220,7 +222,7 @@ def _check_complete(general: TableReader, elements: Sequence[Element]) -> None:
             flows = [signal.name for element in elements for signal in element.disturbances()]
             if table == "pumps" and flows:
                 remedy += f', or list a flow at the top of the file: manipulated = ["{flows[0]}"]'
-            raise InputError(general.place(), f"no {table}", expected, remedy)
+            raise InputError(general.place(), Finding(f"no {table}"), expected, remedy)
 
 
 def _elements(

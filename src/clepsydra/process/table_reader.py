@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import MISSING
 from typing import Any
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.quantity import Quantity
 from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import from_si, split_quantity, to_si, with_percent_hint
@@ -116,7 +116,7 @@ class TableReader:
 
     def wrong(self, key: str, expected: str, remedy: str) -> InputError:
         """Return the error that says what is expected where a key is missing or otherwise."""
-        value = self.written(key) if self.has(key) else f"no {key}"
+        value = self.written(key) if self.has(key) else Finding(f"no {key}")
         return self.refused(key, value, expected, remedy)
 
     def refuse(self, keys: Iterable[str], expected: str, remedy: str) -> None:

@@ -9,6 +9,7 @@ from typing import ClassVar, Self
 
 import casadi as ca
 
+from clepsydra.base.errors import Finding
 from clepsydra.base.quantity import quantity
 from clepsydra.base.signal import Signal
 from clepsydra.process import told
@@ -173,7 +174,7 @@ class ControlValve(Element):
         if valve.source_vessel is None and not valve.submerged and not forced:
             raise table.refused(
                 "pressure",
-                "a valve with no pressure",
+                Finding("a valve without pressure"),
                 f"a pressure, or an elevation of {source} above the outlet, "
                 f"since {source} is no tank",
                 'write as in pressure = "0.5 bar" or elevation = "2 m"',

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.process import told
 from clepsydra.process.declared import table_schema
 from clepsydra.process.table_reader import TableReader
@@ -72,4 +72,4 @@ def _check_capacity(vessel: Vessel, table: TableReader) -> None:
     if not _SMALLEST_CAPACITY <= capacity <= _LARGEST_CAPACITY:
         expected = f"a capacity from {_SMALLEST_CAPACITY:g} m^3 to {_LARGEST_CAPACITY:g} m^3"
         remedy = "check the units of the sizes"
-        raise InputError(table.place(), "sizes of no tank", expected, remedy)
+        raise InputError(table.place(), Finding("sizes of no tank"), expected, remedy)
