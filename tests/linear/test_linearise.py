@@ -5,12 +5,13 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 import pytest
+from brine_station import STATION
 from refusals import refused
+from written_plants import plant_of
 
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.static_gain import static_gain
-from clepsydra.process.reader import load_process
 
 
 def test_matrices_equal_the_closed_forms(johansson):
@@ -68,50 +69,10 @@ def test_an_empty_tank_has_no_linear_model(minimum, make_process):
         linearise(find_equilibrium(process, {"pump_1": 0.0}))
 
 
-DRIFTING = """
-name = "brine"
-sampling_period = "5 s"
-controlled = ["level", "strength"]
-[components.salt]
-range = ["0 g/l", "100 g/l"]
-[reservoirs.water]
-[reservoirs.brine]
-concentration = {{ salt = "200 g/l" }}
-[tanks.blender]
-diameter = "1.2 m"
-height = "1.5 m"
-[pumps.water_pump]
-source = "water"
-destination = "blender"
-gain = "0.4 l/(min %)"
-range = ["0 %", "100 %"]
-[pumps.brine_pump]
-source = "brine"
-destination = "blender"
-gain = "0.1 l/(min %)"
-range = ["0 %", "100 %"]
-[flows.demand]
-source = "blender"
-range = ["0 l/min", "30 l/min"]
-nominal = "{demand} l/min"
-[sensors.level]
-tank = "blender"
-range = ["0 m", "1.5 m"]
-[sensors.strength]
-tank = "blender"
-component = "salt"
-range = ["0 g/l", "100 g/l"]
-[operating_point]
-level = "1 m"
-strength = "40 g/l"
-"""
-
-
 @pytest.mark.parametrize("demand", [12, 15, 18, 20, 21, 24])
 def test_a_level_that_drifts_carries_no_concentration_along(demand, tmp_path):
-    # c = 200 q_b / (q_b + q_w), and full pumps give 40 and 10 l/min.
-    (tmp_path / "brine.toml").write_text(DRIFTING.format(demand=demand))
-    process = load_process(tmp_path / "brine.toml")
-    gains = static_gain(linearise(find_equilibrium(process)).select(["strength"]))
+    # c = 200 q_b / (q_b + q_w), and full signals give 40 and 10 l/min.
+    edit = ('nominal = "20 l/min"', f'nominal = "{demand} l/min"')
+    gains = static_gain(plant_of(tmp_path, STATION, edit).linear.select(["strength"]))
     expected = [[-40.0 / demand * 40.0, 160.0 / demand * 10.0]]
     np.testing.assert_allclose(gains, expected, rtol=1e-9)

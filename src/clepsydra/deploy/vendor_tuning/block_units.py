@@ -8,10 +8,7 @@ from dataclasses import dataclass
 
 from clepsydra.controllers.pid_form import DerivativeOn
 from clepsydra.deploy.vendor_tuning.filtered_forms import FilteredPid
-from clepsydra.deploy.vendor_tuning.printed_gain import (
-    engineering_factor,
-    engineering_unit,
-)
+from clepsydra.deploy.vendor_tuning.printed_gain import engineering_factor, engineering_unit
 from clepsydra.deploy.vendor_tuning.standard_tuning import StandardTuning
 from clepsydra.deploy.vendor_tuning.vendor_block import Kind, Parameter, VendorBlock
 from clepsydra.designs.gain_units import gain_from_percent, percent_gain
