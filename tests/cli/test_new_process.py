@@ -32,7 +32,7 @@ def test_a_variant_that_is_not_there_leaves_nothing(command, tmp_path):
 
 def test_a_file_needs_a_name(command, tmp_path):
     status, _, errors = command("new")
-    assert status == 2 and errors.startswith("clepsydra: NAME: got 'no name'")
+    assert status == 2 and errors.startswith("clepsydra: NAME: got no name")
     assert list(tmp_path.iterdir()) == []
 
 

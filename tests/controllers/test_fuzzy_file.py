@@ -130,7 +130,7 @@ MISTAKES = [
      "a number"),
     ("{ triangle = [-1, 0, 1] }", "{ circle = [-1, 0, 1] }", "a.toml, line 11, "
      "inputs.e.sets.ZO.circle: got 'circle', expected one of left_shoulder"),
-    ("{ triangle = [-1, 0, 1] }", "{}", "a.toml, line 11, inputs.e.sets.ZO: got 'no shape'"),
+    ("{ triangle = [-1, 0, 1] }", "{}", "a.toml, line 11, inputs.e.sets.ZO: got no shape"),
     ("ZO = { triangle = [-1, 0, 1] }", "N = { triangle = [-1, 0, 1] }",
      "a.toml, line 11: got 'N = { triangle = [-1, 0, 1] }', expected"),
     ('"measurement_rate"', '"speed"', "a.toml, line 16, inputs.de.quantity: got 'speed'"),
@@ -155,14 +155,14 @@ MISTAKES = [
     ("u is L", "v is L", "a.toml, line 39, rules.up: got 'v', expected an output (u)"),
     ("e is P then", "e is then", "a.toml, line 39, rules.up: got 'then after if e is', expected "
      "the name of a set; write as in if e is N"),
-    ('up = "if e is P then u is L"', "", "a.toml, line 24, outputs.u: got 'no rule that fires at "
-     "e = 1, de = -2', expected a rule that fires wherever the inputs are; add a rule or widen a "
+    ('up = "if e is P then u is L"', "", "a.toml, line 24, outputs.u: got no rule that fires at "
+     "e = 1, de = -2, expected a rule that fires wherever the inputs are; add a rule or widen a "
      "set, since the output would be held there."),
     ("P = { right_shoulder = [0, 1] }", "P = { right_shoulder = [1, 2] }\n",
      "a.toml, line 12, inputs.e.sets.P: got 'a set outside of the range'"),
     ("ZO = { triangle = [-1, 0, 1] }", "ZO = { triangle = [-1, -0.5, 0] }", "a.toml, line 9, "
-     "inputs.e.sets: got 'no rule that fires at e = 0, de = -2 for u, since no set is above zero "
-     "there'"),
+     "inputs.e.sets: got no rule that fires at e = 0, de = -2 for u, since no set is above zero "
+     "there, expected"),
     ('up = "if', "stay = \"if", "a.toml, line 39: got"),
     ("[rules]\n", "[rules]\nup-2 = 7\n", "a.toml, line 37, rules.up-2: got 7, expected a rule"),
     ("outputs.u", "outputs.e", "a.toml, line 4, inputs.e: got 'e', expected a name of its own"),

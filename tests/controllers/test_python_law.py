@@ -279,7 +279,7 @@ def test_a_step_that_fails_names_line_sample_and_time(plant, end, expected, solv
     ("text", "expected"),
     [
         ("law = 3\n", "law.py, law: got '3', expected law = step_law(…), or a function step"),
-        ("x = 1\n", "law.py: got 'no law', expected law = step_law(…), or a function step"),
+        ("x = 1\n", "law.py: got no law, expected law = step_law(…), or a function step"),
         ("def step(:\n", "law.py, line 1: got 'SyntaxError: invalid syntax'"),
         ("import no_such_library\n", "law.py, line 1: got \"ModuleNotFoundError: No module named"),
         ("raise SystemExit(3)\n", "law.py, line 1: got 'SystemExit: 3', expected Python that runs"),

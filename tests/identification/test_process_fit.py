@@ -137,7 +137,7 @@ def test_a_parameter_without_a_trace_is_named(plant, four_tanks):
     whole = record_of(four_tanks)
     kept = [s for s in whole.signals if s.name in ("pump_1", "pump_2", "level_3")]
     record = replace(whole, signals=tuple(kept))
-    with pytest.raises(InputError, match=r"parameters, outlet_1\.area: got 'no trace"):
+    with pytest.raises(InputError, match=r"parameters, outlet_1\.area: got no trace"):
         fitted(plant, record, ["outlet_3.area", "outlet_1.area"])
 
 

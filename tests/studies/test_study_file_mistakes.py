@@ -63,7 +63,7 @@ GENERAL = [
 SCENARIO = [
     (
         f"{BASIN}[scenario]\nduration = '6 h'\n",
-        "line 2, scenario: got 'no step', expected at least one step; add a step, as in "
+        "line 2, scenario: got no step, expected at least one step; add a step, as in "
         "[[scenario.setpoint]], or leave [scenario] out for the usual one.",
     ),
     (f"{BASIN}[scenario]\nduration = '0 h'\n", "line 3, scenario.duration: got '0 h', expected a "),
@@ -219,7 +219,7 @@ DESIGNS = [
     ),
     (
         designed('design = "lqr"', WEIGHTS.replace("4.0", "0")),
-        "line 4, controllers.a.weights: got 'no weight above 0', expected a weight above 0 for one",
+        "line 4, controllers.a.weights: got no weight above 0, expected a weight above 0 for one",
     ),
     # An integrator that next to nothing weighs, and a cost beyond all numbers: the usual weights
     # make a regulator of the same process, which therefore is not to blame.
@@ -436,7 +436,7 @@ def test_laws_of_users_that_cannot_be_used(message, tmp_path):
         in message(head + 'law = "none.py"\n')
     )
     (tmp_path / "bad.py").write_text("x = 1\n")
-    assert "line 3, controllers.a.law, bad.py: got 'no law'" in message(head + 'law = "bad.py"\n')
+    assert "line 3, controllers.a.law, bad.py: got no law" in message(head + 'law = "bad.py"\n')
     (tmp_path / "bad.py").write_text('inputs = ["level_1.pv"]\ndef step(state, inputs)\n')
     assert (
         "line 3, controllers.a.law, bad.py, line 2: got \"SyntaxError: expected ':'\""

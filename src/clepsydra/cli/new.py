@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import typer
 
+from clepsydra.base.errors import Finding
 from clepsydra.cli.verb import verb
 
 
@@ -49,7 +50,7 @@ def new(
     from clepsydra.interface.new import STUDIED, new_process, new_study
 
     if name is None:
-        raise InputError("NAME", "no name", "the name of the file to write", "add one")
+        raise InputError("NAME", Finding("no name"), "the name of the file to write", "add one")
     if study and copied is not None:
         raise InputError("--from", copied[:60], "no copy beside --study", "write --process instead")
     if process is not None and not study:

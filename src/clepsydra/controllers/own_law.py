@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from clepsydra.base.arguments import require_type
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.input_file import read_input
 from clepsydra.base.signal import Signal
 from clepsydra.base.user_code import line_of, run_user_code, shortened, words_of
@@ -56,7 +56,7 @@ with a step law; check the path.
     if isinstance(law, StepLaw):
         return _whole(law, file)
     if law is None and not callable(getattr(module, "step", None)):
-        raise InputError(file.name, "no law", _EXAMPLE, "add one of the two")
+        raise InputError(file.name, Finding("no law"), _EXAMPLE, "add one of the two")
     return _python(module if law is None else law, file)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.words import time_text
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
@@ -84,7 +84,7 @@ def design_lqi_by_weights(
     if weights.integrals is None:
         expected = f"weights for the integrals of {', '.join(model.outputs)}"
         remedy = f"add integrals, a number above 0 for each, as in {{ {model.outputs[0]} = 1e-4 }}"
-        raise InputError("weights, integrals", "no integrals", expected, remedy)
+        raise InputError("weights, integrals", Finding("no integrals"), expected, remedy)
     measurements = measurements_of_states(model)
     usual = acceptable_deviations(model, None, None)
     gains = by_weights(

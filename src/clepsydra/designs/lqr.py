@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.arguments.of_process import MEASUREMENTS
@@ -135,7 +135,7 @@ def _given(weights: QuadraticWeights, model: LinearModel) -> QuadraticWeights:
     if not np.any(weights.states):
         expected = f"a weight above 0 for one or more of {', '.join(model.states)}"
         remedy = "add it: without one the regulator does best by doing nothing"
-        raise InputError("weights, states", "no weight above 0", expected, remedy)
+        raise InputError("weights, states", Finding("no weight above 0"), expected, remedy)
     return weights
 
 

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 
 from clepsydra.base.arguments import is_finite_number
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.process.elements.orifice import Orifice
 from clepsydra.process.process import Process
 
@@ -112,7 +112,9 @@ def _check_seen(effects: np.ndarray, names: list[str], place: str) -> None:
         hidden = [name for name, size in zip(names, sizes, strict=True) if size == 0.0]
         raise InputError(
             place,
-            f"no flow through {', '.join(hidden)}" if hidden else "too few different levels",
+            Finding(
+                f"no flow through {', '.join(hidden)}" if hidden else "too few different levels"
+            ),
             "levels at which water runs through every orifice",
             "fill the tanks, or give more records",
         )

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
 from clepsydra.identification.estimate import Estimate, around, by_logarithm
@@ -192,7 +192,7 @@ class ProcessSearch:
         for signal, trace in zip(self.parameters, traces, strict=False):
             if not trace > _NO_TRACE * traces.max():
                 raise InputError(
-                    f"parameters, {signal.name}", f"no trace in {self.record.place}",
+                    f"parameters, {signal.name}", Finding(f"no trace in {self.record.place}"),
                     "a parameter that the recorded measurements depend on",
                     "leave it out, or record a measurement that it moves",
                 )  # fmt: skip

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from clepsydra.base.arguments import is_finite_number
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.designs.polynomial.element_sampling import sampled_transfer
 from clepsydra.designs.polynomial.sampled_model import SampledModel
 from clepsydra.identification.arx import checked_records, whole_number
@@ -69,7 +69,7 @@ def simplex_fit(
     )  # fmt: skip
     if not found.success or found.fun >= _USELESS:
         raise InputError(
-            "simplex search", f"no end after {found.nfev} simulations",
+            "simplex search", Finding(f"no end after {found.nfev} simulations"),
             "a record that the model can follow", "start nearer, or take fewer parameters",
         )  # fmt: skip
     return SimplexFit(model_at(found.x), found.x, float(found.fun) * scale, int(found.nfev))

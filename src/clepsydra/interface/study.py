@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.arguments import is_finite_number, sequence_of
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.files import require_writable
 from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.section import Section
@@ -87,7 +87,10 @@ class Study(Answered, results.StudyResult):
             return self.ranking[0]
         reasons = "; ".join(f"{name}: {reason}" for name, reason in self.not_applicable)
         raise InputError(
-            "study", "no controller that applies", "at least one", f"see why: {reasons[:200]}"
+            "study",
+            Finding("no controller that applies"),
+            "at least one",
+            f"see why: {reasons[:200]}",
         )
 
     def __getitem__(self, name: str) -> Candidate:

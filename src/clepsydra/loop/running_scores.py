@@ -8,7 +8,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.signal import Signal
 from clepsydra.engine.trajectories import Trajectories
 from clepsydra.loop.scenario import Scenario
@@ -137,7 +137,7 @@ class RunningScores:
             judges = [s.key for s, _ in self._scores.values() if s.wants == wanted]
             if judges and wanted not in kinds:
                 raise InputError(
-                    "running scores, scenario", f"no {wanted} step",
+                    "running scores, scenario", Finding(f"no {wanted} step"),
                     f"one, for {' and '.join(dict.fromkeys(judges))}",
                     "give the scenario such a step, or choose other scores",
                 )  # fmt: skip

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.signal import Signal
 from clepsydra.program.counted_loop import Table
 from clepsydra.program.delay_ring import DelayRing
@@ -100,7 +100,7 @@ class Block:
             if port.name not in given:
                 names = ", ".join(each.name for each in ports)
                 raise InputError(
-                    place, f"no value for {port.name}", f"one scalar for each of {names}",
+                    place, Finding(f"no value for {port.name}"), f"one scalar for each of {names}",
                     "wire the port",
                 )  # fmt: skip
             if not is_scalar(value := given[port.name]):

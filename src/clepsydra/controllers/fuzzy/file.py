@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import cast, get_args
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.input_file import read_input
 from clepsydra.base.signal import path
 from clepsydra.base.units import to_si
@@ -133,7 +133,7 @@ def _set(rows: TableReader, label: str) -> membership.Membership:
     shapes = ", ".join(_SHAPES)
     table = rows.table(label, "a table with one shape", _SETS, tuple(_SHAPES))
     if len(table.present) != 1:
-        shown = ", ".join(table.present) or "no shape"
+        shown = ", ".join(table.present) or Finding("no shape")
         raise rows.refused(label, shown, f"one shape of {shapes}", _SETS)
     (shape,) = table.present
     count, make = _SHAPES[shape]

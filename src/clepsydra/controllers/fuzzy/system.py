@@ -9,7 +9,7 @@ from functools import cached_property, reduce
 
 import numpy as np
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.fuzzy.membership import Membership
 from clepsydra.controllers.fuzzy.rule import Rule, atoms, firing
@@ -50,7 +50,7 @@ class LinguisticVariable:
                 "a lower end below the upper end", "correct the range",
             )  # fmt: skip
         if not self.sets:
-            raise InputError(f"{self.name}.sets", "no set", "at least one set", "add one")
+            raise InputError(f"{self.name}.sets", Finding("no set"), "at least one set", "add one")
         for name, degrees in self.degrees(self.samples).items():
             if not degrees.any():
                 raise InputError(
@@ -97,7 +97,7 @@ class FuzzySystem:
     >>> system = FuzzySystem((error,), (move,), (parse_rule("R1", "if e is N then u is N"),))
     Traceback (most recent call last):
         ...
-    clepsydra.base.errors.InputError: outputs.u: got 'no rule that fires at e = 1', expected a \
+    clepsydra.base.errors.InputError: outputs.u: got no rule that fires at e = 1, expected a \
 rule that fires wherever the inputs are; add a rule or widen a set, since the output would be \
 held there.
     """
@@ -171,7 +171,10 @@ held there.
         rules = self.rules_for(output.name)
         if not rules:
             raise InputError(
-                f"outputs.{output.name}", "no rule about it", "at least one", "add rules for it"
+                f"outputs.{output.name}",
+                Finding("no rule about it"),
+                "at least one",
+                "add rules for it",
             )
         used = self.used_by(output.name)
         axes = [variable.patterns() for variable in used]
@@ -198,8 +201,10 @@ held there.
         place = f"inputs.{without[0].name}.sets" if without else f"outputs.{output.name}"
         raise InputError(
             place,
-            f"no rule that fires at {shown}"
-            + (f" for {output.name}, since no set is above zero there" if without else ""),
+            Finding(
+                f"no rule that fires at {shown}"
+                + (f" for {output.name}, since no set is above zero there" if without else "")
+            ),
             "a rule that fires wherever the inputs are",
             "add a rule or widen a set, since the output would be held there",
         )

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field, fields, replace
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.signal import Signal, owned, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.controller import Controller
@@ -101,7 +101,7 @@ def _check_law(law: StepLaw, place: str) -> None:
     for name in needed:
         if name not in names:
             raise InputError(
-                f"{place}, law {law.name}", f"no input {name}", "a law with it",
+                f"{place}, law {law.name}", Finding(f"no input {name}"), "a law with it",
                 "leave the status of outputs out of the law, so that modes, limits and sensor "
                 "faults are added",
             )  # fmt: skip

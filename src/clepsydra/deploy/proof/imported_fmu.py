@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from clepsydra.base.errors import ClepsydraError, InputError
+from clepsydra.base.errors import ClepsydraError, Finding, InputError
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.process_program import HELD
 from clepsydra.deploy.proof.instance import Array, Scans, given_parameters
@@ -52,7 +52,7 @@ def _imported(path: Path, folder: Path) -> Iterator[tuple[Any, Any, bool]]:
         from fmpy.fmi3 import FMU3Model, FMU3Slave
     except ImportError as error:
         raise InputError(
-            "proof of FMUs", f"no package {error.name}", "the importer FMPy",
+            "proof of FMUs", Finding(f"no package {error.name}"), "the importer FMPy",
             "pip install 'clepsydra[verify]'",
         ) from None  # fmt: skip
     try:

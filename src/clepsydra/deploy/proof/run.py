@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.deploy.proof.comparison import Difference, is_exact, verdict
 from clepsydra.deploy.proof.job import Contents, Job
 from clepsydra.deploy.proof.limits import PYTHON_LAW, Limit
@@ -81,6 +81,6 @@ def version_of(package: str) -> str:
         return f"{package} {importlib.metadata.version(package)}"
     except importlib.metadata.PackageNotFoundError:
         raise InputError(
-            "proof", f"no package {package}", "all packages of the proof",
+            "proof", Finding(f"no package {package}"), "all packages of the proof",
             "pip install 'clepsydra[verify]'",
         ) from None  # fmt: skip

@@ -8,7 +8,7 @@ from functools import cached_property
 
 from clepsydra import __version__
 from clepsydra.base.conversion import conversion
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.signal import Signal, identifier
 from clepsydra.base.units import convertible, from_si
 from clepsydra.controllers.blocks.status import Mode
@@ -221,7 +221,7 @@ def wired(
 def _check(wire: str, known: Mapping[str, Signal], place: str, what: str) -> None:
     if wire not in known:
         raise InputError(
-            f"test project, {place}", wire or "no wire",
+            f"test project, {place}", wire or Finding("no wire"),
             f"{what} of the process: {', '.join(known)}", "wire it as in the loop",
         )  # fmt: skip
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from clepsydra.base.errors import Finding
 from clepsydra.base.signal import Signal
 from clepsydra.designs.arguments.argument import Argument, argument
 from clepsydra.designs.request import positive_number
@@ -32,7 +33,7 @@ def _pairs(table: TableReader, key: str, process: Process) -> tuple[tuple[str, s
                 raise rows.refused(output, moved, expected, "pair each input once")
         pairs.append((output, moved))
     if not pairs:
-        raise table.refused(key, "no pair", "at least one pair", remedy)
+        raise table.refused(key, Finding("no pair"), "at least one pair", remedy)
     return tuple(pairs)
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.input_file import read_input
 from clepsydra.controllers.conditioned_linear import MOST_STATES
 from clepsydra.designs.regulators.given import GivenRegulator
@@ -47,7 +47,7 @@ def read_mat(path: str | Path) -> GivenRegulator:
     if missing:
         there = ", ".join(sorted(name for name in found if name.isidentifier()))[:60]
         expected = f"{_EXPECTED}; it lacks {', '.join(missing)}"
-        raise InputError(place, there or "no variables", expected, remedy)
+        raise InputError(place, there or Finding("no variables"), expected, remedy)
     matrices = {
         name: _numbers(f"{place}, {name}", found[name])
         for name in (*_REQUIRED, *_OPTIONAL)

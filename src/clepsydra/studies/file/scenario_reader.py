@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.words import time_text
 from clepsydra.linear.analysis import Analysis
@@ -124,7 +124,7 @@ def _steps(table: TableReader, name: str, known: Mapping[str, Any]) -> list[Step
         )
     ]
     if not steps:
-        raise InputError(table.place(), "no step", "at least one step", _STEPS)
+        raise InputError(table.place(), Finding("no step"), "at least one step", _STEPS)
     steps.sort(key=lambda step: step.sample)
     for first, second in pairwise(steps):
         if first.sample == second.sample:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from clepsydra.base.errors import Finding
 from clepsydra.base.signal import Signal, path
 from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.structure.law import in_order
@@ -220,7 +221,7 @@ class Wiring:
         if outer is None and loop.setpoint is None and loop.measurement.name not in controlled:
             raise table.refused(
                 "setpoint",
-                "operator" if table.has("setpoint") else "no setpoint",
+                "operator" if table.has("setpoint") else Finding("no setpoint"),
                 f"a value, since {loop.measurement.name} is none of the controlled measurements "
                 f"({', '.join(controlled)}), whose setpoints the operator gives",
                 f"write it with its unit, in {loop.measurement.shown_unit}, or let another loop "

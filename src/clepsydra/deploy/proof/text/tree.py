@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from clepsydra.base.errors import ClepsydraError, InputError
+from clepsydra.base.errors import ClepsydraError, Finding, InputError
 
 if TYPE_CHECKING:
     from tree_sitter import Node
@@ -41,7 +41,7 @@ def parse(text: str) -> Node:
     except ImportError as error:
         raise InputError(
             "proof of Structured Text",
-            f"no package {error.name}",
+            Finding(f"no package {error.name}"),
             "the grammar of Structured Text",
             "pip install 'clepsydra[verify]'",
         ) from None
