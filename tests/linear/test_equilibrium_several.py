@@ -15,6 +15,7 @@ from clepsydra.linear.equilibrium import find_equilibria, find_equilibrium
 from clepsydra.linear.equilibrium_continuation import by_homotopy, by_pseudo_transient
 from clepsydra.linear.equilibrium_request import read_request
 from clepsydra.linear.equilibrium_search import EquilibriumSearch
+from clepsydra.process.reader import load_process
 
 
 def wavy(level):
@@ -122,3 +123,14 @@ def test_a_sensor_beyond_its_range_warns(make_process):
     narrow = dataclasses.replace(process.measurements[0], low=0.0, high=0.4)
     point = find_equilibrium(dataclasses.replace(process, measurements=(narrow,)))
     assert "level_1 would read 0.5" in point.warnings[0]
+
+
+def test_what_rounding_leaves_of_a_zero_is_a_zero():
+    """The standby pump stands still: what one processor leaves of its speed another does not."""
+    process = load_process("wet-well")
+    search = EquilibriumSearch(process, read_request(process, None, None, None))
+    unknowns = search.unknowns_at(*(search.values(search.run(None).unknowns)))
+    left = search.unknown_names.index("standby.actual")
+    for rounding in (0.0, 6e-27, -1e-17):
+        state, _ = search.values(np.where(np.arange(len(unknowns)) == left, rounding, unknowns))
+        assert state[left] == 0.0

@@ -18,7 +18,8 @@ RANK = 1e-12
 _ITERATIONS = 200
 _ROUNDING = 100.0 * float(np.finfo(float).eps)
 _SMALLEST_STEP = 1e-10
-# A ζ this close to zero is a level on its floor (ζ² = 1e-14 of the tank's height).
+# A ζ this close to zero is a level on its floor (ζ² = 1e-14 of the tank's height; so small a
+# share of another unknown's span is a zero).
 FLOOR = 1e-7
 # An actuator beyond its range counts in a straight line from this share of it inside of its end,
 # for at a stop there is no slope.
@@ -130,11 +131,13 @@ class EquilibriumSearch:
         """Return the state [n] and all inputs [m] that the unknowns stand for, SI."""
         states = len(self.process.state)
         floored = self.floored[:states]
-        scaled, spans = unknowns[:states], self.spans[:states]
-        risen = np.where(scaled <= FLOOR, 0.0, scaled) ** 2
-        state = np.where(floored, self._origins + spans * risen, spans * scaled)
+        # Of a zero a processor leaves nothing, and another one a share of its own.
+        straight = self.spans * np.where(np.abs(unknowns) <= FLOOR**2, 0.0, unknowns)
+        risen = np.where(unknowns[:states] <= FLOOR, 0.0, unknowns[:states]) ** 2
+        levels = self._origins + self.spans[:states] * risen
+        state = np.where(floored, levels, straight[:states])
         inputs = self.request.inputs.copy()
-        inputs[list(self.request.free_inputs)] = unknowns[states:] * self.spans[states:]
+        inputs[list(self.request.free_inputs)] = straight[states:]
         return state, inputs
 
     def unknowns_at(self, state: np.ndarray, inputs: np.ndarray) -> np.ndarray:
