@@ -38,7 +38,7 @@ def test_a_study_of_every_process_answers_in_a_screen(name):
             assert re.match(
                 rf"{each.rank} +{re.escape(each.controller.name)} ", lines[start + place]
             )
-        assert lines[start + 6].startswith(f"{len(found.ranking) - 5} more: --all")
+        assert lines[start + 6].startswith(f"{len(found.ranking) - 5} more")
         assert any(f'--controller "{found.recommended.controller.name}"' in line for line in lines)
 
 
@@ -54,7 +54,15 @@ def test_the_settings_of_the_recommended_stand_in_units_of_the_file_and_in_perce
     (row,) = (line for line in lines if line.startswith("level_1 by pump_1"))
     values = result.ranking[0].controller.values
     gain, time = values["level_1.proportional_gain"], values["level_1.integral_time"]
-    assert row.split()[3:] == [f"{gain:.2f}", "V/V", f"{gain:.2f}", f"{time:.1f}", "s", "1"]
+    assert row.split()[3:] == [
+        f"{gain:.2f}",
+        "V/V",
+        f"{gain:.2f}",
+        f"{time:.1f}",
+        "s",
+        "1",
+        "reverse",
+    ]
 
 
 def test_an_error_is_told_beside_that_of_the_first(result):
@@ -88,6 +96,37 @@ def test_a_best_that_is_no_better_is_not_praised():
     assert "Feedback linearisation is first in the ranking, by less than 2 %." in said
 
 
+def test_columns_that_have_no_room_are_counted_and_stand_below_on_request(result):
+    wide, narrow = (
+        next(line for line in screen(result, width) if line.lstrip().startswith("controller "))
+        for width in (100, 60)
+    )
+    lost = re.split("  +", wide.strip())[len(re.split("  +", narrow.strip())) :]
+    assert lost and f"{len(lost)} columns more: --all" not in "\n".join(screen(result, 100))
+    assert f"{len(lost)} columns more: --all" in "\n".join(screen(result, 60))
+    lines = screen(result, 60, every=True)
+    heads = [line for line in lines if line.lstrip().startswith("controller ")]
+    assert len(heads) > 1 and max(map(len, lines)) <= 60 and "--all" not in "\n".join(lines)
+    assert all(any(title in head for head in heads) for title in re.split("  +", wide.strip()))
+    for each in result.ranking:  # with the name again in each part
+        assert sum(
+            line.startswith(f"{each.rank}  {each.controller.name}") for line in lines
+        ) == len(heads)
+
+
+def test_every_column_of_the_ranking_is_explained_with_the_reasons(result):
+    slow = replace(result.best, controller=replace(result.best.controller, slowed=1.5))
+    lines = screen(replace(result, ranking=(slow, *result.ranking[1:])), 1000, why=True)
+    head = next(line for line in lines if line.lstrip().startswith("controller "))
+    points = " ".join(line for line in lines if line.startswith(" •")).lower()
+    titles = [title for title in re.split("  +", head.strip()) if title != "controller"]
+    assert "slowed" in titles and all(
+        f"• {title.lower()}" in points.replace("•  ", "• ") or f"{title.lower()} is" in points
+        for title in titles
+    )
+    assert "b the setpoint weight" in points and "direct: it falls" in points
+
+
 def test_columns_go_from_the_right_and_names_stay_whole(result):
     wide, narrow = (
         next(line for line in screen(result, width) if line.lstrip().startswith("controller"))
@@ -102,12 +141,17 @@ def test_columns_go_from_the_right_and_names_stay_whole(result):
 
 
 def test_what_to_watch_is_short_and_the_rest_is_counted(result):
-    told = ("pump_1 stands at a limit: give it more range.", "a level spills", "noise", "drift")
+    told = (
+        "pump_1 stands at a limit: it is still; give it more range.",
+        "a level spills",
+        "noise",
+        "drift",
+    )
     first = replace(result.ranking[0], warnings=told, scores={"overshoot[level_1]": 34.2})
     lines = screen(replace(result, ranking=(first,), warnings=()), 80)
     assert [line for line in lines if line.startswith(" !")] == [
-        " !  It overshoots a step of the setpoint by 34 %.",
-        " !  pump_1 stands at a limit.",
+        " !  It overshoots a step of the setpoint by 34 %; ramp the setpoint, or lower b.",
+        " !  pump_1 stands at a limit; give it more range.",
         " !  3 more to watch: --why.",
     ]
     assert told[0] in " ".join(screen(replace(result, ranking=(first,)), 100, why=True))
@@ -172,7 +216,7 @@ def test_a_best_that_switches_at_levels_says_so():
 
 
 def test_what_does_not_apply_is_counted_and_named_on_request(result):
-    assert any(line.endswith("1 not applicable: --refused") for line in screen(result, 80))
+    assert any(line.endswith("1 does not apply: --refused") for line in screen(result, 80))
     said = " ".join(screen(result, 80, refused=True))
     assert "Smith predictor does not apply: the process has no dead time" in said
 

@@ -1,18 +1,22 @@
 import io
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from rich.console import Console
 
+import clepsydra as cl
 from clepsydra import Signal
 from clepsydra.report.analysis_page import analysis_answer
 from clepsydra.report.analysis_tables import relative_gain_grid, roots_grid, static_gain_grid
 from clepsydra.report.html import report_text
 from clepsydra.report.law_tables import parameter_tables, status_words
 from clepsydra.report.score_tables import (
+    figures_of,
     glossary,
+    performance_words,
     reasons,
     score_tables,
     tuning_grid,
@@ -20,6 +24,8 @@ from clepsydra.report.score_tables import (
 from clepsydra.report.screen import Screen
 from clepsydra.report.study_answer import ranking_columns
 from clepsydra.studies.result import Standing
+
+EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 
 
 def printed(renderable):
@@ -50,6 +56,37 @@ def test_the_ranking_shows_the_worst_signal_in_percent_of_its_range(result):
     loud = replace(first, scores=first.scores | noise)
     changed = replace(result, ranking=(loud, *others))
     assert column(changed, "noise") == ["5.0 %", "–"]
+
+
+def test_signals_of_different_units_are_compared_in_percent_of_their_ranges():
+    plant = cl.load(EXAMPLES / "blending-station.toml")
+    result = cl.study(plant, [cl.design.simc(plant), cl.design.amigo(plant)])
+    level, salinity = (plant.process.signal(name).span for name in ("level", "salinity"))
+    told = ((0.1, 0.01), (0.02, 0.2))  # who deviates most in the one, and in the other
+    ranking = tuple(
+        replace(each, scores={
+            "peak_deviation[level]": high * level, "peak_deviation[salinity]": salt * salinity,
+        })
+        for each, (high, salt) in zip(result.ranking, told, strict=True)
+    )  # fmt: skip
+    (deviates,) = [
+        each
+        for each in ranking_columns(replace(result, ranking=ranking))
+        if each.title == "deviates"
+    ]
+    assert deviates.cells == (("10 %", pytest.approx(0.1)), ("20 %", pytest.approx(0.2)))
+    assert "holds salinity to ±20 g/l (20 % of range)" in performance_words(
+        plant.process, ranking[1]
+    )
+
+
+def test_a_level_that_averages_is_not_judged_by_its_setpoint():
+    plant = cl.load("equalisation-tank")
+    result = cl.study(plant, [cl.design.arrest_time(plant)])
+    held = {"settles", "deviates", "overshoot"}
+    assert not held & {each.title for each in ranking_columns(result)}
+    both = replace(plant.process, controlled=("level", "other"))
+    assert held <= {each.title for each in figures_of(both)}
 
 
 def test_a_column_sorts_by_its_number_and_none_stands_last(result):

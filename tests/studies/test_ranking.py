@@ -397,6 +397,11 @@ def test_the_verdict_compares_the_errors_of_winner_and_best_rival(trial, process
     assert re.search(r"25 % below that of b", sentence)
 
 
+def test_the_verdict_names_who_is_as_good_beside_the_rival_that_is_not(trial, process):
+    ranking = rank([trial("a", (3, 3)), trial("b", (3.03, 3.03), (2, 2)), trial("c", (4, 4))])
+    assert re.search(r"25 % below that of c; b is as good\.$", verdict(process, ranking))
+
+
 def test_the_verdict_names_robustness_where_it_decided(trial, process):
     sentence = verdict(process, rank([trial("a", (3, 3)), trial("b", (2, 2), peak=2.5)]))
     assert "robust and quiet where b is not" in sentence

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 import clepsydra as cl
-from clepsydra.studies.recommendation import recommend, watched
+from clepsydra.studies.recommendation import as_good_as_first, recommend, rival_of, watched
 from clepsydra.studies.result import Standing
 from clepsydra.studies.warnings.after import caveats_after
 
@@ -24,7 +24,11 @@ def candidates(*kinds, loops=2, watch=()):
             rank=rank,
             run=run,
             controller=SimpleNamespace(
-                complexity=complexity, setpoints=("a",), slowed=1.0, name=f"number {rank}"
+                complexity=complexity,
+                setpoints=("a",),
+                slowed=1.0,
+                name=f"number {rank}",
+                values={},
             ),
             scores={},
             warnings=dict(watch).get(rank, ()),
@@ -105,10 +109,23 @@ def test_overshoot_and_slowing_are_watched_but_not_the_overshoot_of_a_level_that
     each.controller.slowed = 7.483
     each.warnings = ("pump stands at a limit: nothing is corrected meanwhile.",)
     assert watched(each) == (
-        "It overshoots a step of the setpoint by 11 %.",
+        "It overshoots a step of the setpoint by 11 %; ramp the setpoint.",
         "Its rule was slowed 7.48 times, until it was robust.",
         "pump stands at a limit.",
     )
+    each.controller.values["a.setpoint_weight"] = 1.0
+    each.warnings = ("pump winds up: it went on; choose another form.",)
+    assert watched(each)[0].endswith("; ramp the setpoint, or lower b.")
+    assert watched(each)[-1] == "pump winds up; choose another form."
+
+
+def test_the_rival_of_the_first_is_of_another_kind_or_of_another_error():
+    ranking = candidates((LOOPS, 1.0), (LOOPS, 1.01), (LOOPS, 1.05), (MODEL, 1.06))
+    assert rival_of(ranking).rank == 3  # beyond the 2 % within which the ranking calls them equal
+    assert [each.rank for each in as_good_as_first(ranking)] == [2]
+    assert rival_of(candidates((LOOPS, 1.0), (MODEL, 1.0), (LOOPS, 1.5))).rank == 2
+    assert rival_of(candidates((LOOPS, 1.0), (LOOPS, 1.01))).rank == 2
+    assert rival_of(candidates((LOOPS, 1.0))) is None
 
 
 @pytest.mark.parametrize(

@@ -25,10 +25,19 @@ class Mark(Enum):
 
 @dataclass(frozen=True)
 class Line:
-    """One sentence or more, to be broken where the page ends."""
+    """One sentence or more, to be broken where the page ends.
+
+    Parameters
+    ----------
+    text : str
+    mark : Mark
+    narrow : str
+        What stands in its place below a table that has lost columns, with "{}" for how many.
+    """
 
     text: str
     mark: Mark = Mark.PLAIN
+    narrow: str = ""
 
 
 @dataclass(frozen=True)
@@ -42,7 +51,8 @@ class Table:
     names : int
         So many columns from the left hold names; the others hold values.
     kept : int
-        So many columns from the left stay where the page is too narrow; 0 for all.
+        So many columns from the left stay where the page is too narrow; 0 for all, those that
+        have no room below the others.
     """
 
     title: str

@@ -5,20 +5,18 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Literal
 
 from clepsydra.base.arguments import is_finite_number, require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.designs.loops.pid_settings import (
+    Action,
     ParallelSettings,
     PidSettings,
     SeriesSettings,
     to_parallel,
     to_series,
 )
-
-Action = Literal["reverse", "direct"]
 
 
 @dataclass(frozen=True)
@@ -95,7 +93,7 @@ def gain_units(settings: PidSettings, measurement: Signal, manipulated: Signal) 
         unit=unit_of_gain(measurement, manipulated),
         percent_gain=abs(shown),
         proportional_band=100.0 / abs(shown),
-        action="reverse" if settings.gain > 0.0 else "direct",
+        action=settings.action,
         integral_time=settings.integral_time,
         derivative_time=settings.derivative_time,
         repeats_per_minute=1.0 / minutes,

@@ -10,6 +10,11 @@ from clepsydra.designs.applicability import NotApplicable
 
 #: The largest peak of the sensitivity that is let pass.
 SENSITIVITY_LIMIT = 2.0
+#: What it means that a design was slowed, where that is told.
+SLOWED_WORDS = (
+    "how many times slower a rule was made than it says, with lower gains, until max|S| was at "
+    f"most {SENSITIVITY_LIMIT:g}."
+)
 #: The most that a design is slowed down by.
 LARGEST_FACTOR = 1000.0
 _ITERATIONS = 60

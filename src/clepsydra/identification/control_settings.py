@@ -39,14 +39,15 @@ class ControlSettings:
     def words(self) -> str:
         """The settings in words."""
         gain, integral, derivative = self.settings
-        shown = from_si(gain, self.gain.unit, self.gain.shown_unit)
+        shown = from_si(abs(gain), self.gain.unit, self.gain.shown_unit)
         unit = "" if self.gain.shown_unit == "1" else f" {self.gain.shown_unit}"
-        parts = [f"a gain of {shown:.4g}{unit}".replace("-", "−")]
+        parts = [f"a gain of {shown:.4g}{unit}"]
         parts.append(f"an integral time of {time_text(integral)}")
         if derivative:
             parts.append(f"a derivative time of {time_text(derivative)}")
         form = "PID" if derivative else "PI"
-        return f"{form} with {', '.join(parts[:-1])} and {parts[-1]}"
+        acting = "direct-acting " if self.settings.action == "direct" else ""
+        return f"{acting}{form} with {', '.join(parts[:-1])} and {parts[-1]}"
 
     def as_dict(self) -> dict[str, Any]:
         """Return the settings [SI], for JSON."""

@@ -12,7 +12,8 @@ from clepsydra.base.units import from_si
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.pid_block import PidBlock
-from clepsydra.designs.gain_units import Action, percent_gain
+from clepsydra.designs.gain_units import percent_gain
+from clepsydra.designs.loops.pid_settings import Action
 from clepsydra.interface.shown import Answered
 from clepsydra.process.joined_unit import BESIDE
 from clepsydra.report.facts import gain_factor, gain_unit

@@ -127,7 +127,8 @@ def in_python(section: Section) -> Section:
         elif not isinstance(part, Line):
             parts.append(part)
         elif part.mark not in (Mark.COMMAND, Mark.NEXT):
-            parts.append(replace(part, text=_OPTION.sub(_call, part.text)))
+            text, narrow = (_OPTION.sub(_call, words) for words in (part.text, part.narrow))
+            parts.append(replace(part, text=text, narrow=narrow))
     while parts and parts[-1] == Line(""):
         parts.pop()
     return replace(section, parts=tuple(parts))

@@ -46,17 +46,9 @@ from clepsydra.report.score_tables import (
 )
 from clepsydra.report.study_answer import cards, counted_words, headline, lead, ranking_columns
 from clepsydra.report.trends import segment_words
-from clepsydra.studies.recommendation import Recommendation, recommend
+from clepsydra.studies.recommendation import Recommendation, recommend, rival_of
 from clepsydra.studies.result import Candidate, StudyResult
 from clepsydra.studies.tuning.result import TuningResult
-
-_PID_WORDS = (
-    "Settings of a PID loop: r is the setpoint, y the measurement, u the output, b the setpoint "
-    "weight, D the filtered derivative. Reverse action: u rises when y falls; direct: it falls. "
-    "The gain in %/% counts both in percent of their ranges; the proportional band is 100 % "
-    "divided by it. A repeat is the time in which the integral does once more what the gain did "
-    "at once."
-)
 
 
 def report_text(result: StudyResult) -> str:
@@ -126,8 +118,8 @@ def _shown_first(result: StudyResult, advice: Recommendation | None) -> list[Can
     """Return the recommended controller, then the best beside it, or the next of the ranking."""
     if advice is None:
         return list(result.ranking[:2])
-    rivals = [each for each in result.ranking if each is not advice.simplest]
-    return [advice.simplest, *rivals[:1]]
+    other = advice.best if advice.best is not advice.simplest else rival_of(result.ranking)
+    return [advice.simplest, *([] if other is None else [other])]
 
 
 def _more(result: StudyResult) -> list[Section]:
@@ -144,7 +136,6 @@ def _more(result: StudyResult) -> list[Section]:
         *ranking_notes(result),
         facts_table("Scores", glossary(result)),
         Line(RESOLUTION_WORDS),
-        Line(_PID_WORDS),
         facts_table("Bits of the status word of an output", bits),
     )
     caveats = marked(Mark.WATCH, result.caveats)

@@ -9,6 +9,7 @@ from clepsydra.base.section import Table
 from clepsydra.controllers.blocks.anti_windup import IN_WORDS
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
+from clepsydra.controllers.pid_keys import PARAMETERS
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.designs.gain_units import gain_units
 from clepsydra.designs.loops.pid_settings import (
@@ -49,20 +50,29 @@ _ALGORITHMS = {
     "velocity": "velocity (incremental, ISA)",
 }
 _Facts = list[tuple[str, str]]
+#: Said below settings of PID loops, and where a ranking is explained.
+SETTINGS_WORDS = (
+    "Settings of a PID loop: r is the setpoint, y the measurement, u the output, D the filtered "
+    "derivative, b the setpoint weight, "
+    f"the {PARAMETERS['setpoint_weight'].words}. Reverse action: u rises when y falls; "
+    "direct: it falls, and the gains count as negative. The gain in %/% counts both in percent of "
+    "their ranges; the proportional band is 100 % divided by it. A repeat is the time in which "
+    "the integral does once more what the gain did at once."
+)
 
 
 def settings_table(controller: Controller, process: Process) -> Table | None:
-    """Return gain, times and setpoint weight of each loop in ISA form; None where it has no loop.
+    """Return the settings of each loop in ISA form, a gain without its sign; None without loops.
 
     Examples
     --------
     >>> import clepsydra as cl
     >>> plant = cl.load("quadruple-tank")
     >>> settings_table(cl.design.simc(plant), plant.process).rows[0]
-    ('level_1 by pump_1', '3.00 V/V', '3.00', '32.0 s', '1')
+    ('level_1 by pump_1', '3.00 V/V', '3.00', '32.0 s', '1', 'reverse')
     """
     loops = _loops(controller, process)
-    head = ("settings, ISA form", "K", "K [%/%]", "Ti", "Td", "b")
+    head = ("settings, ISA form", "K", "K [%/%]", "Ti", "Td", "b", "action")
     return told_table(head, [loop.row() for loop in loops]) if loops else None
 
 
@@ -144,22 +154,22 @@ class _Loop:
         return PidSettings(gain, *times)
 
     def row(self) -> tuple[str, ...]:
-        """Return name, gain, gain in percent, times and setpoint weight, in three digits."""
+        """Return name, gain, the same in percent, times, setpoint weight and action."""
         name, found = f"{self.measurement.name} by {self.moved.name}", self.settings
         if found is None:
-            return name, "no ISA form", "", "", "", ""
+            return name, "no ISA form", "", "", "", "", ""
         percent = (
             gain_units(found, self.measurement, self.moved).percent_gain if self.ranged else 0.0
         )
-        direct = ", direct" if found.gain < 0.0 else ""
         weight = self.values.get("setpoint_weight")
         return (
             name,
-            gain_text(found.gain, self.measurement, self.moved, 3),
-            f"{number_text(percent)}{direct}" if percent else "",
+            gain_text(abs(found.gain), self.measurement, self.moved, 3),
+            number_text(percent) if percent else "",
             time_cell(found.integral_time) if math.isfinite(found.integral_time) else "none",
             time_cell(found.derivative_time) if found.derivative_time else "",
             "" if weight is None else f"{weight:.2g}",
+            found.action,
         )
 
     def facts(self, point: OperatingPoint) -> _Facts:
@@ -209,16 +219,17 @@ class _Loop:
                 return [("gain K", "0: no proportional action")]
             words = "none: its gains have different signs"
             return [("gain K", gain_text(proportional, *signals)), ("the ISA form", words)]
-        rises = settings.gain > 0.0
-        action = "reverse: the output rises" if rises else "direct: the output falls"
-        gain, times = gain_text(settings.gain, *signals), _times(settings, form)
-        facts = [("action", f"{action} when the measurement falls")]
+        moves = {"reverse": "rises", "direct": "falls"}[settings.action]
+        words = f"{settings.action}: the output {moves} when the measurement falls"
+        facts, times = [("action", words)], _times(settings, form)
+        settings = settings._replace(gain=abs(settings.gain))
+        gain = gain_text(settings.gain, *signals)
         if not self.ranged:
             return [*facts, ("gain K", gain), *times]
         shown = gain_units(settings, *signals)
         percent = f"{number_text(shown.percent_gain, DIGITS)} %/%"
         if percent != gain:
-            gain += f", that is {percent}{'' if rises else ' with direct action'}"
+            gain += f", that is {percent}"
         band = f"{number_text(shown.proportional_band, DIGITS)} %"
         facts += [("gain K", gain), ("proportional band", band), *times]
         factor, unit = gain_factor(*signals), gain_unit(*signals)

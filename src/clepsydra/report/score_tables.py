@@ -11,9 +11,11 @@ import numpy as np
 
 from clepsydra.base.section import Line, Mark, Table, marked
 from clepsydra.base.words import listed
+from clepsydra.designs.slowing_down import SLOWED_WORDS
 from clepsydra.process.averaging import band_text
 from clepsydra.process.process import Process
 from clepsydra.report.facts import DIGITS
+from clepsydra.report.pid_tables import SETTINGS_WORDS
 from clepsydra.report.quantities import (
     DEVIATION,
     INTEGRAND,
@@ -26,7 +28,7 @@ from clepsydra.report.quantities import (
     unit_text,
 )
 from clepsydra.scores.band import TIME_OUTSIDE
-from clepsydra.scores.score import SCORES, Of, Score
+from clepsydra.scores.score import SCORES, Of, Score, in_sentence
 from clepsydra.scores.score_key import by_signal, score_key
 from clepsydra.studies.departure import departures
 from clepsydra.studies.ranking import RULE
@@ -62,20 +64,28 @@ def standing_word(candidate: Candidate) -> str:
 
 
 _COLUMNS_NOTE = (
+    "Of several signals a column has the worst; a deviation and noise are in percent of the "
+    "signal's range. What never settles does not settle within the run. "
     "Errors and total variation are multiples of the best, averaged over the signals; "
     "relative error is the mean of the errors as a multiple of that of the first. A "
     f"total variation below {100 * IDLE:.0f} % of a manipulated variable's range counts as that "
-    "much. Noise is the standard deviation with which measurement noise throws the worst "
-    "manipulated variable about, overshoot that of the worst setpoint step, max|S| the peak of the "
-    "sensitivity at the controlled measurements; inner loops and manipulated variables have theirs "
-    "with the controller. What never settles does not settle within the run."
+    "much. Max|S| is the peak of the sensitivity at the controlled measurements; inner loops and "
+    "manipulated variables have theirs with the controller."
 )
 
 
 def ranking_notes(result: StudyResult) -> tuple[Line, ...]:
-    """Return what stands below a ranking, a point a sentence: its columns and its rule."""
+    """Return what stands below a ranking: its columns, its rule, and what settings mean."""
+    columns = [
+        (each.title, SCORES[each.score].description)
+        for each in figures_of(result.process)
+        if any(each.worst(result.process, candidate) for candidate in result.ranking)
+    ]
+    if any(each.controller.slowed > 1.0 for each in result.ranking):
+        columns.insert(0, ("slowed", SLOWED_WORDS))
     words = f"{_COLUMNS_NOTE} Order: {result.rule or RULE}"
-    return marked(Mark.POINT, re.split(r"(?<=\.) (?=[A-Z])", words))
+    said = (f"{title.capitalize()}: {in_sentence(meaning)}" for title, meaning in columns)
+    return marked(Mark.POINT, (*said, *re.split(r"(?<=\.) (?=[A-Z])", words), SETTINGS_WORDS))
 
 
 def reasons(ranking: Sequence[Candidate]) -> list[str]:
@@ -230,9 +240,12 @@ class Figure:
     sentence : str
         With the number in braces, and the signal.
     text : callable
-        Process, signal and value [SI] to the number with its unit.
+        Process, signal and value [SI] to the number with its unit, as a sentence has it.
     endless : str
         What is said in the place of the sentence where the value has no end.
+    held : bool
+        Whether it judges how a setpoint is held, and so no level that averages: that is meant to
+        move, and a step of its setpoint, which nobody makes, says nothing of the flow.
     """
 
     score: str
@@ -240,27 +253,36 @@ class Figure:
     sentence: str
     text: Callable[[Process, str, float], str]
     endless: str = ""
+    held: bool = False
+
+    def compared(self, process: Process, name: str, value: float) -> float:
+        """Return what signals of different units are compared by: a share of the range, if any."""
+        in_its_unit = SCORES[self.score].powers == (1, 0)
+        return value / process.signal(name).span if in_its_unit else value
 
     def worst(self, process: Process, candidate: Candidate) -> tuple[str, float] | None:
         """Return the signal that is worst beside its range, and its value [SI]; None for none."""
         told = by_signal(candidate.scores, self.score)
-        found = {name: value for name, value in told.items() if not math.isnan(value)}
+        unasked = process.averaging if self.held else ()
+        found = {
+            name: value
+            for name, value in told.items()
+            if name not in unasked and not math.isnan(value)
+        }
         if not found or (self.score in _OF_SWITCHES and candidate.controller.setpoints):
             return None
         if self.score == TIME_OUTSIDE.key and not departures(process, candidate.scores):
             return None
-        in_its_unit = SCORES[self.score].powers == (1, 0)
-        share = {
-            name: value / process.signal(name).span if in_its_unit else value
-            for name, value in found.items()
-        }
-        name = max(share, key=lambda each: share[each])
+        name = max(found, key=lambda each: self.compared(process, each, found[each]))
         return name, found[name]
 
     def cell(self, process: Process, candidate: Candidate) -> str:
-        """Return the number with its unit; a dash for none, or for nothing."""
+        """Return the number in a unit that all signals share; a dash for none, or for nothing."""
         worst = self.worst(process, candidate)
-        return "–" if worst is None or not worst[1] else self.text(process, *worst)
+        if worst is None or not worst[1]:
+            return "–"
+        shared = SCORES[self.score].powers != (1, 0) or not process.signal(worst[0]).has_range
+        return self.text(process, *worst) if shared else _of_range(process, *worst)
 
     def words(self, process: Process, candidate: Candidate) -> str:
         """Return the number in a clause; empty for none, and where it is nothing."""
@@ -276,12 +298,17 @@ def _time(process: Process, name: str, value: float) -> str:
     return "never" if math.isinf(value) else time_cell(value)
 
 
-def _level(process: Process, name: str, value: float) -> str:
-    """Return a deviation of a measurement as one of the level that it measures."""
+def _deviation(process: Process, name: str, value: float) -> str:
+    """Return a deviation of a measurement as one of the level that it measures, and of the range.
+
+    The ranking has the latter, since its rows may tell of signals of different units.
+    """
     value = settled(value, DEVIATION * process.signal(name).span)
     signal, gain = shown_signal(process, name)
     unit = unit_text(signal.shown_unit)
-    return f"{number_text(value / abs(gain) * display_factor(signal), 2)} {unit}".strip()
+    words = f"{number_text(value / abs(gain) * display_factor(signal), 2)} {unit}".strip()
+    share = _of_range(process, name, value)
+    return words if words == share else f"{words} ({share} of range)"
 
 
 def _of_range(process: Process, name: str, value: float) -> str:
@@ -301,9 +328,12 @@ _OF_SWITCHES = ("starts_per_hour",)
 #: What an engineer asks first.
 _FIGURES = (
     Figure(
-        "settling_time", "settles", "settles in {}", _time, "does not settle within the run"
+        "settling_time", "settles", "settles in {}", _time, "does not settle within the run",
+        held=True,
     ),
-    Figure("peak_deviation", "deviates", "deviates by at most {} under load", _level),
+    Figure(
+        "peak_deviation", "deviates", "holds {signal} to ±{} under load", _deviation, held=True
+    ),
     Figure(
         "outflow_rate", "outflow changes", "changes the outflow by at most {}",
         _plain("m³/h per h"),
@@ -312,7 +342,7 @@ _FIGURES = (
     Figure(TIME_OUTSIDE.key, "outside band", "", _time),
     Figure("starts_per_hour", "starts", "starts {signal} {}", _plain("times/h")),
     Figure("noise_movement", "noise", "lets noise move {signal} by {} of its range", _of_range),
-    Figure("overshoot", "overshoot", "", _percent),
+    Figure("overshoot", "overshoot", "", _percent, held=True),
 )  # fmt: skip
 
 
@@ -323,11 +353,15 @@ def figures_of(process: Process) -> list[Figure]:
     --------
     >>> from clepsydra.process.reader import load_process
     >>> [figure.title for figure in figures_of(load_process("equalisation-tank"))]
-    ['outflow changes', 'tank used', 'starts', 'noise', 'overshoot']
+    ['outflow changes', 'tank used', 'starts', 'noise']
     """
-    unasked = {"settling_time", "peak_deviation"} if process.averaging else set()
-    unasked |= set() if process.bands else {TIME_OUTSIDE.key}
-    return [figure for figure in _FIGURES if figure.score not in unasked]
+    averages_only = set(process.controlled) <= set(process.averaging)
+    unasked = set() if process.bands else {TIME_OUTSIDE.key}
+    return [
+        figure
+        for figure in _FIGURES
+        if figure.score not in unasked and not (figure.held and averages_only)
+    ]
 
 
 def _within_bands(candidate: Candidate) -> list[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.section import Line, Mark, Picture, Section, Table
@@ -44,15 +45,20 @@ class Screen:
         if self.section.title:
             yield Text(self.section.title, style="bold")
         beside: list[RenderableType] = []
+        width, lost = options.max_width, 0
         for part in self.section.parts:
             if isinstance(part, Picture):
                 continue
             if isinstance(part, Table):
-                beside.append(_fitting(part, console, options))
+                shown, lost = _fitting(part, width)
+                beside.append(shown)
                 continue
             yield from _placed(beside)
             beside = []
-            yield Screen(part) if isinstance(part, Section) else _line(part, options.max_width)
+            if isinstance(part, Line) and part.narrow and lost:
+                columns = f"{lost} column{'s' if lost > 1 else ''}"
+                part = replace(part, text=part.narrow.format(columns))
+            yield Screen(part) if isinstance(part, Section) else _line(part, width)
         yield from _placed(beside)
 
 
@@ -96,26 +102,58 @@ def _continued(command: str, width: int) -> str:
     return f"{_BACKSLASH}\n".join(lines)
 
 
-def _fitting(table: Table, console: Console, options: ConsoleOptions) -> RenderableType:
-    """Return a table without the columns on its right for which there is no room."""
+def _fitting(table: Table, width: int) -> tuple[RenderableType, int]:
+    """Return a table as there is room for it, and how many columns on its right have none."""
+    from rich.console import Group
+
     columns = len(table.head)
-    while True:
-        fits = _narrowest(table, columns) <= options.max_width
-        if fits or not table.kept or columns <= table.kept:
-            return _rich(table, columns, breaks=not fits)
-        columns -= 1
+    if table.kept:
+        while columns > table.kept and _narrowest(_columns(table, 0, columns)) > width:
+            columns -= 1
+        shown = [_columns(table, 0, columns)]
+    else:
+        shown = _pieces(table, width)
+    found = [_rich(each, breaks=_narrowest(each) > width) for each in shown]
+    below = (part for each in found[1:] for part in ("", each))
+    return Group(found[0], *below), len(table.head) - columns
 
 
-def _narrowest(table: Table, columns: int) -> int:
+def _pieces(table: Table, width: int) -> list[Table]:
+    """Return the columns for which there is no room below the others, with the names again.
+
+    A table stays whole where that would not do, since one of its columns is too wide alone.
+    """
+    names, found = table.names, list[Table]()
+    begun = names
+    for end in range(names + 1, len(table.head) + 1):
+        if _narrowest(_columns(table, begun, end)) > width:
+            if end == begun + 1:
+                return [table]
+            found.append(_columns(table, begun, end - 1))
+            begun = end - 1
+    last = _columns(table, begun, len(table.head))
+    return [*found, last] if _narrowest(last) <= width else [table]
+
+
+def _columns(table: Table, begun: int, end: int) -> Table:
+    """Return a table with its names and some of its columns; a title has only the first part."""
+
+    def cut(row: tuple[str, ...]) -> tuple[str, ...]:
+        return (*row[: min(table.names, end)], *row[max(begun, table.names) : end])
+
+    title = table.title if begun <= table.names else ""
+    return replace(table, title=title, head=cut(table.head), rows=tuple(map(cut, table.rows)))
+
+
+def _narrowest(table: Table) -> int:
     """Return how wide a table is with its names broken where they may be."""
-    columns_of = list(zip(table.head, *table.rows, strict=True))[:columns]
     widths = [
         _name_width(cells)
         if place < table.names
         else max(len(line) for cell in cells for line in cell.split("\n"))
-        for place, cells in enumerate(columns_of)
+        for place, cells in enumerate(zip(table.head, *table.rows, strict=True))
     ]
-    return sum(widths) + 2 * columns
+    return sum(widths) + 2 * len(widths)
 
 
 def _name_width(cells: Sequence[str]) -> int:
@@ -124,8 +162,8 @@ def _name_width(cells: Sequence[str]) -> int:
     return max(min(max(map(len, cells)), _NAME), longest_word)
 
 
-def _rich(table: Table, columns: int, *, breaks: bool) -> RichTable:
-    """Return the first columns; what has no room breaks between words, so that nothing is lost."""
+def _rich(table: Table, *, breaks: bool) -> RichTable:
+    """Return a table; what has no room breaks between words, so that nothing is lost."""
     from rich import box
     from rich.table import Table as RichTable
     from rich.text import Text
@@ -137,7 +175,7 @@ def _rich(table: Table, columns: int, *, breaks: bool) -> RichTable:
         pad_edge=False,
         padding=(0, 1) if table.title else (0, 2, 0, 0),
     )
-    for place, head in enumerate(table.head[:columns]):
+    for place, head in enumerate(table.head):
         named = place < table.names
         cells = [head, *(row[place] for row in table.rows)]
         settings: dict[str, Any] = {"min_width": _name_width(cells)} if named else {}
@@ -146,5 +184,5 @@ def _rich(table: Table, columns: int, *, breaks: bool) -> RichTable:
             Text(head), justify="left" if named else "right", no_wrap=no_wrap, **settings
         )
     for row in table.rows:
-        found.add_row(*[Text(cell) for cell in row[:columns]])
+        found.add_row(*[Text(cell) for cell in row])
     return found

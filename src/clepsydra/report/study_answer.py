@@ -26,7 +26,13 @@ from clepsydra.report.score_tables import (
 from clepsydra.scores.score import in_sentence
 from clepsydra.studies.ranking import QUIET
 from clepsydra.studies.ranking_words import TIE, trust_sentence
-from clepsydra.studies.recommendation import Recommendation, first_clause, recommend, watched
+from clepsydra.studies.recommendation import (
+    Recommendation,
+    first_clause,
+    recommend,
+    watched,
+    with_remedy,
+)
 from clepsydra.studies.result import Candidate, Standing, StudyResult
 
 #: Of the answer: rows of the ranking, of settings, and warnings.
@@ -62,9 +68,10 @@ def study_answer(
     if advice is not None:
         parts += advised(result, advice)
     if result.ranking:
-        parts += [_EMPTY, ranking_glance(result.ranking if every else _first(result, advice))]
-    rest = _rest(result, every, why, refused)
-    parts += [Line(rest)] if rest else []
+        shown = ranking_glance(result.ranking if every else _first(result, advice))
+        parts += [_EMPTY, replace(shown, kept=0) if every else shown]
+    rest, narrow = (_rest(result, every, why, refused, columns) for columns in ("", "{}"))
+    parts += [Line(rest, narrow=narrow)] if narrow else []
     if why:
         parts += _reasons(result)
     if refused or not result.ranking:
@@ -129,7 +136,7 @@ def better_words(advice: Recommendation) -> str:
     elif controller.complexity is not advice.simplest.controller.complexity:
         needs = f"; it needs {controller.complexity.words}"
     else:
-        said = watched(advice.best)
+        said = [first_clause(each) for each in watched(advice.best)[:1]]
         needs = re.sub("^; It", "; it", f"; {said[0].rstrip('.')}") if said else ""
     saved = f"has {100.0 * advice.saved:.0f} % less error"
     return f"The best, {controller.title}, {saved}{needs}."
@@ -137,12 +144,12 @@ def better_words(advice: Recommendation) -> str:
 
 def watch_lines(result: StudyResult, candidate: Candidate) -> tuple[Line, ...]:
     """Return the first of what to watch with a controller and its run, and how much more."""
-    said = [*map(first_clause, result.warnings), *watched(candidate)]
+    said = [*map(with_remedy, result.warnings), *watched(candidate)]
     for caveat in candidate.caveats:
         if caveat.seen:
             shared = [any(c.about == caveat.about for c in each.caveats) for each in result.ranking]
             where = "In every run" if all(shared) and len(shared) > 1 else "In this run"
-            said.append(f"{where}: {in_sentence(first_clause(caveat.words))}")
+            said.append(f"{where}: {in_sentence(with_remedy(caveat.words))}")
     more = len(said) - _WATCHED
     rest = (f"{more} more to watch: --why.",) if more > 0 else ()
     return marked(Mark.WATCH, (*said[:_WATCHED], *rest))
@@ -156,13 +163,16 @@ def _first(result: StudyResult, advice: Recommendation | None) -> Sequence[Candi
     return (*shown[:-1], advice.simplest)
 
 
-def _rest(result: StudyResult, every: bool, why: bool, refused: bool) -> str:
-    """Return what is not shown, and the option that shows it."""
+def _rest(result: StudyResult, every: bool, why: bool, refused: bool, columns: str) -> str:
+    """Return what is not shown, and the option that shows it; with columns where some are lost."""
     more = len(result.ranking) - RANKED
-    said = [f"{more} more: --all"] if more > 0 and not every else []
-    said += ["why this order: --why"] if result.ranking and not why else []
+    left = [f"{more} more rows" if columns else f"{more} more"] if more > 0 else []
+    left += [columns if left else f"{columns} more"] if columns else []
+    said = [f"{', '.join(left)}: --all"] if left and not every else []
+    said += ["reasons, terms: --why"] if result.ranking and not why else []
     count = len(result.not_applicable)
-    said += [f"{count} not applicable: --refused"] if count and not refused else []
+    apply = "does not apply" if count == 1 else "do not apply"
+    said += [f"{count} {apply}: --refused"] if count and not refused else []
     return "; ".join(said)
 
 
@@ -301,7 +311,7 @@ def ranking_columns(result: StudyResult) -> list[RankingColumn]:
     columns = []
     for figure in figures_of(process):
         worst = [figure.worst(process, each) for each in ranking]
-        numbers = [math.inf if each is None else each[1] for each in worst]
+        numbers = [math.inf if each is None else figure.compared(process, *each) for each in worst]
         texts = [figure.cell(process, each) for each in ranking]
         columns.append(RankingColumn(figure.title, tuple(zip(texts, numbers, strict=True))))
     criteria = ranking[0].criteria if ranking and len(ranking[0].criteria) > 1 else ()

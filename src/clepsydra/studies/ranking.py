@@ -22,7 +22,7 @@ from clepsydra.studies.ranking_words import (
     reason,
     with_article,
 )
-from clepsydra.studies.recommendation import recommend
+from clepsydra.studies.recommendation import as_good_as_first, recommend, rival_of
 from clepsydra.studies.result import ACCEPTED, Candidate, Standing, TriedController
 from clepsydra.studies.warnings.harm import harms
 from clepsydra.studies.warnings.margins import LARGEST_PEAK
@@ -190,15 +190,23 @@ def verdict(process: Process, ranking: Sequence[Candidate], accept: float = ACCE
         )
     use = f"Use {advice.simplest.controller.title} on {process.title}"
     if advice.simplest is best:
-        return f"{use}: the best{_lead(best, ranking[1:])}."
+        return f"{use}: the best{_lead(ranking)}."
     return f"{use}: {advice.why}."
 
 
-def _lead(best: Candidate, others: Sequence[Candidate]) -> str:
-    """Return what decided between the winner and the next, by the rule of the ranking."""
-    if not others:
+def _lead(ranking: Sequence[Candidate]) -> str:
+    """Return what decided between the winner and its rival, by the rule of the ranking."""
+    best, rival, alike = ranking[0], rival_of(ranking), as_good_as_first(ranking)
+    if rival is None:
         return " that was tried"
-    rival = others[0]
+    words = _beside(best, rival)
+    if not alike or rival in alike:
+        return words
+    also = f"{alike[0].controller.title} is" if len(alike) == 1 else f"{len(alike)} of its kind are"
+    return f"{words}; {also} as good"
+
+
+def _beside(best: Candidate, rival: Candidate) -> str:
     name = rival.controller.title
     if rival.standing is Standing.OUTSIDE:
         return f", which keeps the band where {name} does not"

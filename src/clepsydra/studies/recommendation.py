@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from clepsydra.controllers.controller import Complexity
 from clepsydra.scores.score_key import by_signal
+from clepsydra.studies.ranking_words import TIE
 from clepsydra.studies.result import ACCEPTED, Candidate, Standing
 
 #: An overshoot worth watching [% of the step].
@@ -99,6 +100,27 @@ def _loops(equals: Sequence[Candidate]) -> Sequence[Candidate]:
     ]
 
 
+def rival_of(ranking: Sequence[Candidate]) -> Candidate | None:
+    """Return whom the first of a ranking is told beside: the next that is more than a detail off.
+
+    One of the same `Complexity` and standing and of as good an error, as the ranking has it, is
+    the same to its reader but for a lag or a filter; where there are only such, the second is
+    told.
+    """
+    others = [each for each in ranking[1:] if not _alike(ranking[0], each)]
+    return next(iter([*others, *ranking[1:]]), None)
+
+
+def as_good_as_first(ranking: Sequence[Candidate]) -> list[Candidate]:
+    """Return those of a ranking that are the same as the first but for a detail: see `rival_of`."""
+    return [each for each in ranking[1:] if _alike(ranking[0], each)]
+
+
+def _alike(first: Candidate, other: Candidate) -> bool:
+    kinds = {(each.controller.complexity, each.standing) for each in (first, other)}
+    return len(kinds) == 1 and other.mean_error <= TIE * first.mean_error
+
+
 def watched(candidate: Candidate) -> tuple[str, ...]:
     r"""Return what to watch with a controller, a sentence each; its standing is told elsewhere.
 
@@ -110,7 +132,7 @@ def watched(candidate: Candidate) -> tuple[str, ...]:
     >>> import clepsydra as cl
     >>> plant = cl.load("quadruple-tank-nonminimum-phase")
     >>> print(*watched(cl.study(plant, [cl.design.amigo(plant)]).best), sep="\n")
-    It overshoots a step of the setpoint by 10 %.
+    It overshoots a step of the setpoint by 10 %; ramp the setpoint, or lower b.
     Its rule was slowed 1.22 times, until it was robust.
     """
     averaging = candidate.run.process.averaging
@@ -119,11 +141,25 @@ def watched(candidate: Candidate) -> tuple[str, ...]:
     overshoot = max(held, default=0.0)
     said = []
     if overshoot > _OVERSHOOT:
-        said.append(f"It overshoots a step of the setpoint by {overshoot:.0f} %.")
+        weighted = any(name.endswith("setpoint_weight") for name in candidate.controller.values)
+        remedy = f"ramp the setpoint{', or lower b' if weighted else ''}"
+        said.append(f"It overshoots a step of the setpoint by {overshoot:.0f} %; {remedy}.")
     if candidate.controller.slowed > 1.0:
         factor = f"{candidate.controller.slowed:.3g}"
         said.append(f"Its rule was slowed {factor} times, until it was robust.")
-    return (*said, *map(first_clause, candidate.warnings))
+    return (*said, *map(with_remedy, candidate.warnings))
+
+
+def with_remedy(words: str) -> str:
+    """Return what a warning is about and what to do, where it says that, without what it means.
+
+    Examples
+    --------
+    >>> with_remedy("pump_1 winds up: its integral has no anti-windup; choose another form.")
+    'pump_1 winds up; choose another form.'
+    """
+    remedy = words.rpartition("; ")[2] if "; " in words else ""
+    return f"{first_clause(words).rstrip('.')}; {remedy}" if remedy else first_clause(words)
 
 
 def first_clause(words: str) -> str:

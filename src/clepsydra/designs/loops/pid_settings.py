@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from clepsydra.base.errors import InputError
+
+Action = Literal["reverse", "direct"]
 
 
 class PidSettings(NamedTuple):
@@ -31,6 +33,14 @@ class PidSettings(NamedTuple):
     gain: float
     integral_time: float = math.inf
     derivative_time: float = 0.0
+
+    @property
+    def action(self) -> Action:
+        """Whether the input rises or falls when the measurement falls: the sign of the gain.
+
+        People read and write a gain without its sign, and the action beside it.
+        """
+        return "direct" if self.gain < 0.0 else "reverse"
 
 
 class SeriesSettings(NamedTuple):
