@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import Literal
 
 import numpy as np
@@ -33,36 +33,23 @@ class Pipe:
         The element that makes the liquid flow, or the junction that it comes from.
     source, end : str
         The elements between which it runs.
-    points : list of (x, y)
-        In lines of the grid.
-    arrow : bool
-        It ends in an arrow.
+    roles : (str, str)
+        Of the pins that it joins there.
     kind : {"pipe", "signal", "tap"}
         A tap joins a transmitter to what it measures.
+    points : list of (x, y)
+        In lines of the grid; none until it is laid.
+    arrow : bool
+        It ends in an arrow.
     """
 
     line: str
     source: str
     end: str
-    points: list[Point]
-    arrow: bool = False
+    roles: tuple[str, str] = ("", "")
     kind: Kind = "pipe"
-
-
-@dataclass(eq=False)
-class Routes:
-    """A placement with its pipes.
-
-    Parameters
-    ----------
-    placement : Placement
-    pipes : list of Pipe
-    basin_uses : list of (x, shelf, reservoir)
-    """
-
-    placement: Placement
-    pipes: list[Pipe] = field(default_factory=list)
-    basin_uses: list[tuple[int, int, str]] = field(default_factory=list)
+    points: list[Point] = field(default_factory=list)
+    arrow: bool = False
 
 
 def route(graph: FlowGraph, labels: Labels, functions: Sequence[ControlFunction] = ()) -> Routes:
@@ -85,36 +72,35 @@ def route(graph: FlowGraph, labels: Labels, functions: Sequence[ControlFunction]
     urgent: list[tuple[str, str]] = []
     for attempt in range(_ATTEMPTS + 1):
         placement = Placement(graph, labels, functions, slack=3 * (attempt // 2))
-        router = _Router(placement, through=attempt == _ATTEMPTS)
-        stuck = router.lay_all(urgent)
+        routes = Routes(placement, through=attempt == _ATTEMPTS)
+        stuck = routes.lay_all(urgent)
         if stuck is None:
             break
         # What found no way among the others goes before them.
-        urgent = [stuck, *urgent]
-    _close_up(router.routes)
-    return router.routes
+        urgent = [(stuck.source, stuck.end), *urgent]
+    routes.close_up()
+    return routes
 
 
-@dataclass(frozen=True)
-class _Way:
-    """A pipe or a signal line that is to be laid between pins of two roles."""
+class Routes:
+    """A placement with its pipes.
 
-    line: str
-    source: str
-    role: str
-    end: str
-    role_there: str
-    kind: Kind = "pipe"
+    Parameters
+    ----------
+    placement : Placement
+    through : bool
+        Pipes may run through what is in their way.
 
-    @property
-    def ends(self) -> tuple[str, str]:
-        return (self.source, self.end)
+    Attributes
+    ----------
+    pipes : list of Pipe
+    basin_uses : list of (x, shelf, reservoir)
+    """
 
-
-class _Router:
     def __init__(self, placement: Placement, *, through: bool) -> None:
         self.placement, self.through = placement, through
-        self.routes = Routes(placement)
+        self.pipes: list[Pipe] = []
+        self.basin_uses: list[tuple[int, int, str]] = []
         self.grid = GridRouter(placement.width + 4, placement.height + 2)
         for body in placement.bodies.values():
             for area in body.areas:
@@ -123,27 +109,23 @@ class _Router:
                 self.grid.dear[pin.end] = 4.0
         self.grid.dear[:, placement.basin_rows] = 8.0
 
-    def _use(self, x: int, shelf: int, reservoir: str) -> None:
-        """Keep the place below where a pipe reaches a reservoir for its name."""
-        self.routes.basin_uses.append((x, shelf, reservoir))
-        row = self.placement.basin_rows[shelf]
-        self.grid.block((x - 2, row + 1, x + 2, row + 3))
-
-    def lay_all(self, urgent: Sequence[tuple[str, str]]) -> tuple[str, str] | None:
-        """Lay every pipe, some before others; return source and end of one that found no way."""
+    def lay_all(self, urgent: Sequence[tuple[str, str]]) -> Pipe | None:
+        """Lay every pipe, some before others; return one that found no way."""
         placement = self.placement
         targets = {link.name: link.targets for link in placement.graph.links}
         for name, points in placement.fixed:
             self.grid.lay(points)
             arrow = placement.bodies[name].symbol == "stub" or not targets[name]
-            self.routes.pipes.append(Pipe(name, name, name, points, arrow))
-        ways = sorted(
-            self._ways(),
-            key=lambda way: (way.ends not in urgent, ORDER.index(way.kind), self._length(way)),
-        )
-        return next((way.ends for way in ways if not self._lay(way) and not self.through), None)
+            self.pipes.append(Pipe(name, name, name, points=points, arrow=arrow))
+        pipes = sorted(
+            self._to_lay(),
+            key=lambda pipe: (
+                (pipe.source, pipe.end) not in urgent, ORDER.index(pipe.kind), self._length(pipe)
+            ),
+        )  # fmt: skip
+        return next((pipe for pipe in pipes if not self._lay(pipe) and not self.through), None)
 
-    def _ways(self) -> Iterator[_Way]:
+    def _to_lay(self) -> Iterator[Pipe]:
         placement, graph = self.placement, self.placement.graph
         fixed = {name for name, _ in placement.fixed}
         for link in graph.links:
@@ -152,57 +134,58 @@ class _Router:
                 continue
             for source in link.sources:
                 if name not in fixed or source not in graph.vessels:
-                    yield _Way(name, source, "side", name, "in")
+                    yield Pipe(name, source, name, ("side", "in"))
             for target in link.targets:
-                yield _Way(name, name, "out", target, "side" if link.submerged else "in")
+                yield Pipe(name, name, target, ("out", "side" if link.submerged else "in"))
         for junction in graph.junctions:
             for _, target in junction.branches:
-                yield _Way(junction.name, junction.name, "out", target, "in")
+                yield Pipe(junction.name, junction.name, target, ("out", "in"))
         for of, to in placement.signals:
-            yield _Way(of, of, "signal", to, "signal", "signal")
+            yield Pipe(of, of, to, ("signal", "signal"), "signal")
         tapped: dict[str, str] = {}
         for instrument in graph.instruments:
             if instrument.seat in placement.bodies:
                 # Meters of one flow share its tap.
                 seat = tapped.get(instrument.seat, instrument.seat)
-                yield _Way(seat, seat, "tap", instrument.name, "tap", "tap")
+                yield Pipe(seat, seat, instrument.name, ("tap", "tap"), "tap")
                 if instrument.seat not in graph.vessels:
                     tapped[instrument.seat] = instrument.name
 
-    def _length(self, way: _Way) -> float:
+    def _length(self, pipe: Pipe) -> float:
         """Return about how long a pipe will be; feeds of junctions come first."""
         bodies = self.placement.bodies
-        one, other = bodies.get(way.source), bodies.get(way.end)
+        one, other = bodies.get(pipe.source), bodies.get(pipe.end)
         if one is None or other is None:
             known = one or other
-            row = self.placement.basin_rows[self.placement.shelf_of(way.line)]
+            row = self.placement.basin_rows[self.placement.shelf_of(pipe.line)]
             return 0.0 if known is None else abs(known.y - row)
         into = other.symbol in ("splitter", "header", "delay")
         return abs(one.x - other.x) + abs(one.y - other.y) - (1000.0 if into else 0.0)
 
-    def _lay(self, way: _Way) -> bool:
-        shelf = self.placement.shelf_of(way.line)
-        starts, goals = (
-            self._pins(way.source, way.role, shelf),
-            self._pins(way.end, way.role_there, shelf),
-        )
-        points = self.grid.find(starts, goals, through=self.through)
-        if not points:
+    def _lay(self, pipe: Pipe) -> bool:
+        placement, names = self.placement, (pipe.source, pipe.end)
+        shelf = placement.shelf_of(pipe.line)
+        pins = [self._pins(*end, shelf) for end in zip(names, pipe.roles, strict=True)]
+        way = self.grid.find(*pins, through=self.through)
+        if not way:
             return False
-        first, last = (
-            next(pin for pin in pins if pin.end == point)
-            for pins, point in ((starts, points[0]), (goals, points[-1]))
-        )
-        for pin, name in ((first, way.source), (last, way.end)):
+        ends = [
+            next(pin for pin in free if pin.end == point)
+            for free, point in zip(pins, (way[0], way[-1]), strict=True)
+        ]
+        for pin, name in zip(ends, names, strict=True):
             pin.used = True
-            if name not in self.placement.bodies:
-                self._use(pin.end[0], shelf, name)
-        points = straightened([*first.inward[::-1], *points, *last.inward])
-        self.grid.lay(points)
-        goal = self.placement.bodies.get(way.end)
-        into = goal is None or (goal.symbol == "tank" and way.role_there == "in")
-        arrow = into or way.kind == "signal"
-        self.routes.pipes.append(Pipe(way.line, *way.ends, points, arrow, way.kind))
+            if name not in placement.bodies:
+                # The place below it is kept for its name.
+                x, row = pin.end[0], placement.basin_rows[shelf]
+                self.basin_uses.append((x, shelf, name))
+                self.grid.block((x - 2, row + 1, x + 2, row + 3))
+        pipe.points = straightened([*ends[0].inward[::-1], *way, *ends[1].inward])
+        self.grid.lay(pipe.points)
+        goal = placement.bodies.get(pipe.end)
+        into = goal is None or (goal.symbol == "tank" and pipe.roles[1] == "in")
+        pipe.arrow = into or pipe.kind == "signal"
+        self.pipes.append(pipe)
         return True
 
     def _pins(self, name: str, role: str, shelf: int) -> list[Pin]:
@@ -210,7 +193,7 @@ class _Router:
         body = self.placement.bodies.get(name)
         if body is not None:
             return body.free(role) or (body.taken(role) if self.through else [])
-        row, uses = self.placement.basin_rows[shelf], self.routes.basin_uses
+        row, uses = self.placement.basin_rows[shelf], self.basin_uses
         # Reservoirs beside each other need room for their names.
         room = {n: 1 if n == name else 3 + (len(n) + len(name)) * 9 // 32 for _, _, n in uses}
         return [
@@ -219,43 +202,30 @@ class _Router:
             if all(abs(x - at) > room[n] for at, there, n in uses if there == shelf)
         ]
 
-
-def _close_up(routes: Routes) -> None:
-    """Take out lines of the grid that nothing needs, so that the drawing is no larger than that."""
-    placement = routes.placement
-    areas = [area for body in placement.bodies.values() for area in body.areas]
-    columns = {x for left, _, right, _ in areas for x in range(left, right + 1)}
-    rows = {y for _, top, _, bottom in areas for y in range(top, bottom + 1)}
-    for shelf in {shelf for _, shelf, _ in routes.basin_uses}:
-        row = placement.basin_rows[shelf]
-        rows |= set(range(row - 1, row + 4))
-    for x, _, _ in routes.basin_uses:
-        columns |= set(range(x - 2, x + 3))
-    for pipe in routes.pipes:
-        columns |= {x for x, _ in pipe.points}
-        rows |= {y for _, y in pipe.points}
-    across = _renumbered(columns, placement.width + 6)
-    down = _renumbered(rows, placement.height + 6)
-    for body in placement.bodies.values():
-        body.renumber(across.__getitem__, down.__getitem__)
-    for pipe in routes.pipes:
-        pipe.points = [(across[x], down[y]) for x, y in pipe.points]
-    routes.basin_uses = [(across[x], shelf, name) for x, shelf, name in routes.basin_uses]
-    placement.basin_rows = [down[row] for row in placement.basin_rows]
-    placement.width = across[max(columns)] + 2
-    placement.height = down[max(rows)] + 1
+    def close_up(self) -> None:
+        """Take out lines of the grid that nothing needs, so that nothing is further apart."""
+        placement, rows = self.placement, self.placement.basin_rows
+        needed = [area for body in placement.bodies.values() for area in body.areas]
+        needed += [(x - 2, rows[k] - 1, x + 2, rows[k] + 3) for x, k, _ in self.basin_uses]
+        needed += [(*point, *point) for pipe in self.pipes for point in pipe.points]
+        across, down = (
+            _renumbered({line for area in needed for line in range(area[k], area[k + 2] + 1)}, end)
+            for k, end in ((0, placement.width + 6), (1, placement.height + 6))
+        )
+        for body in placement.bodies.values():
+            body.renumber(across.__getitem__, down.__getitem__)
+        for pipe in self.pipes:
+            pipe.points = [(across[x], down[y]) for x, y in pipe.points]
+        self.basin_uses = [(across[x], shelf, name) for x, shelf, name in self.basin_uses]
+        placement.basin_rows = [down[row] for row in rows]
+        placement.width, placement.height = max(across.values()) + 1, max(down.values())
 
 
 def _renumbered(used: set[int], end: int) -> dict[int, int]:
     """Number lines anew: of neighbouring lines that nothing needs, one stays."""
-    numbers, number, empty = {}, 0, True
-    for line in range(min(used) - 8, end):
-        if line in used:
-            number, empty = number + 1, False
-        elif not empty:
-            number, empty = number + 1, True
-        numbers[line] = number
-    return numbers
+    lines = range(min(used) - 8, end)
+    kept = [line in used or line - 1 in used for line in lines]
+    return dict(zip(lines, accumulate(kept), strict=True))
 
 
 _BEND, _CROSSING = 3.0, 7.0
@@ -303,34 +273,34 @@ class GridRouter:
         from scipy.sparse import csr_array
         from scipy.sparse.csgraph import dijkstra
 
+        pins = (*starts, *goals)
         barred = self.blocked | self.laid
-        for x, y in (point for pin in (*starts, *goals) for point in pin.lead[:-1]):
+        for x, y in (point for pin in pins for point in pin.lead[:-1]):
             barred[:, x, y] = True
+        free = np.asarray(~barred.any(axis=0) | through)
         cost = 1.0 + self.dear + _CROSSING * self.laid[::-1]
         cost += _LOWER * np.arange(cost.shape[-1])
         cost = np.where(barred, cost + _THROUGH if through else np.inf, cost)
+        bend = np.where(free, _BEND, np.inf)
+        for pin in pins:
+            bend[pin.end] -= _EARLY
         level, upright = node = np.arange(cost.size).reshape(cost.shape)
         start, goal = cost.size, cost.size + 1
-        free = ~self.laid.any(axis=0) | through
-        pairs = [(level[:-1], level[1:]), (upright[:, :-1], upright[:, 1:])]
-        edges = [(one, two, cost.ravel()[two]) for pair in pairs for one, two in (pair, pair[::-1])]
-        bends = level[free], upright[free]
-        edges += [(one, two, np.full(one.shape, _BEND)) for one, two in (bends, bends[::-1])]
-        for place, pins in ((start, starts), (goal, goals)):
-            for pin in pins:
-                own = int(pin.way[0] == 0)
-                for axis, bend in ((own, 0.0), (1 - own, _BEND - _EARLY)):
-                    there = (axis, *pin.end)
-                    barred_there = np.isinf(cost[there]) or self.laid[:, *pin.end].any()
-                    weight = np.inf if barred_there and not through else 1.0 + pin.cost + bend
-                    ends = (node[there], goal) if place == goal else (start, node[there])
-                    edges.append((*ends, weight))
+        pairs = (level[:-1], level[1:]), (upright[:, :-1], upright[:, 1:])
+        edges = [(*pair, sum(cost.ravel()[each] for each in pair) / 2) for pair in pairs]
+        edges.append((level, upright, bend))
+        for place, own in ((start, starts), (goal, goals)):
+            edges += [
+                (node[(int(pin.way[0] == 0), *pin.end)], place, 1.0 + pin.cost)
+                for pin in own
+                if free[pin.end]
+            ]
         ones, twos, weights = (
             np.concatenate([np.ravel(part) for part in parts]) for parts in zip(*edges, strict=True)
         )
         known = np.isfinite(weights)
         graph = csr_array((weights[known], (ones[known], twos[known])), shape=(goal + 1, goal + 1))
-        _, before = dijkstra(graph, indices=start, return_predecessors=True)
+        _, before = dijkstra(graph, directed=False, indices=start, return_predecessors=True)
         points, here = [], before[goal]
         while here >= 0 and here != start:
             _, x, y = np.unravel_index(here, cost.shape)
