@@ -123,7 +123,7 @@ def test_the_loops_stand_on_the_screen_and_the_blocks_in_the_file(command, monke
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("quadruple-tank", "--to", "st"), "--controller: got 'none', expected the name of one"),
+        (("quadruple-tank", "--to", "st"), "--controller: got none, expected the name of one"),
         (("quadruple-tank", "--to", "st", "--controller", "PI SIMC"), "perhaps 'PI, SIMC' was"),
         (("quadruple-tank", "--to", "c", "--controller", "PI, arrest time"), "does not: "),
         (("quadruple-tank", "--to", "tuning", "--controller", "LQI, Bryson"), "PID"),

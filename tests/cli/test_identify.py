@@ -178,7 +178,7 @@ BAD = {
         [RUN, "--parameters", "outlet_1.area"], "--parameters: got 'outlet_1.area', expected a proc"
     ),
     "write alone": ([RUN, "--write", "a.toml"], "--write: got 'a.toml'"),
-    "no parameters": ([RUN, "--process", "quadruple-tank"], "parameters: got 'none'"),
+    "no parameters": ([RUN, "--process", "quadruple-tank"], "parameters: got none"),
     "no such parameter": (
         [RUN, "--process", "quadruple-tank", "--parameters", "outlet_1.hole"], "perhaps 'outlet_1",
     ),

@@ -164,7 +164,7 @@ def test_a_still_measurement_with_noise_spoils_no_verdict(plant, four_tanks):
 
 
 REFUSED = {
-    "none": ([], {}, "parameters: got 'none', expected parameters of quadruple-tank"),
+    "none": ([], {}, "parameters: got none, expected parameters of quadruple-tank"),
     "unknown": (["outlet_9.area"], {}, "perhaps 'outlet_"),
     "twice": (["pump_1.gain", "pump_1.gain"], {}, "each parameter once"),
     "no input": (["pump_1.gain"], ("level_1",), "an input of quadruple-tank, which may stand"),

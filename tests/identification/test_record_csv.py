@@ -1,6 +1,5 @@
 """Records from CSV: what is read, and what is refused with line and column."""
 
-import numpy as np
 import pytest
 from refusals import refused
 
@@ -60,7 +59,8 @@ def test_what_simulate_writes_is_read_number_by_number(tmp_path):
         assert record.period == pytest.approx(1.0, rel=1e-12)
         assert [s.name for s in record.signals] == [s.name for s in run.signals]
         for signal in run.signals:
-            assert np.array_equal(record.values[signal.name], run.values[signal.name]), signal.name
+            found, value = record.values[signal.name], run.values[signal.name]
+            assert found == pytest.approx(value, rel=1e-12, abs=0.0), signal.name
 
 
 def test_the_jitter_of_a_logger_is_taken(tmp_path):
@@ -128,7 +128,7 @@ def test_a_unit_of_another_kind_than_the_process_has(tmp_path):
 
 
 def test_parquet_and_missing_files_are_refused(tmp_path):
-    with refused(remedy="write it with --format csv"):
+    with refused(value="a Parquet file", expected="a CSV file"):
         read_record(tmp_path / "run.parquet")
     with refused(value="no such file"):
         read_record(tmp_path / "run.csv")

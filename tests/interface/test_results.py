@@ -201,6 +201,11 @@ def test_a_rate_in_display_units_and_in_text(plant, pi, tmp_path):
 
 def test_the_catalogue_and_new_files(tmp_path):
     assert {entry.name for entry in cl.catalogue()} >= {"quadruple-tank", "wet-well"}
+    table, one = str(cl.catalogue()), str(cl.catalogue("wet-well"))
+    assert all(entry.title in table for entry in cl.catalogue())
+    assert "Source: " in one and "Source: " not in table
+    assert str(cl.catalogue().shown(every=True)).count("Source: ") == len(cl.catalogue())
+    assert all(word not in table + one for word in ("CatalogueEntry", "--all", "clepsydra study"))
     mine = cl.new_process("mine", copy_of="quadruple-tank", folder=tmp_path)
     assert cl.load(mine).name == "mine"
     study = cl.new_study("compare", "three-tanks", folder=tmp_path)

@@ -77,6 +77,18 @@ def test_one_design_of_all(plant, pi):
     assert study.scenario.segments == cl.simulate(plant, pi).scenario.segments
 
 
+def test_a_controller_that_there_is_not_is_answered_with_the_few_that_are_near():
+    for wrong, meant in (
+        ("PI, SMIC", ["'PI, SIMC'"]),
+        ("feedback", ["'Feedback linearisation'", "'State feedback, pole placement'"]),
+        ("no such", []),
+    ):
+        with pytest.raises(cl.InputError) as error:
+            cl.study("quadruple-tank", only=wrong)
+        assert all(name in error.value.remedy for name in meant)
+        assert error.value.remedy.count("'") <= 2 * 3  # at most three names
+
+
 def test_a_tuning_lowers_its_goal_and_keeps_its_limits(plant):
     start = cl.design.simc(plant, closed_loop_time_constant="60 s")
     step = [cl.step("level_1", "0.5 V", at=10)]

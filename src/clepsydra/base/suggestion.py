@@ -86,6 +86,26 @@ def nearest(wrong: object, known: Iterable[str]) -> str:
     return spelt[close[0]] if close else ""
 
 
+def nearest_few(wrong: object, known: Iterable[str], most: int = 3) -> list[str]:
+    """Return the one known name that is all but the same, or a few that hold it or are not far.
+
+    Examples
+    --------
+    >>> nearest_few("feedback", ["PI, SIMC", "Feedback linearisation", "State feedback"])
+    ['State feedback', 'Feedback linearisation']
+    >>> nearest_few("PI SIMC", ["PI, SIMC", "PID, SIMC", "PI, SIMC, tuned"])
+    ['PI, SIMC']
+    """
+    spelt, given = {name.lower(): name for name in known}, str(wrong)[:80].lower()
+    same = difflib.get_close_matches(given, spelt, n=1, cutoff=0.85)
+    if same:
+        return [spelt[same[0]]]
+    holding = [name for lower, name in spelt.items() if given in lower]
+    similar = difflib.get_close_matches(given, spelt, n=most, cutoff=0.5)
+    found = [nearest(wrong, spelt.values()), *holding, *(spelt[name] for name in similar)]
+    return list(dict.fromkeys(name for name in found if name))[:most]
+
+
 def _synonyms(given: str, spelt: Mapping[str, str]) -> list[str]:
     """Return the known names for what a symbol stands for."""
     known = SYMBOLS | _VERBS

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import typer
 
@@ -19,10 +18,6 @@ from clepsydra.cli.options import (
 from clepsydra.cli.subject import name_of
 from clepsydra.cli.verb import verb
 from clepsydra.interface.targets import TARGETS, target_of
-
-if TYPE_CHECKING:
-    from clepsydra.interface.plant import Plant
-    from clepsydra.interface.subject import StudyRequest
 
 
 def _values(option: str) -> str:
@@ -78,6 +73,7 @@ def export(
     from clepsydra.cli.subject import study_of_one
     from clepsydra.interface.export import export as export_code
     from clepsydra.interface.shell import plant_shell
+    from clepsydra.interface.study import names_of
     from clepsydra.interface.subject import plant_of, read_subject
 
     results_folder(folder)
@@ -97,7 +93,7 @@ def export(
         plant_shell(plant, **options)
     made, scenario = None, None
     if controller is None:
-        _check_process(request, target)
+        _check_process(subject, len(names_of(request)), target)
     else:
         study = study_of_one(request, controller, seed, folder, quiet=as_json)
         made, scenario, plant = study[controller].controller, study.scenario, study.plant
@@ -118,13 +114,12 @@ def export(
     show(found)
 
 
-def _check_process(request: Plant | StudyRequest, target: str) -> None:
+def _check_process(subject: str, controllers: int, target: str) -> None:
     """Refuse to export the process itself where only controllers are exported."""
-    from clepsydra.base.errors import InputError
-    from clepsydra.interface.study import names_of
+    from clepsydra.base.errors import Finding, InputError
 
     if TARGETS[target].process is None:
         raise InputError(
-            "--controller", "none", f"the name of one: {'; '.join(names_of(request))}",
-            "name it in quotation marks",
+            "--controller", Finding("none"), f"the name of one of {controllers}",
+            f"name it in quotation marks; clepsydra study {subject} --all lists those that apply",
         )  # fmt: skip

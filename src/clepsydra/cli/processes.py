@@ -27,10 +27,10 @@ def processes(
         print_json(schema_of_processes())
         return
     from clepsydra.cli.output import print_json, show
-    from clepsydra.interface.catalogue import catalogue, catalogue_screen
+    from clepsydra.interface.catalogue import catalogue
 
     entries = catalogue(name)
     if as_json:
         print_json({"processes": [entry.as_dict() for entry in entries]})
     else:
-        show(catalogue_screen(entries, whole=every or name is not None))
+        show(entries.shown(every=every))

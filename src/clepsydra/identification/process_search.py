@@ -247,8 +247,8 @@ def checked_parameters(process: Process, names: Sequence[str]) -> list[Signal]:
     known = {signal.name: signal for signal in process.parameters}
     if not names:
         raise InputError(
-            "parameters", "none", f"parameters of {process.name} ({', '.join(known)})",
-            f"name those to fit, as in --parameters {next(iter(known))}",
+            "parameters", Finding("none"), f"parameters of {process.name} ({', '.join(known)})",
+            f"name those to fit, such as {next(iter(known))}",
         )  # fmt: skip
     found: list[Signal] = []
     for name in names:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from clepsydra.base.csv_table import csv_head, csv_numbers, csv_rows
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import convertible, to_si
@@ -204,7 +204,7 @@ def read_record(path: str | Path, process: Process | None = None) -> Record:
     """
     file = Path(path)
     if file.suffix.lower() == ".parquet":
-        raise InputError(str(file), "a Parquet file", "a CSV file", "write it with --format csv")
+        raise InputError(str(file), Finding("a Parquet file"), "a CSV file", "write it as one")
     (line, head), *rows = csv_rows(file, MOST_ROWS)
     fields = csv_head(head, f"{file}, line {line}")
     names = [name for name, _ in fields]

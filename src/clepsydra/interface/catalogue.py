@@ -5,16 +5,13 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.section import Line, Mark, Section, Table
 from clepsydra.base.suggestion import suggestion
-from clepsydra.interface.shown import screen
+from clepsydra.interface.shown import Answered
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
-
-if TYPE_CHECKING:
-    from rich.console import RenderableType
 
 
 @dataclass(frozen=True)
@@ -43,8 +40,32 @@ class CatalogueEntry:
         return {**asdict(self), "default_variants": list(self.default_variants)}
 
 
-def catalogue(name: str | None = None) -> tuple[CatalogueEntry, ...]:
+class Catalogue(Answered, tuple[CatalogueEntry, ...]):
+    """Processes of the catalogue; printed, a table of them, or of one its source and variants."""
+
+    __slots__ = ()
+
+    def answer(self, *, every: bool = False) -> Section:
+        """Return a table of them, or each whole: its source and its variants."""
+        parts: list[Line | Table | Section] = []
+        if every or len(self) == 1:
+            parts += [_whole(entry) for entry in self]
+        else:
+            rows = tuple((each.name, each.title, str(len(each.variants) or "")) for each in self)
+            parts.append(Table("", ("process", "what it is", "variants"), rows, names=2, kept=2))
+            parts += [Line(""), Line("Sources and variants: --all, or the name of one."), Line("")]
+        subject = self[0].name if len(self) == 1 else "NAME"
+        parts += [
+            Line(f"Next: clepsydra study {subject}", Mark.COMMAND),
+            Line(f"      clepsydra new MINE --from {subject}", Mark.COMMAND),
+        ]
+        return Section("", tuple(parts))
+
+
+def catalogue(name: str | None = None) -> Catalogue:
     """Return the processes of the catalogue, or the one of this name, without their equations.
+
+    Printed, it is a table of them.
 
     Raises
     ------
@@ -78,30 +99,7 @@ def catalogue(name: str | None = None) -> tuple[CatalogueEntry, ...]:
                 (default,) if isinstance(default, str) else tuple(default),
             )
         )
-    return tuple(entries)
-
-
-def catalogue_screen(entries: tuple[CatalogueEntry, ...], *, whole: bool) -> RenderableType:
-    """Return processes as a table for a terminal, or each whole: its source and its variants.
-
-    Examples
-    --------
-    >>> type(catalogue_screen(catalogue(), whole=False)).__name__
-    'Screen'
-    """
-    parts: list[Line | Table | Section] = []
-    if whole:
-        parts += [_whole(entry) for entry in entries]
-    else:
-        rows = tuple((each.name, each.title, str(len(each.variants) or "")) for each in entries)
-        parts.append(Table("", ("process", "what it is", "variants"), rows, names=2, kept=2))
-        parts += [Line(""), Line("Sources and variants: --all, or the name of one."), Line("")]
-    subject = entries[0].name if len(entries) == 1 else "NAME"
-    parts += [
-        Line(f"Next: clepsydra study {subject}", Mark.COMMAND),
-        Line(f"      clepsydra new MINE --from {subject}", Mark.COMMAND),
-    ]
-    return screen(Section("", tuple(parts)))
+    return Catalogue(entries)
 
 
 def _whole(entry: CatalogueEntry) -> Section:

@@ -12,6 +12,7 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.base.files import whole_file
 from clepsydra.base.signal import Signal
+from clepsydra.base.units import from_si
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.run import Run
 
@@ -124,8 +125,9 @@ def write_trajectories(run: Simulation | Run, path: Path) -> None:
     run : Simulation or Run
     path : Path
         Its ending says how: ".parquet", with the SI unit of each column in the column's metadata
-        under "unit", or ".csv", with the SI unit in the head: "tank_1.level [m]". A CSV number
-        has all the digits that it takes to read the same double again.
+        under "unit", or ".csv", in the units of the process file, with the unit in the head:
+        "tank_1.level [cm]". A CSV number has 13 digits, or where it is in SI all that it takes to
+        read the same double again.
 
     Raises
     ------
@@ -140,7 +142,7 @@ def write_trajectories(run: Simulation | Run, path: Path) -> None:
     >>> with TemporaryDirectory() as folder:
     ...     write_trajectories(run, Path(folder) / "run.csv")
     ...     (Path(folder) / "run.csv").read_text().split(",")[:2]
-    ['time [s]', 'tank_1.level [m]']
+    ['time [s]', 'tank_1.level [cm]']
     """
     ending = path.suffix.lower()
     if ending == ".parquet":
@@ -155,8 +157,16 @@ def write_trajectories(run: Simulation | Run, path: Path) -> None:
 
 
 def _write_csv(run: Simulation | Run, path: Path) -> None:
-    columns = [run.time, *(run.values[signal.name] for signal in run.signals)]
+    columns = [run.time.tolist(), *(_shown(run.values[s.name], s) for s in run.signals)]
     with whole_file(path) as part, part.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["time [s]", *(f"{s.name} [{s.unit}]" for s in run.signals)])
-        writer.writerows(zip(*(column.tolist() for column in columns), strict=True))
+        writer.writerow(["time [s]", *(f"{s.name} [{s.shown_unit}]" for s in run.signals)])
+        writer.writerows(zip(*columns, strict=True))
+
+
+def _shown(values: np.ndarray, signal: Signal) -> list[float]:
+    """Return values in the unit that the reader sees, without the digits that converting leaves."""
+    if signal.shown_unit == signal.unit:
+        return values.tolist()
+    factor = from_si(1.0, signal.unit, signal.shown_unit)
+    return [float(f"{value:.13g}") for value in (values * factor).tolist()]

@@ -109,7 +109,7 @@ def simulation_answer(plan: Plan, run: Simulation, *, every: bool = False) -> Se
             parts += [Line(""), table] if table.rows else []
         parts += [Line(trust_sentence(run)), *marked(Mark.WATCH, warnings[:_WATCHED])]
         still = len(shown) - len(rows)
-        more = f"{still} more signals, times" if still else "Times"
+        more = f"{still} more signal{'s' if still > 1 else ''}, times" if still else "Times"
         parts.append(Line(f"{more} and balances: --all"))
     unmoved = not plan.changes and plan.begins == "at rest"
     following = _example(plan) if unmoved else "Next: open the report and look at the trends."

@@ -280,8 +280,8 @@ def _how_good(process: Process, compared: Sequence[Candidate]) -> Section:
     for figure in figures_of(process):
         cells = [figure.cell(process, each) for each in compared]
         if figure.score != "noise_movement" and set(cells) != {"–"}:
-            worst = figure.worst(process, compared[0])
-            of = f" ({worst[0]})" if worst and len(process.controlled) > 1 else ""
+            worst = {found[0] for each in compared if (found := figure.worst(process, each))}
+            of = f" ({worst.pop()})" if len(worst) == 1 and len(process.controlled) > 1 else ""
             rows.append((f"{figure.title}{of}", *cells))
     rows.append(("relative error", *(f"{each.relative_error:.2f}" for each in compared)))
     head = ("", *(each.controller.title for each in compared))

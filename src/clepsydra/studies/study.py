@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.suggestion import suggestion
+from clepsydra.base.suggestion import nearest_few
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.linear.analysis import Analysis
@@ -87,7 +87,8 @@ def run_study(
     """
     known = controller_names(request)
     if only is not None and only not in known:
-        remedy = suggestion(only, known, f"choose one, in quotation marks: {'; '.join(known)}")
+        near = " or ".join(f"'{name}'" for name in nearest_few(only, known))
+        remedy = f"{f'perhaps {near} was meant; ' if near else ''}the whole study lists every one"
         raise InputError("controller", only, "the name of a controller of this study", remedy)
     return _Study(request, progress, tuning_folder).run(only)
 

@@ -74,7 +74,7 @@ def test_a_controller_has_a_line_and_no_name_is_broken(columns):
     lines = screen(proof, columns)
     (head,) = (k for k, line in enumerate(lines) if line.startswith("controller or process"))
     assert " ".join(lines[head + 1].split()) == "LQG equal in every bit 1.1e-5 of range"
-    assert " ".join(lines[head + 2].split()) == f"{LONG} equal in every bit"
+    assert " ".join(lines[head + 2].split()) == f"{LONG} equal in every bit not run"
     assert f" !  {LONG}: never moved: pump_2.out." in lines
     whole = screen(proof, columns, every=True)
     assert whole.count(LONG) == 1 and whole.count("LQG") == 1  # above the targets of each

@@ -45,7 +45,7 @@ def proof_answer(proof: Proof, *, every: bool = False) -> Section:
     parts += marked(Mark.WATCH, told if every else told[:_TOLD])
     if every:
         for name in subjects:
-            table = Table("", HEADS, tuple(map(cells, rows[name])), names=3, kept=4)
+            table = Table("", HEADS, tuple(map(cells, rows[name])), names=3)
             parts += [_EMPTY, Section(name, (table,))]
         parts += [_EMPTY, *marked(Mark.POINT, notes(proof))]
         parts.append(Line(f"{proof.scans:,} scans, seed {proof.seed}; {'; '.join(proof.versions)}"))
@@ -85,13 +85,15 @@ def _amiss(proof: Proof, rows: Sequence[ProofRow]) -> list[str]:
 
 
 def _table(rows_of: dict[str, list[ProofRow]]) -> Table:
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for name, rows_of_one in rows_of.items():
         double = [row for row in rows_of_one if row.precision == "double"]
         single = [row for row in rows_of_one if row.precision == "single"]
         rows.append((name, _double(double), _single(single)))
-    head = ("controller or process", "double precision", "single precision")
-    return Table("", head, tuple(rows), names=3, kept=2)
+    head: tuple[str, ...] = ("controller or process", "double precision", "single precision")
+    if not any(row.precision == "single" for each in rows_of.values() for row in each):
+        head, rows = head[:2], [row[:2] for row in rows]
+    return Table("", head, tuple(rows), names=len(head), kept=2)
 
 
 def _double(rows: Sequence[ProofRow]) -> str:
@@ -108,7 +110,9 @@ def _single(rows: Sequence[ProofRow]) -> str:
         if row.verdict == "reported":
             changes = ", which changes the ranking" if row.scores.get("is_change") else ""
             return f"{rounded_up(row.largest)} of range{changes}"
-    return next((row.verdict for row in rows if row.verdict != "equal"), "")
+    if not rows:
+        return "not run"
+    return next((row.verdict for row in rows if row.verdict != "equal"), "equal to C in every bit")
 
 
 def findings(rows: Iterable[ProofRow]) -> list[tuple[ProofRow, str]]:
