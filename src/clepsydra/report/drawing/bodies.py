@@ -14,6 +14,9 @@ PITCH = 16.0
 NAME, WORDS, SMALL = 14.0, 13.0, 12.0
 #: Half of the width and the height of a tank, in lines of the grid.
 TANK_HALF, TANK_ROWS = 4, 7
+#: Radius of what is drawn round, and half of the width and of the height of other symbols [px].
+RADII = {"instrument": 19.0, "pump": 17.0, "relay": 13.0, "stub": 4.0}
+_HALVES = {"valve": (25.0, 14.0), "flow": (8.0, 9.0), "orifice": (9.0, 9.0)}
 UP, DOWN, LEFT, RIGHT = (0, -1), (0, 1), (-1, 0), (1, 0)
 
 Point = tuple[int, int]
@@ -94,6 +97,27 @@ class Body:
             *self.areas, *((*pin.end, *pin.end) for pin in self.pins), strict=True
         )
         return min(lefts), min(tops), max(rights), max(bottoms)
+
+    @property
+    def half(self) -> tuple[float, float]:
+        """Half of the width and of the height of its symbol [px]."""
+        if self.symbol in RADII:
+            return RADII[self.symbol], RADII[self.symbol]
+        left, _, right, _ = self.areas[0]
+        wide = PITCH * (right - left) / 2
+        if self.symbol == "controller":
+            return wide - 13.0, RADII["instrument"]
+        half = _HALVES.get(self.symbol, (max(wide, 20.0), 13.0))
+        return half[::-1] if self.across and self.symbol == "valve" else half
+
+    @property
+    def outline(self) -> list[tuple[float, float]]:
+        """The corners of its symbol [px], around the middle of the body."""
+        wide, tall = self.half
+        corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+        if self.symbol in RADII:
+            corners = [(math.cos(k * math.pi / 24), math.sin(k * math.pi / 24)) for k in range(48)]
+        return [(PITCH * self.x + wide * dx, PITCH * self.y + tall * dy) for dx, dy in corners]
 
     def move(self, distance: int) -> None:
         """Move it sideways."""

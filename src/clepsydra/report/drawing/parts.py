@@ -6,7 +6,7 @@ import math
 
 from clepsydra.base.signal import Signal
 from clepsydra.report.colours import INK, MUTED
-from clepsydra.report.drawing.bodies import NAME, PITCH, SMALL, Body, Point, direction
+from clepsydra.report.drawing.bodies import NAME, PITCH, RADII, SMALL, Body, Point, direction
 from clepsydra.report.drawing.control_functions import ControlFunction
 from clepsydra.report.drawing.flow_graph import Instrument
 from clepsydra.report.drawing.outline import TANK_HEIGHT
@@ -28,8 +28,6 @@ from clepsydra.report.drawing.shapes import (
 )
 from clepsydra.report.quantities import percent_text, quantity_text, short_text
 
-#: Radius of instruments, pumps and relays [px].
-BALLOON, PUMP, RELAY = 19.0, 17.0, 13.0
 #: Where the share of a branch is written, from the middle of its splitter.
 _SHARE = {(1, 0): (16, -7), (-1, 0): (-16, -7), (0, -1): (6, -22), (0, 1): (8, 30)}
 
@@ -45,7 +43,7 @@ def draw_fitting(scene: Scene, body: Body) -> list[str]:
     title = scene.title(name)
     if body.symbol in ("splitter", "header"):
         return _splitter(scene, body, x, y)
-    half = PITCH * (body.areas[0][2] - body.areas[0][0]) / 2
+    half, tall = body.half
     if body.symbol == "delay":
         below = text(x, y + 27, scene.labels[name][0], style="small", colour=MUTED)
         left, right = x - half, x + half
@@ -55,8 +53,7 @@ def draw_fitting(scene: Scene, body: Body) -> list[str]:
         return [titled(title, inside, banks, words), below]
     if body.symbol not in _OWN_SYMBOLS:
         words = "" if body.across else scene.elements[name].kind
-        wide = max(half, 20.0)
-        shell = box((x - wide, x + wide), (y - 13, y + 13), rounded=3)
+        shell = box((x - half, x + half), (y - tall, y + tall), rounded=3)
         shape = titled(title, shell, text(x, y + 4, words, style="small inside"))
     else:
         ends = not any(pin.role in ("in", "out", "both") for pin in body.pins)
@@ -76,7 +73,7 @@ def _symbol(symbol: str, still: bool) -> str:
     fill = PAPER if still else PIPE
     halves = path("M-9 -14L9 14H-9L9 -14Z", 1.3, fill)
     shapes = {
-        "pump": circle(0, 0, PUMP, PAPER if still else STEEL, width=1.6)
+        "pump": circle(0, 0, RADII["pump"], PAPER if still else STEEL, width=1.6)
         + path("M-14.7 8.5L0 -17L14.7 8.5Z", 1.2, fill),
         "valve": path("M0 0H16") + path("M16 -9a9 9 0 0 1 0 18Z", fill=PAPER) + halves,
         "flow": path("M-8 6h16l-8 -15Z", 1.0, fill),
@@ -149,7 +146,7 @@ def _splitter(scene: Scene, body: Body, x: float, y: float) -> list[str]:
     title = f"{scene.elements[body.name].kind} {body.name}: {words}"
     label = scene.labels[body.name][0]
     if body.symbol == "header":
-        half = PITCH * (body.areas[0][2] - body.areas[0][0]) / 2
+        half, _ = body.half
         below = text(x + half + 5, y + 4, label, "start", "small", MUTED)
         return [titled(title, box((x - half, x + half), (y - 5, y + 5), rounded=5)), below]
     anchor = "end" if body.side < 0 else "start"
@@ -179,7 +176,7 @@ def draw_instrument(scene: Scene, instrument: Instrument) -> list[str]:
     title = f"{letter}T-{number}: {name} measures {quantity} of {instrument.seat}"
     title = ", ".join(filter(None, [title, scene.value(name)]))
     tags = text(x, y - 3, f"{letter}T", style="tag"), text(x, y + 11, number, style="tag")
-    parts = [titled(title, circle(x, y, BALLOON), *tags)]
+    parts = [titled(title, circle(x, y, RADII["instrument"]), *tags)]
     for place, words in enumerate(scene.labels[name]):
         colour = ALARM if words and words == scene.warning(name) else INK
         parts.append(text(x, y + 33 + 15 * place, words, style="small", colour=colour))
@@ -193,7 +190,7 @@ def draw_function(scene: Scene, function: ControlFunction) -> list[str]:
     if function.sign:
         title = f"{function.name}: {_RELAYS[function.sign]}"
         sign = text(x, y + 5, function.sign, style="tag")
-        return [titled(title, circle(x, y, RELAY), sign)]
+        return [titled(title, circle(x, y, RADII["relay"]), sign)]
     seats = {scene.graph.owner(name): name for name in function.reads}
     number = next(i.number for i in scene.graph.instruments if i.name in seats)
     letters, title = "UIC", f"moves {' and '.join(function.gives)}"
@@ -205,12 +202,11 @@ def draw_function(scene: Scene, function: ControlFunction) -> list[str]:
         letters, number = f"{seat.letter}IC", f"{seat.number}{letter}"
         setpoint = scene.setpoint(function)
         title = f"controls {function.at}" + (f", setpoint {setpoint}" if setpoint else "")
-    left, _, right, _ = body.areas[0]
-    half = PITCH * (right - left) / 2 - 32.0 + BALLOON
+    half, tall = body.half
     # A circle in a box has a shared display; the line across, that an operator has access to it.
     shapes = (
-        box((x - half, x + half), (y - BALLOON, y + BALLOON), width=1.4),
-        circle(x, y, BALLOON, "none", width=1.1),
+        box((x - half, x + half), (y - tall, y + tall), width=1.4),
+        circle(x, y, tall, "none", width=1.1),
         path(f"M{x - half:g} {y:g}H{x + half:g}", 1.1),
         text(x, y - 4.5, letters, style="tag"),
         text(x, y + 12.5, number, style="tag"),
@@ -267,8 +263,8 @@ def draw_vessel(scene: Scene, name: str) -> list[str]:
     if getattr(element, "weir", 0.0):
         seats = [i.name for i in scene.graph.instruments if i.seat == name]
         right = not seats or scene.routes.placement.bodies[seats[0]].x > body.x
-        side = -1 if right else 1
-        moved = f"translate({x + side * outline.wall(0.0):g} {y:g}) scale({side} 1)"
+        edge, side = (wall[0][0], -1) if right else (wall[-1][0], 1)
+        moved = f"translate({edge:g} {y:g}) scale({side} 1)"
         spout = path("M-7 -1q14 -6 15 9m-4 -4l4 5l4 -5", 1.6)
         parts.append(titled(f"weir of {name}", spout, moved=moved))
     return parts

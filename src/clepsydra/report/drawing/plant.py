@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import math
+from itertools import pairwise
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
-from clepsydra.report.drawing.bodies import NAME, PITCH, SMALL, WORDS, Body
-from clepsydra.report.drawing.lines import Points, draw_basins, draw_lines
-from clepsydra.report.drawing.outline import TANK_HEIGHT
+from clepsydra.report.drawing.bodies import NAME, PITCH, SMALL, WORDS
+from clepsydra.report.drawing.lines import Point, Points, draw_basins, draw_lines
 from clepsydra.report.drawing.parts import (
-    BALLOON,
-    PUMP,
-    RELAY,
     draw_fitting,
     draw_function,
     draw_instrument,
@@ -35,17 +31,6 @@ _STYLE = (
 )
 #: A page narrower than this share of a drawing scrolls sideways, so that words stay readable.
 _LEAST_SHARE = 0.58
-#: From the middle of a symbol to its edge, sideways and upright [px].
-_REACH = {
-    "instrument": (BALLOON, BALLOON),
-    "controller": (BALLOON, BALLOON),
-    "relay": (RELAY, RELAY),
-    "pump": (PUMP, PUMP),
-    "valve": (25.0, 25.0),
-    "flow": (8.0, 9.0),
-    "orifice": (9.0, 9.0),
-    "stub": (4.0, 4.0),
-}
 
 
 def process_drawing(
@@ -88,7 +73,7 @@ def process_drawing(
     scene = Scene(process, point, controller)
     placement = scene.routes.placement
     width, height = PITCH * placement.width, PITCH * placement.height
-    ways = {pipe: _way(scene, pipe) for pipe in scene.routes.pipes}
+    ways = _ways(scene)
     parts = [
         *draw_lines(ways, scene.still),
         *draw_basins(scene.routes, ways, width, scene.tint),
@@ -104,51 +89,35 @@ def process_drawing(
     return picture("plant", (width, height), title, _STYLE, parts, style=room)
 
 
-def _way(scene: Scene, pipe: Pipe) -> Points:
-    """Return a line in px: a pipe up to the shells of vessels, a signal up to the symbols."""
-    points = [(PITCH * x, PITCH * y) for x, y in pipe.points]
+def _ways(scene: Scene) -> dict[Pipe, Points]:
+    """Return every line in px: a pipe up to the shells of vessels, a signal up to symbols too."""
     bodies = scene.routes.placement.bodies
-    for place, inner, end in ((0, 1, pipe.source), (-1, -2, pipe.end)):
-        if pipe.kind != "pipe" and end in bodies and end not in scene.outlines:
-            points[place] = _edge(bodies[end], points[place], points[inner])
-            continue
-        for name in scene.outlines:
-            points[place] = _shell(scene, name, points[place], points[inner])
-    return points
+    shells = [
+        outline.polygon(PITCH * bodies[name].x, PITCH * bodies[name].y)
+        for name, outline in scene.outlines.items()
+    ]
+    ways = {}
+    for pipe in scene.routes.pipes:
+        ways[pipe] = points = [(PITCH * x, PITCH * y) for x, y in pipe.points]
+        for place, inner, name in ((0, 1, pipe.source), (-1, -2, pipe.end)):
+            symbol = (
+                bodies.get(name) if pipe.kind != "pipe" and name not in scene.outlines else None
+            )
+            for outline in [symbol.outline] if symbol else shells:
+                points[place] = _met(outline, points[place], points[inner])
+    return ways
 
 
-def _edge(body: Body, end: tuple[float, float], inner: tuple[float, float]) -> tuple[float, float]:
-    """Return where a signal that ends in a body meets the edge of its symbol."""
-    (x, y), (dx, dy) = end, (inner[0] - end[0], inner[1] - end[1])
-    across, along = _REACH.get(body.symbol, (0.0, 13.0))
-    left, _, right, _ = body.areas[0]
-    if body.symbol == "controller":
-        across = PITCH * (right - left) / 2 - 32.0 + BALLOON
-    elif not across:
-        across = max(PITCH * (right - left) / 2, 20.0)
-    if body.symbol in ("pump", "instrument"):
-        across = math.sqrt(max(across**2 - (y - PITCH * body.y) ** 2, 0.0))
-    elif body.symbol != "controller" and y != PITCH * body.y:
-        across = 0.0  # it ends at the pipe
-    if dy == 0:
-        return (PITCH * body.x + math.copysign(across, dx), y)
-    return (x, PITCH * body.y + math.copysign(along, dy))
-
-
-def _shell(
-    scene: Scene, vessel: str, end: tuple[float, float], inner: tuple[float, float]
-) -> tuple[float, float]:
-    """Return where a pipe that ends at a vessel meets its shell."""
-    body, outline = scene.routes.placement.bodies[vessel], scene.outlines[vessel]
-    (x, y), centre, rim = end, PITCH * body.x, PITCH * body.y
-    reach, floor = PITCH * 4, rim + TANK_HEIGHT
-    if not (abs(x - centre) <= reach and rim <= y <= floor):
-        return end
-    if x == inner[0] and y == rim:
-        return (x, rim + outline.shell(x - centre, above=True))
-    if x == inner[0] and y == floor:
-        return (x, rim + outline.shell(x - centre, above=False))
-    if y == inner[1]:
-        wall = outline.wall(y - rim)
-        return (centre + (wall if inner[0] > centre else -wall), y)
-    return end
+def _met(outline: Points, end: Point, inner: Point) -> Point:
+    """Return where a line that ends inside an outline meets it; the end of any other line."""
+    for ends, place in zip(zip(*outline, strict=True), end, strict=True):
+        if not min(ends) <= place <= max(ends):
+            return end
+    along = int(end[0] == inner[0])
+    across, met = end[1 - along], []
+    for pair in pairwise([*outline, outline[0]]):
+        (low, one), (high, other) = sorted((corner[1 - along], corner[along]) for corner in pair)
+        if low <= across <= high and low < high:
+            met.append(one + (across - low) / (high - low) * (other - one))
+    first = min(met, key=lambda place: abs(place - inner[along]), default=end[along])
+    return (end[0], first) if along else (first, end[1])
