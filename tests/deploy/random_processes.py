@@ -217,7 +217,7 @@ class _Plant:
     def _valve(self, ends: list[str], flag: str) -> None:
         signal = self.draw(st.integers(0, 3))
         friction = self.maybe('backlash = "6 %"', 'stiction = "5 %"\nslip_jump = "3 %"')
-        stroke = self.maybe('stroke_time = "6 s"')
+        stroke = self.maybe('stroke_time = "6 s"', 'lag = "2 s"')
         if friction:
             stroke = 'stroke_time = "6 s"'
         keys = [

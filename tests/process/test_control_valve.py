@@ -184,6 +184,22 @@ def test_stroke_time(simulate: Callable) -> None:
     assert course["tank_1.level"][400] == pytest.approx(KV * 4.0**2 / 16, rel=1e-9)
 
 
+@pytest.mark.parametrize("stroke", [0.0, 8.0])
+def test_lag(simulate: Callable, stroke: float) -> None:
+    """A first-order lag, from the moment on at which it is slower than the stroke."""
+    constant = 2.0
+    valve = supplied(stroke_time=stroke, lag=constant)
+    course = simulate(
+        [Reservoir("main"), tank("tank_1"), valve],
+        {"tank_1.level": 0.0, "valve_1.position": 0.0}, [1.0], 0.01, 1500,
+    )  # fmt: skip
+    ramp = max(stroke - constant, 0.0)
+    left = 1.0 - ramp / stroke if stroke else 1.0
+    falling = 1.0 - left * np.exp(-(course.time - ramp) / constant)
+    expected = np.where(course.time < ramp, course.time / (stroke or 1.0), falling)
+    assert np.allclose(course["valve_1.position"], expected, rtol=0, atol=1e-9)
+
+
 def test_backlash_loop(simulate: Callable) -> None:
     """The stem of a sinus against the play operator, and the width of the loop it runs through."""
     width = 0.06

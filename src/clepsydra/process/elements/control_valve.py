@@ -43,9 +43,10 @@ class ControlValve(Element):
     `clepsydra.process.valve_characteristic`; with the Kv of pipe and fittings in series,
     1/Kv² = 1/(Kv_valve f)² + 1/Kv_line², it becomes the installed characteristic.
 
-    The position of the actuator follows the signal at once, or over a stroke time: at a constant
-    speed, with the last of the way at a time constant of one per cent of the stroke time. The
-    stem follows the actuator, with backlash or stiction if the file says so.
+    The position of the actuator follows the signal at once, with a lag, or over a stroke time: at
+    a constant speed, with the last of the way at the lag, or without one at a time constant of one
+    per cent of the stroke time. The stem follows the actuator, with backlash or stiction if the
+    file says so.
 
     A free discharge falls into whatever is below, and nothing comes back; a submerged valve
     joins two tanks at their floors and flows either way. A valve that would go on emptying a
@@ -143,6 +144,14 @@ class ControlValve(Element):
         absent=0.0,
         remedy="leave it out for a valve that follows at once",
     )
+    lag: float = quantity(
+        "s",
+        "a time constant",
+        "time constant of",
+        above=0.0,
+        absent=0.0,
+        remedy="leave it out for a valve that follows at once",
+    )
     friction: Backlash | Stiction | None = part(
         lambda table, key, known: read_friction(table),
         {
@@ -188,7 +197,7 @@ class ControlValve(Element):
 
     def states(self) -> tuple[Signal, ...]:
         """Return the position of the actuator, where it takes time to move."""
-        if not self.stroke_time:
+        if not self._lags:
             return ()
         words = f"position of the actuator of {self.name}"
         at = (self.inputs()[0].initial - self.low) / (self.high - self.low)
@@ -249,11 +258,15 @@ class ControlValve(Element):
 
     def rates(self, symbols: Symbols, received: Flows, given: Flows) -> dict[str, ca.SX]:
         """Return the speed of the actuator."""
-        if not self.stroke_time:
+        if not self._lags:
             return {}
-        per_stroke = 1 / symbols[f"{self.name}.stroke_time"]
+        rate = 1 / symbols[f"{self.name}.stroke_time"] if self.stroke_time else None
+        if rate is None or self.lag:
+            per_lag = 1 / symbols[f"{self.name}.lag"]
+        else:
+            per_lag = rate * (1 / ROUNDING)
         missing = self._asked(symbols) - symbols[self._position]
-        return {self._position: limited_speed(missing, per_stroke * (1 / ROUNDING), per_stroke)}
+        return {self._position: limited_speed(missing, per_lag, rate)}
 
     def events(self, symbols: Symbols) -> tuple[Event, ...]:
         """Return where its tank runs empty, and where the stem breaks away and sticks."""
@@ -276,6 +289,10 @@ class ControlValve(Element):
         return f"{self.name}.position"
 
     @property
+    def _lags(self) -> bool:
+        return self.lag > 0.0 or self.stroke_time > 0.0
+
+    @property
     def _has_line(self) -> bool:
         return math.isfinite(self.line_kv)
 
@@ -287,7 +304,7 @@ class ControlValve(Element):
     def _actuator(self, symbols: Symbols) -> tuple[ca.SX, ca.SX]:
         """Return where the actuator is, and where it is on its way to."""
         asked = self._asked(symbols)
-        return (symbols[self._position] if self.stroke_time else asked), asked
+        return (symbols[self._position] if self._lags else asked), asked
 
     def _stem(self, symbols: Symbols) -> ca.SX:
         position, _ = self._actuator(symbols)
