@@ -17,7 +17,7 @@ from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
 from clepsydra.process.reader import load_process
 from clepsydra.report.drawing.bodies import TANK_HALF, TANK_ROWS
 from clepsydra.report.drawing.control_functions import ControlFunction
-from clepsydra.report.drawing.flow_graph import FlowGraph, Instrument, Junction, Link, flow_graph
+from clepsydra.report.drawing.flow_graph import FlowGraph, Instrument, Link, flow_graph
 from clepsydra.report.drawing.outline import TANK_HEIGHT
 from clepsydra.report.drawing.plant import process_drawing
 from clepsydra.report.drawing.routing import route
@@ -174,7 +174,7 @@ def test_any_plant_finds_a_drawing(seed):
         for link in graph.links
         for end in (*link.sources, *link.targets)
     }
-    named |= {frozenset((j.name, end)) for j in graph.junctions for _, end in j.branches}
+    named |= {frozenset((j.name, end)) for j in graph.junctions for end in j.targets}
     assert joints(routes) == named
 
 
@@ -188,7 +188,8 @@ def random_graph(random):
         symbol = random.choice(["splitter", "delay"])
         count = 1 if symbol == "delay" else random.randint(2, min(6, len(known)))
         ends = random.sample(known, count)
-        junctions.append(Junction(f"junction_{n}", symbol, tuple((1 / count, e) for e in ends)))
+        shares = (1 / count,) * count
+        junctions.append(Link(f"junction_{n}", symbol, (), tuple(ends), shares=shares))
     links = []
     for n in range(random.randint(1, 2 * len(tanks) + 2)):
         symbol = random.choice(["orifice", "valve", "pump", "flow", "box"])
@@ -207,7 +208,7 @@ def random_graph(random):
         )  # fmt: skip
     fed = {end for link in links for end in link.targets}
     for number, junction in enumerate(junctions):
-        fed |= {end for _, end in junction.branches}
+        fed |= set(junction.targets)
         if junction.name not in fed:
             links.append(Link(f"feed_{number}", "pump", (basins[0],), (junction.name,)))
     meters = [random.choice([*tanks, *(link.name for link in links)]) for _ in range(4)]
@@ -224,7 +225,7 @@ def test_a_signal_reaches_whatever_has_an_input():
         Link("fall", "orifice", ("upper",), ("lower",), by_weight=True),
         Link("out", "orifice", ("lower",), ("basin",), by_weight=True),
     )
-    split = Junction("split", "splitter", ((0.5, "upper"), (0.5, "lower")))
+    split = Link("split", "splitter", (), ("upper", "lower"), shares=(0.5, 0.5))
     meter = Instrument("meter", "L", "lower", "101")
     graph = FlowGraph(tanks, basins, links, (split,), (meter,), ("heater",))
     for end in ("pump", "fall", "split", "upper", "basin", "heater"):

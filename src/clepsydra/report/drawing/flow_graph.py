@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+
+import numpy as np
 
 from clepsydra.process.element import Element
 from clepsydra.process.process import Process
@@ -17,17 +19,20 @@ _BY_WEIGHT = ("orifice", "valve")
 
 @dataclass(frozen=True)
 class Link:
-    """An element that makes liquid flow from one place to another.
+    """An element that makes liquid flow from one place to another, or passes on what it receives.
 
     Parameters
     ----------
     name, symbol : str
     sources, targets : tuple of str
-        The elements that it names; none on a side that lies outside the plant.
+        The elements that it names; none on a side that lies outside the plant. A junction, such as
+        a splitter or a delay, names no sources.
     submerged : bool
         It joins tanks below their surfaces.
     by_weight : bool
         What leaves its tank falls, so that it stands below the tank.
+    shares : tuple of float or None
+        Of what a junction receives, for each target.
     """
 
     name: str
@@ -36,21 +41,7 @@ class Link:
     targets: tuple[str, ...]
     submerged: bool = False
     by_weight: bool = False
-
-
-@dataclass(frozen=True)
-class Junction:
-    """An element that passes on what it receives: a splitter, a delay.
-
-    Parameters
-    ----------
-    name, symbol : str
-    branches : tuple of (share or None, element)
-    """
-
-    name: str
-    symbol: str
-    branches: tuple[tuple[float | None, str], ...]
+    shares: tuple[float | None, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -70,8 +61,7 @@ class FlowGraph:
     Parameters
     ----------
     vessels, reservoirs : tuple of str
-    links : tuple of Link
-    junctions : tuple of Junction
+    links, junctions : tuple of Link
     instruments : tuple of Instrument
     loose : tuple of str
         Elements that nothing flows through.
@@ -88,12 +78,12 @@ class FlowGraph:
     vessels: tuple[str, ...]
     reservoirs: tuple[str, ...]
     links: tuple[Link, ...]
-    junctions: tuple[Junction, ...]
+    junctions: tuple[Link, ...]
     instruments: tuple[Instrument, ...]
     loose: tuple[str, ...] = ()
     owners: Mapping[str, str] = field(default_factory=dict)
 
-    def junction(self, name: str) -> Junction | None:
+    def junction(self, name: str) -> Link | None:
         """Return the junction of a name, if there is one."""
         return next((entry for entry in self.junctions if entry.name == name), None)
 
@@ -101,44 +91,36 @@ class FlowGraph:
         """Return the element that a signal belongs to; what is no signal has its own name."""
         return self.owners.get(signal, signal)
 
-    def feeding(self, junction: Junction) -> list[Link]:
-        """Return the links that lead into a junction."""
-        return [link for link in self.links if junction.name in link.targets]
-
-    def feeds(self, junction: Junction) -> int:
-        """Return how many pipes lead into a junction."""
-        branches = [name for other in self.junctions for _, name in other.branches]
-        return len(self.feeding(junction)) + branches.count(junction.name)
-
-    def leaves(self, name: str) -> list[str]:
-        """Return the tanks and reservoirs that liquid reaches from here, junctions passed over."""
-        junction = self.junction(name)
-        if junction is None:
-            return [name]
-        return [leaf for _, branch in junction.branches for leaf in self.leaves(branch)]
+    def feeding(self, junction: Link) -> list[Link]:
+        """Return the links and junctions that lead into a junction, once for each pipe."""
+        every = (*self.links, *self.junctions)
+        return [link for link in every for name in link.targets if name == junction.name]
 
     def ends(self, link: Link) -> list[str]:
-        """Return the tanks and reservoirs that a link feeds."""
-        return [leaf for target in link.targets for leaf in self.leaves(target)]
+        """Return the tanks and reservoirs that a link feeds, junctions passed over."""
+        found: list[str] = []
+        for target in link.targets:
+            junction = self.junction(target)
+            found += self.ends(junction) if junction else [target]
+        return found
 
-    def falls(self) -> list[tuple[str, str]]:
-        """Return each pair of an upper tank and one that it drains into."""
+    def pairs(self, links: Iterable[Link]) -> list[tuple[str, str]]:
+        """Return each pair of a tank and one that some links lead to from there."""
         return [
             (source, end)
-            for link in self.links
-            if link.by_weight and not link.submerged
+            for link in links
             for source in link.sources
             for end in self.ends(link)
             if source in self.vessels and end in self.vessels
         ]
 
+    def falls(self) -> list[tuple[str, str]]:
+        """Return each pair of an upper tank and one that it drains into."""
+        return self.pairs(link for link in self.links if link.by_weight and not link.submerged)
+
     def neighbours(self) -> list[tuple[str, str]]:
         """Return the pairs of tanks that are joined below their surfaces."""
-        return [
-            (link.sources[0], link.targets[0])
-            for link in self.links
-            if link.submerged and link.sources and link.targets
-        ]
+        return self.pairs(link for link in self.links if link.submerged)
 
     def layers(self) -> dict[str, int]:
         """Return how many tanks lie below each tank on its longest way down.
@@ -146,26 +128,21 @@ class FlowGraph:
         Tanks that are joined below their surfaces stand at one height. A fall that would close
         a circle is left out.
         """
-        group = {tank: tank for tank in self.vessels}
+        from scipy.sparse.csgraph import NegativeCycleError, bellman_ford, csgraph_from_dense
+
+        place = {tank: number for number, tank in enumerate(self.vessels)}
+        steps = np.full((len(place), len(place)), np.inf)
         for one, other in self.neighbours():
-            old, new = group[one], group[other]
-            group = {tank: new if name == old else name for tank, name in group.items()}
-        lower: dict[str, list[str]] = {}
-        for upper, below in self.falls():
-            if group[upper] != group[below]:
-                lower.setdefault(group[upper], []).append(group[below])
-        found: dict[str, int] = {}
-
-        def height(name: str, above: tuple[str, ...]) -> int:
-            if name not in found:
-                on_the_way = (*above, name)
-                found[name] = max(
-                    (1 + height(n, on_the_way) for n in lower.get(name, []) if n not in on_the_way),
-                    default=0,
-                )
-            return found[name]
-
-        return {tank: height(group[tank], ()) for tank in self.vessels}
+            steps[place[one], place[other]] = steps[place[other], place[one]] = 0.0
+        found = np.zeros_like(steps)
+        for upper, lower in self.falls():
+            at, before = (place[upper], place[lower]), steps[place[upper], place[lower]]
+            steps[at] = -1.0
+            try:
+                found = bellman_ford(csgraph_from_dense(steps, null_value=np.inf))
+            except NegativeCycleError:
+                steps[at] = before
+        return {tank: int(-found[number].min()) for tank, number in place.items()}
 
 
 def flow_graph(process: Process) -> FlowGraph:
@@ -183,7 +160,7 @@ def flow_graph(process: Process) -> FlowGraph:
     vessels: list[str] = []
     reservoirs: list[str] = []
     links: list[Link] = []
-    junctions: list[Junction] = []
+    junctions: list[Link] = []
     instruments: list[Instrument] = []
     loose: list[str] = []
     held = {e.name for e in process.elements if e.receives and not e.endless and not e.passes_on}
@@ -194,7 +171,7 @@ def flow_graph(process: Process) -> FlowGraph:
         elif element.endless:
             reservoirs.append(element.name)
         elif element.passes_on:
-            junctions.append(_junction(element))
+            junctions.append(_link(element, held))
         elif element.measurements():
             seat = next((c.name for c in element.connections()), "")
             number = str(101 + len(instruments))
@@ -221,28 +198,23 @@ def flow_graph(process: Process) -> FlowGraph:
     )  # fmt: skip
 
 
-def _junction(element: Element) -> Junction:
-    shares = getattr(element, "destinations", {})
-    names = [c.name for c in element.connections() if c.carries_flow]
-    return Junction(element.name, element.symbol, tuple((shares.get(name), name) for name in names))
-
-
 def _link(element: Element, held: set[str]) -> Link:
-    sources: list[str] = []
-    targets: list[str] = []
-    for connection in element.connections():
-        if connection.carries_flow:
-            drawn = connection.wanted == "source" or connection.key[0].startswith("source")
-            (sources if drawn else targets).append(connection.name)
-    submerged = bool(getattr(element, "submerged", False))
-    submerged = submerged and len(sources) == len(targets) == 1
+    flowing = [
+        (connection.name, connection.wanted == "source" or connection.key[0].startswith("source"))
+        for connection in element.connections()
+        if connection.carries_flow
+    ]
+    sources = tuple(name for name, drawn in flowing if drawn)
+    targets = tuple(name for name, drawn in flowing if not drawn)
+    joins = len(sources) == len(targets) == 1 and {*sources, *targets} <= held
     plain = element.symbol not in ("pump", "flow") and not element.inputs()
     falls = element.symbol in _BY_WEIGHT or plain
     return Link(
         element.name,
         element.symbol,
-        tuple(sources),
-        tuple(targets),
-        submerged=submerged and sources[0] in held and targets[0] in held,
+        sources,
+        targets,
+        submerged=joins and bool(getattr(element, "submerged", False)),
         by_weight=falls and len(sources) == 1 and sources[0] in held,
+        shares=tuple(map(getattr(element, "destinations", {}).get, targets)),
     )

@@ -13,7 +13,7 @@ from clepsydra.report.drawing.bodies import (
     splitter_body,
     tank_body,
 )
-from clepsydra.report.drawing.flow_graph import FlowGraph, Junction, Link
+from clepsydra.report.drawing.flow_graph import FlowGraph, Link
 from clepsydra.report.drawing.stacking import stack
 
 Labels = Mapping[str, tuple[str, ...]]
@@ -104,18 +104,18 @@ class Frame:
             tanks, key=lambda tank: (self.seats[tank].shelf, self.seats[tank].row), default=None
         )
 
-    def falls_into(self, junction: Junction) -> Link | None:
+    def falls_into(self, junction: Link) -> Link | None:
         """Return the first link below a tank that feeds a splitter."""
         if junction.symbol != "splitter" or self.ports(junction) > 4:
             return None
         hanging = [link for links in self.below.values() for link in links]
         return next((link for link in hanging if junction.name in link.targets), None)
 
-    def ports(self, junction: Junction) -> int:
+    def ports(self, junction: Link) -> int:
         """Return how many pipes meet at a junction."""
-        return self.graph.feeds(junction) + len(junction.branches)
+        return len(self.graph.feeding(junction)) + len(junction.targets)
 
-    def splitter(self, junction: Junction, x: int, y: int, side: int) -> Body:
+    def splitter(self, junction: Link, x: int, y: int, side: int) -> Body:
         """Return the body of a splitter."""
         words = self.label(junction.name)[0]
         return splitter_body(junction.name, words, x, y, self.ports(junction), side)

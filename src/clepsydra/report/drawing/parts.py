@@ -126,7 +126,7 @@ def _words(scene: Scene, body: Body, x: float, y: float) -> list[str]:
 
 def _splitter(scene: Scene, body: Body, x: float, y: float) -> list[str]:
     junction = scene.graph.junction(body.name)
-    shares = {} if junction is None else {name: share for share, name in junction.branches}
+    shares = dict(zip(junction.targets, junction.shares, strict=True)) if junction else {}
     ways, parts = set(), []
     for pipe in scene.routes.pipes:
         for place, inner in ((0, 1), (-1, -2)):

@@ -22,7 +22,7 @@ from clepsydra.report.drawing.bodies import (
 )
 from clepsydra.report.drawing.control_functions import ControlFunction
 from clepsydra.report.drawing.control_placement import ControlPlacement
-from clepsydra.report.drawing.flow_graph import FlowGraph, Junction, Link
+from clepsydra.report.drawing.flow_graph import FlowGraph, Link
 from clepsydra.report.drawing.frame import Frame, Gap, Gaps, Labels
 
 
@@ -170,16 +170,17 @@ class Placement:
                 bodies.append(splitter)
         self.gaps.add(gap, -outward, *bodies, top=top - 2)
 
-    def _put_junction(self, junction: Junction) -> None:
-        feeding = [s for link in self.graph.feeding(junction) for s in link.sources]
-        lowest = self.frame.lowest(self.graph.leaves(junction.name)) or self.frame.lowest(feeding)
+    def _put_junction(self, junction: Link) -> None:
+        feeding = self.graph.feeding(junction)
+        sources = [source for link in feeding for source in link.sources]
+        lowest = self.frame.lowest(self.graph.ends(junction)) or self.frame.lowest(sources)
         gap, outward = self._gap_outside(lowest or self.graph.vessels[0])
         y = self.frame.top(lowest or self.graph.vessels[0]) - 2
         if junction.symbol == "splitter":
             body = self.frame.splitter(junction, 0, y, outward)
         else:
             words = self.label(junction.name)
-            body = delay_body(junction.name, y - 1, -outward, words, self.graph.feeds(junction))
+            body = delay_body(junction.name, y - 1, -outward, words, len(feeding))
         self.gaps.add(gap, -outward, body)
 
     def _put_loose(self, name: str) -> None:

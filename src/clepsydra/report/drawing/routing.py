@@ -128,7 +128,7 @@ class Routes:
     def _to_lay(self) -> Iterator[Pipe]:
         placement, graph = self.placement, self.placement.graph
         fixed = {name for name, _ in placement.fixed}
-        for link in graph.links:
+        for link in (*graph.links, *graph.junctions):
             name = link.name
             if placement.bodies[name].symbol == "stub":
                 continue
@@ -137,9 +137,6 @@ class Routes:
                     yield Pipe(name, source, name, ("side", "in"))
             for target in link.targets:
                 yield Pipe(name, name, target, ("out", "side" if link.submerged else "in"))
-        for junction in graph.junctions:
-            for _, target in junction.branches:
-                yield Pipe(junction.name, junction.name, target, ("out", "in"))
         for of, to in placement.signals:
             yield Pipe(of, of, to, ("signal", "signal"), "signal")
         tapped: dict[str, str] = {}

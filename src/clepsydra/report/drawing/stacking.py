@@ -38,12 +38,12 @@ def stack(graph: FlowGraph) -> dict[str, Seat]:
     """
     layer = graph.layers()
     column = _columns(graph, layer)
-    rows = max(layer.values(), default=0) + 1
+    layers = max(layer.values(), default=0) + 1
     width = max(column.values(), default=0) + 1
-    height = math.ceil(rows / math.ceil(rows / _MOST_ROWS))
+    height = math.ceil(layers / math.ceil(layers / _MOST_ROWS))
     cells = {}
     for tank in graph.vessels:
-        band, row = divmod(rows - 1 - layer[tank], height)
+        band, row = divmod(layers - 1 - layer[tank], height)
         cells[tank] = (band * width + column[tank], row)
     used = sorted({place for place, _ in cells.values()})
     most = _MOST_COLUMNS
@@ -51,24 +51,15 @@ def stack(graph: FlowGraph) -> dict[str, Seat]:
         most = _MOST_NEIGHBOURS + (len(used) == _MOST_NEIGHBOURS + 1)
     chunk = math.ceil(len(used) / math.ceil(len(used) / most)) if used else 1
     seats = {}
-    for tank, (place, row) in cells.items():
-        shelf, across = divmod(used.index(place), chunk)
+    for shelf, first in enumerate(range(0, len(used), chunk)):
+        places = used[first : first + chunk]
         # Every second shelf runs back, so that what joins two shelves is short.
-        across = chunk - 1 - across if shelf % 2 else across
-        seats[tank] = Seat(shelf, across, row)
-    return _closed_up(seats)
-
-
-def _closed_up(seats: dict[str, Seat]) -> dict[str, Seat]:
-    """Take out the rows and columns of a shelf that hold no tank."""
-    closed = {}
-    for shelf in {seat.shelf for seat in seats.values()}:
-        own = {tank: seat for tank, seat in seats.items() if seat.shelf == shelf}
-        rows = sorted({seat.row for seat in own.values()})
-        columns = sorted({seat.column for seat in own.values()})
-        for tank, seat in own.items():
-            closed[tank] = Seat(shelf, columns.index(seat.column), rows.index(seat.row))
-    return {tank: closed[tank] for tank in seats}
+        places = places[::-1] if shelf % 2 else places
+        own = {tank: cell for tank, cell in cells.items() if cell[0] in places}
+        rows = sorted({row for _, row in own.values()})
+        for tank, (place, row) in own.items():
+            seats[tank] = Seat(shelf, places.index(place), rows.index(row))
+    return {tank: seats[tank] for tank in graph.vessels}
 
 
 def _columns(graph: FlowGraph, layer: dict[str, int]) -> dict[str, int]:
@@ -101,15 +92,8 @@ def _columns(graph: FlowGraph, layer: dict[str, int]) -> dict[str, int]:
 
 def _beside(graph: FlowGraph) -> list[tuple[str, str]]:
     """Return the pairs of tanks that want to be neighbours: joined, or one fed from the other."""
-    pumped = [
-        (source, end)
-        for link in graph.links
-        if not link.submerged
-        for source in link.sources
-        for end in graph.ends(link)
-        if source in graph.vessels and end in graph.vessels
-    ]
-    return [*graph.neighbours(), *pumped]
+    fed = graph.pairs(link for link in graph.links if not link.submerged)
+    return [*graph.neighbours(), *fed]
 
 
 def _in_a_line(tanks: list[str], pairs: Iterable[tuple[str, str]]) -> list[str]:
@@ -132,9 +116,5 @@ def _in_a_line(tanks: list[str], pairs: Iterable[tuple[str, str]]) -> list[str]:
 
     # Begin at the ends of chains, and there where nothing comes in.
     for tank in sorted(tanks, key=lambda t: (len(set(beside[t])) > 1, entered[t] > 0)):
-        if tank not in order and (len(set(beside[tank])) <= 1 or not order):
-            walk(tank)
-    for tank in tanks:
         walk(tank)
-    # Tanks without any partner keep the order of the file.
-    return order if any(beside.values()) else list(tanks)
+    return order
