@@ -239,6 +239,6 @@ def test_a_plant_is_studied_in_a_screen_and_exported(name, tmp_path, monkeypatch
             console.print(study)
         lines = [line.rstrip() for line in shown.get().splitlines()]
         assert len(lines) <= 24 and max(map(len, lines)) <= columns
-        assert any(line.startswith("settings, ISA form") for line in lines)
+        assert any(line.startswith("ISA settings, ") for line in lines)
     written = cl.export(study.recommended.controller, study.plant, tmp_path, to="st")
     assert all(path.stat().st_size for path in written.files)

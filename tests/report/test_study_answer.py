@@ -54,15 +54,22 @@ def test_the_settings_of_the_recommended_stand_in_units_of_the_file_and_in_perce
     (row,) = (line for line in lines if line.startswith("level_1 by pump_1"))
     values = result.ranking[0].controller.values
     gain, time = values["level_1.proportional_gain"], values["level_1.integral_time"]
-    assert row.split()[3:] == [
-        f"{gain:.2f}",
-        "V/V",
-        f"{gain:.2f}",
-        f"{time:.1f}",
-        "s",
-        "1",
-        "reverse",
+    assert row.split()[3:] == [f"{gain:.2f}", "V/V", f"{gain:.2f}", f"{time:.1f}", "s", "1"]
+    assert any(line.startswith("ISA settings, reverse action ") for line in lines)
+
+
+def test_loops_that_act_in_different_ways_each_say_how(result):
+    first = result.ranking[0]
+    values = first.controller.values
+    turned = {**values, "level_2.proportional_gain": -values["level_2.proportional_gain"]}
+    mixed = replace(first, controller=replace(first.controller, values=turned))
+    rows = [
+        line.split()
+        for line in screen(replace(result, ranking=(mixed,)), 80)
+        if re.match("level_. by pump", line)
     ]
+    assert [row[-1] for row in rows] == ["reverse", "direct"]
+    assert rows[1][3] == f"{values['level_2.proportional_gain']:.2f}"  # without its sign
 
 
 def test_an_error_is_told_beside_that_of_the_first(result):

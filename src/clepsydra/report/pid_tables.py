@@ -72,7 +72,7 @@ def settings_table(controller: Controller, process: Process) -> Table | None:
     ('level_1 by pump_1', '3.00 V/V', '3.00', '32.0 s', '1', 'reverse')
     """
     loops = _loops(controller, process)
-    head = ("settings, ISA form", "K", "K [%/%]", "Ti", "Td", "b", "action")
+    head = ("ISA settings", "K", "K [%/%]", "Ti", "Td", "b", "action")
     return told_table(head, [loop.row() for loop in loops]) if loops else None
 
 

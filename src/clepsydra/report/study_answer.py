@@ -115,13 +115,23 @@ def advised(result: StudyResult, advice: Recommendation) -> list[Line | Table | 
     words = performance_words(process, simplest)
     said = [f"It {words}."] if words else []
     parts.append(Line(" ".join([*said, trust_sentence(simplest)])))
-    settings = [found(simplest.controller, process) for found in (settings_table, added_table)]
+    loops = settings_table(simplest.controller, process)
+    settings = [loops and _action_once(loops), added_table(simplest.controller, process)]
     tables = [first_rows(each, _SETTINGS, _MORE) for each in settings if each is not None]
     parts += [_EMPTY, *tables] if tables else []
     parts += watch_lines(result, simplest)
     if best is not simplest:
         parts.append(Line(better_words(advice)))
     return parts
+
+
+def _action_once(settings: Table) -> Table:
+    """Return settings with the action of all loops in the head, where it is the same."""
+    actions = {row[-1] for row in settings.rows}
+    if settings.head[-1] != "action" or len(actions) > 1:
+        return settings
+    head = (f"ISA settings, {actions.pop()} action", *settings.head[1:-1])
+    return replace(settings, head=head, rows=tuple(row[:-1] for row in settings.rows))
 
 
 def better_words(advice: Recommendation) -> str:
@@ -169,7 +179,7 @@ def _rest(result: StudyResult, every: bool, why: bool, refused: bool, columns: s
     left = [f"{more} more rows" if columns else f"{more} more"] if more > 0 else []
     left += [columns if left else f"{columns} more"] if columns else []
     said = [f"{', '.join(left)}: --all"] if left and not every else []
-    said += ["reasons, terms: --why"] if result.ranking and not why else []
+    said += ["order, terms: --why"] if result.ranking and not why else []
     count = len(result.not_applicable)
     apply = "does not apply" if count == 1 else "do not apply"
     said += [f"{count} {apply}: --refused"] if count and not refused else []
