@@ -12,7 +12,6 @@ from clepsydra.report.drawing.bodies import (
     relay_body,
 )
 from clepsydra.report.drawing.control_functions import ControlFunction
-from clepsydra.report.drawing.flow_graph import Instrument
 from clepsydra.report.drawing.frame import Frame, Gap, Gaps
 
 #: From a transmitter up to its controller, in lines of the grid.
@@ -43,50 +42,38 @@ class ControlPlacement:
             )
         ]
 
-    def seat_instruments(self) -> None:
-        """Put transmitters of tanks beside them."""
-        for number, instrument in enumerate(self.frame.graph.instruments):
-            tank = instrument.seat
-            if tank not in self.frame.seats:
-                continue
-            earlier = [i for i in self.frame.graph.instruments[:number] if i.seat == tank]
-            side = self.frame.inner(tank) * (1 if len(earlier) % 2 == 0 else -1)
-            y = self.frame.top(tank) + (1 if self.frame.low(tank) else 4)
-            self._add(instrument, self.frame.beside(tank, side), -side, y, 1)
+    def put_instruments(self) -> None:
+        """Put transmitters beside their tanks, and flow meters beside what they measure."""
+        frame, instruments = self.frame, self.frame.graph.instruments
+        seats = [instrument.seat for instrument in instruments]
+        for number, instrument in enumerate(instruments):
+            seat, distance = instrument.seat, 2
+            item = self.gaps.item_of(seat)
+            if seat in frame.seats:
+                out = frame.inner(seat) * (-1) ** seats[:number].count(seat)
+                gap, side, distance = frame.beside(seat, out), -out, 1
+                y = frame.top(seat) + (1 if frame.low(seat) else 4)
+            elif item is not None:
+                body = self.gaps.bodies[seat]
+                gap, side, y = item.gap, item.side, body.y - 4 * body.across
+            else:
+                gap, side, y = self._at_tank(seat)
+            name = instrument.name
+            bodies = [instrument_body(name, y, frame.label(name))]
+            own = next((f for f in self.functions if frame.graph.owner(f.at) == name), None)
+            if own is not None:
+                bodies.append(self._controller(own, y - _ABOVE))
+            self.gaps.add(gap, side, *bodies, distance=distance)
 
-    def put_meters(self) -> None:
-        """Put a flow meter beside what it measures."""
-        for instrument in self.frame.graph.instruments:
-            if instrument.seat in self.frame.seats:
-                continue
-            item = self.gaps.item_of(instrument.seat)
-            if item is not None:
-                body = next(b for b in item.bodies if b.name == instrument.seat)
-                y = body.y - 4 if body.across else body.y
-                self._add(instrument, item.gap, item.side, y, 2)
-                continue
-            tank, side = self._above(instrument.seat)
-            y = self.frame.top(tank) + TANK_ROWS + 2
-            for link in (link for link in self.frame.graph.links if link.name == instrument.seat):
-                if not link.sources:
-                    # It runs in over the rim.
-                    side, y = self.frame.inner(link.targets[0]), self.frame.top(link.targets[0]) - 6
-                    tank = link.targets[0]
-            self._add(instrument, self.frame.beside(tank, side), -side, y, 2)
-
-    def _above(self, name: str) -> tuple[str, int]:
-        """Return the tank from which something hangs, and the side where its words are not."""
-        tanks = [tank for tank, links in self.frame.below.items() for k in links if k.name == name]
-        tank = tanks[0] if tanks else self.frame.graph.vessels[0]
-        return tank, -self.frame.inner(tank)
-
-    def _add(self, instrument: Instrument, gap: Gap, side: int, y: int, distance: int) -> None:
-        name = instrument.name
-        bodies = [instrument_body(name, y, self.frame.label(name))]
-        own = next((f for f in self.functions if self.frame.graph.owner(f.at) == name), None)
-        if own is not None:
-            bodies.append(self._controller(own, y - _ABOVE))
-        self.gaps.add(gap, side, *bodies, distance=distance)
+    def _at_tank(self, name: str) -> tuple[Gap, int, int]:
+        """Return gap, side and row for what belongs to a link below a tank, or over its rim."""
+        frame = self.frame
+        link = next((link for link in frame.graph.links if link.name == name), None)
+        tank = frame.graph.vessels[0] if link is None else (*link.sources, *link.targets)[0]
+        out, y = -frame.inner(tank), frame.top(tank) + TANK_ROWS + 2
+        if link is not None and not link.sources:
+            out, y = -out, frame.top(tank) - 6
+        return frame.beside(tank, out), -out, y
 
     def _controller(self, function: ControlFunction, y: int) -> Body:
         label = "".join(self.frame.labels.get(function.name, ()))
@@ -97,20 +84,18 @@ class ControlPlacement:
         for function in reversed(self.functions):
             if function.name in self.gaps.bodies:
                 continue
+            if not function.sign:
+                gap = self._between(function)
+                body = self._controller(function, self.frame.pump_rows[gap[0]])
+                self.gaps.add(gap, -1, body, distance=2)
+                continue
             after = [self.gaps.item_of(to) for of, to in self.signals if of == function.name]
             item = next((item for item in after if item), None)
-            if function.sign:
-                if item is not None:
-                    gap, side, y = item.gap, item.side, item.bodies[0].y - _ABOVE
-                else:
-                    tank, side = self._above(next(iter(function.gives), ""))
-                    gap, side = self.frame.beside(tank, side), -side
-                    y = self.frame.top(tank) + TANK_ROWS
-                self.gaps.add(gap, side, relay_body(function.name, y), distance=2)
-                continue
-            gap = self._between(function)
-            y = self.frame.pump_rows[gap[0]]
-            self.gaps.add(gap, -1, self._controller(function, y), distance=2)
+            if item is not None:
+                gap, side, y = item.gap, item.side, item.bodies[0].y - _ABOVE
+            else:
+                gap, side, y = self._at_tank(next(iter(function.gives), ""))
+            self.gaps.add(gap, side, relay_body(function.name, y), distance=2)
 
     def _between(self, function: ControlFunction) -> Gap:
         """Return the gap in the middle of the transmitters that a controller reads."""

@@ -78,7 +78,6 @@ class Placement:
         control = ControlPlacement(self.frame, self.gaps, functions)
         self.signals = control.signals
         # Rows first, then what stands in the gaps, then the columns.
-        control.seat_instruments()
         hanging = [own for links in self.frame.below.values() for own in links]
         for link in graph.links:
             if link not in (*self.stubs.values(), *hanging):
@@ -88,7 +87,7 @@ class Placement:
                 self._put_junction(junction)
         for name in graph.loose:
             self._put_loose(name)
-        control.put_meters()
+        control.put_instruments()
         control.put_functions()
         self._set_columns()
 
