@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
@@ -170,31 +171,27 @@ class _Reader:
         self.sources[value] = [(name, False)]
 
     def _connect(self) -> None:
-        readers: dict[Port, set[int]] = {}
-        for port, sources in self.read.items():
-            for source in sources:
-                if isinstance(source, Port):
-                    readers.setdefault(source, set()).add(port.box)
-        crowded = {s for s, found in readers.items() if not s.real and len(found) > _MOST_READERS}
-        wired = [
+        pairs = [
             (source, port)
             for port, sources in self.read.items()
             for source in sources
-            if isinstance(source, Port) and source not in crowded
+            if isinstance(source, Port)
         ]
-        self._arrange(wired)
+        readers: defaultdict[Port, set[int]] = defaultdict(set)
+        for source, port in pairs:
+            readers[source].add(port.box)
+        crowded = {s for s, found in readers.items() if not s.real and len(found) > _MOST_READERS}
+        self._arrange([pair for pair in pairs if pair[0] not in crowded])
         for port, sources in self.read.items():
             names = [source[0] for source in sources if not isinstance(source, Port)]
             port.names += sorted(names, key=lambda name: name not in self.kept)
-            to = self.boxes[port.box]
-            for source in sources:
-                if isinstance(source, Port):
-                    of = self.boxes[source.box]
-                    near = of.band == to.band and to.column - of.column <= _REACH[source.real]
-                    if near and source not in crowded:
-                        port.wires.append(source)
-                    else:
-                        port.names.append(self._name(source))
+        for source, port in pairs:
+            of, to = self.boxes[source.box], self.boxes[port.box]
+            near = of.band == to.band and to.column - of.column <= _REACH[source.real]
+            if near and source not in crowded:
+                port.wires.append(source)
+            else:
+                port.names.append(self._name(source))
 
     def _arrange(self, wired: list[tuple[Port, Port]]) -> None:
         """Give every box a column behind what it reads, as near to its readers as can be."""

@@ -140,19 +140,14 @@ class Body:
                 pin.way = (-pin.way[0], pin.way[1])
         return self
 
-    def free(self, role: str) -> list[Pin]:
-        """Return the pins of a role that no pipe has taken."""
-        return [pin for pin in self._pins(role) if not pin.used]
-
-    def taken(self, role: str) -> list[Pin]:
-        """Return the pins of a role that a pipe has taken."""
-        return [pin for pin in self._pins(role) if pin.used]
-
-    def _pins(self, role: str) -> list[Pin]:
+    def free(self, role: str, *, taken: bool = False) -> list[Pin]:
+        """Return the pins of a role that no pipe has; where all are taken, these if asked."""
         roles = (role, "line" if role in ("signal", "tap") else "both")
         found = [pin for pin in self.pins if pin.role in roles]
-        # What has no place for a signal of its own takes it where it takes a pipe.
-        return found if found or role not in ("signal", "tap") else self.pins
+        if not found and role in ("signal", "tap"):
+            # What has no place for a signal of its own takes it where it takes a pipe.
+            found = self.pins
+        return [pin for pin in found if not pin.used] or (found if taken else [])
 
 
 def direction(one: tuple[float, float], other: tuple[float, float]) -> Point:

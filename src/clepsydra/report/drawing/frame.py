@@ -54,10 +54,9 @@ class Frame:
     def __init__(self, graph: FlowGraph, labels: Labels, slack: int) -> None:
         self.graph, self.labels = graph, labels
         self.seats = stack(graph)
-        self.columns = {
-            shelf: 1 + max(seat.column for seat in self.seats.values() if seat.shelf == shelf)
-            for shelf in {seat.shelf for seat in self.seats.values()}
-        }
+        self.columns: dict[int, int] = {}
+        for seat in self.seats.values():
+            self.columns[seat.shelf] = max(self.columns.get(seat.shelf, 0), 1 + seat.column)
         self.below: dict[str, list[Link]] = {}
         for link in graph.links:
             ends = not link.targets and link.symbol == "flow"

@@ -127,21 +127,6 @@ def _words(scene: Scene, body: Body, x: float, y: float) -> list[str]:
 def _splitter(scene: Scene, body: Body, x: float, y: float) -> list[str]:
     junction = scene.graph.junction(body.name)
     shares = dict(zip(junction.targets, junction.shares, strict=True)) if junction else {}
-    ways, parts = set(), []
-    for pipe in scene.routes.pipes:
-        for place, inner in ((0, 1), (-1, -2)):
-            here, there = pipe.points[place], pipe.points[inner]
-            if here != (body.x, body.y):
-                continue
-            way = direction(here, there)
-            ways.add(way)
-            share = shares.get(pipe.end)
-            if place == 0 and pipe.line == body.name and share is not None:
-                dx, dy = _SHARE[way]
-                # Beside the words of the splitter, or on the other side of an upright pipe.
-                dx = -dx if way == (0, body.side) else dx
-                words = f"{short_text(100 * share)} %"
-                parts.append(text(x + dx, y + dy, words, "start" if dx > 0 else "end", "small"))
     words = ", ".join(f"{100 * share:g} %" for share in shares.values() if share is not None)
     title = f"{scene.elements[body.name].kind} {body.name}: {words}"
     label = scene.labels[body.name][0]
@@ -150,14 +135,25 @@ def _splitter(scene: Scene, body: Body, x: float, y: float) -> list[str]:
         below = text(x + half + 5, y + 4, label, "start", "small", MUTED)
         return [titled(title, box((x - half, x + half), (y - 5, y + 5), rounded=5)), below]
     anchor = "end" if body.side < 0 else "start"
-    below = text(x + 17 * body.side, y + 18, label, anchor, "small", MUTED)
+    parts = [text(x + 17 * body.side, y + 18, label, anchor, "small", MUTED)]
+    pipes = [pipe for pipe in scene.routes.pipes if pipe.kind == "pipe"]
+    ways = {direction(*pipe.points[:-3:-1]) for pipe in pipes if pipe.end == body.name}
+    for pipe in (pipe for pipe in pipes if pipe.source == body.name):
+        way, share = direction(*pipe.points[:2]), shares[pipe.end]
+        ways.add(way)
+        if share is not None:
+            dx, dy = _SHARE[way]
+            # Beside the words of the splitter, or on the other side of an upright pipe.
+            dx = -dx if way == (0, body.side) else dx
+            anchor = "start" if dx > 0 else "end"
+            parts.append(text(x + dx, y + dy, f"{short_text(100 * share)} %", anchor, "small"))
     # One triangle for each pipe, pointing at the middle.
     corners = (
         [(0, 0), *((12 * dx + 7 * side * dy, 12 * dy + 7 * side * dx) for side in (-1, 1))]
         for dx, dy in sorted(ways)
     )
     valve = path("".join(map(polygon, corners)), fill=PAPER)
-    return [titled(title, valve, moved=f"translate({x:g} {y:g})"), below, *parts]
+    return [titled(title, valve, moved=f"translate({x:g} {y:g})"), *parts]
 
 
 _QUANTITIES = {"L": "the level", "A": "a concentration", "F": "the flow"}

@@ -7,6 +7,7 @@ by side.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
 
 from clepsydra.report.drawing.bodies import (
@@ -68,7 +69,8 @@ class Placement:
         self.basin_rows, self.width, self.height = self.frame.basin_rows, 0, self.frame.height
         self.bodies: dict[str, Body] = {}
         self.fixed: list[tuple[str, list[Point]]] = []
-        self.followed: set[str] = set()
+        #: Junctions that stand neither below a tank nor above what feeds them.
+        self.apart = [each for each in graph.junctions if not self.frame.falls_into(each)]
         self.left_and_right: dict[int, int] = {}
         #: What comes from outside straight into a tank, one for each.
         self.stubs: dict[str, Link] = {}
@@ -82,9 +84,8 @@ class Placement:
         for link in graph.links:
             if link not in (*self.stubs.values(), *hanging):
                 self._put_link(link)
-        for junction in graph.junctions:
-            if junction.name not in self.followed and not self.frame.falls_into(junction):
-                self._put_junction(junction)
+        for junction in self.apart:
+            self._put_junction(junction)
         for name in graph.loose:
             self._put_loose(name)
         control.put_instruments()
@@ -93,11 +94,7 @@ class Placement:
 
     def shelf_of(self, name: str) -> int:
         """Return the shelf at which a body stands."""
-        y = self.bodies[name].y
-        return next(
-            (shelf for shelf, row in enumerate(self.basin_rows) if y <= row),
-            len(self.basin_rows) - 1,
-        )
+        return min(bisect_left(self.basin_rows, self.bodies[name].y), len(self.basin_rows) - 1)
 
     # What stands in gaps
 
@@ -124,7 +121,7 @@ class Placement:
         source, target = self.seats[link.sources[0]], self.seats[link.targets[0]]
         right = target.column > source.column if target.shelf == source.shelf else True
         gap = self.frame.beside(link.sources[0], 1 if right else -1)
-        level = len([i for i in self.gaps.items if i.gap == gap and i.bodies[0].across])
+        level = sum(i.gap == gap and i.bodies[0].across for i in self.gaps.items)
         y = self.frame.top(link.sources[0]) + TANK_ROWS - 1 + 4 * level
         body = level_body(link.name, link.symbol, y, self.label(link.name))
         self.gaps.add(gap, -1 if right else 1, body)
@@ -157,15 +154,10 @@ class Placement:
             y = top + 2
         bodies = [upright_body(link.name, link.symbol, y, self.label(link.name), outward)]
         junction = self.graph.junction(link.targets[0]) if len(link.targets) == 1 else None
-        if (
-            junction
-            and junction.symbol == "splitter"
-            and junction.name not in self.followed
-            and not self.frame.falls_into(junction)
-        ):
+        if junction in self.apart and junction.symbol == "splitter":
             splitter = self.frame.splitter(junction, 0, top - 2, outward)
             if splitter.symbol == "splitter":
-                self.followed.add(junction.name)
+                self.apart.remove(junction)
                 bodies.append(splitter)
         self.gaps.add(gap, -outward, *bodies, top=top - 2)
 

@@ -189,7 +189,7 @@ class Routes:
         """Return where a line may end at a body, or at the surface of a reservoir."""
         body = self.placement.bodies.get(name)
         if body is not None:
-            return body.free(role) or (body.taken(role) if self.through else [])
+            return body.free(role, taken=self.through)
         row, uses = self.placement.basin_rows[shelf], self.basin_uses
         # Reservoirs beside each other need room for their names.
         room = {n: 1 if n == name else 3 + (len(n) + len(name)) * 9 // 32 for _, _, n in uses}
