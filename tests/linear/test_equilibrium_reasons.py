@@ -108,7 +108,8 @@ def test_a_gain_without_its_percent_is_shown_on_its_line(tmp_path):
 )
 def test_an_operating_point_without_room_is_warned_of(tmp_path, edit, words):
     plant = plant_of(tmp_path, STATION, edit)
-    assert plant.point.warnings == (words,)
+    (said,) = plant.point.warnings
+    assert said.startswith(f"{words}; move the operating point")
     assert f"! {words}" in " ".join(str(cl.analyse(plant)).split())
     assert plant_of(tmp_path, STATION).point.warnings == ()
 

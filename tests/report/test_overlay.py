@@ -8,9 +8,9 @@ from flow_cascade import flow_cascade
 
 import clepsydra as cl
 from clepsydra.loop.scenario import Segment
+from clepsydra.report.figures import figures_of
 from clepsydra.report.overlay import event_title, event_windows, overlay_data, shown_signals
 from clepsydra.report.overlay_picture import overlay_figure
-from clepsydra.report.score_tables import figures_of
 
 DRUM = Path(__file__).parents[2] / "docs" / "examples" / "surge-drum.toml"
 

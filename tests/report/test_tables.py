@@ -11,12 +11,11 @@ import clepsydra as cl
 from clepsydra import Signal
 from clepsydra.report.analysis_page import analysis_answer
 from clepsydra.report.analysis_tables import relative_gain_grid, roots_grid, static_gain_grid
+from clepsydra.report.figures import figures_of, performance_words
 from clepsydra.report.html import report_text
 from clepsydra.report.law_tables import parameter_tables, status_words
 from clepsydra.report.score_tables import (
-    figures_of,
     glossary,
-    performance_words,
     reasons,
     score_tables,
     tuning_grid,

@@ -162,7 +162,8 @@ def warnings_of_inputs(point: OperatingPoint) -> list[str]:
     >>> from clepsydra.process.reader import load_process
     >>> warnings_of_inputs(find_equilibrium(load_process("quadruple-tank"), {"pump_1": 0.2}))
     ['pump_1 rests at 0.2 V, close to the end of its range at 0 V, where a controller can hardly \
-lower it: it gives 0.666 cm^3/s of at most 33.3 cm^3/s']
+lower it: it gives 0.666 cm^3/s of at most 33.3 cm^3/s; move the operating point, or give it \
+another size']
     """
     found = []
     for signal, value in zip(point.process.inputs, point.inputs, strict=True):
@@ -181,5 +182,6 @@ lower it: it gives 0.666 cm^3/s of at most 33.3 cm^3/s']
             words += (
                 f": it gives {flow.shown(flow.at(share))} of at most {flow.shown(flow.at(1.0))}"
             )
-        found.append(f"{signal.name} rests at {shown(signal, value)}, {words}")
+        remedy = "move the operating point, or give it another size"
+        found.append(f"{signal.name} rests at {shown(signal, value)}, {words}; {remedy}")
     return found

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-
-import numpy as np
+from collections.abc import Sequence
 
 from clepsydra.base.section import Line, Mark, Table, marked
-from clepsydra.base.words import listed
 from clepsydra.designs.slowing_down import SLOWED_WORDS
-from clepsydra.process.averaging import band_text
 from clepsydra.process.process import Process
 from clepsydra.report.facts import DIGITS
+from clepsydra.report.figures import figures_of, time_or_never
 from clepsydra.report.pid_tables import SETTINGS_WORDS
 from clepsydra.report.quantities import (
     DEVIATION,
@@ -23,14 +19,10 @@ from clepsydra.report.quantities import (
     number_text,
     quantity_text,
     settled,
-    shown_signal,
-    time_cell,
     unit_text,
 )
-from clepsydra.scores.band import TIME_OUTSIDE
 from clepsydra.scores.score import SCORES, Of, Score, in_sentence
-from clepsydra.scores.score_key import by_signal, score_key
-from clepsydra.studies.departure import departures
+from clepsydra.scores.score_key import score_key
 from clepsydra.studies.ranking import RULE
 from clepsydra.studies.ranking_words import IDLE
 from clepsydra.studies.result import Candidate, Standing, StudyResult
@@ -72,6 +64,10 @@ _COLUMNS_NOTE = (
     "much. Max|S| is the peak of the sensitivity at the controlled measurements; inner loops and "
     "manipulated variables have theirs with the controller."
 )
+_AVERAGING_NOTE = (
+    "A level that averages is meant to move: how it settles, deviates and overshoots is with the "
+    "controller in the report. "
+)
 
 
 def ranking_notes(result: StudyResult) -> tuple[Line, ...]:
@@ -83,7 +79,8 @@ def ranking_notes(result: StudyResult) -> tuple[Line, ...]:
     ]
     if any(each.controller.slowed > 1.0 for each in result.ranking):
         columns.insert(0, ("slowed", SLOWED_WORDS))
-    words = f"{_COLUMNS_NOTE} Order: {result.rule or RULE}"
+    averaging = _AVERAGING_NOTE if result.process.averaging else ""
+    words = f"{averaging}{_COLUMNS_NOTE} Order: {result.rule or RULE}"
     said = (f"{title.capitalize()}: {in_sentence(meaning)}" for title, meaning in columns)
     return marked(Mark.POINT, (*said, *re.split(r"(?<=\.) (?=[A-Z])", words), SETTINGS_WORDS))
 
@@ -167,7 +164,7 @@ def score_text(
     """
     power, power_of_time = score.powers
     if not score.unit and not power:
-        shown, _, unit = _time(process, name, value).partition(" ")
+        shown, _, unit = time_or_never(process, name, value).partition(" ")
         return shown, unit
     if score.unit:
         if score.unit in _OF_WHOLE:
@@ -225,167 +222,3 @@ def tuning_grid(tuning: TuningResult, process: Process, duration: float = 0.0) -
             reached = (quantity_text(process.signal(signal), each) for each in (before, value))
             rows.append((f"{name.capitalize()} {signal}", *reached))
     return Table("Tuned by simulation", ("", "start", "tuned"), tuple(rows))
-
-
-@dataclass(frozen=True)
-class Figure:
-    """One number that says how good a controller is.
-
-    Parameters
-    ----------
-    score : str
-        The key of the score, of which the worst signal counts.
-    title : str
-        Of a column.
-    sentence : str
-        With the number in braces, and the signal.
-    text : callable
-        Process, signal and value [SI] to the number with its unit, as a sentence has it.
-    endless : str
-        What is said in the place of the sentence where the value has no end.
-    held : bool
-        Whether it judges how a setpoint is held, and so no level that averages: that is meant to
-        move, and a step of its setpoint, which nobody makes, says nothing of the flow.
-    """
-
-    score: str
-    title: str
-    sentence: str
-    text: Callable[[Process, str, float], str]
-    endless: str = ""
-    held: bool = False
-
-    def compared(self, process: Process, name: str, value: float) -> float:
-        """Return what signals of different units are compared by: a share of the range, if any."""
-        in_its_unit = SCORES[self.score].powers == (1, 0)
-        return value / process.signal(name).span if in_its_unit else value
-
-    def worst(self, process: Process, candidate: Candidate) -> tuple[str, float] | None:
-        """Return the signal that is worst beside its range, and its value [SI]; None for none."""
-        told = by_signal(candidate.scores, self.score)
-        unasked = process.averaging if self.held else ()
-        found = {
-            name: value
-            for name, value in told.items()
-            if name not in unasked and not math.isnan(value)
-        }
-        if not found or (self.score in _OF_SWITCHES and candidate.controller.setpoints):
-            return None
-        if self.score == TIME_OUTSIDE.key and not departures(process, candidate.scores):
-            return None
-        name = max(found, key=lambda each: self.compared(process, each, found[each]))
-        return name, found[name]
-
-    def cell(self, process: Process, candidate: Candidate) -> str:
-        """Return the number in a unit that all signals share; a dash for none, or for nothing."""
-        worst = self.worst(process, candidate)
-        if worst is None or not worst[1]:
-            return "–"
-        shared = SCORES[self.score].powers != (1, 0) or not process.signal(worst[0]).has_range
-        return self.text(process, *worst) if shared else _of_range(process, *worst)
-
-    def words(self, process: Process, candidate: Candidate) -> str:
-        """Return the number in a clause; empty for none, and where it is nothing."""
-        worst = self.worst(process, candidate)
-        if worst is None or not worst[1]:
-            return ""
-        if math.isinf(worst[1]):
-            return self.endless
-        return self.sentence.format(self.text(process, *worst), signal=worst[0])
-
-
-def _time(process: Process, name: str, value: float) -> str:
-    return "never" if math.isinf(value) else time_cell(value)
-
-
-def _deviation(process: Process, name: str, value: float) -> str:
-    """Return a deviation of a measurement as one of the level that it measures, and of the range.
-
-    The ranking has the latter, since its rows may tell of signals of different units.
-    """
-    value = settled(value, DEVIATION * process.signal(name).span)
-    signal, gain = shown_signal(process, name)
-    unit = unit_text(signal.shown_unit)
-    words = f"{number_text(value / abs(gain) * display_factor(signal), 2)} {unit}".strip()
-    share = _of_range(process, name, value)
-    return words if words == share else f"{words} ({share} of range)"
-
-
-def _of_range(process: Process, name: str, value: float) -> str:
-    return f"{number_text(100.0 * value / process.signal(name).span, 2)} %"
-
-
-def _percent(process: Process, name: str, value: float) -> str:
-    return f"{settled(value, 100.0 * DEVIATION):.0f} %".replace("-0 %", "0 %").replace("-", "−")
-
-
-def _plain(unit: str) -> Callable[[Process, str, float], str]:
-    return lambda process, name, value: f"{number_text(value, 2)} {unit}".strip()
-
-
-#: What says something of controllers that switch, and have no setpoint.
-_OF_SWITCHES = ("starts_per_hour",)
-#: What an engineer asks first.
-_FIGURES = (
-    Figure(
-        "settling_time", "settles", "settles in {}", _time, "does not settle within the run",
-        held=True,
-    ),
-    Figure(
-        "peak_deviation", "deviates", "holds {signal} to ±{} under load", _deviation, held=True
-    ),
-    Figure(
-        "outflow_rate", "outflow changes", "changes the outflow by at most {}",
-        _plain("m³/h per h"),
-    ),
-    Figure("volume_used", "tank used", "uses {} of the tank", _percent),
-    Figure(TIME_OUTSIDE.key, "outside band", "", _time),
-    Figure("starts_per_hour", "starts", "starts {signal} {}", _plain("times/h")),
-    Figure("noise_movement", "noise", "lets noise move {signal} by {} of its range", _of_range),
-    Figure("overshoot", "overshoot", "", _percent, held=True),
-)  # fmt: skip
-
-
-def figures_of(process: Process) -> list[Figure]:
-    """Return what counts for a process: of one whose levels average, what they do to the outflow.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> [figure.title for figure in figures_of(load_process("equalisation-tank"))]
-    ['outflow changes', 'tank used', 'starts', 'noise']
-    """
-    averages_only = set(process.controlled) <= set(process.averaging)
-    unasked = set() if process.bands else {TIME_OUTSIDE.key}
-    return [
-        figure
-        for figure in _FIGURES
-        if figure.score not in unasked and not (figure.held and averages_only)
-    ]
-
-
-def _within_bands(candidate: Candidate) -> list[str]:
-    """Return between which values loads move each level that has a band."""
-    run, said = candidate.run, []
-    for name in run.process.bands:
-        level, period = run.true_measurement(name), run.scenario.sampling_period
-        parts = [
-            level[round(part.start / period) : round(part.stop / period) + 1]
-            for part in run.scenario.segments
-            if part.kind == "load"
-        ]
-        if parts:
-            ends = [float(find(np.concatenate(parts))) for find in (np.min, np.max)]
-            signal = run.process.signal(name)
-            used, allowed = band_text(signal, ends, 2), band_text(signal, run.process.bands[name])
-            said.append(f"holds {name} within {used} (band {allowed})")
-    return said
-
-
-def performance_words(process: Process, candidate: Candidate) -> str:
-    """Return how good a controller is, as what follows its name in a sentence."""
-    said = []
-    for figure in figures_of(process):
-        within = _within_bands(candidate) if figure.score == "volume_used" else []
-        said += within or [figure.words(process, candidate)]
-    return listed([words for words in said if words])

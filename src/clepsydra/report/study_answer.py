@@ -13,16 +13,11 @@ from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT
 from clepsydra.process.process import Process
 from clepsydra.report.analysis_tables import margin_table
 from clepsydra.report.facts import first_rows, told_table
+from clepsydra.report.figures import figures_of, performance_words
 from clepsydra.report.pid_tables import settings_table
 from clepsydra.report.quantities import number_text, time_cell
 from clepsydra.report.scheme_tables import added_table
-from clepsydra.report.score_tables import (
-    figures_of,
-    performance_words,
-    ranking_notes,
-    reasons,
-    standing_word,
-)
+from clepsydra.report.score_tables import ranking_notes, reasons, standing_word
 from clepsydra.scores.score import in_sentence
 from clepsydra.studies.ranking import QUIET
 from clepsydra.studies.ranking_words import TIE, trust_sentence

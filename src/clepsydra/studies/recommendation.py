@@ -159,7 +159,11 @@ def with_remedy(words: str) -> str:
     'pump_1 winds up; choose another form.'
     """
     remedy = words.rpartition("; ")[2] if "; " in words else ""
-    return f"{first_clause(words).rstrip('.')}; {remedy}" if remedy else first_clause(words)
+    return (
+        f"{first_clause(words).rstrip('.')}; {remedy.rstrip('.')}."
+        if remedy
+        else first_clause(words)
+    )
 
 
 def first_clause(words: str) -> str:

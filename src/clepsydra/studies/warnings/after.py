@@ -40,7 +40,8 @@ def run_warnings(run: Run) -> tuple[str, ...]:
     >>> plant = cl.load("quadruple-tank")
     >>> fast = cl.design.simc(plant).with_values({"level_1": {"K": 50.0}})
     >>> print(*run_warnings(cl.simulate(plant, fast)))
-    pump_1 stands at a limit for 35 % of the time, mostly at 0 V: nothing is corrected meanwhile.
+    pump_1 stands at a limit for 35 % of the time, mostly at 0 V: nothing is corrected meanwhile; \
+ask for less, or give it another size.
     """
     return (
         *(each.sentence for each in (*harms(run), *emptied(run))),
@@ -125,14 +126,12 @@ def _saturated(run: Run) -> list[str]:
         share, mostly_low = _share_at_limit(run.values[signal.name], low, high)
         shares[signal.name] = share
         if share > _SATURATED:
-            effect = "nothing is corrected meanwhile"
-            if share > _MOSTLY:
-                effect = (
-                    "nothing is controlled for most of it; ask for less, or give it another size"
-                )
+            mostly = share > _MOSTLY
+            effect = "controlled for most of it" if mostly else "corrected meanwhile"
             words.append(
                 f"{signal.name} stands at a limit for {100 * share:.0f} % of the time, mostly at "
-                f"{shown(low if mostly_low else high, signal)}: {effect}."
+                f"{shown(low if mostly_low else high, signal)}: nothing is {effect}; ask for less, "
+                "or give it another size."
             )
     if any(shares[name] > 0.0 for name in run.controller.manipulated):
         words += [
