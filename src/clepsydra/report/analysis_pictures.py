@@ -66,7 +66,7 @@ def bode_figure(analysis: Analysis) -> Figure:
             above.set_ylim(bottom=max(sizes.min(), _FLOOR * sizes.max()) / 2.0)
             above.set_ylabel(gain_unit(each.moved, each.output) or "1")
             below.semilogx(omegas, np.degrees(np.unwrap(np.angle(values))), **style)
-            below.yaxis.set_major_locator(_angles())
+            below.locator_params(axis="y", nbins=4, steps=[1, 1.8, 3, 4.5, 9, 10])
             below.set_ylabel("phase [°]")
             late = analysis.dead_times[each.row, each.column]
             if late > 0.0:
@@ -74,12 +74,6 @@ def bode_figure(analysis: Analysis) -> Figure:
         for column in grid.T:
             mark_frequencies(column)
     return figure
-
-
-def _angles() -> Any:
-    from matplotlib.ticker import MaxNLocator
-
-    return MaxNLocator(4, steps=[1, 1.8, 3, 4.5, 9, 10])
 
 
 # The view of a channel that integrates ends at this gain.
@@ -174,13 +168,11 @@ def roots_figure(analysis: Analysis) -> Figure:
         axes.axvspan(0.0, right, facecolor=LIMIT, alpha=0.6, lw=0)
         axes.axhline(0.0, color=MUTED, linewidth=0.6)
         axes.axvline(0.0, color=MUTED, linewidth=0.6)
-        cross = {"marker": "x", "color": INK, "markersize": 7, "markeredgewidth": 1.4}
-        axes.plot(poles.real, poles.imag, linestyle="none", label="pole", **cross)
+        style: dict[str, Any] = {"linestyle": "none", "markersize": 7, "markeredgewidth": 1.4}
+        axes.plot(poles.real, poles.imag, marker="x", color=INK, label="pole", **style)
         if zeros.size:
-            circle = {"marker": "o", "color": "#D55E00", "markersize": 7, "markeredgewidth": 1.4}
-            axes.plot(
-                zeros.real, zeros.imag, linestyle="none", fillstyle="none", label="zero", **circle
-            )
+            style |= {"marker": "o", "color": "#D55E00", "fillstyle": "none"}
+            axes.plot(zeros.real, zeros.imag, label="zero", **style)
         axes.set(xlim=(left, right), xlabel="real part [rad/s]")
         axes.set(ylim=(-high, high), ylabel="imaginary part [rad/s]")
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)

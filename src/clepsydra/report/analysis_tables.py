@@ -15,13 +15,12 @@ from clepsydra.linear.analysis_words import root_text
 from clepsydra.linear.controllability import NOT_AT_ALL
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
+from clepsydra.report.law_tables import gains_table
 from clepsydra.report.quantities import (
-    display_factor,
     number_text,
     percent_text,
     quantity_text,
     time_cell,
-    unit_text,
 )
 from clepsydra.studies.warnings.loop_response import LoopResponse
 
@@ -79,19 +78,10 @@ def static_gain_grid(analysis: Analysis) -> Table:
     ('', 'pump_1 [V]', 'pump_2 [V]')
     """
     process, model = analysis.operating_point.process, analysis.model
-    outputs, inputs = (
+    rows, columns = (
         [process.signal(name) for name in names] for names in (model.outputs, model.inputs)
     )
-    scale = np.outer(
-        [display_factor(each) for each in outputs], [1.0 / display_factor(each) for each in inputs]
-    )
-    left, head = (
-        [f"{each.name} [{unit_text(each.shown_unit)}]" for each in signals]
-        for signals in (outputs, inputs)
-    )
-    gains = (analysis.static_gain * scale).tolist()
-    rows = ((name, *map(number_text, row)) for name, row in zip(left, gains, strict=True))
-    return Table("Static gain", ("", *head), tuple(rows))
+    return gains_table("Static gain", analysis.static_gain, rows, columns, 3)
 
 
 def relative_gain_grid(analysis: Analysis) -> Table | None:

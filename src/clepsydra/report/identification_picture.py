@@ -12,14 +12,14 @@ from clepsydra.base.signal import Signal
 from clepsydra.base.words import time_unit
 from clepsydra.report.colours import INK, MUTED, PALETTE
 from clepsydra.report.quantities import display_factor, unit_text
-from clepsydra.report.trends import STYLE
+from clepsydra.report.response_axes import picture
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-#: Width, heights of a row and what stands around the rows [inch].
-_WIDTH, _OUTPUT, _INPUT, _CORRELATIONS, _AROUND = 7.4, 2.3, 1.0, 1.3, 0.5
+#: Heights of a row [inch].
+_OUTPUT, _INPUT, _CORRELATIONS = 2.3, 1.0, 1.3
 _HELD = "#eef1f5"
 #: Colour of what was measured; models take the palette.
 _MEASURED = "#9aa4af"
@@ -58,17 +58,12 @@ def comparison_figure(
     signals : sequence of ComparedSignal
         Outputs first.
     """
-    import matplotlib
-    from matplotlib.figure import Figure
-
     heights = [_OUTPUT if each.models else _INPUT for each in signals]
     unit, seconds = time_unit(float(time[-1] - time[0]))
-    shown = time / seconds
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(_WIDTH, sum(heights) + _AROUND), layout="constrained")
-        rows = figure.subplots(
-            len(signals), squeeze=False, sharex=True, gridspec_kw={"height_ratios": heights}
-        )[:, 0]
+    shown, share = time / seconds, {"height_ratios": heights}
+    size = len(heights), 1, sum(heights) / len(heights)
+    with picture(*size, sharex=True, gridspec_kw=share) as (figure, grid):
+        rows = grid[:, 0]
         for axes, each in zip(rows, signals, strict=True):
             axes.axvspan(float(shown[held_back]), float(shown[-1]), color=_HELD, lw=0)
             _draw_signal(axes, each, shown)
@@ -123,17 +118,12 @@ def correlations_figure(residuals: np.ndarray, inputs: Sequence[tuple[str, np.nd
     inputs : sequence of (name, ndarray [N])
         At most two are drawn.
     """
-    import matplotlib
-    from matplotlib.figure import Figure
-
     pairs = [("with themselves", residuals)]
     pairs += [(f"with {name}, earlier", values) for name, values in list(inputs)[:2]]
     lags = np.arange(1, min(_LAGS, len(residuals) // 4) + 1)
     band = 1.96 / np.sqrt(len(residuals))
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(_WIDTH, _CORRELATIONS + _AROUND), layout="constrained")
-        row = figure.subplots(1, len(pairs), squeeze=False, sharey=True)[0]
-        for axes, (words, other) in zip(row, pairs, strict=True):
+    with picture(1, len(pairs), _CORRELATIONS, sharey=True) as (figure, grid):
+        for axes, (words, other) in zip(grid[0], pairs, strict=True):
             values = _correlations(residuals, other, lags)
             colours = [PALETTE[1] if abs(value) > band else MUTED for value in values]
             axes.axhspan(-band, band, color=_HELD, lw=0)

@@ -182,13 +182,27 @@ def _matrix(
     if not any(name in values for of_row in names for name in of_row):
         return None
     gains = np.array([[values.get(name, 0.0) for name in of_row] for of_row in names])
-    shown = np.outer([display_factor(s) for s in rows], [1.0 / display_factor(s) for s in columns])
-    shown *= settled_gains(gains, rows, columns)
-    body = [
-        (_named(row), *(number_text(gain, DIGITS) for gain in of_row))
-        for row, of_row in zip(rows, shown.tolist(), strict=True)
-    ]
-    return Table(title, ("", *(_named(column) for column in columns)), tuple(body))
+    return gains_table(title, settled_gains(gains, rows, columns), rows, columns, DIGITS)
+
+
+def gains_table(
+    title: str, gains: np.ndarray, rows: Sequence[Signal], columns: Sequence[Signal], digits: int
+) -> Table:
+    """Return gains [SI] from signals to others, in display units of the row per the column's.
+
+    Examples
+    --------
+    >>> level, pump = Signal("level", "m", display_unit="cm"), Signal("pump", "V")
+    >>> gains_table("", np.array([[0.02]]), [level], [pump], 3).rows
+    (('level [cm]', '2.00'),)
+    """
+    factors = np.outer([display_factor(s) for s in rows], [1 / display_factor(s) for s in columns])
+    down, across = ([_named(signal) for signal in signals] for signals in (rows, columns))
+    body = (
+        (name, *(number_text(gain, digits) for gain in of_row))
+        for name, of_row in zip(down, (gains * factors).tolist(), strict=True)
+    )
+    return Table(title, ("", *across), tuple(body))
 
 
 def _named(signal: Signal) -> str:
