@@ -152,14 +152,24 @@ def test_what_to_watch_is_short_and_the_rest_is_counted(result):
         "pump_1 stands at a limit: it is still; give it more range.",
         "a level spills",
         "noise",
-        "drift",
+        "Drift.",
     )
     first = replace(result.ranking[0], warnings=told, scores={"overshoot[level_1]": 34.2})
     lines = screen(replace(result, ranking=(first,), warnings=()), 80)
     assert [line for line in lines if line.startswith(" !")] == [
+        " !  It overshoots a step of the setpoint by 34 %.",
+        " !  pump_1 stands at a limit.",
+        " !  3 more to watch, and what to do: --why.",
+    ]
+    whole = screen(replace(result, ranking=(first,), warnings=()), 80, why=True)
+    assert " !  pump_1 stands at a limit; give it more range." in whole and " !  Drift." in whole
+    assert not any("more to watch" in line for line in whole)
+    alone = replace(first, warnings=told[:1])
+    assert [
+        line for line in screen(replace(result, ranking=(alone,), warnings=()), 80) if "!" in line
+    ] == [
         " !  It overshoots a step of the setpoint by 34 %; ramp the setpoint, or lower b.",
         " !  pump_1 stands at a limit; give it more range.",
-        " !  3 more to watch: --why.",
     ]
     assert told[0] in " ".join(screen(replace(result, ranking=(first,)), 100, why=True))
 

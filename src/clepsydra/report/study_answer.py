@@ -61,7 +61,7 @@ def study_answer(
     advice = recommend(result.ranking, result.accept)
     parts: list[Line | Table | Section] = [Line(result.verdict, Mark.ANSWER)]
     if advice is not None:
-        parts += advised(result, advice)
+        parts += advised(result, advice, why=why)
     if result.ranking:
         shown = ranking_glance(result.ranking if every else _first(result, advice))
         parts += [_EMPTY, replace(shown, kept=0) if every else shown]
@@ -103,7 +103,9 @@ def ranking_glance(shown: Sequence[Candidate]) -> Table:
     return told_table((*head, "relative error", "max|S|"), rows, names=2, kept=3)
 
 
-def advised(result: StudyResult, advice: Recommendation) -> list[Line | Table | Section]:
+def advised(
+    result: StudyResult, advice: Recommendation, *, why: bool
+) -> list[Line | Table | Section]:
     """Return how good the recommended controller is, its settings, and what to watch."""
     process, simplest, best = result.process, advice.simplest, advice.best
     parts: list[Line | Table | Section] = []
@@ -114,7 +116,7 @@ def advised(result: StudyResult, advice: Recommendation) -> list[Line | Table | 
     settings = [loops and _action_once(loops), added_table(simplest.controller, process)]
     tables = [first_rows(each, _SETTINGS, _MORE) for each in settings if each is not None]
     parts += [_EMPTY, *tables] if tables else []
-    parts += watch_lines(result, simplest)
+    parts += watch_lines(result, simplest, every=why)
     if best is not simplest:
         parts.append(Line(better_words(advice)))
     return parts
@@ -147,17 +149,25 @@ def better_words(advice: Recommendation) -> str:
     return f"The best, {controller.title}, {saved}{needs}."
 
 
-def watch_lines(result: StudyResult, candidate: Candidate) -> tuple[Line, ...]:
-    """Return the first of what to watch with a controller and its run, and how much more."""
-    said = [*map(with_remedy, result.warnings), *watched(candidate)]
+def watch_lines(
+    result: StudyResult, candidate: Candidate, *, every: bool = False
+) -> tuple[Line, ...]:
+    """Return what to watch with a controller and its run; the first of it, and how much more.
+
+    What to do stands beside it where all is told, else it comes with the rest.
+    """
+    found = [("", words) for words in (*result.warnings, *watched(candidate))]
     for caveat in candidate.caveats:
         if caveat.seen:
             shared = [any(c.about == caveat.about for c in each.caveats) for each in result.ranking]
-            where = "In every run" if all(shared) and len(shared) > 1 else "In this run"
-            said.append(f"{where}: {in_sentence(with_remedy(caveat.words))}")
-    more = len(said) - _WATCHED
-    rest = (f"{more} more to watch: --why.",) if more > 0 else ()
-    return marked(Mark.WATCH, (*said[:_WATCHED], *rest))
+            where = "every" if all(shared) and len(shared) > 1 else "this"
+            found.append((f"In {where} run: ", in_sentence(caveat.words)))
+    more = 0 if every else len(found) - _WATCHED
+    told = first_clause if more > 0 else with_remedy
+    first = found[:_WATCHED] if more > 0 else found
+    said = [f"{where}{told(words)}" for where, words in first]
+    said += [f"{more} more to watch, and what to do: --why."] if more > 0 else []
+    return marked(Mark.WATCH, said)
 
 
 def _first(result: StudyResult, advice: Recommendation | None) -> Sequence[Candidate]:
@@ -258,7 +268,7 @@ def cards(result: StudyResult, compared: Sequence[Candidate]) -> list[Section]:
     """Return of the first candidate settings, how good, how sure and what to watch."""
     process, first = result.process, compared[0]
     found = [_settings(result, first), _how_good(process, compared), _how_sure(process, first)]
-    lines = watch_lines(result, first)
+    lines = watch_lines(result, first, every=True)
     return [*found, Section("Watch", lines)] if lines else found
 
 
