@@ -15,10 +15,9 @@ from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.studies.warnings.words import shown
 
-#: An input that rests within this share of its range of a limit has no room.
+#: An input that rests within this share of its range of a limit has no room, which the operating
+#: point has a warning of.
 _NO_ROOM = 0.02
-#: And within this share it is at the limit: less is rounding.
-_AT_LIMIT = 1e-6
 #: What is missed of the outputs wanted, as a share, where the inputs cannot hold them at all.
 _MISSED = 1e-6
 
@@ -130,15 +129,13 @@ def _passes(
 def resting_saturation_words(
     controller: Controller, point: OperatingPoint, rests: list[Rest]
 ) -> list[str]:
-    """Return in sentences which manipulated variables have no room, before simulating."""
+    """Return in sentences which manipulated variables cannot hold a step, before simulating."""
     process, at, words = point.process, point.as_dict(), []
     for name in controller.manipulated:
         signal = process.signal(name)
         if not np.isfinite(signal.span):
             continue
-        end = _nearer_end(signal, at[name])
-        if abs(at[name] - end) <= _NO_ROOM * signal.span:
-            words.append(_without_room(name, at[name], end, signal))
+        if abs(at[name] - _nearer_end(signal, at[name])) <= _NO_ROOM * signal.span:
             continue
         for rest in rests:
             value = rest.values[name]
@@ -153,20 +150,6 @@ def resting_saturation_words(
                 )
                 break
     return words
-
-
-def _without_room(name: str, rest: float, end: float, signal: Signal) -> str:
-    """Return what is missing: all of the room in one direction, or all but a little."""
-    room = abs(rest - end)
-    where, effect = f"at its limit of {shown(end, signal)}", "corrects nothing"
-    if room > _AT_LIMIT * signal.span:
-        where = f"near its limit of {shown(end, signal)}"
-        effect = "can correct hardly anything"
-    way = "downward" if end == signal.low else "upward"
-    return (
-        f"{name} rests at {shown(rest, signal)}, {where}: {way} it {effect}; move the operating "
-        "point, or give it another size."
-    )
 
 
 def _nearer_end(signal: Signal, value: float) -> float:
