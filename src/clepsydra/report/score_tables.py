@@ -122,19 +122,20 @@ def score_tables(process: Process, candidate: Candidate) -> list[Table]:
 def _score_table(
     process: Process, candidate: Candidate, names: Sequence[str], keys: Sequence[str]
 ) -> Table:
-    rows = []
+    rows, duration = [], candidate.run.scenario.duration
     for key in keys:
-        values = [candidate.scores.get(f"{key}[{name}]", math.nan) for name in names]
-        if any(f"{key}[{name}]" in candidate.scores for name in names):
-            duration = candidate.run.scenario.duration
-            cells = [
-                " ".join(score_text(process, name, value, SCORES[key], duration)).strip()
-                if not math.isnan(value)
-                else "–"
-                for name, value in zip(names, values, strict=True)
-            ]
+        found = [candidate.scores.get(f"{key}[{name}]") for name in names]
+        if any(value is not None for value in found):
+            told = zip(names, found, strict=True)
+            cells = (_cell(process, name, value, SCORES[key], duration) for name, value in told)
             rows.append((SCORES[key].title, *cells))
     return Table("", ("", *names), tuple(rows))
+
+
+def _cell(process: Process, name: str, value: float | None, score: Score, duration: float) -> str:
+    if value is None or math.isnan(value):
+        return "–"
+    return " ".join(score_text(process, name, value, score, duration)).strip()
 
 
 def score_text(
@@ -213,10 +214,7 @@ def tuning_grid(tuning: TuningResult, process: Process, duration: float = 0.0) -
         name, signal = score_key(key)
         before = tuning.start_scores[key]
         if name in SCORES and signal:
-            cells = [
-                " ".join(score_text(process, signal, number, SCORES[name], duration)).strip()
-                for number in (before, value)
-            ]
+            cells = (_cell(process, signal, n, SCORES[name], duration) for n in (before, value))
             rows.append((score_key(key).title, *cells))
         else:
             reached = (quantity_text(process.signal(signal), each) for each in (before, value))

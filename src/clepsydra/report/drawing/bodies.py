@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from typing import Literal
 
 from clepsydra.report.drawing.shapes import width
 
@@ -20,6 +21,7 @@ _HALVES = {"valve": (25.0, 14.0), "flow": (8.0, 9.0), "orifice": (9.0, 9.0)}
 UP, DOWN, LEFT, RIGHT = (0, -1), (0, 1), (-1, 0), (1, 0)
 
 Point = tuple[int, int]
+Kind = Literal["pipe", "signal", "tap"]
 
 
 @dataclass(eq=False)
@@ -54,6 +56,35 @@ class Pin:
     def end(self) -> Point:
         """The outermost point."""
         return self.lead[-1]
+
+
+@dataclass(eq=False)
+class Pipe:
+    """A pipe or a signal line as its corner points, from source to end.
+
+    Parameters
+    ----------
+    line : str
+        The element that makes the liquid flow, or the junction that it comes from.
+    source, end : str
+        The elements between which it runs.
+    roles : (str, str)
+        Of the pins that it joins there.
+    kind : {"pipe", "signal", "tap"}
+        A tap joins a transmitter to what it measures.
+    points : list of (x, y)
+        In lines of the grid; none until it is laid.
+    arrow : bool
+        It ends in an arrow.
+    """
+
+    line: str
+    source: str
+    end: str
+    roles: tuple[str, str] = ("", "")
+    kind: Kind = "pipe"
+    points: list[Point] = field(default_factory=list)
+    arrow: bool = False
 
 
 @dataclass(eq=False)
@@ -178,16 +209,12 @@ def _named(label: tuple[str, ...]) -> int:
     return max(lines_of(label[:1], NAME, bold=True), lines_of(label[1:]))
 
 
-def _lines(
-    x: int, y: int, *ways: tuple[Point, int], role: str = "line", cost: float = 0.0
-) -> list[Pin]:
-    """Return pins for signals and taps: each its direction and how many lines long."""
-    return [_pin(x, y, way, length, role, cost) for way, length in ways]
-
-
-def _pin(x: int, y: int, way: Point, length: int, role: str, cost: float = 0.0) -> Pin:
-    lead = [(x + way[0] * step, y + way[1] * step) for step in range(1, length + 1)]
-    return Pin(lead, way, role, cost)
+def _pins(x: int, y: int, role: str, *ways: tuple[Point, int], cost: float = 0.0) -> list[Pin]:
+    """Return pins around a point: each its direction and how many lines long."""
+    return [
+        Pin([(x + dx * step, y + dy * step) for step in range(1, length + 1)], (dx, dy), role, cost)
+        for (dx, dy), length in ways
+    ]
 
 
 def tank_body(name: str, x: int, top: int) -> Body:
@@ -212,8 +239,15 @@ def tank_body(name: str, x: int, top: int) -> Body:
     return Body(name, "tank", x, top, [area], pins)
 
 
-def upright_body(name: str, symbol: str, y: int, label: tuple[str, ...], side: int) -> Body:
+def upright_body(
+    name: str, symbol: str, y: int, label: tuple[str, ...], side: int, *, both: bool = False
+) -> Body:
     """Return a pump, valve, flow or box between tanks that delivers upward, words on one side.
+
+    Parameters
+    ----------
+    both : bool
+        Pipes may come and go at either end, as at a box.
 
     Examples
     --------
@@ -223,14 +257,13 @@ def upright_body(name: str, symbol: str, y: int, label: tuple[str, ...], side: i
     """
     half = 3 if symbol == "box" else 1
     words = (half + 1, y - 1, half + 1 + _named(label), y - 1 + max(2, len(label)))
-    pins = [_pin(0, y, UP, 2, "out"), _pin(0, y, DOWN, 2, "in"), _pin(0, y, LEFT, half + 1, "in")]
-    if symbol == "box":
-        pins = [Pin(pin.lead, pin.way, "both") for pin in pins]
+    out, into = ("both", "both") if both or symbol == "box" else ("out", "in")
+    pins = _pins(0, y, out, (UP, 2)) + _pins(0, y, into, (DOWN, 2), (LEFT, half + 1))
     # Signals come to the side without words; where liquid comes in there, above or below it.
-    pins += _lines(0, y, (LEFT, half + (2 if symbol == "valve" else 1)), role="signal")
+    pins += _pins(0, y, "signal", (LEFT, half + (2 if symbol == "valve" else 1)))
     for dy in (-1, 1):
         role = "line" if symbol == "pump" else "tap"
-        pins += _lines(0, y + dy, (LEFT, half + 1), role=role, cost=5.0)
+        pins += _pins(0, y + dy, role, (LEFT, half + 1), cost=5.0)
     return Body(name, symbol, 0, y, [(-half, y - 1, half, y + 1), words], pins).facing(side)
 
 
@@ -245,9 +278,8 @@ def level_body(name: str, symbol: str, y: int, label: tuple[str, ...]) -> Body:
     half = max(1, math.ceil(lines_of(label, SMALL) / 2))
     above = 2 if symbol == "valve" else 1 if symbol == "pump" else 0
     areas = [(-1, y - above, 1, y), (-half, y + 1, half, y + len(label) + 1)]
-    pins = [_pin(0, y, LEFT, 2, "both"), _pin(0, y, RIGHT, 2, "both")]
-    pins += _lines(0, y, (UP, above + 1), role="signal")
-    pins += [pin for dx in (-1, 1) for pin in _lines(dx, y, (UP, above + 1), role="tap")]
+    pins = _pins(0, y, "both", (LEFT, 2), (RIGHT, 2)) + _pins(0, y, "signal", (UP, above + 1))
+    pins += [pin for dx in (-1, 1) for pin in _pins(dx, y, "tap", (UP, above + 1))]
     return Body(name, symbol, 0, y, areas, pins, 0, across=True)
 
 
@@ -268,9 +300,9 @@ def falling_body(
     top, bottom = y - tall, y + (tall or ends)
     rows = (y - 1, y + max(0, len(label) - 2)) if tall else (y, y + len(label) - 1)
     words = (x + half + 1, rows[0], x + half + 1 + _named(label), rows[1])
-    pins = [] if ends else [_pin(x, y, DOWN, 1 + tall, "out")]
-    pins += _lines(x, y, (LEFT, actuator + 1), role="signal")
-    pins += _lines(x, bottom, (LEFT, actuator + 1), role="tap")
+    pins = [] if ends else _pins(x, y, "out", (DOWN, 1 + tall))
+    pins += _pins(x, y, "signal", (LEFT, actuator + 1))
+    pins += _pins(x, bottom, "tap", (LEFT, actuator + 1))
     areas = [(x - actuator, top, x + half, bottom), words]
     return Body(name, symbol, x, y, areas, pins).facing(side)
 
@@ -279,7 +311,7 @@ def splitter_body(name: str, words: str, x: int, y: int, ports: int, side: int) 
     """Return a splitter: four ports, or a header with as many as needed."""
     label = (x + 1, y + 1, x + 2 + lines_of([words], SMALL), y + 1)
     if ports <= 4:
-        pins = [_pin(x, y, way, 2 + bool(way[0]), "both") for way in (UP, DOWN, LEFT, RIGHT)]
+        pins = _pins(x, y, "both", (UP, 2), (DOWN, 2), (LEFT, 3), (RIGHT, 3))
         areas = [(x - 1, y - 1, x + 1, y + 1), label]
         return Body(name, "splitter", x, y, areas, pins).facing(side)
     half = 2 * ((ports + 1) // 2)
@@ -295,8 +327,8 @@ def delay_body(name: str, y: int, way_out: int, words: tuple[str, ...], feeds: i
     """Return a stretch of channel: it fills from one end and from above, and gives at the other."""
     half = max(3, math.ceil(lines_of(words, SMALL) / 2), math.ceil(feeds / 2))
     pins = [
-        _pin(0, y, (way_out, 0), half + 1, "out"),
-        _pin(0, y, (-way_out, 0), half + 1, "in"),
+        *_pins(0, y, "out", ((way_out, 0), half + 1)),
+        *_pins(0, y, "in", ((-way_out, 0), half + 1)),
         *(Pin([(dx, y - 1), (dx, y - 2)], UP, "in", 3.0) for dx in range(1 - half, half)),
     ]
     areas = [(-half, y - 1, half, y + 1), (-half, y + 2, half, y + 2)]
@@ -308,7 +340,8 @@ def stub_body(name: str, x: int, y: int, label: tuple[str, ...], side: int, rim:
     words = math.ceil(lines_of(label, SMALL) / 2)
     # Words stand above the arrow, a little away from the pipes of pumps.
     areas = [(x + 1 - words, y - 2, x + 1 + words, y - 1), (x, y, x, rim)]
-    pins = [pin for dy in (0, 1) for pin in _lines(x, y + dy, (LEFT, 1), (RIGHT, 1), cost=2.0 * dy)]
+    pins = _pins(x, y, "line", (LEFT, 1), (RIGHT, 1))
+    pins += _pins(x, y + 1, "line", (LEFT, 1), (RIGHT, 1), cost=2.0)
     return Body(name, "stub", x, y, areas, pins).facing(side)
 
 
@@ -321,9 +354,9 @@ def instrument_body(name: str, y: int, label: tuple[str, ...]) -> Body:
     [(-2, 9, 2, 13)]
     """
     half = max(2, math.ceil(lines_of(label, SMALL) / 2))
-    pins = _lines(0, y, (UP, 2))
+    pins = _pins(0, y, "line", (UP, 2))
     for dy in (0, -1):
-        pins += _lines(0, y + dy, (LEFT, half + 1), (RIGHT, half + 1), cost=1.0 - 4.0 * dy)
+        pins += _pins(0, y + dy, "line", (LEFT, half + 1), (RIGHT, half + 1), cost=1.0 - 4.0 * dy)
     return Body(name, "instrument", 0, y, [(-half, y - 1, half, y + 1 + len(label))], pins)
 
 
@@ -332,11 +365,11 @@ def controller_body(name: str, y: int, label: str, ports: int) -> Body:
     half, above = 2 + max(0, ports - 8) // 4, 3 if label else 1
     words = max(half, math.ceil(lines_of([label], SMALL) / 2))
     spread = range(1 - half, half) if ports > 4 else range(1)
-    pins = [pin for dx in spread for pin in _lines(dx, y, (DOWN, 2))]
+    pins = [pin for dx in spread for pin in _pins(dx, y, "line", (DOWN, 2))]
     if not label:
-        pins += [pin for dx in spread for pin in _lines(dx, y, (UP, 2))]
+        pins += [pin for dx in spread for pin in _pins(dx, y, "line", (UP, 2))]
     for dy in (-1, 0, 1):
-        pins += _lines(0, y + dy, (LEFT, half + 1), (RIGHT, half + 1), cost=abs(dy) + 1.0)
+        pins += _pins(0, y + dy, "line", (LEFT, half + 1), (RIGHT, half + 1), cost=abs(dy) + 1.0)
     areas = [(-half, y - 1, half, y + 1)]
     areas += [(-words, y - above, words, y - 2)] if label else []
     return Body(name, "controller", 0, y, areas, pins)
@@ -344,5 +377,5 @@ def controller_body(name: str, y: int, label: str, ports: int) -> Body:
 
 def relay_body(name: str, y: int) -> Body:
     """Return a relay that computes something between controllers and actuators."""
-    pins = _lines(0, y, (UP, 2), (DOWN, 2), (LEFT, 2), (RIGHT, 2))
+    pins = _pins(0, y, "line", (UP, 2), (DOWN, 2), (LEFT, 2), (RIGHT, 2))
     return Body(name, "relay", 0, y, [(-1, y - 1, 1, y + 1)], pins)

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from itertools import pairwise
 
 from clepsydra.report.colours import INK
-from clepsydra.report.drawing.bodies import NAME, PITCH, direction
-from clepsydra.report.drawing.routing import ORDER, Pipe, Routes
+from clepsydra.report.drawing.bodies import NAME, PITCH, Pipe, direction
+from clepsydra.report.drawing.routing import ORDER, Routes
 from clepsydra.report.drawing.shapes import PIPE, box, element, path, polygon, text, titled, width
 
 _HOP = 6.0

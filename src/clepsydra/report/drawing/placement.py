@@ -15,6 +15,7 @@ from clepsydra.report.drawing.bodies import (
     TANK_HALF,
     TANK_ROWS,
     Body,
+    Pipe,
     Point,
     delay_body,
     level_body,
@@ -46,7 +47,7 @@ class Placement:
         Tank to its shelf, column and row.
     bodies : dict
         Element to its body; instruments by the name of their sensor, functions by their own.
-    fixed : list of (link, points)
+    fixed : list of Pipe
         Pipes whose way follows from where things stand.
     signals : list of (from, to)
         Bodies that signal lines join.
@@ -68,7 +69,7 @@ class Placement:
         self.seats, self.label = self.frame.seats, self.frame.label
         self.basin_rows, self.width, self.height = self.frame.basin_rows, 0, self.frame.height
         self.bodies: dict[str, Body] = {}
-        self.fixed: list[tuple[str, list[Point]]] = []
+        self.fixed: list[Pipe] = []
         #: Junctions that stand neither below a tank nor above what feeds them.
         self.apart = [each for each in graph.junctions if not self.frame.falls_into(each)]
         self.left_and_right: dict[int, int] = {}
@@ -135,11 +136,8 @@ class Placement:
             side = 1 if ends[0].column > seat.column else -1
         gap = self.frame.beside(tank, side)
         y = self.frame.top(tank) + TANK_ROWS - 1 + 4 * self.gaps.count(gap, link.symbol)
-        body = upright_body(link.name, link.symbol, y, self.label(link.name), side)
-        for pin in body.pins:
-            if pin.role not in ("in", "out"):
-                continue
-            pin.role = "both"
+        body = upright_body(link.name, link.symbol, y, self.label(link.name), side, both=True)
+        for pin in body.free("both"):
             if pin.way == DOWN and ends:
                 # What goes to a tank comes in over its rim: up is the way.
                 pin.cost = 8.0
@@ -204,8 +202,12 @@ class Placement:
             body.move(x)
             self.bodies[body.name] = body
             if body.symbol not in ("tank", "splitter"):
-                down = body.y + (0 if body.free("out") else 1)
-                self.fixed.append((body.name, [(body.x, floor), (body.x, down)]))
+                ends = not body.free("out")
+                self._fix(body, (body.x, floor), (body.x, body.y + ends), arrow=ends)
+
+    def _fix(self, body: Body, *points: Point, arrow: bool) -> None:
+        name = body.name
+        self.fixed.append(Pipe(name, name, name, points=list(points), arrow=arrow))
 
     def _put_stub(self, tank: str, link: Link) -> None:
         body, side = self.bodies[tank], self.frame.inner(tank)
@@ -215,5 +217,6 @@ class Placement:
         pin.used = True
         # Instruments that make room for pipes at the floor reach higher up.
         y = body.y - (6 if self.frame.low(tank) else 3)
-        self.bodies[link.name] = stub_body(link.name, x, y, self.label(link.name), side, body.y - 1)
-        self.fixed.append((link.name, [(x, y), (x, body.y)]))
+        stub = stub_body(link.name, x, y, self.label(link.name), side, body.y - 1)
+        self.bodies[link.name] = stub
+        self._fix(stub, (x, y), (x, body.y), arrow=True)

@@ -7,7 +7,7 @@ from itertools import pairwise
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
-from clepsydra.report.drawing.bodies import NAME, PITCH, SMALL, WORDS
+from clepsydra.report.drawing.bodies import NAME, PITCH, SMALL, WORDS, Pipe
 from clepsydra.report.drawing.lines import Point, Points, draw_basins, draw_lines
 from clepsydra.report.drawing.parts import (
     draw_fitting,
@@ -15,7 +15,6 @@ from clepsydra.report.drawing.parts import (
     draw_instrument,
     draw_vessel,
 )
-from clepsydra.report.drawing.routing import Pipe
 from clepsydra.report.drawing.scene import Scene
 from clepsydra.report.drawing.shapes import DARK_PAPER, PAPER, picture
 

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
 from itertools import accumulate, pairwise
-from typing import Literal
 
 import numpy as np
 
-from clepsydra.report.drawing.bodies import UP, Pin, Point
+from clepsydra.report.drawing.bodies import UP, Pin, Pipe, Point
 from clepsydra.report.drawing.control_functions import ControlFunction
 from clepsydra.report.drawing.flow_graph import FlowGraph
 from clepsydra.report.drawing.frame import Labels
@@ -19,37 +17,6 @@ from clepsydra.report.drawing.placement import Placement
 _ATTEMPTS = 10
 #: In this order they are laid, and each arches over those before it.
 ORDER = ("pipe", "tap", "signal")
-
-Kind = Literal["pipe", "signal", "tap"]
-
-
-@dataclass(eq=False)
-class Pipe:
-    """A pipe or a signal line as its corner points, from source to end.
-
-    Parameters
-    ----------
-    line : str
-        The element that makes the liquid flow, or the junction that it comes from.
-    source, end : str
-        The elements between which it runs.
-    roles : (str, str)
-        Of the pins that it joins there.
-    kind : {"pipe", "signal", "tap"}
-        A tap joins a transmitter to what it measures.
-    points : list of (x, y)
-        In lines of the grid; none until it is laid.
-    arrow : bool
-        It ends in an arrow.
-    """
-
-    line: str
-    source: str
-    end: str
-    roles: tuple[str, str] = ("", "")
-    kind: Kind = "pipe"
-    points: list[Point] = field(default_factory=list)
-    arrow: bool = False
 
 
 def route(graph: FlowGraph, labels: Labels, functions: Sequence[ControlFunction] = ()) -> Routes:
@@ -111,12 +78,9 @@ class Routes:
 
     def lay_all(self, urgent: Sequence[tuple[str, str]]) -> Pipe | None:
         """Lay every pipe, some before others; return one that found no way."""
-        placement = self.placement
-        targets = {link.name: link.targets for link in placement.graph.links}
-        for name, points in placement.fixed:
-            self.grid.lay(points)
-            arrow = placement.bodies[name].symbol == "stub" or not targets[name]
-            self.pipes.append(Pipe(name, name, name, points=points, arrow=arrow))
+        for pipe in self.placement.fixed:
+            self.grid.lay(pipe.points)
+            self.pipes.append(pipe)
         pipes = sorted(
             self._to_lay(),
             key=lambda pipe: (
@@ -127,7 +91,7 @@ class Routes:
 
     def _to_lay(self) -> Iterator[Pipe]:
         placement, graph = self.placement, self.placement.graph
-        fixed = {name for name, _ in placement.fixed}
+        fixed = {pipe.line for pipe in placement.fixed}
         for link in (*graph.links, *graph.junctions):
             name = link.name
             if placement.bodies[name].symbol == "stub":
