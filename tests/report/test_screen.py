@@ -17,6 +17,17 @@ def shown(answer, width):
     return [line.rstrip() for line in stream.getvalue().splitlines()]
 
 
+def test_columns_of_a_matrix_without_room_continue_below_with_the_names_again():
+    controller = cl.design.lqi_kalman(cl.load("eight-tanks"))
+    wide = {word for line in shown(controller, 1000) for word in line.split() if "─" not in word}
+    for width in range(60, 130, 5):
+        lines = shown(controller, width)
+        assert max(map(len, lines)) <= width
+        assert wide <= {word for line in lines for word in line.split()}  # and none cut short
+    titles = [line.strip() for line in shown(controller, 80) if "a sample later" in line]
+    assert len(titles) == 3 and len(set(titles)) == 2  # a title of its own, then further columns
+
+
 def test_a_table_that_may_lose_no_column_breaks_its_cells_and_loses_no_word():
     step = [cl.step("pump_1", "+0.5 V", at="20 s")]
     run = cl.simulate(cl.load("quadruple-tank"), None, step, duration="2 min")

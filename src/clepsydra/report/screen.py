@@ -114,7 +114,8 @@ def _fitting(table: Table, width: int) -> tuple[RenderableType, int]:
     else:
         shown = _pieces(table, width)
     found = [_rich(each, breaks=_narrowest(each) > width) for each in shown]
-    below = (part for each in found[1:] for part in ("", each))
+    between: list[RenderableType] = [] if table.title else [""]
+    below: list[RenderableType] = [part for each in found[1:] for part in (*between, each)]
     return Group(found[0], *below), len(table.head) - columns
 
 
@@ -136,12 +137,13 @@ def _pieces(table: Table, width: int) -> list[Table]:
 
 
 def _columns(table: Table, begun: int, end: int) -> Table:
-    """Return a table with its names and some of its columns; a title has only the first part."""
+    """Return a table with its names and some of its columns."""
 
     def cut(row: tuple[str, ...]) -> tuple[str, ...]:
         return (*row[: min(table.names, end)], *row[max(begun, table.names) : end])
 
-    title = table.title if begun <= table.names else ""
+    more = table.title and begun > table.names
+    title = f"{table.title}, further columns" if more else table.title
     return replace(table, title=title, head=cut(table.head), rows=tuple(map(cut, table.rows)))
 
 
@@ -153,7 +155,8 @@ def _narrowest(table: Table) -> int:
         else max(len(line) for cell in cells for line in cell.split("\n"))
         for place, cells in enumerate(zip(table.head, *table.rows, strict=True))
     ]
-    return sum(widths) + 2 * len(widths)
+    # Below a title columns are three apart, with one on each side, else two.
+    return sum(widths) + (3 * len(widths) - 1 if table.title else 2 * len(widths))
 
 
 def _name_width(cells: Sequence[str]) -> int:
