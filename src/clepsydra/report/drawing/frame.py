@@ -130,17 +130,11 @@ class Frame:
                 for tank in tanks:
                     self.standing[tank] = [tank_body(tank, 0, y)]
                     self._hang(tank, y + TANK_ROWS)
-                links = [link for tank in tanks for link in self.below.get(tank, ())]
-                y += TANK_ROWS + 4 + slack
-                if any(
-                    link.symbol != "orifice" or len(self.label(link.name)) > 1 for link in links
-                ):
-                    y += 3
-                if any(self.graph.junction(t) for link in links for t in link.targets):
-                    y += 5
+                hung = [body for tank in tanks for body in self.standing[tank]]
+                y = 3 + slack + max(body.room[3] for body in hung)
             metered = any(i.seat not in self.seats for i in self.graph.instruments)
             self.pump_rows.append(y + 3)
-            y += 6 + (2 if metered else 0)
+            y += 6 + 2 * metered
             self.basin_rows.append(y)
             y += 5
         return y
@@ -248,8 +242,7 @@ class Gaps:
         used = max(
             (left.get(r, 0) + right.get(r, 0) for r in left.keys() | right.keys()), default=0
         )
-        outermost = gap[1] in (0, self.frame.columns[gap[0]])
-        width = used + 4 + self.slack + (0 if outermost else 2)
+        width = used + 6 + self.slack
         for item, offset in offsets:
             x = start + offset if item.side < 0 else start + width - offset
             for body in item.bodies:
