@@ -89,13 +89,8 @@ def _draw_signal(axes: Axes, each: ComparedSignal, time: np.ndarray) -> None:
     low = min(float(np.min(values)) for values in (measured, *near))
     high = max(float(np.max(values)) for values in (measured, *near))
     margin = 0.06 * max(high - low, size)
-    if each.models:
-        axes.plot(time, measured, color=_MEASURED, linewidth=1.1, label=each.signal.name)
-    else:
-        axes.plot(
-            time, measured, color=INK, linewidth=1.1, label=each.signal.name,
-            drawstyle="steps-post",
-        )  # fmt: skip
+    colour, steps = (_MEASURED, "default") if each.models else (INK, "steps-post")
+    axes.plot(time, measured, color=colour, linewidth=1.1, label=each.signal.name, drawstyle=steps)
     for number, (name, values) in enumerate(each.models):
         axes.plot(
             time, np.where(np.isfinite(values), values * factor, np.nan), label=name,
@@ -139,4 +134,4 @@ def _correlations(residuals: np.ndarray, other: np.ndarray, lags: np.ndarray) ->
     size = float(np.linalg.norm(one) * np.linalg.norm(two))
     if size == 0.0:
         return np.zeros(len(lags))
-    return np.array([one[lag:] @ two[: len(two) - lag] for lag in lags.tolist()]) / size
+    return np.correlate(one, two, "full")[len(one) - 1 + lags] / size

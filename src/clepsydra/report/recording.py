@@ -152,15 +152,11 @@ def event_marks(events: Sequence[Occurrence]) -> tuple[EventMark, ...]:
     by_event: defaultdict[str, list[Occurrence]] = defaultdict(list)
     for event in events:
         by_event[event.event].append(event)
-    marks = []
-    for all_of_it in by_event.values():
-        groups = [all_of_it] if len(all_of_it) > _APART else [[each] for each in all_of_it]
-        marks += [
-            EventMark(
-                group[0].time, group[0].words, sum(each.times for each in group), group[-1].time
-            )
-            for group in groups
-        ]
+    marks = [
+        EventMark(group[0].time, group[0].words, sum(each.times for each in group), group[-1].time)
+        for every in by_event.values()
+        for group in ([every] if len(every) > _APART else [[each] for each in every])
+    ]
     return tuple(sorted(marks, key=lambda mark: mark.time))
 
 

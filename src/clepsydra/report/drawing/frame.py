@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -70,6 +71,11 @@ class Frame:
         self.basin_rows: list[int] = []
         self.height = self._rows(slack)
 
+    @property
+    def hanging(self) -> list[Link]:
+        """The links below all tanks."""
+        return [link for links in self.below.values() for link in links]
+
     def label(self, name: str) -> tuple[str, ...]:
         """Return the lines written beside an element."""
         return self.labels.get(name, (name,))
@@ -107,8 +113,7 @@ class Frame:
         """Return the first link below a tank that feeds a splitter."""
         if junction.symbol != "splitter" or self.ports(junction) > 4:
             return None
-        hanging = [link for links in self.below.values() for link in links]
-        return next((link for link in hanging if junction.name in link.targets), None)
+        return next((link for link in self.hanging if junction.name in link.targets), None)
 
     def ports(self, junction: Link) -> int:
         """Return how many pipes meet at a junction."""
@@ -154,15 +159,14 @@ class Frame:
                 if junction is not None and self.falls_into(junction) is link and not known:
                     hung.append(self.splitter(junction, x, hung[-1].y + 4, side))
 
-    def overhang(self, gap: Gap, side: int) -> dict[int, int]:
+    def overhang(self, gap: Gap, side: int) -> defaultdict[int, int]:
         """Return how far words below the tanks at one wall of a gap reach into it, by row."""
-        found: dict[int, int] = {}
+        found: defaultdict[int, int] = defaultdict(int)
         for tank in (tank for tank in self.seats if self.beside(tank, side) == gap):
             for area in (area for body in self.standing[tank] for area in body.areas):
                 reach = side * (area[2 if side > 0 else 0] - self.standing[tank][0].x) - TANK_HALF
-                for row in range(area[1], area[3] + 1):
-                    if reach > 0:
-                        found[row] = max(found.get(row, 0), reach + 1)
+                for row in range(area[1], area[3] + 1) if reach > 0 else ():
+                    found[row] = max(found[row], reach + 1)
         return found
 
 
@@ -178,6 +182,8 @@ class Item:
     bodies : list of Body
     rows : (top, bottom)
         In which nothing else stands in its way.
+    reach : (left, right)
+        How far it reaches from its middle.
     distance : int
         From that wall, at least; what has less stands nearer.
     """
@@ -186,13 +192,8 @@ class Item:
     side: int
     bodies: list[Body]
     rows: tuple[int, int]
-    distance: int = 3
-
-    @property
-    def reach(self) -> tuple[int, int]:
-        """How far it reaches to the left and to the right of its middle."""
-        rooms = [body.room for body in self.bodies]
-        return -min(room[0] for room in rooms), max(room[2] for room in rooms)
+    reach: tuple[int, int]
+    distance: int
 
 
 class Gaps:
@@ -211,10 +212,10 @@ class Gaps:
         self, gap: Gap, side: int, *bodies: Body, distance: int = 3, top: int | None = None
     ) -> None:
         """Put bodies into a gap; from `top` on nothing stands above them."""
-        rooms = [body.room for body in bodies]
-        tops = [room[1] for room in rooms] + ([] if top is None else [top])
-        rows = min(tops), max(room[3] for room in rooms)
-        self.items.append(Item(gap, side, list(bodies), rows, distance))
+        lefts, tops, rights, bottoms = zip(*(body.room for body in bodies), strict=True)
+        rows = min(tops if top is None else (*tops, top)), max(bottoms)
+        reach = -min(lefts), max(rights)
+        self.items.append(Item(gap, side, list(bodies), rows, reach, distance))
 
     def item_of(self, name: str) -> Item | None:
         """Return the item in which a body stands."""
@@ -230,18 +231,13 @@ class Gaps:
         offsets = []
         own = [item for item in self.items if item.gap == gap]
         # Of what has the same distance, what is small stands before what reaches through many rows.
-        own.sort(key=lambda item: (item.distance, item.rows[1] - item.rows[0]))
-        for item in own:
-            taken = left if item.side < 0 else right
+        for item in sorted(own, key=lambda item: (item.distance, item.rows[1] - item.rows[0])):
+            taken, (near, far) = (left, item.reach) if item.side < 0 else (right, item.reach[::-1])
             rows = range(item.rows[0], item.rows[1] + 1)
-            offset = max(max((taken.get(row, 0) for row in rows), default=0), item.distance)
-            reach = item.reach if item.side < 0 else item.reach[::-1]
-            offsets.append((item, offset + reach[0]))
-            for row in rows:
-                taken[row] = offset + sum(reach) + 2
-        used = max(
-            (left.get(r, 0) + right.get(r, 0) for r in left.keys() | right.keys()), default=0
-        )
+            offset = max(item.distance, *(taken[row] for row in rows))
+            offsets.append((item, offset + near))
+            taken.update(dict.fromkeys(rows, offset + near + far + 2))
+        used = max((left[row] + right[row] for row in {*left, *right}), default=0)
         width = used + 6 + self.slack
         for item, offset in offsets:
             x = start + offset if item.side < 0 else start + width - offset

@@ -81,9 +81,8 @@ class Placement:
         control = ControlPlacement(self.frame, self.gaps, functions)
         self.signals = control.signals
         # Rows first, then what stands in the gaps, then the columns.
-        hanging = [own for links in self.frame.below.values() for own in links]
         for link in graph.links:
-            if link not in (*self.stubs.values(), *hanging):
+            if link not in (*self.stubs.values(), *self.frame.hanging):
                 self._put_link(link)
         for junction in self.apart:
             self._put_junction(junction)
