@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from itertools import chain
 
 import numpy as np
@@ -125,20 +124,17 @@ def dead_time_grid(analysis: Analysis) -> Table | None:
 def frequency_grid_table(analysis: Analysis) -> Table:
     """Return singular values, condition number and relative gains at a few frequencies."""
     found, model = analysis.directionality, analysis.model
-    head, columns = ["rad/s"], [[number_text(omega) for omega in found.frequencies]]
+    columns = {"rad/s": found.frequencies}
     if found.singular_values is not None and found.condition_numbers is not None:
-        for place, values in enumerate(found.singular_values.T, start=1):
-            head.append(f"σ{place}")
-            columns.append(_numbers(values))
+        columns |= {f"σ{k}": values for k, values in enumerate(found.singular_values.T, start=1)}
         if found.singular_values.shape[1] > 1:
-            head.append("condition number")
-            columns.append(_numbers(found.condition_numbers))
+            columns["condition number"] = found.condition_numbers
     for output, name in analysis.pairing if min(found.relative_gains.shape[1:]) > 1 else ():
         gains = found.relative_gains[:, model.outputs.index(output), model.inputs.index(name)]
-        head.append(f"|λ| {output} by {name}")
-        columns.append(_numbers(np.abs(gains)))
-    rows = tuple(tuple(row) for row in zip(*columns, strict=True))
-    return Table("Over frequency, in shares of the ranges", tuple(head), rows)
+        columns[f"|λ| {output} by {name}"] = np.abs(gains)
+    numbers = np.column_stack(list(columns.values())).tolist()
+    rows = tuple(tuple(map(number_text, row)) for row in numbers)
+    return Table("Over frequency, in shares of the ranges", tuple(columns), rows)
 
 
 def reach_grid(analysis: Analysis) -> Table | None:
@@ -239,7 +235,3 @@ def _direction(value: complex) -> str:
     if abs(value.imag) <= 1e-9:
         return f"{value.real:.2f}".replace("-", "−")
     return f"{abs(value):.2f} ∠ {math.degrees(math.atan2(value.imag, value.real)):.0f}°"
-
-
-def _numbers(values: Sequence[float] | np.ndarray) -> list[str]:
-    return [number_text(float(value)) for value in values]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import compress
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.section import Table
@@ -101,20 +102,17 @@ def equation(form: PidForm) -> str:
     >>> equation(PidForm())
     'u = K (b r − y) + K/Ti ∫ e dt, e = r − y'
     """
-    gain = "Kp" if form.algorithm == "parallel" else "K"
+    parallel = form.algorithm == "parallel"
+    gain, integral, derivative = ("Kp", "Ki", "Kd") if parallel else ("K", "K/Ti", "K Td")
     error = {"linear": "e", "gap": "f(e)", "squared": "e |e|/scale"}[form.error]
-    first = f"{gain} (b r − y)" if form.error == "linear" else f"{gain} {error}"
     differentiated = "D(e)" if form.derivative_on == "error" else "−D(y)"
-    acts = form.has_derivative
     if form.algorithm == "series":
-        integral = " + K/Ti ∫ (r − y′) dt" if form.has_integral else " + bias"
-        seen = f"y′ = y − Td·{differentiated}" if acts else "y′ = y"
-        return f"u = K (b r − y′){integral}, {seen}"
-    integral = ("Ki" if form.algorithm == "parallel" else "K/Ti") + f" ∫ {error} dt"
-    derivative = "Kd" if form.algorithm == "parallel" else "K Td"
-    terms = [first]
-    terms.append(integral if form.has_integral else "bias")
-    terms += [f"{derivative}·({differentiated})"] if acts else []
+        sums = "K/Ti ∫ (r − y′) dt" if form.has_integral else "bias"
+        seen = f"y − Td·{differentiated}" if form.has_derivative else "y"
+        return f"u = K (b r − y′) + {sums}, y′ = {seen}"
+    terms = [f"{gain} (b r − y)" if form.error == "linear" else f"{gain} {error}"]
+    terms.append(f"{integral} ∫ {error} dt" if form.has_integral else "bias")
+    terms += [f"{derivative}·({differentiated})"] * form.has_derivative
     words = f"u = {' + '.join(terms)}, e = r − y"
     if form.error == "gap":
         words += ", f(e) = e outside the gap, less within it"
@@ -243,13 +241,12 @@ class _Loop:
                 )
             facts.append(("the same in series form", words))
         if form.has_integral or form.has_derivative:
-            found, unit = shown.parallel, unit or "1"
-            parts = [("Kp", found.gain * factor, unit)]
-            if form.has_integral:
-                parts.append(("Ki", found.integral_gain * factor, f"{unit} per s"))
-            if form.has_derivative:
-                parts.append(("Kd", found.derivative_gain * factor, f"{unit} × s"))
-            facts.append(("the same in parallel form", _symbols(*parts)))
+            unit = unit or "1"
+            units = unit, f"{unit} per s", f"{unit} × s"
+            gains = [factor * each for each in shown.parallel]
+            parts = zip(("Kp", "Ki", "Kd"), gains, units, strict=True)
+            told = compress(parts, (True, form.has_integral, form.has_derivative))
+            facts.append(("the same in parallel form", _symbols(*told)))
         return facts
 
     def _options(self) -> _Facts:
