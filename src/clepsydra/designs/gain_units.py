@@ -9,6 +9,7 @@ from fractions import Fraction
 from clepsydra.base.arguments import is_finite_number, require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
+from clepsydra.base.units import from_si
 from clepsydra.designs.loops.pid_settings import (
     Action,
     ParallelSettings,
@@ -119,6 +120,19 @@ def unit_of_gain(measurement: Signal, manipulated: Signal) -> str:
     if measurement.unit == "1":
         return "" if manipulated.unit == "1" else manipulated.unit
     return f"{above}/{below}"
+
+
+def gain_factor(measurement: Signal, moved: Signal) -> float:
+    """Return how many display units of a gain one SI unit of it is.
+
+    Examples
+    --------
+    >>> level, pump = Signal("level", "m", display_unit="cm"), Signal("pump", "V")
+    >>> gain_factor(level, pump)
+    0.01
+    """
+    above, below = (from_si(1.0, signal.unit, signal.shown_unit) for signal in (moved, measurement))
+    return above / below
 
 
 def percent_gain(gain: float, measurement: Signal, manipulated: Signal) -> float:

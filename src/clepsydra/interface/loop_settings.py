@@ -12,11 +12,11 @@ from clepsydra.base.units import from_si
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.pid_block import PidBlock
-from clepsydra.designs.gain_units import percent_gain
+from clepsydra.designs.gain_units import gain_factor, percent_gain
 from clepsydra.designs.loops.pid_settings import Action
 from clepsydra.interface.shown import Answered
 from clepsydra.process.joined_unit import BESIDE
-from clepsydra.report.facts import gain_factor, gain_unit
+from clepsydra.report.facts import gain_unit
 from clepsydra.report.quantities import number_text, unit_text
 from clepsydra.studies.file.law_parameters import GAINS, key_of, loops_of
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 from clepsydra.base.section import Table
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
+from clepsydra.designs.gain_units import gain_factor
 from clepsydra.process.process import Process
 from clepsydra.report.quantities import (
     display_factor,
@@ -97,18 +98,6 @@ def range_text(signal: Signal) -> str:
     if "inf" in low + high:
         return f"{signal.name} [{unit_text(signal.shown_unit) or '1'}]"
     return f"{signal.name} ({low} to {high} {unit_text(signal.shown_unit)}".strip() + ")"
-
-
-def gain_factor(measurement: Signal, moved: Signal) -> float:
-    """Return how many display units of a gain one SI unit of it is.
-
-    Examples
-    --------
-    >>> level, pump = Signal("level", "m", display_unit="cm"), Signal("pump", "V")
-    >>> gain_factor(level, pump)
-    0.01
-    """
-    return display_factor(moved) / display_factor(measurement)
 
 
 def gain_unit(measurement: Signal, moved: Signal) -> str:

@@ -12,7 +12,7 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.pid_keys import PARAMETERS
 from clepsydra.controllers.structure.pid_block import PidBlock
-from clepsydra.designs.gain_units import gain_units
+from clepsydra.designs.gain_units import gain_factor, gain_units
 from clepsydra.designs.loops.pid_settings import (
     ParallelSettings,
     PidSettings,
@@ -25,7 +25,6 @@ from clepsydra.process.process import Process
 from clepsydra.report.facts import (
     DIGITS,
     facts_table,
-    gain_factor,
     gain_text,
     gain_unit,
     known_signal,

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 from clepsydra.controllers.pid_form import DerivativeOn
 from clepsydra.deploy.vendor_tuning.filtered_forms import FilteredPid
-from clepsydra.deploy.vendor_tuning.printed_gain import engineering_factor, engineering_unit
+from clepsydra.deploy.vendor_tuning.printed_gain import engineering_unit
 from clepsydra.deploy.vendor_tuning.standard_tuning import StandardTuning
 from clepsydra.deploy.vendor_tuning.vendor_block import Kind, Parameter, VendorBlock
-from clepsydra.designs.gain_units import gain_from_percent, percent_gain
+from clepsydra.designs.gain_units import gain_factor, gain_from_percent, percent_gain
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class BlockUnits:
         if self.block.gain_in == "percent":
             shown = percent_gain(gain, tuning.measurement, tuning.moved)
         else:
-            shown = gain * engineering_factor(tuning.measurement, tuning.moved)
+            shown = gain * gain_factor(tuning.measurement, tuning.moved)
         return abs(shown) if sign == "switch" else -shown if sign == "opposite gain" else shown
 
     def _gain_of(self, shown: float) -> float:
@@ -58,7 +58,7 @@ class BlockUnits:
             shown = -shown
         if self.block.gain_in == "percent":
             return gain_from_percent(shown, tuning.measurement, tuning.moved)
-        return shown / engineering_factor(tuning.measurement, tuning.moved)
+        return shown / gain_factor(tuning.measurement, tuning.moved)
 
     def unit(self, parameter: Parameter) -> str:
         """Return the unit of a parameter as it is printed."""

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from clepsydra.base.signal import Signal
-from clepsydra.base.units import from_si
-from clepsydra.designs.gain_units import percent_gain
+from clepsydra.designs.gain_units import gain_factor, percent_gain
 
 #: Significant digits that are printed.
 DIGITS = 5
@@ -21,12 +20,6 @@ def printed_number(value: float, resolution: float = 0.0) -> str:
     if resolution:
         value = round(round(value / resolution) * resolution, 12)
     return f"{value:.{DIGITS}g}"
-
-
-def engineering_factor(measurement: Signal, moved: Signal) -> float:
-    """Return how many display units of a gain one SI unit of it is."""
-    above, below = (from_si(1.0, signal.unit, signal.shown_unit) for signal in (moved, measurement))
-    return above / below
 
 
 def engineering_unit(measurement: Signal, moved: Signal) -> str:
@@ -47,7 +40,7 @@ def gain_words(gain: float, measurement: Signal, moved: Signal) -> str:
     '0.4 V/cm = 2 %/%'
     """
     unit = engineering_unit(measurement, moved)
-    words = f"{printed_number(gain * engineering_factor(measurement, moved))} {unit}"
+    words = f"{printed_number(gain * gain_factor(measurement, moved))} {unit}"
     if measurement.has_range and moved.has_range and unit != "%/%":
         words += f" = {printed_number(percent_gain(gain, measurement, moved))} %/%"
     return words

@@ -17,13 +17,13 @@ from clepsydra.deploy.vendor_tuning.beside_blocks import beside_blocks
 from clepsydra.deploy.vendor_tuning.check import Check
 from clepsydra.deploy.vendor_tuning.filling import Applied, Filled, filled
 from clepsydra.deploy.vendor_tuning.printed_gain import (
-    engineering_factor,
     engineering_unit,
     gain_words,
     printed_number,
 )
 from clepsydra.deploy.vendor_tuning.standard_tuning import StandardTuning, standard_tunings
 from clepsydra.deploy.vendor_tuning.vendor_block import EVERY_BLOCK, VendorBlock
+from clepsydra.designs.gain_units import gain_factor
 from clepsydra.linear.analysis import analyse
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.scenario import Scenario
@@ -206,7 +206,7 @@ def _loop_dict(translation: Translation, tuning: StandardTuning) -> dict[str, An
     return {
         "loop": tuning.title,
         "action": tuning.action,
-        "gain": numbers.gain * engineering_factor(*signals),
+        "gain": numbers.gain * gain_factor(*signals),
         "gain_unit": engineering_unit(*signals),
         "integral_time_s": numbers.integral_time if tuning.has_integral else None,
         "derivative_time_s": numbers.derivative_time,
