@@ -1,7 +1,7 @@
 """Every drawing can be read: geometry of the picture, with and without controllers."""
 
 import pytest
-from drawn import check
+from drawn import box_of, check
 from drawn_plants import CHAINS, FILES, PLANTS, loaded
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -65,6 +65,13 @@ def test_the_loops_of_every_kind_of_controller_can_be_read(name):
     owner = flow_graph(point.process).owner
     assert {owner(name) for name in controller.manipulated} <= {end for _, end in ends}
     assert {start for start, _ in ends} >= {owner(name) for name in controller.setpoints}
+
+
+def test_the_line_of_a_meter_beside_a_level_valve_reaches_its_pipe():
+    lines = check(process_drawing(load_process(FILES["valves"]), None)).lines
+    ((x, y),) = (pieces[0][0] for title, pieces, _ in lines["tap"] if "cross_valve" in title)
+    boxes = [box_of(piece) for _, pieces, _ in lines["pipe"] for piece in pieces]
+    assert any(left <= x <= right and top <= y <= bottom for left, top, right, bottom in boxes)
 
 
 def test_a_concentration_that_is_moved_in_a_reservoir_has_its_signal(tmp_path):

@@ -148,8 +148,7 @@ class _Reader:
             if all(isinstance(source, tuple) and source[1] for source in found):
                 box.settings += bool(found)
                 continue
-            port = _port(signal, number)
-            port.computed = value not in self.direct
+            port = _port(signal, number, computed=value not in self.direct)
             box.inputs.append(port)
             self.read[port] = found
         box.outputs = [_port(signal, number) for signal in block.outputs]
@@ -163,8 +162,8 @@ class _Reader:
         """Make an output that operations compute a box; what reads it further on names it."""
         box = Box(name)
         for source in self.sources[value]:
-            port = Port(source.name if isinstance(source, Port) else "", len(self.boxes))
-            port.computed = True
+            of = source.name if isinstance(source, Port) else ""
+            port = Port(of, len(self.boxes), computed=True)
             box.inputs.append(port)
             self.read[port] = [source]
         self.boxes.append(box)
@@ -213,5 +212,5 @@ class _Reader:
         return source.name if len(owners) == 1 else f"{box}.{source.name}"
 
 
-def _port(signal: Signal, box: int) -> Port:
-    return Port(signal.identifier, box, signal.kind == "real")
+def _port(signal: Signal, box: int, *, computed: bool = False) -> Port:
+    return Port(signal.identifier, box, signal.kind == "real", computed=computed)

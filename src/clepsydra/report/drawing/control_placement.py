@@ -99,10 +99,6 @@ class ControlPlacement:
 
     def _between(self, function: ControlFunction) -> Gap:
         """Return the gap in the middle of the transmitters that a controller reads."""
-        gaps = [
-            item.gap
-            for name in function.reads
-            if (item := self.gaps.item_of(self.frame.graph.owner(name)))
-        ]
-        gaps.sort()
+        items = (self.gaps.item_of(self.frame.graph.owner(name)) for name in function.reads)
+        gaps = sorted(item.gap for item in items if item is not None)
         return gaps[len(gaps) // 2] if gaps else (0, 0)

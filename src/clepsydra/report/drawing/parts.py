@@ -238,11 +238,12 @@ def draw_vessel(scene: Scene, name: str) -> list[str]:
     surface = TANK_HEIGHT * (1.0 - (share or 0.0))
     others = [signal for signal in states if signal is not level and scene.values]
     others = others[: 2 if level is not None else 4]
-    whole = [row for signal in others for row in _in_lines(scene, signal)]
-    if _clear_of(surface, len(words) + len(whole))[-1] < _LOWEST:
-        words += whole
-    else:
-        words += [_in_a_line(scene, signal) for signal in others]
+    whole, tight = (
+        [row for signal in others for row in _told(scene, signal, short=short)]
+        for short in (False, True)
+    )
+    fits = _clear_of(surface, len(words) + len(whole))[-1] < _LOWEST
+    words += whole if fits else tight
     outline = scene.outlines[name]
     wall = outline.polygon(x, y)
     shapes = [path(polygon(wall), 0.0, PAPER, "none")]
@@ -266,18 +267,13 @@ def draw_vessel(scene: Scene, name: str) -> list[str]:
     return parts
 
 
-def _in_lines(scene: Scene, signal: Signal) -> list[str]:
-    """Return name and value of a state inside a tank, in two lines if one is too narrow."""
-    short, value = signal.name.split(".", 1)[1], scene.value(signal.name)
-    words = f"{short} {value}"
-    fits = width(words, SMALL) <= INSIDE
-    return [words] if fits else [shortened(short, INSIDE, SMALL), value]
-
-
-def _in_a_line(scene: Scene, signal: Signal) -> str:
-    value = scene.value(signal.name)
-    room = INSIDE - width(f" {value}", SMALL)
-    return f"{shortened(signal.name.split('.', 1)[1], room, SMALL)} {value}"
+def _told(scene: Scene, signal: Signal, *, short: bool) -> list[str]:
+    """Return name and value of a state inside a tank, shortened or in two lines if too long."""
+    name, value = signal.name.split(".", 1)[1], scene.value(signal.name)
+    beside = width(f" {value}", SMALL)
+    if not short and width(name, SMALL) + beside > INSIDE:
+        return [shortened(name, INSIDE, SMALL), value]
+    return [f"{shortened(name, INSIDE - beside, SMALL)} {value}"]
 
 
 def _clear_of(surface: float, count: int) -> list[float]:
