@@ -64,26 +64,19 @@ def stack(graph: FlowGraph) -> dict[str, Seat]:
 
 def _columns(graph: FlowGraph, layer: dict[str, int]) -> dict[str, int]:
     """Put each tank above the first tank that it drains into, others of them beside it."""
-    feeders: dict[str, list[str]] = {tank: [] for tank in graph.vessels}
-    grounded = []
-    for tank in graph.vessels:
-        below = [
-            lower
-            for upper, lower in graph.falls()
-            if upper == tank and layer[lower] == layer[tank] - 1
-        ]
-        if below:
-            feeders[below[0]].append(tank)
-        else:
-            grounded.append(tank)
+    under: dict[str, str] = {}
+    for upper, lower in graph.falls():
+        if layer[lower] == layer[upper] - 1:
+            under.setdefault(upper, lower)
     column: dict[str, int] = {}
 
     def settle(tank: str, first: int) -> int:
         column[tank] = free = first
-        for upper in feeders[tank]:
+        for upper in (each for each in graph.vessels if under.get(each) == tank):
             free = settle(upper, free)
         return max(free, first + 1)
 
+    grounded = [tank for tank in graph.vessels if tank not in under]
     free = 0
     for tank in _in_a_line(grounded, _beside(graph)):
         free = settle(tank, free)
