@@ -216,7 +216,7 @@ def test_a_tick_shows_a_controller_in_all_pictures_and_takes_it_away(page):
     assert legend(page)[-1] == name
     assert point.get_attribute("aria-pressed") == "true"
     page.locator(".chart .u-over").first.hover()
-    assert readout(page, "Setpoint level_1 +2 cm", "tank_1.level").locator(
+    assert readout(page, "Setpoint level_1 +2 cm", "level_1").locator(
         "span"
     ).count() == 3  # fmt: skip
     point.click()
@@ -272,7 +272,7 @@ def test_one_cursor_stands_in_all_charts(page):
     page.locator(".chart .u-over").nth(1).hover()
     drawn(page)
     for event in ("Setpoint level_1 +2 cm", "Setpoint level_2 +2 cm"):
-        for signal in ("tank_1.level", "tank_2.level", "pump_1", "pump_2"):
+        for signal in ("level_1", "level_2", "pump_1", "pump_2"):
             values = readout(page, event, signal).locator("span").all_inner_texts()
             assert len(values) == 2 and all(float(value) > 0.0 for value in values)
     times = set(page.locator("#overlay section:visible .when").all_inner_texts())

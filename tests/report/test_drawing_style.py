@@ -3,6 +3,7 @@
 import colorsys
 import re
 from itertools import product
+from textwrap import dedent
 
 import pytest
 from drawn import SVG, Drawn
@@ -104,6 +105,27 @@ def test_what_is_at_the_end_of_its_range_is_coloured_and_said(tmp_path):
         words = Drawn(process_drawing(plant.process, plant.point)).words
         found = [(text.text, text.get("fill")) for text, _ in words]
         assert found.count(("at its highest", ALARM)) == count
+
+
+def test_a_meter_of_a_pump_that_stands_still_shows_nothing_abnormal(tmp_path):
+    spare = """
+        [pumps.spare]
+        source = "basin"
+        destination = "vessel"
+        gain = "1 l/(s V)"
+        range = ["0 V", "10 V"]
+        nominal = "0 V"
+        [sensors.spare_flow]
+        flow = "spare"
+        lag = "2 s"
+        range = ["0 l/s", "10 l/s"]
+        """
+    path = tmp_path / "tank.toml"
+    path.write_text(TANK + dedent(spare), encoding="utf-8")
+    plant = cl.load(path)
+    assert plant.point.as_dict()["spare_flow"] == 0.0
+    words = [text.text for text, _ in Drawn(process_drawing(plant.process, plant.point)).words]
+    assert "spare_flow" in words and "at its lowest" not in words
 
 
 def test_a_stopped_pump_looks_stopped():

@@ -63,6 +63,11 @@ class ShownSignal:
     inner: bool = False
 
     @property
+    def name(self) -> str:
+        """What the reader knows it by: a level by the sensor that shows it."""
+        return self.measurement or self.signal.name
+
+    @property
     def moved(self) -> bool:
         """Whether it is a manipulated variable."""
         return not (self.measurement or self.inner)
@@ -322,7 +327,7 @@ def _described(shown: ShownSignal, process: Process) -> dict[str, Any]:
     signal = shown.signal
     factor, band = display_factor(signal), shown.band(process)
     return {
-        "name": signal.name,
+        "name": shown.name,
         "unit": unit_text(signal.shown_unit),
         "held": shown.moved,
         "low": _finite(signal.low * factor),

@@ -75,7 +75,7 @@ def overlay_figure(
                     axes.axhline(end, color=INK, linewidth=0.8)
                 if not column:
                     unit_words = unit_text(shown.signal.shown_unit) or "1"
-                    axes.set_ylabel(f"{shown.signal.name}\n[{unit_words}]")
+                    axes.set_ylabel(f"{shown.name}\n[{unit_words}]")
                 axes.margins(x=0.0)
                 axes.locator_params(nbins=3)
             _widen(grid[:, column], rows)

@@ -108,7 +108,8 @@ class Scene:
         """Return what is abnormal about a signal: it has reached an end of its range."""
         moving = [*self.process.inputs, *self.process.measurements]
         signal = next((signal for signal in moving if signal.name == name), None)
-        if signal is None or name not in self.values or name in self.still:
+        flow = getattr(self.elements.get(name), "flow", "")  # what a meter measures
+        if signal is None or name not in self.values or self.still & {name, flow}:
             return ""
         if signal.low < self.values[name] < signal.high:
             return ""
