@@ -151,6 +151,15 @@ def test_a_plant_that_does_more_than_the_file_is_told(plant, four_tanks):
     assert "the plant does more than the file says" in words or "Do not use this fit" in words
 
 
+def test_what_still_depends_on_the_inputs_is_named_and_nothing_else(plant, four_tanks):
+    """A pump gives more than in the file; what the other pump alone feeds is as the fit says."""
+    began = scaled(plant, ["pump_2.gain"], 1.05)
+    noise = {f"level_{k}": 0.01 for k in (1, 2, 3, 4)}
+    fit = fitted(began, record_of(four_tanks, noise), ["outlet_1.area", "outlet_3.area"])
+    named = fit.verdict.partition("what is left of ")[2].partition(" still depends")[0]
+    assert "level_2" in named and "level_4" not in named
+
+
 def test_a_still_measurement_with_noise_spoils_no_verdict(plant, four_tanks):
     run = simulated(plant, {"pump_1": STEPS["pump_1"]}, duration="16 min")
     noise = {f"level_{k}": 0.01 for k in (1, 2, 3, 4)}
