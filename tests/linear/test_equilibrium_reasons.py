@@ -130,3 +130,35 @@ def test_a_value_out_of_range_is_told_in_the_unit_of_its_signal(tmp_path):
         remedy="choose a value inside the range of level",
     ):
         _ = beyond.point
+
+
+DRAINED = """
+name = "drained"
+sampling_period = "5 s"
+controlled = ["level"]
+[reservoirs.works]
+[tanks.sump]
+diameter = "1 m"
+height = "1 m"
+[flows.feed]
+destination = "sump"
+range = ["0 l/min", "40 l/min"]
+nominal = "20 l/min"
+[pumps.drain]
+source = "sump"
+destination = "works"
+gain = "0.4 l/(min %)"
+range = ["0 %", "100 %"]
+suction_level = "5 cm"
+[sensors.level]
+tank = "sump"
+range = ["0 m", "1 m"]
+[operating_point]
+level = "6 cm"
+"""
+
+
+def test_nothing_rests_where_a_pump_would_draw_air(tmp_path):
+    assert plant_of(tmp_path, DRAINED).point.as_dict()["drain"] == pytest.approx(0.5)
+    with pytest.raises(NoEquilibrium, match="nothing would rest there, since .*drain"):
+        _ = plant_of(tmp_path, DRAINED, ("6 cm", "4 cm")).point
