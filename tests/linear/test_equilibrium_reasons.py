@@ -160,5 +160,5 @@ level = "6 cm"
 
 def test_nothing_rests_where_a_pump_would_draw_air(tmp_path):
     assert plant_of(tmp_path, DRAINED).point.as_dict()["drain"] == pytest.approx(0.5)
-    with pytest.raises(NoEquilibrium, match="nothing would rest there, since .*drain"):
+    with pytest.raises(NoEquilibrium, match=r"nothing would rest there, since .*drain"):
         _ = plant_of(tmp_path, DRAINED, ("6 cm", "4 cm")).point

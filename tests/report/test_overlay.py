@@ -39,11 +39,6 @@ def test_of_an_averaging_level_the_outflow_comes_first_and_the_band_is_told(drum
     assert rows["level"].setpoint(run) == pytest.approx(100.0 * run.values["level.setpoint"])
 
 
-def test_a_level_has_the_name_of_its_sensor_in_charts_as_in_titles(result):
-    told = [each["name"] for each in data_of(result)["signals"]]
-    assert told == ["level_1", "level_2", "pump_1", "pump_2"]
-
-
 def test_a_volume_is_shown_in_cubic_metres_whatever_its_level():
     plant = cl.load("averaging-tank")
     result = cl.study(plant, [cl.design.simc(plant)])
