@@ -73,6 +73,28 @@ def test_saturation_is_told_with_its_share_and_its_end(resting, count, value, sa
     assert not said or ("for most of it" in words[0]) == (count == 30)
 
 
+@pytest.mark.parametrize(
+    ("values", "strokes"),
+    [
+        ([0.0, 10.0, 0.0, 10.0, 0.0], 4),
+        ([0.0, 5.0, 10.0, 5.0, 0.0, 5.0, 10.0, 5.0, 0.0], 4),
+        ([10.0, 0.0, 10.0, 5.0], 0),  # as soon as can be, and to rest
+        ([1.0, 9.0] * 12, 0),  # it moves much, but never to an end
+    ],
+)
+def test_what_goes_from_end_to_end_after_a_step_is_told(resting, values, strokes):
+    (step,) = resting.scenario.segments
+    pump = resting.values["pump"].copy()
+    begin = round(step.start / resting.scenario.sampling_period)
+    pump[begin : begin + len(values)] = values
+    run = replace(resting, values=resting.values | {"pump": pump})
+    told = [words for words in run_warnings(run) if "from one end" in words]
+    assert len(told) == bool(strokes)
+    assert not strokes or f"{strokes} times after the setpoint step of level" in told[0]
+    noise = replace(run.scenario, segments=(replace(step, kind="noise"),))
+    assert not any("from one end" in words for words in run_warnings(replace(run, scenario=noise)))
+
+
 def test_what_does_not_settle_is_told_but_for_levels_that_average(resting):
     scores = {"settling_time[level]": math.inf, "settling_time_2[level]": math.inf}
     (warning,) = warnings_after(resting, scores)

@@ -20,6 +20,9 @@ from clepsydra.studies.warnings.words import shown
 
 #: Share of a run at a limit above which the reader is told, and above which it is most of it.
 _SATURATED, _MOSTLY = 0.05, 0.5
+#: Ways across the whole range in one segment above which an input is driven to and fro: what
+#: reaches a setpoint soonest needs two, and one more brings it to rest.
+_STROKES = 3
 #: Error estimate above which the reader is told, share of the state's range; and above which it is
 #: seen in figures of three digits.
 _ERROR, _SEEN = 1e-6, 1e-3
@@ -46,6 +49,7 @@ ask for less, or give it another size.
     return (
         *(each.sentence for each in (*harms(run), *emptied(run))),
         *_saturated(run),
+        *_driven_to_and_fro(run),
         *_inner_setpoints_at_limits(run),
     )
 
@@ -142,6 +146,34 @@ def _saturated(run: Run) -> list[str]:
             if shares[name] > 0.0
         ]
     return words
+
+
+def _driven_to_and_fro(run: Run) -> list[str]:
+    """Return which inputs a controller drives from end to end again and again after a step.
+
+    That noise does so the standing of a nervous controller says.
+    """
+    words = []
+    for name in run.controller.manipulated:
+        for event in run.scenario.segments:
+            strokes = _strokes(run, name, event)
+            if event.kind != "noise" and strokes > _STROKES:
+                words.append(
+                    f"{name} goes from one end of its range to the other {strokes} times after "
+                    f"the {event.kind} step of {event.signal}: that wears it out; make the loop "
+                    "slower."
+                )
+                break
+    return words
+
+
+def _strokes(run: Run, name: str, segment: Segment) -> int:
+    """Return how often an input goes from one limit to the other within a segment."""
+    period = run.scenario.sampling_period
+    values = run.values[name][round(segment.start / period) : round(segment.stop / period)]
+    low, high = run.limits(name)
+    ends = at_limit(values, -np.inf, high).astype(int) - at_limit(values, low, np.inf)
+    return int(np.count_nonzero(np.diff(ends[ends != 0])))
 
 
 def _inner_setpoints_at_limits(run: Run) -> list[str]:
