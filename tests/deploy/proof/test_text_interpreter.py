@@ -282,3 +282,26 @@ def test_a_function_of_the_text_is_called():
 def test_a_wrong_function_is_refused(text, message):
     with pytest.raises(StructuredTextError, match=message):
         StructuredText(text)
+
+
+RECORD = "TYPE\n  {name} : STRUCT\n    x : LREAL;{more}\n  END_STRUCT;\nEND_TYPE\n"
+BLOCK = "FUNCTION_BLOCK kept\nVAR_INPUT\n  x : LREAL;\nEND_VAR\nEND_FUNCTION_BLOCK\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (RECORD.format(name="kept", more="") * 2, "kept is declared twice"),
+        (BLOCK + RECORD.format(name="Kept", more=""), "Kept is declared twice"),
+        (RECORD.format(name="kept", more="") + BLOCK, "kept is declared twice"),
+        (BLOCK * 2, "kept is declared twice"),
+        (RECORD.format(name="kept", more=" X : DINT;"), "x is declared twice"),
+    ],
+)
+def test_what_is_declared_twice_is_refused(text, message):
+    with pytest.raises(StructuredTextError, match=message):
+        StructuredText(text)
+
+
+def test_two_types_are_read():
+    StructuredText(RECORD.format(name="one", more="") + RECORD.format(name="other", more=""))

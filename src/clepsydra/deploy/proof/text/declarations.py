@@ -86,14 +86,15 @@ def units_of(root: Node) -> dict[str, Unit]:
         if node.type in (*_QUIET, "configuration_declaration"):
             continue
         if node.type == "type_declaration":
-            found |= {unit.name.lower(): unit for unit in _records(node)}
-            continue
-        if node.type not in _UNITS:
+            units = tuple(_records(node))
+        elif node.type in _UNITS:
+            units = (_unit(node),)
+        else:
             raise wrong(node, f"no meaning for {node.type}")
-        unit = _unit(node)
-        if unit.name.lower() in found:
-            raise wrong(node, f"{unit.name} is declared twice")
-        found[unit.name.lower()] = unit
+        for unit in units:
+            if unit.name.lower() in found:
+                raise wrong(node, f"{unit.name} is declared twice")
+            found[unit.name.lower()] = unit
     return found
 
 
@@ -110,6 +111,8 @@ def _records(node: Node) -> Iterator[Unit]:
                 if kind not in ZEROS:
                     raise wrong(field_node, f"no meaning for a member of type {kind}")
                 name = content(part(field_node, "name")).lower()
+                if name in members:
+                    raise wrong(field_node, f"{name} is declared twice")
                 members[name] = Declared("VAR_OUTPUT", kind, ZEROS[kind])
         yield Unit("STRUCT", content(part(each, "name")), members)
 
