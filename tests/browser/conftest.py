@@ -143,7 +143,8 @@ def findings(packages):
 
     def found(page):
         page.evaluate(axe)
-        violations = page.evaluate("axe.run()")["violations"]
+        # A description of each element that passes takes four fifths of the time.
+        violations = page.evaluate("axe.run({ resultTypes: ['violations'] })")["violations"]
         return [f"{rule['id']}: {rule['nodes'][0]['html']}" for rule in violations]
 
     return found
