@@ -20,7 +20,7 @@ from clepsydra.deploy.fmi.controller import controller_model
 from clepsydra.deploy.fmi.write import write_fmu
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.proof.engine_run import engine_run
-from clepsydra.deploy.proof.imported_fmu import run_fmu
+from clepsydra.deploy.proof.imported_fmu import FmuError, run_fmu
 from clepsydra.program.block import Block
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.reader import program_of, structured_program_of
@@ -175,3 +175,22 @@ def test_a_block_whose_name_is_no_identifier_is_refused():
     other = Block("if", (Signal("x"),), (), (Signal("y"),), lambda s: Equations({}, {"y": s["x"]}))
     with refused(place="program if", expected="no word of C"):
         print_c(structured_program_of(law_of_blocks(other)))
+
+
+@pytest.mark.parametrize("version", ["3.0", "2.0"])
+def test_an_fmu_is_freed_where_it_does_not_run(version, tmp_path, monkeypatch):
+    need("fmpy")
+    from fmpy.fmi2 import FMU2Slave
+    from fmpy.fmi3 import FMU3Slave
+
+    freed = []
+    for kind in (FMU2Slave, FMU3Slave):
+        free = kind.freeInstance
+        monkeypatch.setattr(kind, "freeInstance", lambda fmu, free=free: freed.append(free(fmu)))
+    structured, _ = both()
+    path, origin = tmp_path / "filters.fmu", Origin("filters", "a process", "", 1.0)
+    write_fmu(path, controller_model(structured, origin), find_compiler("tests"), version=version)
+    more = replace(structured, outputs=(*structured.outputs, Signal("more")))
+    with pytest.raises(FmuError, match="no variable more"):
+        run_fmu(more, path, tmp_path / "unpacked", 1.0, scans())
+    assert len(freed) == 1

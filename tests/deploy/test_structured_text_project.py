@@ -23,6 +23,7 @@ from clepsydra.deploy.structured_text.project import Project, print_test_project
 from clepsydra.deploy.structured_text.time_literal import LONGEST, milliseconds, time_literal
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario
+from clepsydra.program.operation import Operation
 from clepsydra.program.program import Block, Program
 
 SCANS, SUBSTEPS = 240, 2
@@ -162,6 +163,22 @@ def test_wires_that_do_not_fit():
         print_test_project(Project(law, tank, {"pump_1.out": "pump_1"}, 1.0))
     with refused(value="LAW", expected="a name that differs"):
         print_test_project(Project(law, dataclasses.replace(tank, name="LAW"), good, 1.0))
+
+
+def test_two_structures_of_one_name_are_refused_and_equal_ones_stand_once():
+    def told(*names):
+        parts = [f"pump.conditions.{name}" for name in names]
+        return [Signal(part, kind="boolean", record="conditions") for part in parts]
+
+    def stating(name, *names):
+        never = Operation(1, "less", (0, 0)), Operation(2, "number", (1,))
+        block = Block(1, never, (2,) * len(names))
+        return Program(name, (), (Signal("u"),), (), tuple(told(*names)), block)
+
+    law, tank = stating("law", "full"), stating("tank", "full")
+    assert print_test_project(Project(law, tank, {}, 1.0)).count("TYPE ST_Conditions") == 1
+    with refused(place="tank, TYPE ST_Conditions", expected="law"):
+        print_test_project(Project(law, stating("tank", "full", "empty"), {}, 1.0))
 
 
 #: Types of inputs that are not real, by the end of their names.

@@ -69,16 +69,17 @@ def _imported(path: Path, folder: Path) -> Iterator[tuple[Any, Any, bool]]:
             modelIdentifier=(exchange or description.coSimulation).modelIdentifier,
             instanceName=description.modelName,
         )
-        if third:
-            fmu.instantiate(logMessage=_silent)
-        else:
-            fmu.instantiate()
-            fmu.setupExperiment(startTime=0.0)
-        fmu.enterInitializationMode()
-        fmu.exitInitializationMode()
-        yield description, fmu, third
-        fmu.terminate()
-        fmu.freeInstance()
+        fmu.instantiate(**({"logMessage": _silent} if third else {}))
+        try:
+            if not third:
+                fmu.setupExperiment(startTime=0.0)
+            fmu.enterInitializationMode()
+            fmu.exitInitializationMode()
+            yield description, fmu, third
+            # After an error nothing but to be freed is left to an instance.
+            fmu.terminate()
+        finally:
+            fmu.freeInstance()
     except FmuError:
         raise
     except Exception as error:

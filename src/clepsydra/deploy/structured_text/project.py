@@ -73,8 +73,8 @@ class Project:
         Raises
         ------
         InputError
-            A block cannot be printed, both have the same name, a wire does not fit, or a TIME
-            cannot hold the sampling period.
+            A block cannot be printed, both have the same name or different types, functions or
+            blocks of one, a wire does not fit, or a TIME cannot hold the sampling period.
         """
         dialect, precision = dialect_of(self.dialect), self.precision
         time_literal(self.sampling_period)  # refuses what no TIME can hold
@@ -85,16 +85,25 @@ class Project:
         wording = StructuredText(dialect, precision, (controller.name, process.name))
         wiring = wired(controller, process, self.wires, self.sampling_period)
         program = _loop_program(controller, process, *wiring, wording)
-        units = [
-            *function_blocks(self.controller, dialect, precision, self.origin),
-            *function_blocks(self.process, dialect, precision, self.process_origin),
-        ]
-        # A function that both call stands there once.
-        shared = ("TYPE", "FUNCTION")
-        functions = {unit.name: unit for unit in units if unit.kind in shared}
-        blocks = (unit for unit in units if unit.kind not in shared)
+        units: dict[str, tuple[Unit, Program]] = {}
+        for each, origin in zip(pair, (self.origin, self.process_origin), strict=True):
+            for unit in function_blocks(each, dialect, precision, origin):
+                # What both have stands there once.
+                known, other = units.setdefault(unit.name.lower(), (unit, each))
+                if _without_words(known) != _without_words(unit):
+                    raise InputError(
+                        f"test project, block {each.name}, {unit.kind} {unit.name}",
+                        Finding("another one of that name"),
+                        f"{known.kind} {known.name} as in block {other.name}",
+                        "rename one of them",
+                    )
+        # One needs the other: types and functions come first.
+        blocks = sorted(
+            (unit for unit, _ in units.values()),
+            key=lambda unit: unit.kind not in ("TYPE", "FUNCTION"),
+        )
         head = self._head(program.name, dialect)
-        return (*functions.values(), *blocks, replace(program, head=head))
+        return (*blocks, replace(program, head=head))
 
     def _head(self, name: str, dialect: Dialect) -> tuple[str, ...]:
         lines = [
@@ -109,6 +118,12 @@ class Project:
         if not dialect.programs:
             lines.insert(-1, "It is a block, to be called from a cyclic interrupt such as OB30.")
         return tuple(lines)
+
+
+def _without_words(unit: Unit) -> tuple[object, ...]:
+    """Return what a unit is, whatever is said of it."""
+    variables = [replace(e, comment="") for section in unit.sections for e in section.variables]
+    return unit.kind, variables, unit.body, unit.result
 
 
 def print_test_project(project: Project) -> str:
