@@ -1,5 +1,6 @@
 """Variants of a process file: which are in force, what they change, and where mistakes stand."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -94,6 +95,38 @@ def test_later_variants_win() -> None:
     write(VALID + VARIANTS + '\n[variants.narrow]\ntanks.tank_1.area = "5 cm^2"\n')
     assert values(load_process("plant.toml", ("wide", "narrow")), "tank_1.area") == [5e-4]
     assert values(load_process("plant.toml", ("narrow", "wide")), "tank_1.area") == [50e-4]
+
+
+def test_an_area_takes_the_place_of_a_diameter_and_the_other_way_round() -> None:
+    round_ones = (
+        '\n[variants.round]\ntanks.tank_1.diameter = "10 cm"\norifices.outlet_1.diameter = "4 mm"\n'
+    )
+    write(VALID + VARIANTS + round_ones)
+    names = "tank_1.area", "outlet_1.area"
+    areas = [math.pi * 25e-4, math.pi * 4e-6]
+    assert values(load_process("plant.toml", "round"), *names) == pytest.approx(areas)
+    assert values(load_process("plant.toml", ("wide", "round")), *names) == pytest.approx(areas)
+    later = values(load_process("plant.toml", ("round", "wide")), *names)
+    assert later == pytest.approx([50e-4, areas[1]])
+
+
+def test_a_default_variant_says_that_the_area_of_the_file_has_no_effect() -> None:
+    line = VALID[: VALID.index('area = "28 cm^2"')].count("\n") + 2
+    write('default_variant = "round"\n' + VALID + '\n[variants.round.tanks]\n'
+          'tank_1.diameter = "10 cm"\n')  # fmt: skip
+    (warning,) = load_process("plant.toml").warnings
+    assert f"tanks.tank_1.area (line {line}) of plant.toml has no effect" in warning
+
+
+def test_a_variant_gives_either_an_area_or_a_diameter() -> None:
+    write(VALID + '\n[variants.both.tanks.tank_1]\narea = "9 cm^2"\ndiameter = "10 cm"\n')
+    assert "variants.both.tanks.tank_1.diameter: " in refusal(variant="both")
+
+
+def test_a_tank_called_area_has_no_area_in_its_place() -> None:
+    named = VALID.replace("tank_1", "area").replace("tank_2", "diameter")
+    write(named + "\n[variants.same.splitters.valve.fractions]\narea = 0.7\n")
+    assert values(load_process("plant.toml", "same"), "valve.area") == [0.7]
 
 
 def test_variants_after_a_colon() -> None:

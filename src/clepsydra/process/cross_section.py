@@ -11,6 +11,9 @@ from clepsydra.base.quantity import Quantity
 from clepsydra.process.declared import part
 from clepsydra.process.table_reader import TableReader
 
+#: The keys of a file that give it, one in place of the other.
+KEYS = ("area", "diameter")
+
 
 def cross_section(of: str, area_remedy: str, diameter_remedy: str, *, strict: bool) -> Any:
     """Return the field of an area [m²] that a file gives by exactly one of two keys.
@@ -50,5 +53,5 @@ def cross_section(of: str, area_remedy: str, diameter_remedy: str, *, strict: bo
             "area": area.schema(words=f"cross-section of the {of}"),
             "diameter": diameter.schema(words=f"inner diameter of the {of}, in place of its area"),
         },
-        checks=({"oneOf": [{"required": ["area"]}, {"required": ["diameter"]}]},),
+        checks=({"oneOf": [{"required": [key]} for key in KEYS]},),
     )

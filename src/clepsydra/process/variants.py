@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
 from clepsydra.base.words import listed
-from clepsydra.process import told
+from clepsydra.process import cross_section, told
 from clepsydra.process.document import Document
 from clepsydra.process.table_reader import TableReader, shown_value
 from clepsydra.process.toml_lines import line_of
@@ -28,6 +28,8 @@ VARIANT_KEYS = {
 
 #: Keys that a warning names at most.
 _SHOWN = 4
+#: Tables around a key of an element: its kind and its name.
+_OF_ELEMENT = 2
 _NAME = re.compile(r"[A-Za-z](?:[-_]?[A-Za-z0-9]){0,39}")
 
 
@@ -99,7 +101,7 @@ def choose_variants(document: Document, asked: tuple[str, ...] | None) -> Chosen
     """Lay variants over a process file, one after the other.
 
     A table of a variant is merged into the table of the file, key by key; anything else takes
-    the place of what the file says.
+    the place of what the file says, as an area does of a diameter.
 
     Parameters
     ----------
@@ -211,11 +213,17 @@ def _merge(
         if isinstance(value, dict) and isinstance(table.get(key), dict):
             replaced += _merge(table[key], value, here, there, origins)
             continue
-        if key in table and here not in origins:
-            replaced.append(here)
+        gone = [key]
+        if len(path) == _OF_ELEMENT and key in cross_section.KEYS:
+            gone += [other for other in cross_section.KEYS if other not in over]
+        for each in gone:
+            if each in table and (*path, each) not in origins:
+                replaced.append((*path, each))
+            # What an earlier variant brought below this key is gone, and with it its place.
+            for old in [known for known in origins if known[: len(here)] == (*path, each)]:
+                del origins[old]
+        for other in gone[1:]:
+            table.pop(other, None)
         table[key] = deepcopy(value)
-        # What an earlier variant brought below this key is gone, and with it its place.
-        for old in [known for known in origins if known[: len(here)] == here]:
-            del origins[old]
         origins[here] = there
     return replaced
