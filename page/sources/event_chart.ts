@@ -294,7 +294,7 @@ export class EventChart {
       const before = mark === null ? null : this.at(curve, mark);
       const words = document.createElement("span");
       words.title = names[controller]!;
-      words.style.setProperty("--own", `var(${shown.property(controller)})`);
+      shown.paint(words, controller);
       const difference = before === null ? "" : ` (${differenceText(value - before)})`;
       words.textContent = numberText(value) + difference;
       this.readout.append(words);

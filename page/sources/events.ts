@@ -108,7 +108,7 @@ function legend(data: PageData, shown: Shown): HTMLElement {
     const entries = shown.controllers.map((controller) => {
       const entry = document.createElement("span");
       entry.textContent = data.controllers[controller]!.title;
-      entry.style.setProperty("--own", `var(${shown.property(controller)})`);
+      shown.paint(entry, controller);
       return entry;
     });
     const hint = document.createElement("span");

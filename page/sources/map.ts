@@ -154,7 +154,7 @@ function pointButton(each: Controller, controller: number, shown: Shown): HTMLBu
   button.setAttribute("aria-label", button.title);
   const mark = () => {
     button.setAttribute("aria-pressed", String(shown.has(controller)));
-    button.style.setProperty("--own", `var(${shown.property(controller)})`);
+    shown.paint(button, controller);
   };
   mark();
   shown.onChange(mark);

@@ -22,7 +22,7 @@ function addTicks(table: HTMLTableElement, shown: Shown): void {
     const mark = () => {
       tick.checked = shown.has(controller);
       row.classList.toggle("shown", tick.checked);
-      row.style.setProperty("--own", `var(${shown.property(controller)})`);
+      shown.paint(row, controller);
     };
     mark();
     shown.onChange(mark);

@@ -39,6 +39,13 @@ export class Shown {
     return turn ? [6 * turn, 3] : [];
   }
 
+  /** Let a swatch of an element look like the line of a controller. */
+  paint({ style }: HTMLElement, controller: number): void {
+    style.setProperty("--own", `var(${this.property(controller)})`);
+    const [length] = this.dash(controller);
+    style.setProperty("--dash", length === undefined ? "100%" : `${length}px`);
+  }
+
   private take(controller: number): void {
     const taken = new Set(this.places.values());
     let place = 0;

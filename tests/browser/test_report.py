@@ -230,6 +230,35 @@ def test_a_tick_shows_a_controller_in_all_pictures_and_takes_it_away(page):
     assert not tick.is_checked() and name not in legend(page)
 
 
+def test_where_colours_are_used_again_lines_and_what_names_them_are_broken(page):
+    """The ninth has the colour of the first, and a gap in each mark of it."""
+    for tick in page.locator(".ranking tbody input").all():
+        if not tick.is_checked() and len(legend(page)) < 9:
+            tick.click()
+    page.locator("#overlay .chart .u-over").first.hover()
+    drawn(page)
+    names = legend(page)
+    marks = page.evaluate(
+        """names => {
+            const look = each => getComputedStyle(each, "::before").backgroundImage;
+            const row = name => [...document.querySelectorAll(".ranking .shown th")]
+                .find(each => each.innerText.startsWith(name));
+            const of = places => [places.at(0), places.at(-1)];
+            return [
+                of([...document.querySelectorAll(".legend span:not(.hint)")]),
+                of([...document.querySelector(".readout:has(span)").querySelectorAll("span")]),
+                of(names.map(row)),
+            ].map(two => two.map(look));
+        }""",
+        names,
+    )
+    for solid, broken in marks:
+        assert "gradient" in solid and broken != solid
+        colour = re.search(r"rgb\([^)]*\)", solid).group()
+        assert colour in broken
+        assert "6px" in broken and "6px" not in solid
+
+
 def test_a_tick_shows_a_curve_in_each_chart(page):
     row(page, "PI, AMIGO").get_by_role("checkbox").check()
     for chart in page.locator("#overlay > .events .chart").all():

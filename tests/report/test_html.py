@@ -233,6 +233,25 @@ def test_the_page_of_a_controller_says_all_that_a_loop_needs(text):
     assert "ISA form, every 1 s." in whole
 
 
+def test_the_times_of_the_scenario_have_one_unit(text):
+    """The steps lie within the first minutes of a run of more than an hour."""
+    table = re.search(r"<caption>Scenario</caption>.*?</table>", text, re.DOTALL).group()
+    assert "time [min]" in table
+    times = re.findall(r"<td>([^<]*) – ([^<]*)</td>", table)
+    assert len(times) > 2 and all(float(end) > float(start) for start, end in times)
+
+
+def test_numbers_in_words_of_a_design_have_the_minus_of_the_tables(result):
+    told = replace(
+        result,
+        warnings=("slope -0.5 %/% (-3 V), as in --input 'pump_1=-1 V'.",),
+        not_applicable=(("PI-2, own", "its gain is -2 V/V"),),
+    )
+    words = words_of(report_text(told))
+    assert "slope −0.5 %/% (−3 V), as in --input 'pump_1=-1 V'." in words
+    assert "PI-2, own its gain is −2 V/V" in words
+
+
 def test_definitions_are_printed_and_do_not_hide_behind_the_mouse(text):
     words = words_of(text).rpartition("What the numbers mean")[2]
     assert "never again lies outside a band for three samples in a row on one side" in words

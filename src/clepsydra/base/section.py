@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 
+from clepsydra.base.words import with_minus
+
 
 class Mark(Enum):
     """What stands before a line, and so what kind of line it is.
@@ -23,9 +25,12 @@ class Mark(Enum):
     FILE = "file"
 
 
+_COPIED = (Mark.COMMAND, Mark.NEXT, Mark.FILE)
+
+
 @dataclass(frozen=True)
 class Line:
-    """One sentence or more, to be broken where the page ends.
+    """One sentence or more, to be broken where the page ends; numbers in it have a real minus.
 
     Parameters
     ----------
@@ -38,6 +43,11 @@ class Line:
     text: str
     mark: Mark = Mark.PLAIN
     narrow: str = ""
+
+    def __post_init__(self) -> None:
+        """Print numbers of words that others wrote as tables do, but in what is copied."""
+        if self.mark not in _COPIED:
+            object.__setattr__(self, "text", with_minus(self.text))
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import unicodedata
 from collections.abc import Sequence
 
@@ -13,6 +14,25 @@ TIME_UNITS = (
     ("h", 3600.0, 3.0 * 86400.0),
     ("d", 86400.0, math.inf),
 )
+
+
+#: Digits of an exponent as they are printed.
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+#: The hyphen before a number that stands alone or in brackets.
+_MINUS = re.compile(r"(?<![^\s(])-(?=\d)")
+
+
+def with_minus(text: str) -> str:
+    """Return words with a minus before numbers below zero, as tables have it.
+
+    What is read back, as in quotation marks or behind a sign of equality, stays as it is.
+
+    Examples
+    --------
+    >>> with_minus("PI-2: K = -3.86 %/% (-1 V), as in --input x=-1")
+    'PI-2: K = −3.86 %/% (−1 V), as in --input x=-1'
+    """
+    return _MINUS.sub("−", text)
 
 
 def time_unit(time: float) -> tuple[str, float]:

@@ -12,7 +12,7 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.base.section import Line, Mark, Picture, Section, Table, marked
 from clepsydra.base.signal import path
-from clepsydra.base.words import time_text
+from clepsydra.base.words import time_text, time_unit, with_minus
 from clepsydra.controllers.blocks.status import STATUS_BITS
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
@@ -128,7 +128,8 @@ def _more(result: StudyResult) -> list[Section]:
     tables = (operating_point_grid(result.point), *analysis_grids(result.analysis))
     found = [Section("What the linear model says", (*words, *tables), folded=True)]
     if result.not_applicable:
-        refused = facts_table("", result.not_applicable)
+        reasons = ((name, with_minus(reason)) for name, reason in result.not_applicable)
+        refused = facts_table("", reasons)
         folded = bool(result.ranking)
         found.append(Section("Not applicable, and why", (refused,), folded=folded))
     bits = tuple((str(bit.value), bit.meaning) for bit in STATUS_BITS.values())
@@ -223,12 +224,13 @@ def _version(package: str) -> str:
 
 
 def _segments(result: StudyResult) -> Table:
+    unit, length = time_unit(result.scenario.duration)
     rows = []
     for segment in result.scenario.segments:
-        words = segment_words(result.process, segment)
-        times = " – ".join(time_text(time, 4) for time in (segment.start, segment.stop))
-        rows.append((f"{words[0]} {words[1]}", times, words[2]))
-    return Table("Scenario", ("what happens", "time", "size"), tuple(rows))
+        kind, signal, size = segment_words(result.process, segment)
+        times = " – ".join(number_text(t / length) for t in (segment.start, segment.stop))
+        rows.append((f"{kind} {signal}", times, size))
+    return Table("Scenario", ("what happens", f"time [{unit}]", "size"), tuple(rows))
 
 
 #: So many points of a front are listed at most.

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from clepsydra.base.signal import Signal
+from clepsydra.base.words import SUPERSCRIPTS
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.frequency_grid import frequency_grid
 from clepsydra.report.colours import MUTED
@@ -29,7 +30,6 @@ _TURNS = 2.0
 _LETTERS_AN_INCH = 13
 # A channel below this share of the strongest, both in ranges, is rounding.
 _ROUNDING = 1e-12
-_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def shown_frequencies(analysis: Analysis) -> np.ndarray:
@@ -77,7 +77,7 @@ def power_of_ten(value: float, _: object = None) -> str:
     """
     if value == 0.0:
         return "0"
-    exponent = str(round(np.log10(abs(value)))).translate(_SUPERSCRIPTS)
+    exponent = str(round(np.log10(abs(value)))).translate(SUPERSCRIPTS)
     return f"{'−' if value < 0.0 else ''}10{exponent}"
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import InputError
+from clepsydra.base.words import SUPERSCRIPTS
 
 #: A root this near to the unit circle stands on it, and one this near to 1 integrates.
 ON_THE_CIRCLE = 1e-8
@@ -138,7 +139,7 @@ class SampledModel:
         """Return it as a reader writes it."""
         above = _polynomial(self.numerator, 1)
         below = "1" + _polynomial(self.denominator, 1, signed=True)
-        delayed = f" z^-{self.delay}" if self.delay else ""
+        delayed = f" {_back(self.delay)}" if self.delay else ""
         return f"({above}) / ({below}){delayed}"
 
 
@@ -177,5 +178,10 @@ def _polynomial(coefficients: Sequence[float], first: int, *, signed: bool = Fal
     for power, value in enumerate(coefficients, start=first):
         sign = "−" if value < 0.0 else "+"
         lead = f" {sign} " if words or signed else ("−" if value < 0.0 else "")
-        words += f"{lead}{abs(value):.6g} z^-{power}"
+        words += f"{lead}{abs(value):.6g} {_back(power)}"
     return words
+
+
+def _back(samples: int) -> str:
+    """Return the shift that looks back so many samples."""
+    return f"z{str(-samples).translate(SUPERSCRIPTS)}"

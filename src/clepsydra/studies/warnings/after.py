@@ -76,7 +76,7 @@ def caveats_after(run: Run) -> tuple[Caveat, ...]:
     Smaller integration steps might still change a state by more than 1e-6 of its range. And an
     averaging level may still move by more than 1 % of its way in the last tenth of a step's
     segment, which is then shorter than what its loop takes, an arrest time, say, so that scores
-    are of a part of the response; of each level the first such segment is told.
+    are of a part of the response; of each level all such segments are told together.
     """
     found = []
     if run.error_estimate is not None and run.error_estimate > _ERROR:
@@ -89,18 +89,19 @@ def caveats_after(run: Run) -> tuple[Caveat, ...]:
         found.append(Caveat(words, "accuracy", error, seen=run.error_estimate >= _SEEN))
     for name in run.process.averaging:
         steps = [segment for segment in run.scenario.segments if segment.kind != "noise"]
-        moving = ((segment, _still_moving(name, segment, run)) for segment in steps)
-        first = next(((segment, share) for segment, share in moving if share > _AT_REST), None)
-        if first is not None and name in run.controller.setpoints:
-            segment, share = first
+        shares = {segment: _still_moving(name, segment, run) for segment in steps}
+        moving = [segment for segment, share in shares.items() if share > _AT_REST]
+        if moving and name in run.controller.setpoints:
+            first, share = moving[0], max(shares.values())
             what = (
-                f"{name} is not at rest when the {segment.kind} step of {segment.signal} ends "
-                f"after {time_text(segment.stop - segment.start)}"
+                f"{name} is not at rest when the {first.kind} step of {first.signal} ends "
+                f"after {time_text(first.stop - first.start)}"
             )
+            others = f", nor at the end of {len(moving) - 1} more" if moving[1:] else ""
             words = (
-                f"{what}: in the last tenth it still moves by {100.0 * share:.2g} % of its way, so "
-                "that its scores are of a part of the response; leave more time between the steps, "
-                "in a study file."
+                f"{what}{others}, so that what follows begins away from the setpoint: in the last "
+                f"tenth it still moves by up to {100.0 * share:.2g} % of its way, and its scores "
+                "are of a part of the response; leave more time between the steps, in a study file."
             )
             found.append(Caveat(words, what, share))
     return tuple(found)
