@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import accumulate, pairwise
 from math import comb, factorial
 from typing import NamedTuple
 
@@ -11,6 +10,7 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.linear.linear_model import LinearModel, led_back
 from clepsydra.linear.poles import integrators
+from clepsydra.linear.ways import in_any_steps, ways
 
 # Two sums of dead times that differ by this share are one.
 _SAME = 1e-9
@@ -38,9 +38,8 @@ def delay_dependencies(model: LinearModel) -> np.ndarray:
     delays = model.delays
     if delays is None:
         return np.zeros((0, 0), bool)
-    reached = _closure(model.A != 0.0)
-    by_states = _any_way(delays.from_states != 0.0, reached)
-    return _any_way(by_states, delays.to_states != 0.0) | (delays.through != 0.0)
+    by_states = (delays.from_states != 0.0) @ in_any_steps(model.A != 0.0)
+    return np.asarray(by_states @ (delays.to_states != 0.0) | (delays.through != 0.0))
 
 
 def has_delay_in_loop(model: LinearModel) -> bool:
@@ -49,12 +48,7 @@ def has_delay_in_loop(model: LinearModel) -> bool:
     Where none does, the poles are the eigenvalues of A exactly, whatever the dead times.
     """
     depends = delay_dependencies(model)
-    steps = depends
-    for _ in range(len(depends)):
-        if np.any(np.diag(steps)):
-            return True
-        steps = _any_way(steps, depends)
-    return False
+    return bool(np.any(np.diag(depends @ in_any_steps(depends))))
 
 
 def lags_of(model: LinearModel) -> Lags | None:
@@ -68,33 +62,28 @@ def lags_of(model: LinearModel) -> Lags | None:
     delays = model.delays
     if delays is None:
         return Lags(np.zeros(m), np.zeros(q))
-    ways = _ways(model)
-    count, n, r = len(ways), len(model.states), len(delays.times)
+    from scipy.sparse.csgraph import breadth_first_order
+
+    acts = ways(model)
+    count, n, r = len(acts), len(model.states), len(delays.times)
     # Only what an input moves and an output shows plays a part.
-    reaches = _closure(ways)
-    part = reaches[:, :m].any(axis=1) & reaches[count - q :].any(axis=0)
+    reaches = in_any_steps(acts)
+    part = np.any(reaches[:, :m], axis=1) & np.any(reaches[count - q :], axis=0)
+    acts &= part & part[:, None]
     weights = np.zeros(count)
     weights[m + n + r : m + n + 2 * r] = delays.times  # gained on the way into z
     lag = np.full(count, np.nan)
-    tolerance = _SAME * float(delays.times.sum())
     for start in np.flatnonzero(part):
-        if not np.isnan(lag[start]):
-            continue
-        lag[start], waiting = 0.0, [start]
-        while waiting:
-            node = waiting.pop()
-            for other in np.flatnonzero(part & (ways[:, node] | ways[node])):
-                for way, value in (
-                    (ways[other, node], lag[node] + weights[other]),
-                    (ways[node, other], lag[node] - weights[node]),
-                ):
-                    if not way:
-                        continue
-                    if np.isnan(lag[other]):
-                        lag[other] = value
-                        waiting.append(other)
-                    elif abs(lag[other] - value) > tolerance:
-                        return None
+        if np.isnan(lag[start]):
+            lag[start] = 0.0
+            order, before = breadth_first_order(acts, start, directed=False)
+            for node in order[1:]:
+                known = before[node]
+                gained = weights[node] if acts[node, known] else -weights[known]
+                lag[node] = lag[known] + gained
+    to, came_from = np.nonzero(acts)
+    if np.any(np.abs(lag[to] - lag[came_from] - weights[to]) > _SAME * delays.times.sum()):
+        return None
     lag = np.where(np.isnan(lag), 0.0, lag)
     return Lags(lag[:m], lag[count - q :])
 
@@ -116,31 +105,6 @@ def dead_times(model: LinearModel) -> np.ndarray:
             lags = lags_of(model.select([output], [name]))
             found[row, column] = np.nan if lags is None else lags.outputs[0] - lags.inputs[0]
     return found
-
-
-def _ways(model: LinearModel) -> np.ndarray:
-    """Return [to, from] among u [m], x [n], w [r], z [r], y [q]: what acts on what at once."""
-    at, acts = model.ports, model.matrix != 0.0
-    sizes = map(len, (model.inputs, model.states, model.times, model.times, model.outputs))
-    u, x, w, z, y = (slice(*ends) for ends in pairwise([0, *accumulate(sizes)]))
-    ways = np.zeros((y.stop, y.stop), bool)
-    for to, rows in ((x, at.x), (w, at.w), (y, at.y)):
-        for start, columns in ((x, at.x), (u, at.u), (z, at.z)):
-            ways[to, start] = acts[rows, columns]
-    ways[z, w] = np.eye(len(model.times))
-    return ways
-
-
-def _closure(ways: np.ndarray) -> np.ndarray:
-    """Return [to, from]: where something leads, in any number of steps, none included."""
-    reached = ways | np.eye(len(ways), dtype=bool)
-    for _ in range(max(1, len(ways)).bit_length()):
-        reached = _any_way(reached, reached)
-    return reached
-
-
-def _any_way(left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    return np.asarray(left.astype(int) @ right.astype(int) > 0)
 
 
 def without_dead_time(model: LinearModel, order: int) -> LinearModel:

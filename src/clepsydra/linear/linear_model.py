@@ -239,20 +239,23 @@ class LinearModel:
         """
         rows = _places("outputs", self.outputs, outputs)
         columns = _places("inputs", self.inputs, inputs)
-        return replace(
-            self,
-            B=self.B[:, columns],
-            C=self.C[rows],
-            D=self.D[np.ix_(rows, columns)],
-            inputs=tuple(self.inputs[column] for column in columns),
-            outputs=tuple(self.outputs[row] for row in rows),
-            delays=self.delays
-            and replace(
-                self.delays,
-                from_inputs=self.delays.from_inputs[:, columns],
-                to_outputs=self.delays.to_outputs[rows],
-            ),
-        )
+        return self._part(range(len(self.states)), columns, rows)
+
+    def of_states(self, kept: Sequence[int]) -> LinearModel:
+        """Return the model of the states at some places, in the order given; the others rest."""
+        return self._part(kept, range(len(self.inputs)), range(len(self.outputs)))
+
+    def _part(
+        self, states: Sequence[int], inputs: Sequence[int], outputs: Sequence[int]
+    ) -> LinearModel:
+        at, chosen = self.ports, {"states": states, "inputs": inputs, "outputs": outputs}
+        rows = [*states, *(at.y.start + i for i in outputs), *range(at.w.start, at.w.stop)]
+        columns = [*states, *(at.u.start + i for i in inputs), *range(at.d.start, at.z.stop)]
+        names = {
+            kind: tuple(getattr(self, kind)[place] for place in places)
+            for kind, places in chosen.items()
+        }
+        return self.with_matrix(self.matrix[np.ix_(rows, columns)], self.times, **names)
 
     def to_control(self) -> control.StateSpace:
         """Return python-control's continuous state space with the same names.

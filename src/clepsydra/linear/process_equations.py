@@ -15,6 +15,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.linear.ways import in_any_steps
 
 #: An outlet's slope grows without bound as its tank empties: below this share of the height the
 #: linear model is that of this share.
@@ -205,7 +206,5 @@ def process_equations(model: LinearModel, *, every_state: bool = False) -> Proce
 def _acting(rates: ca.SX, shown: ca.SX, state: ca.SX) -> list[int]:
     """Return the places of the states that act on what is shown, at once or through others."""
     acts = np.array(ca.DM(ca.jacobian_sparsity(rates, state), 1)) != 0.0
-    found = np.any(np.array(ca.DM(ca.jacobian_sparsity(shown, state), 1)) != 0.0, axis=0)
-    for _ in range(state.numel()):
-        found = found | np.any(acts[found], axis=0)
-    return [int(place) for place in np.flatnonzero(found)]
+    seen = np.array(ca.DM(ca.jacobian_sparsity(shown, state), 1)) != 0.0
+    return np.flatnonzero((seen @ in_any_steps(acts)).any(axis=0)).tolist()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from typing import NamedTuple
 
 import casadi as ca
@@ -133,13 +132,12 @@ def _moves_at_rest(model: LinearModel, disturbance: str) -> dict[str, float]:
 def _as_input(model: LinearModel, disturbance: str) -> LinearModel:
     """Return the model with a disturbance in the place of its inputs, its dead times at zero."""
     model = at_rest(model)
-    return replace(
-        model,
-        B=model.E[:, [model.disturbances.index(disturbance)]],
-        D=np.zeros((len(model.outputs), 1)),
-        E=np.zeros((len(model.states), 0)),
-        inputs=(disturbance,),
-        disturbances=(),
+    columns = [
+        *range(len(model.states)),
+        model.ports.d.start + model.disturbances.index(disturbance),
+    ]
+    return model.with_matrix(
+        model.matrix[:, columns], model.times, inputs=(disturbance,), disturbances=()
     )
 
 

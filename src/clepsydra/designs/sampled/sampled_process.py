@@ -9,6 +9,7 @@ import numpy as np
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.linear.dead_time import delay_dependencies, has_delay_in_loop
 from clepsydra.linear.linear_model import InternalDelays, LinearModel
+from clepsydra.linear.ways import in_any_steps
 
 #: Times that differ by less than this share of the sampling period are one.
 _SAME = 1e-9
@@ -130,7 +131,9 @@ class _Cascade:
         self.steps = [int(np.floor(lag / period + _SAME)) for lag in self.lags]
         late = [lag - k * period for lag, k in zip(self.lags, self.steps, strict=True)]
         self.late = [0.0 if time <= _SAME * period else time for time in late]
-        self.kept = _upstream(model, delays)
+        # The places of the states that something delayed depends on.
+        fed = (delays.from_states != 0.0) @ in_any_steps(model.A != 0.0)
+        self.kept = np.flatnonzero(fed.any(axis=0))
         # The register holds x(kT - late), k steps back, for each lateness, and u.
         self.places: dict[tuple[float, int], slice] = {}
         n, m = model.B.shape
@@ -246,11 +249,3 @@ def _sums_along_ways(depends: np.ndarray, times: np.ndarray, near: float) -> lis
             found.append(lag)
         waiting += [(lag + float(times[j]), int(j)) for j in np.flatnonzero(depends[last])]
     return sorted(found)
-
-
-def _upstream(model: LinearModel, delays: InternalDelays) -> np.ndarray:
-    """Return the places of the states that something delayed depends on."""
-    feeds = np.any(delays.from_states != 0.0, axis=0)
-    for _ in range(len(model.states) + len(delays.times)):
-        feeds = feeds | np.any((model.A != 0.0)[feeds], axis=0)
-    return np.flatnonzero(feeds)

@@ -9,6 +9,7 @@ import numpy as np
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise, operating_point_of
+from clepsydra.linear.ways import in_any_steps, ways
 
 
 def measurements_of_states(model: LinearModel) -> tuple[str, ...]:
@@ -117,28 +118,6 @@ def without_idle_states(model: LinearModel) -> LinearModel:
     >>> without_idle_states(model).states
     ('tank.level',)
     """
-    acts, shows = model.A != 0.0, np.any(model.C != 0.0, axis=0)
-    delays = model.delays
-    if delays is not None:
-        through = np.eye(len(delays.times)) + np.abs(delays.through)
-        way = np.linalg.matrix_power(through, len(delays.times)) @ np.abs(delays.from_states)
-        acts = acts | (np.abs(delays.to_states) @ way > 0.0)
-        shows = shows | np.any(np.abs(delays.to_outputs) @ way > 0.0, axis=0)
-    for _ in model.states:
-        shows = shows | np.any(acts[shows], axis=0)
-    kept = np.flatnonzero(shows)
-    if delays is not None:
-        delays = dataclasses.replace(
-            delays,
-            to_states=delays.to_states[kept],
-            from_states=delays.from_states[:, kept],
-        )
-    return dataclasses.replace(
-        model,
-        A=model.A[np.ix_(kept, kept)],
-        B=model.B[kept],
-        E=model.E[kept],
-        C=model.C[:, kept],
-        states=tuple(model.states[place] for place in kept),
-        delays=delays,
-    )
+    first, n, acts = len(model.inputs), len(model.states), ways(model)
+    shows = in_any_steps(acts)[len(acts) - len(model.outputs) :, first : first + n].any(axis=0)
+    return model.of_states(np.flatnonzero(shows).tolist())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
@@ -186,12 +185,4 @@ def acting_model(model: LinearModel, equations: ProcessEquations) -> LinearModel
     ('well.level', 'duty.actual', 'standby.actual')
     """
     whole = linearise(operating_point_of(model)).select(model.outputs, model.inputs)
-    kept = [whole.states.index(name) for name in equations.states]
-    return dataclasses.replace(
-        whole,
-        A=whole.A[np.ix_(kept, kept)],
-        B=whole.B[kept],
-        E=whole.E[kept],
-        C=whole.C[:, kept],
-        states=equations.states,
-    )
+    return whole.of_states([whole.states.index(name) for name in equations.states])
