@@ -15,6 +15,14 @@ MISTAKES = {
         lambda plant, pi: cl.design.simc("quadruple-tnak"),
         ("process", "quadruple-tnak", "quadruple-tank", "'quadruple-tank' was meant"),
     ),
+    "package as function": (
+        lambda plant, pi: cl.designs(plant),
+        ("clepsydra", "designs", "design, disturbance", "'design' was meant"),
+    ),
+    "all designs as function": (
+        lambda plant, pi: cl.design(plant),
+        ("cl.design", "a call", "simc", "dir(cl.design)"),
+    ),
     "controller as text": (
         lambda plant, pi: cl.simulate(plant, "PI"),
         ("controller", "PI", "a controller", "cl.design"),

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import ast
 import importlib
+import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from clepsydra.base.errors import UnknownName
@@ -17,7 +19,8 @@ def published_names(
     """Return ``__getattr__``, ``__dir__`` and ``__all__`` for a package with a stub.
 
     The stub, ``__init__.pyi`` beside the package's file, declares once what is published, with its
-    types, as lines ``from module import name as name``.
+    types, as lines ``from module import name as name``. A module that is called as a function is
+    refused like an unknown name: what a package is made of stands beside what it publishes.
 
     Parameters
     ----------
@@ -28,6 +31,19 @@ def published_names(
     """
     names = declared_names(Path(file).with_suffix(".pyi").read_text(encoding="utf-8"))
 
+    class Part(ModuleType):
+        def __call__(self, *given: object, **named: object) -> None:
+            name = self.__name__.rpartition(".")[2]
+            if name in names:
+                raise UnknownName(f"cl.{name}", "a call", dir(self))
+            raise UnknownName(package, name, names)
+
+    class Package(ModuleType):
+        def __setattr__(self, name: str, value: object) -> None:
+            if isinstance(value, ModuleType):  # one that has just been imported
+                value.__class__ = Part
+            super().__setattr__(name, value)
+
     def load(name: str) -> Any:
         if name not in names:
             # What Python itself looks for, __path__ and the like, is no misspelt name.
@@ -36,9 +52,12 @@ def published_names(
             raise UnknownName(package, name, names)
         module = importlib.import_module(names[name])
         if not hasattr(module, name):  # a module of the interface, which is a name itself
-            return importlib.import_module(f"{names[name]}.{name}")
+            part = importlib.import_module(f"{names[name]}.{name}")
+            part.__class__ = Part
+            return part
         return getattr(module, name)
 
+    sys.modules[package].__class__ = Package
     published = sorted(names)
     return load, lambda: [*published, "__version__"], published
 
