@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 
 import clepsydra as cl
 from clepsydra import InputError, Signal
-from clepsydra.identification.output_error import HeldResponse
+from clepsydra.identification.output_error import held_response
 from clepsydra.identification.record import Record, record_of
 from clepsydra.identification.structures import FOPDT, IPDT, SOPDT
 
@@ -30,7 +30,7 @@ def record(structure, gain, lags, delay, *, noise=0.0005, seed=1, colour=0.0, u=
     u = input_of() if u is None else u
     time = PERIOD * np.arange(len(u))
     found = structure.responses(np.maximum(time - delay, 0.0), time, np.array(lags))
-    y = 0.12 + gain * HeldResponse(u).to(found.step[:, None])[:, 0]
+    y = 0.12 + gain * held_response(u, found.step)
     white = np.random.default_rng(seed).normal(0.0, noise, len(u))
     return Record(
         "tank.csv", (PUMP, LEVEL),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import curve_fit
 
-from clepsydra.identification.output_error import HeldResponse, fit_output_error
+from clepsydra.identification.output_error import fit_output_error, held_response
 from clepsydra.identification.structures import FOPDT, IPDT, SOPDT
 from clepsydra.identification.uncertainty import uncertainty
 
@@ -19,7 +19,7 @@ def moves(samples=180, each=9, seed=3):
 def simulated(structure, u, period, gain, lags, delay, free):
     time = period * np.arange(len(u))
     found = structure.responses(np.maximum(time - delay, 0.0), time, np.array(lags))
-    return gain * HeldResponse(u).to(found.step[:, None])[:, 0] + found.free @ np.array(free)
+    return gain * held_response(u, found.step) + found.free @ np.array(free)
 
 
 @pytest.mark.parametrize(

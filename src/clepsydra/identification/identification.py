@@ -154,10 +154,10 @@ def identify_model(
 
     Examples
     --------
-    >>> from clepsydra.identification.output_error import HeldResponse
+    >>> from clepsydra.identification.output_error import held_response
     >>> u = 3.0 + np.tile(np.repeat([0.0, 1.0, -1.0], 20), 4)
     >>> since = np.maximum(np.arange(240.0) - 3.4, 0.0)
-    >>> level = 0.12 + HeldResponse(u).to(0.04 * (1.0 - np.exp(-since / 15.0))[:, None])[:, 0]
+    >>> level = 0.12 + held_response(u, 0.04 * (1.0 - np.exp(-since / 15.0)))
     >>> level += 1e-4 * np.random.default_rng(1).standard_normal(240)
     >>> signals = Signal("pump", "V"), Signal("level", "m", display_unit="cm")
     >>> found = identify_model(Record("by hand", signals, {"pump": u, "level": level}, 1.0))

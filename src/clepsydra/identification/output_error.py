@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from clepsydra.identification.structures import Structure
+from clepsydra.identification.structures import Responses, Structure
 
 #: A longer record is averaged over blocks to about so many samples first.
 _SAMPLES = 1000
@@ -23,30 +23,21 @@ LATEST = 0.5
 _EQUAL = 0.02
 _FEW, _TOLERANCE = 8, 1e-9
 _EPSILON = float(np.finfo(float).eps)
+#: The square of this step is nothing, so that a slope is exact to rounding.
+_IMAGINARY = 1e-20j
 
 
-class HeldResponse:
-    """Responses to one input [N], for any system that is given by its step response.
+def held_response(signal: np.ndarray, step: np.ndarray) -> np.ndarray:
+    """Return the response [N] to an input [N] of any system that is given by its step response.
 
     With u held from sample to sample, y(kT) = Σ Δu(j) S(kT − jT − θ): a convolution of the
-    changes of u with the step response S, read off between the samples where the dead time θ is
-    no multiple of T. Nothing is approximated. Before the record u stood at its first value.
+    changes of u with the step response S [N], read off between the samples where the dead time θ
+    is no multiple of T. Nothing is approximated. Before the record u stood at its first value.
     """
+    from scipy.signal import fftconvolve
 
-    def __init__(self, signal: np.ndarray) -> None:
-        from scipy.fft import next_fast_len, rfft
-
-        self.samples = len(signal)
-        self._length = next_fast_len(2 * self.samples, real=True)
-        changes = np.diff(signal, prepend=signal[0])
-        self._spectrum = rfft(changes, self._length)[:, None]
-
-    def to(self, kernels: np.ndarray) -> np.ndarray:
-        """Return the outputs [N, m] of systems with given step responses [N, m]."""
-        from scipy.fft import irfft, rfft
-
-        spectrum = rfft(kernels, self._length, axis=0) * self._spectrum
-        return np.asarray(irfft(spectrum, self._length, axis=0)[: self.samples])
+    changes = np.diff(signal, prepend=signal[:1])
+    return np.asarray(fftconvolve(changes, step)[: len(signal)])
 
 
 def fit_starts(
@@ -67,14 +58,13 @@ def fit_starts(
     coarse = block * period
     u, y = (each[: count * block].reshape(count, block).mean(axis=1) for each in (signal, output))
     time = coarse * np.arange(count)
-    held = HeldResponse(u)
     delays = _delays(high[-1] / block, count)
     # The grid's dead times are whole samples: a late response is the prompt one, shifted.
     before = np.arange(count)[:, None] - delays
     found: list[tuple[float, int, np.ndarray]] = []
     for number, lags in enumerate(_lag_sets(structure, low, high)):
         responses = structure.responses(time, time, lags)
-        prompt = held.to(responses.step[:, None])[:, 0]
+        prompt = held_response(u, responses.step)
         free, _ = np.linalg.qr(responses.free)
         forced = np.where(before >= 0, prompt[before], 0.0)
         forced -= free @ (free.T @ forced)
@@ -140,9 +130,8 @@ class OutputErrorFit:
     def simulated(self, signal: np.ndarray) -> np.ndarray:
         """Return the output [M] for an input that begins as the fitted one, of any length."""
         time = self.period * np.arange(len(signal))
-        found = self.structure.responses(np.maximum(time - self.delay, 0.0), time, self.lags)
-        forced = HeldResponse(signal).to(found.step[:, None])[:, 0]
-        return np.asarray(self.gain * forced + found.free @ self.free)
+        found = _late(self.structure, time, self.lags, self.delay)
+        return np.asarray(self.gain * held_response(signal, found.step) + found.free @ self.free)
 
 
 def fit_output_error(
@@ -170,7 +159,7 @@ def fit_output_error(
     >>> from clepsydra.identification.structures import FOPDT
     >>> u = np.repeat([0.0, 1.0, -1.0, 0.5], 25)
     >>> since = np.maximum(np.arange(100.0) - 2.7, 0.0)
-    >>> y = HeldResponse(u).to(2.0 * (1.0 - np.exp(-since / 12.0))[:, None])[:, 0]
+    >>> y = held_response(u, 2.0 * (1.0 - np.exp(-since / 12.0)))
     >>> fit = fit_output_error(FOPDT, u, y, 1.0)
     >>> [round(float(each), 6) for each in (fit.gain, fit.lags[0], fit.delay)]
     [2.0, 12.0, 2.7]
@@ -196,14 +185,20 @@ def fit_output_error(
     return problem.fit(best.x if best.success else search(best.x).x)
 
 
+def _late(structure: Structure, time: np.ndarray, lags: np.ndarray, delay: complex) -> Responses:
+    """Return the responses of a structure after a dead time [s]."""
+    since = time - delay
+    return structure.responses(np.where(since.real > 0.0, since, 0.0), time, lags)
+
+
 class _Problem:
     """The search over ln lags and θ/T, the linear amounts eliminated."""
 
     def __init__(
         self, structure: Structure, signal: np.ndarray, output: np.ndarray, period: float
     ) -> None:
-        self.structure, self.output, self.period = structure, output, period
-        self.held = HeldResponse(signal)
+        self.structure, self.period = structure, period
+        self.signal, self.output = signal, output
         self.time = period * np.arange(len(signal))
         # Residuals are brought to the size of one, so that the search knows a gradient of zero.
         self.scale = 2.0 ** -np.round(np.log2(np.ptp(output)))
@@ -221,13 +216,13 @@ class _Problem:
 
     def slopes(self, x: np.ndarray) -> np.ndarray:
         self._solve(x)
-        return self.scale * self._project(self._moved())
+        return self.scale * self._project(self._moved(x))
 
     def fit(self, x: np.ndarray) -> OutputErrorFit:
         self._solve(x)
         lags = self.structure.lags
         order = np.argsort(-x[:lags], kind="stable")
-        moved = self._moved()
+        moved = self._moved(x)
         jacobian = np.concatenate(
             [self._columns, moved[:, order], moved[:, lags:] / self.period], axis=1
         )
@@ -254,14 +249,9 @@ class _Problem:
         """Find the linear amounts at x, and what is left."""
         if self._at is not None and np.array_equal(self._at, x):
             return
-        lags, delay = np.exp(x[:-1]), x[-1] * self.period
-        since = np.maximum(self.time - delay, 0.0)
-        found = self.structure.responses(since, self.time, lags)
-        late = np.where(self.time > delay, -found.impulse * self.period, 0.0)
-        kernels = np.concatenate([found.step[:, None], found.step_slopes, late[:, None]], axis=1)
-        forced = self.held.to(kernels)
-        self._columns = np.concatenate([forced[:, :1], found.free], axis=1)
-        self._forced_slopes, self._free_slopes = forced[:, 1:], found.free_slopes
+        found = self._responses(x)
+        forced = held_response(self.signal, found.step)
+        self._columns = np.concatenate([forced[:, None], found.free], axis=1)
         sizes = np.linalg.norm(self._columns, axis=0)
         there = sizes > 0.0  # an input that has not moved, or whose dead time has not passed
         self._basis, triangle = np.linalg.qr(self._columns[:, there] / sizes[there])
@@ -271,11 +261,17 @@ class _Problem:
         self._residuals = self._columns @ self._amounts - self.output
         self._at = x.copy()
 
-    def _moved(self) -> np.ndarray:
+    def _responses(self, x: np.ndarray) -> Responses:
+        return _late(self.structure, self.time, np.exp(x[:-1]), x[-1] * self.period)
+
+    def _moved(self, x: np.ndarray) -> np.ndarray:
         """Return how the output moves with ln lags and θ/T at fixed amounts [N, lags + 1]."""
-        moved = self._amounts[0] * self._forced_slopes
-        moved[:, :-1] += np.einsum("nfl,f->nl", self._free_slopes, self._amounts[1:])
-        return moved
+        moved = []
+        for place in range(len(x)):
+            found = self._responses(x + _IMAGINARY * (np.arange(len(x)) == place))
+            forced = held_response(self.signal, found.step.imag)
+            moved.append(self._amounts[0] * forced + found.free.imag @ self._amounts[1:])
+        return np.stack(moved, axis=1) / _IMAGINARY.imag
 
     def _project(self, columns: np.ndarray) -> np.ndarray:
         return np.asarray(columns - self._basis @ (self._basis.T @ columns))

@@ -1,4 +1,4 @@
-"""Structures of transfer functions with dead time: their step and free responses, with slopes."""
+"""Structures of transfer functions with dead time: their step and free responses."""
 
 from __future__ import annotations
 
@@ -7,20 +7,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-#: Lags that differ by less than this share are treated as a series around their mean.
-_CLOSE = 1e-3
-#: Of the two lags in their difference.
-_SIGNS = np.array([1.0, -1.0])
+#: Below this size (e^z − 1)/z is its series, which is exact to rounding there.
+_SMALL = 1e-4
 
 
 class Responses(NamedTuple):
-    """Responses of a structure at given lags, and their slopes by the logarithm of each lag."""
+    """Responses of a structure at given lags.
+
+    They are analytic in times and lags, so that complex ones tell their slopes.
+    """
 
     step: np.ndarray  # [N], to a unit step at time zero, for a gain of one
-    impulse: np.ndarray  # [N]
-    step_slopes: np.ndarray  # [N, lags]
     free: np.ndarray  # [N, f]: its rest, and what is left of earlier motion
-    free_slopes: np.ndarray  # [N, f, lags]
 
 
 class Structure(NamedTuple):
@@ -38,43 +36,19 @@ class Structure(NamedTuple):
 
 
 def _first_order(since: np.ndarray, time: np.ndarray, lags: np.ndarray) -> Responses:
-    lag = lags[0]
-    decay, fading = np.exp(-since / lag), np.exp(-time / lag)
-    free_slopes = np.zeros((len(time), 2, 1))
-    free_slopes[:, 1, 0] = time / lag * fading
-    return Responses(
-        step=1.0 - decay,
-        impulse=decay / lag,
-        step_slopes=(-since / lag * decay)[:, None],
-        free=np.stack([np.ones_like(time), fading], axis=1),
-        free_slopes=free_slopes,
-    )
+    free = np.stack([np.ones_like(time), np.exp(-time / lags[0])], axis=1)
+    return Responses(1.0 - np.exp(-since / lags[0]), free)
 
 
 def _second_order(since: np.ndarray, time: np.ndarray, lags: np.ndarray) -> Responses:
     """Two real lags; every response is symmetric in them and smooth where they are equal."""
-    settled, by_settled, impulse, _ = _divided(since, lags)
-    still, by_still, moving, by_moving = _divided(time, lags)
-    scale = float(np.mean(lags))
-    # d(scale · g)/d ln τ = scale · dg/d ln τ + τ/2 · g
-    by_moving = scale * by_moving + moving[:, None] * (0.5 * lags)
-    return Responses(
-        step=1.0 - settled,
-        impulse=impulse,
-        step_slopes=-by_settled,
-        free=np.stack([np.ones_like(time), still, scale * moving], axis=1),
-        free_slopes=np.stack([np.zeros_like(by_still), by_still, by_moving], axis=1),
-    )
+    still, moving = _divided(time, lags)
+    free = np.stack([np.ones_like(time), still, np.mean(lags) * moving], axis=1)
+    return Responses(1.0 - _divided(since, lags)[0], free)
 
 
 def _integrating(since: np.ndarray, time: np.ndarray, lags: np.ndarray) -> Responses:
-    return Responses(
-        step=since,
-        impulse=np.ones_like(since),
-        step_slopes=np.zeros((len(since), 0)),
-        free=np.stack([np.ones_like(time), time], axis=1),
-        free_slopes=np.zeros((len(time), 2, 0)),
-    )
+    return Responses(since, np.stack([np.ones_like(time), time], axis=1))
 
 
 FOPDT, SOPDT, IPDT = STRUCTURES = (
@@ -90,46 +64,16 @@ FOPDT, SOPDT, IPDT = STRUCTURES = (
 )
 
 
-def _divided(time: np.ndarray, lags: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Return (f(τ1) − f(τ2))/(τ1 − τ2) and its slopes by ln τ1 and ln τ2 [N, 2].
+def _divided(time: np.ndarray, lags: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return (f(τ1) − f(τ2))/(τ1 − τ2) of f = τ e^(−t/τ), and of f = e^(−t/τ).
 
-    First those of f = τ e^(−t/τ), then those of f = e^(−t/τ).
+    With e^(−t/τ1) before a bracket, τ1 the longer, the difference is one of exponents, which can
+    be zero and never overflows.
     """
-    first, second = lags
-    apart = first - second
-    if abs(apart) <= _CLOSE * (first + second):
-        return _divided_near(time, lags)
-    ratios = time[:, None] / lags
-    decays = np.exp(-ratios)
-    found = []
-    for values, slopes in (
-        (lags * decays, (1.0 + ratios) * decays),
-        (decays, ratios / lags * decays),
-    ):
-        value = (values[:, 0] - values[:, 1]) / apart
-        found += [value, _SIGNS * lags / apart * (slopes - value[:, None])]
-    return tuple(found)
-
-
-def _divided_near(time: np.ndarray, lags: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Return the same for lags that hardly differ, by a series around their mean."""
-    first, second = lags
-    mean, half = 0.5 * (first + second), 0.5 * (first - second)
-    ratio = time / mean
-    decay = np.exp(-ratio)
-    found = []
-    for one, two, three in (  # derivatives by τ
-        (
-            (1.0 + ratio) * decay,
-            ratio**2 / mean * decay,
-            (ratio**3 - 3.0 * ratio**2) / mean**2 * decay,
-        ),
-        (
-            ratio / mean * decay,
-            (ratio**2 - 2.0 * ratio) / mean**2 * decay,
-            (ratio**3 - 6.0 * ratio**2 + 6.0 * ratio) / mean**3 * decay,
-        ),
-    ):
-        by_lags = lags * (0.5 * two[:, None] + _SIGNS * three[:, None] * half / 6.0)
-        found += [one + three * half**2 / 6.0, by_lags]
-    return tuple(found)
+    shorter, longer = sorted(lags, key=np.real)
+    apart = time * (1.0 / longer - 1.0 / shorter)
+    small = np.abs(apart) < _SMALL
+    series = 1.0 + apart / 2.0 * (1.0 + apart / 3.0 * (1.0 + apart / 4.0))
+    share = np.where(small, series, np.expm1(apart) / np.where(small, 1.0, apart))
+    decay = time / (shorter * longer) * np.exp(-time / longer) * share
+    return longer * decay + np.exp(-time / shorter), decay
