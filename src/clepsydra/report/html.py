@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import platform
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from importlib import metadata
 
 import numpy as np
@@ -33,7 +33,7 @@ from clepsydra.report.law_tables import (
 )
 from clepsydra.report.overlay import event_windows, overlay_data, sensitivity_data, shown_signals
 from clepsydra.report.overlay_picture import overlay_figure
-from clepsydra.report.page import STILL_WORDS, html, page_assets, rendered, svg_text
+from clepsydra.report.page import STILL_WORDS, page_assets, rendered, svg_text
 from clepsydra.report.pid_tables import loop_settings
 from clepsydra.report.quantities import RESOLUTION_WORDS, number_text, quantity_text
 from clepsydra.report.scheme_tables import scheme_blocks
@@ -57,8 +57,6 @@ def report_text(result: StudyResult) -> str:
     Everything from the user's files is escaped by the template; only pictures, which escape
     their own words, are put in as they are.
     """
-    from markupsafe import Markup
-
     advice = recommend(result.ranking, result.accept)
     assets = page_assets()
     signals = shown_signals(result)
@@ -70,9 +68,6 @@ def report_text(result: StudyResult) -> str:
         still = svg_text(figure, "What the first two controllers make of each event", "still")
         overlay = overlay_data(result, signals, windows, first)
         data = json_text({**overlay, "sensitivity": sensitivity_data(result.ranking)})
-
-    def shown(sections: Iterable[Section]) -> list[Markup]:
-        return [html(each, scripted=assets is not None) for each in sections]
 
     controllers = [
         controller_section(result, each, with_blocks=each in first[:1]) for each in result.ranking
@@ -86,19 +81,18 @@ def report_text(result: StudyResult) -> str:
         counted=counted_words(result),
         headline=headline(result, advice),
         lead=lead(result, advice),
-        cards=shown(cards(result, first)) if first else [],
-        still=Markup(still),
+        cards=cards(result, first) if first else [],
+        still=still,
         columns=ranking_columns(result),
         ranking=result.ranking,
         standing_word=standing_word,
         first=first,
         recommended=None if advice is None else advice.simplest,
-        drawing=Markup(process_drawing(result.process, result.point, closing)),
-        details=shown([*controllers, *_more(result)]),
+        drawing=process_drawing(result.process, result.point, closing),
+        details=[*controllers, *_more(result)],
         assets=assets,
         still_words=STILL_WORDS,
-        data=Markup(data),
-        markup=Markup,
+        data=data,
     )
 
 
