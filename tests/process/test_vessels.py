@@ -47,7 +47,7 @@ def function_of(vessel: Vessel, name: str) -> ca.Function:
     x = ca.SX.sym("x")
     parameters = vessel.parameters()
     p = ca.SX.sym("p", len(parameters))
-    values = {parameter.key: p[i] for i, parameter in enumerate(parameters)}
+    values = {parameter.name: p[i] for i, parameter in enumerate(parameters)}
     y = getattr(vessel, name)(x, values)
     y = ca.SX(y) + 0 * x
     slope = ca.jacobian(y, x)
@@ -62,7 +62,7 @@ def evaluate(vessel: Vessel, name: str, points: np.ndarray, output: int = 0) -> 
 
 def at_points(vessel: Vessel, name: str, points: np.ndarray) -> tuple[ca.DM, ...]:
     """Return all outputs of `function_of` at the points, side by side."""
-    numbers = [parameter.value for parameter in vessel.parameters()]
+    numbers = [parameter.initial for parameter in vessel.parameters()]
     return function_of(vessel, name)(np.asarray(points)[None, :], numbers)
 
 
@@ -84,7 +84,7 @@ def test_slope_of_volume_is_area(vessel: Vessel) -> None:
 
 
 def test_volume_is_the_integral_of_area(vessel: Vessel) -> None:
-    function, numbers = function_of(vessel, "surface"), [p.value for p in vessel.parameters()]
+    function, numbers = function_of(vessel, "surface"), [p.initial for p in vessel.parameters()]
     corners = vessel.levels[1:-1] if isinstance(vessel, AreaTable) else None
     for share in (0.07, 0.31, 0.5, 0.83, 1.0):
         level = share * vessel.height
@@ -161,7 +161,7 @@ def test_the_slopes_at_exactly_half_full(vessel: Vessel, area: float) -> None:
 def test_level_over_parameters(vessel: Vessel) -> None:
     """∂h/∂p at a volume is -(∂V/∂p)/A at the level of that volume."""
     level, volume = function_of(vessel, "level"), function_of(vessel, "volume")
-    numbers = [parameter.value for parameter in vessel.parameters()]
+    numbers = [parameter.initial for parameter in vessel.parameters()]
     for share in (0.02, 0.3, 0.7, 0.98):
         content = share * vessel.capacity
         height, *_, gradient = level(content, numbers)

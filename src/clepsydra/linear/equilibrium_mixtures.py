@@ -10,6 +10,7 @@ from clepsydra.process.concentrations import BringsFromOutside
 from clepsydra.process.elements.sensor import Sensor
 from clepsydra.process.elements.tank import Tank
 from clepsydra.process.kinds import kinds
+from clepsydra.process.outside_signal import DisturbanceRange
 from clepsydra.process.process import Process
 
 # A share of a concentration that rounding may add to it.
@@ -77,9 +78,12 @@ def _brought(
         low = high = 0.0
         if isinstance(element, BringsFromOutside) and component in element.given:
             stream = element.given[component]
-            name = f"{element.name}.{component}"
-            low = high = float(values.get(name, stream.value))
-            if name in free and stream.low is not None and stream.high is not None:
-                low, high = stream.low, stream.high
+            if isinstance(stream, DisturbanceRange):
+                name = f"{element.name}.{component}"
+                low = high = float(values[name])
+                if name in free:
+                    low, high = stream.low, stream.high
+            else:
+                low = high = stream
         found.append((low, high, element.name))
     return found

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import casadi as ca
@@ -12,29 +12,13 @@ from clepsydra.base.signal import Signal
 from clepsydra.process import told
 from clepsydra.process.declared import Part
 from clepsydra.process.element import Element
-from clepsydra.process.outside_signal import read_disturbance_range
+from clepsydra.process.outside_signal import DisturbanceRange, read_disturbance_range
 from clepsydra.process.table_reader import TableReader
 from clepsydra.program.step_law import Symbols
 
-
-@dataclass(frozen=True)
-class GivenConcentration:
-    """The concentration of one component in liquid from outside.
-
-    Parameters
-    ----------
-    value : float
-        Constant or nominal value [the component's unit].
-    low, high : float or None
-        Range where it is a signal that may be manipulated or disturb; None where it is constant.
-    steps : tuple of float
-        Sizes of the load steps of the default scenario, for a signal.
-    """
-
-    value: float
-    low: float | None = None
-    high: float | None = None
-    steps: tuple[float, ...] = ()
+#: The concentration of one component in liquid from outside [the component's unit]: constant, or
+#: the range of a signal that may be manipulated or disturb.
+GivenConcentration = float | DisturbanceRange
 
 
 def read_concentrations(table: TableReader) -> dict[str, GivenConcentration]:
@@ -48,7 +32,7 @@ def read_concentrations(table: TableReader) -> dict[str, GivenConcentration]:
         return {}
     remedy = 'write as in concentration = { salt = "5 kg/m^3" }'
     inner = table.table("concentration", "a concentration for each component", remedy)
-    given = {}
+    given: dict[str, GivenConcentration] = {}
     for name in inner.present:
         component = next((c for c in table.components if c.name == name), None)
         if component is None:
@@ -61,12 +45,10 @@ def read_concentrations(table: TableReader) -> dict[str, GivenConcentration]:
             )
         what, unit = "a concentration", component.unit
         if not isinstance(inner.raw(name), dict):
-            value = inner.quantity(name, unit, what, "give a concentration", at_least=0.0)
-            given[name] = GivenConcentration(value)
+            given[name] = inner.quantity(name, unit, what, "give a concentration", at_least=0.0)
             continue
         signal = inner.table(name, what, remedy, keys=("range", "nominal", "step"))
-        low, high, nominal, steps = read_disturbance_range(signal, unit, "concentration")
-        given[name] = GivenConcentration(nominal, low, high, steps)
+        given[name] = read_disturbance_range(signal, unit, "concentration")
     return given
 
 
@@ -93,19 +75,22 @@ class BringsFromOutside(Element):
         """Return the concentrations that vary, "feed.salt"."""
         by_name = {component.name: component for component in self.components}
         return tuple(
-            by_name[name].in_element(self.name, value.low, value.high, value.value)
+            by_name[name].in_element(self.name, value.low, value.high, value.nominal)
             for name, value in self.given.items()
-            if value.low is not None and value.high is not None
+            if isinstance(value, DisturbanceRange)
         )
 
     def load_steps(self) -> dict[str, tuple[float, ...]]:
         """Return the sizes of the load steps of its concentrations by signal."""
-        return {f"{self.name}.{name}": v.steps for name, v in self.given.items() if v.steps}
+        ranges = {k: v for k, v in self.given.items() if isinstance(v, DisturbanceRange)}
+        return {f"{self.name}.{name}": v.steps for name, v in ranges.items() if v.steps}
 
     def concentrations(self, symbols: Symbols) -> dict[str, ca.SX]:
         """Return what its liquid carries, zero of a component of which nothing is given."""
         found = {component.name: ca.SX(0.0) for component in self.components}
         for name, value in self.given.items():
-            varies = value.low is not None
-            found[name] = symbols[f"{self.name}.{name}"] if varies else ca.SX(value.value)
+            if isinstance(value, DisturbanceRange):
+                found[name] = symbols[f"{self.name}.{name}"]
+            else:
+                found[name] = ca.SX(value)
         return found

@@ -46,7 +46,7 @@ class Part:
         The keys of a file that it knows, each with what an editor is told of it in the words of
         JSON Schema; the name of the field where empty.
     fills : bool
-        It returns a named tuple, which fills the fields of its names.
+        It returns a dictionary, which fills the fields of its names.
     wanted : str
         The kind that the element must have that it names, see `Connection`.
     carries_flow : bool
@@ -206,7 +206,7 @@ def read_fields(owner: type, table: TableReader, **context: Any) -> dict[str, An
     for name, each in ordered:
         if isinstance(each, Part):
             value = each.read(table, name, known)
-            found |= value._asdict() if each.fills else {name: value}
+            found |= value if each.fills else {name: value}
         elif table.has(name) or _applies(each, table):
             found[name] = table.declared(each, known, MISSING if each.required else defaults[name])
         elif defaults[name] is MISSING:

@@ -363,18 +363,7 @@ class _Join:
         """
         if [s.name for s in self.state] == [s.name for s in self.contents]:
             return rates
-        slopes = ca.jacobian(to_contents, x)
-        earlier: dict[int, list[int]] = {}
-        for row, column in zip(*slopes.sparsity().get_triplet(), strict=True):
-            if column < row:
-                earlier.setdefault(row, []).append(column)
-        solved: list[ca.SX] = []
-        for row in range(len(self.state)):
-            rest = rates[row]
-            for column in earlier.get(row, []):
-                rest -= slopes[row, column] * solved[column]
-            solved.append(rest / slopes[row, row])
-        return ca.vertcat(*solved)
+        return ca.solve(ca.jacobian(to_contents, x), rates)
 
 
 def _listed(said: Iterable[Iterable[Signal]]) -> tuple[Signal, ...]:

@@ -16,27 +16,8 @@ _UNITS = ("V", "A", "1", "Hz")
 _ROUNDING = 1e-12
 
 
-class ManipulatedSignal(NamedTuple):
-    """Unit, range and nominal value of a signal from a controller.
-
-    Parameters
-    ----------
-    unit : str
-        "V", "A", "1" or "Hz".
-    low, high : float
-        Range [unit].
-    nominal : float or None
-        Value at the operating point [unit]; None where the process gives levels instead.
-    """
-
-    unit: str
-    low: float
-    high: float
-    nominal: float | None
-
-
-def read_manipulated_signal(table: TableReader) -> ManipulatedSignal:
-    """Read the keys "range" and "nominal" of an actuator."""
+def _manipulated_signal(table: TableReader) -> dict[str, Any]:
+    """Read "range" and "nominal" of an actuator, which is None where the file gives levels."""
     unit = _unit(table)
     low, high = table.range("range", unit, at_least=0.0)
     nominal = None
@@ -44,13 +25,13 @@ def read_manipulated_signal(table: TableReader) -> ManipulatedSignal:
         expected = "a voltage" if unit == "V" else "a signal"
         remedy = f"choose a {'voltage' if unit == 'V' else 'value'} within the range"
         nominal = table.quantity("nominal", unit, expected, remedy, at_least=low, at_most=high)
-    return ManipulatedSignal(unit, low, high, nominal)
+    return {"unit": unit, "low": low, "high": high, "nominal": nominal}
 
 
 def actuator_signal() -> Any:
     """Return the field `low` of an actuator, of which `high`, `nominal` and `unit` are filled."""
     return part(
-        lambda table, key, known: read_manipulated_signal(table),
+        lambda table, key, known: _manipulated_signal(table),
         {
             "range": told.quantities("range of the signal that moves it", 2),
             "nominal": told.quantity("its signal at the operating point"),
@@ -151,7 +132,7 @@ def ranged(unit: str, what: str, quantity: str = "") -> Any:
     quantity = quantity or what.removeprefix("the ")
     steps = "size of the load step of studies, or a list of them, one after the other "
     return part(
-        lambda table, key, known: read_disturbance_range(table, unit, quantity),
+        lambda table, key, known: read_disturbance_range(table, unit, quantity)._asdict(),
         {
             "range": told.quantities(f"range of {what} [{unit}]", 2, unit),
             "nominal": told.quantity(f"{what} at the operating point", unit),

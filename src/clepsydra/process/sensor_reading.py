@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
@@ -15,36 +15,6 @@ from clepsydra.process.table_reader import TableReader
 CONTENTS = ("level", "volume")
 _SIGNALS = ("V", "A", "1")
 _PER = {"m": "/m", "m^3": "/m^3", "m^3/s": " s/m^3", "kg/m^3": " m^3/kg", "mol/m^3": " m^3/mol"}
-
-
-class Measured(NamedTuple):
-    """What a sensor measures, the tank where it is, or the element whose flow it is."""
-
-    measured: str
-    tank: str = ""
-    flow: str = ""
-
-
-class SensorScale(NamedTuple):
-    """The scale of a sensor.
-
-    Parameters
-    ----------
-    unit : str
-        SI unit of its signal.
-    low, high : float
-        Range [unit].
-    gain : float or None
-        Signal per quantity in SI; None where it shows the quantity itself.
-    zero : float or None
-        The quantity that it shows as `low`; None where it shows 0 as 0.
-    """
-
-    unit: str
-    low: float
-    high: float
-    gain: float | None = None
-    zero: float | None = None
 
 
 def gain_unit(signal: str, quantity: str) -> str:
@@ -59,16 +29,16 @@ def gain_unit(signal: str, quantity: str) -> str:
     return per.strip() if signal == "1" and not per.startswith("/") else f"{signal}{per}"
 
 
-def read_measured(table: TableReader) -> Measured:
+def read_measured(table: TableReader) -> dict[str, str]:
     """Return what is measured, the tank where it is, and the element whose flow it is."""
     if table.has("flow"):
         for key in ("tank", "quantity", "component"):
             table.refuse((key,), f"no {key} beside a flow", "remove one of the two")
         flow = table.name("flow", "the name of an element that causes a flow")
-        return Measured("flow", flow=flow)
+        return {"measured": "flow", "tank": "", "flow": flow}
     tank = table.name("tank", "the name of a tank")
     if not table.has("component"):
-        return Measured(table.choice("quantity", CONTENTS, "level"), tank)
+        return {"measured": table.choice("quantity", CONTENTS, "level"), "tank": tank}
     table.refuse(("quantity",), "no quantity beside a component", "remove one of the two")
     known = [component.name for component in table.components]
     component = table.name("component", "the name of a component")
@@ -81,11 +51,14 @@ def read_measured(table: TableReader) -> Measured:
             else "no component, since the file has none",
             suggestion(component, known, "correct the name, or add a table [components.…]"),
         )
-    return Measured(component, tank)
+    return {"measured": component, "tank": tank}
 
 
-def read_scale(table: TableReader, quantity: str) -> SensorScale:
+def read_scale(table: TableReader, quantity: str) -> dict[str, Any]:
     """Return the scale: a gain, a span that is mapped onto the range, or the quantity itself.
+
+    It has the SI unit of the signal and its range; with a gain that, signal per quantity in SI,
+    and with a span also the quantity that it shows as `low`, `zero`.
 
     Parameters
     ----------
@@ -98,7 +71,7 @@ def read_scale(table: TableReader, quantity: str) -> SensorScale:
     >>> from clepsydra.process.table_reader import TableReader
     >>> text = b"[sensors.a]\\nspan = ['0 cm', '25 cm']\\nrange = ['4 mA', '20 mA']"
     >>> scale = read_scale(TableReader(parse(text, "plant.toml"), ("sensors", "a"), None), "m")
-    >>> scale.unit, round(scale.gain, 12)  # [A/m]
+    >>> scale["unit"], round(scale["gain"], 12)  # [A/m]
     ('A', 0.064)
     """
     shown = table.display_units("range")
@@ -110,41 +83,44 @@ def read_scale(table: TableReader, quantity: str) -> SensorScale:
             remedy = "give the volts that a metre of level makes"
         gain = table.quantity("gain", gain_unit(unit, quantity), "a gain", remedy, above=0.0)
         low, high = table.range("range", unit)
-        return SensorScale(unit, low, high, gain)
+        return {"unit": unit, "low": low, "high": high, "gain": gain}
     if table.has("span"):
         first, last = table.range("span", quantity)
         unit = _signal(shown.get("range", ""), (*_SIGNALS, quantity))
         low, high = table.range("range", unit)
-        return SensorScale(unit, low, high, (high - low) / (last - first), first)
+        gain = (high - low) / (last - first)
+        return {"unit": unit, "low": low, "high": high, "gain": gain, "zero": first}
     if any(convertible(shown.get("range") or quantity, signal) for signal in _SIGNALS):
         ends = f'["0 {quantity}", "2 {quantity}"]'
         expected = f"a range in {quantity}, or beside a range of a signal its span"
         remedy = f"add what it measures at the ends of its range, as in span = {ends}"
         raise table.wrong("range", expected, remedy)
     low, high = table.range("range", quantity)
-    return SensorScale(quantity, low, high)
+    return {"unit": quantity, "low": low, "high": high}
 
 
-def read_share(
-    table: TableReader, key: str, scale: SensorScale, *, at_least: float | None = None
-) -> float:
-    """Return a positive part of the range [unit of the scale], in % of it or in its own unit.
+def read_share(table: TableReader, key: str, known: Mapping[str, Any]) -> float | None:
+    """Return a part of the range [unit of the scale], written in % of it or in its own unit.
+
+    It is positive, or of noise also nothing; None where the file does not say.
 
     Parameters
     ----------
-    at_least : float or None
-        0 where it may be nothing.
+    known : mapping
+        Unit and range of the sensor.
     """
+    if not table.has(key):
+        return None
     parts = split_quantity(table.raw(key))
-    above = 0.0 if at_least is None else None
+    above, at_least = (None, 0.0) if key == "noise" else (0.0, None)
     remedy = "give it in % of the range, or in the unit of the range"
     what = f"a {key}"
-    width = scale.high - scale.low
-    if scale.unit == "1" or (parts is not None and parts[1] == "%"):
+    width = known["high"] - known["low"]
+    if known["unit"] == "1" or (parts is not None and parts[1] == "%"):
         share = table.quantity(key, "1", what, remedy, above=above, at_least=at_least, at_most=1.0)
         return share * width
     return table.quantity(
-        key, scale.unit, what, remedy, above=above, at_least=at_least, at_most=width
+        key, known["unit"], what, remedy, above=above, at_least=at_least, at_most=width
     )
 
 

@@ -159,7 +159,7 @@ def _buffer(
     parameters: Mapping[str, float],
 ) -> BufferTrajectories:
     useful = [(path, rate) for path, rate in flows if not is_own_loss(path, tank.name)]
-    sizes = {p.key: ca.SX(parameters[f"{tank.name}.{p.key}"]) for p in tank.vessel.parameters()}
+    sizes = {p.name: ca.SX(parameters[f"{tank.name}.{p.name}"]) for p in tank.vessel.parameters()}
     level = ca.SX.sym("level")
     volume = ca.Function("volume", [level], [tank.vessel.volume(level, sizes)])
     held = np.array(volume(np.asarray(values[tank.level])[None, :])).ravel()

@@ -18,7 +18,6 @@ from clepsydra.process.element import Connection, Element
 from clepsydra.process.flow import Flows
 from clepsydra.process.sensor_reading import (
     CONTENTS,
-    SensorScale,
     gain_unit,
     read_band,
     read_measured,
@@ -34,16 +33,8 @@ NAMUR_LIMITS = (3.8e-3, 20.5e-3)
 _UNITS = {"level": "m", "volume": "m^3", "flow": "m^3/s"}
 
 
-def _scale(table: TableReader, key: str, known: Mapping[str, Any]) -> SensorScale:
+def _scale(table: TableReader, key: str, known: Mapping[str, Any]) -> dict[str, Any]:
     return read_scale(table, _quantity_unit(known["measured"], table.components))
-
-
-def _share(table: TableReader, key: str, known: Mapping[str, Any]) -> float | None:
-    """Read noise, which may be none, or resolution; None where the file does not say."""
-    if not table.has(key):
-        return None
-    scale = SensorScale(known["unit"], known["low"], known["high"])
-    return read_share(table, key, scale, at_least=0.0 if key == "noise" else None)
 
 
 @dataclass(frozen=True)
@@ -129,10 +120,10 @@ class Sensor(Element):
         remedy="leave it out for none",
     )
     noise: float | None = part(
-        _share, default=None, **told.quantity("standard deviation of its noise")
+        read_share, default=None, **told.quantity("standard deviation of its noise")
     )
     resolution: float | None = part(
-        _share, default=None, **told.quantity("smallest step that it shows")
+        read_share, default=None, **told.quantity("smallest step that it shows")
     )
     band: tuple[float, float] | None = part(
         read_band,

@@ -171,8 +171,8 @@ class Tank(Element):
     def parameters(self) -> tuple[Signal, ...]:
         """Return the sizes of the vessel, the weir and the evaporation."""
         sizes = [
-            self._parameter(key, unit, value, f"{description} of")
-            for key, unit, value, description in self.vessel.parameters()
+            self._parameter(each.name, each.unit, each.initial, f"{each.description} of")
+            for each in self.vessel.parameters()
         ]
         return (*sizes, *super().parameters())
 

@@ -9,8 +9,9 @@ from typing import ClassVar
 import casadi as ca
 
 from clepsydra.base.quantity import quantity
+from clepsydra.base.signal import Signal
 from clepsydra.process.cross_section import cross_section
-from clepsydra.process.vessels.vessel import Vessel, VesselParameter, reciprocal
+from clepsydra.process.vessels.vessel import Vessel, reciprocal
 
 
 @dataclass(frozen=True)
@@ -45,9 +46,9 @@ class Prism(Vessel):
         strict=True,
     )
 
-    def parameters(self) -> tuple[VesselParameter, ...]:
+    def parameters(self) -> tuple[Signal, ...]:
         """Return the cross-section."""
-        return (VesselParameter("area", "m^2", self.area, "cross-section"),)
+        return (Signal("area", "m^2", initial=self.area, description="cross-section"),)
 
     def surface(self, level: ca.SX, values: Mapping[str, ca.SX]) -> ca.SX:
         """Return the area [m²], the same at every level."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import casadi as ca
 
@@ -13,13 +13,6 @@ from clepsydra.process import told
 from clepsydra.process.declared import filled, part
 from clepsydra.process.table_reader import TableReader
 from clepsydra.process.vessels.vessel import SMALLEST_SHARE, Vessel
-
-
-class _Rows(NamedTuple):
-    """Levels [m] and areas [m²], with the names of the fields that they fill."""
-
-    levels: tuple[float, ...]
-    areas: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -123,8 +116,8 @@ def _shown(value: float, unit: str) -> str:
     return f"{value:g} {unit}"
 
 
-def _read_rows(table: TableReader) -> _Rows:
-    """Return the list of levels and areas."""
+def _read_rows(table: TableReader) -> dict[str, tuple[float, ...]]:
+    """Return the levels [m] and the areas [m²] of the rows."""
     remedy = 'write as in table = [["0 m", "1 m^2"], ["0.5 m", "2 m^2"]]'
     rows = table.pairs("table", "m", "m^2", "a list of pairs of level and area", remedy)
     if len(rows) < 2:
@@ -147,4 +140,4 @@ def _read_rows(table: TableReader) -> _Rows:
         if area <= 0.0:
             expected = f"an area above 0 m^2 at {_shown(level, 'm')}"
             raise table.refused("table", _shown(area, "m^2"), expected, "correct the area")
-    return _Rows(levels, areas)
+    return {"levels": levels, "areas": areas}

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import ClassVar, NamedTuple, Self
+from typing import ClassVar, Self
 
 import casadi as ca
 
 from clepsydra.base.quantity import quantities
+from clepsydra.base.signal import Signal
 from clepsydra.process.declared import DeclaredKeys, read_fields
 from clepsydra.process.table_reader import TableReader
 from clepsydra.program.step_law import Symbols
@@ -25,27 +26,6 @@ SMALLEST_SHARE = 1e-60
 #: a line, the area there is this share of the mean area, so that a rounding error of volume
 #: stays a small error of level.
 _LEAST_AREA_SHARE = 0.01
-
-
-class VesselParameter(NamedTuple):
-    """A number of a shape that becomes a parameter of the process.
-
-    Parameters
-    ----------
-    key : str
-        The last part of its name: "diameter" in "tank_1.diameter".
-    unit : str
-        SI unit.
-    value : float
-        [`unit`].
-    description : str
-        Without the tank: "diameter at the rim".
-    """
-
-    key: str
-    unit: str
-    value: float
-    description: str
 
 
 class Vessel(ABC):
@@ -84,12 +64,10 @@ class Vessel(ABC):
         """Make the shape from the table of a tank: its fields say what they hold."""
         return cls(**read_fields(cls, table))
 
-    def parameters(self) -> tuple[VesselParameter, ...]:
-        """Return the numbers that become parameters of the process."""
+    def parameters(self) -> tuple[Signal, ...]:
+        """Return the numbers that become parameters of the process, described without the tank."""
         return tuple(
-            VesselParameter(each.name, each.unit, getattr(self, each.name), each.words)
-            for each in quantities(type(self))
-            if each.words
+            each.of("", getattr(self, each.name)) for each in quantities(type(self)) if each.words
         )
 
     @abstractmethod
@@ -106,11 +84,11 @@ class Vessel(ABC):
 
     def values(self) -> dict[str, ca.SX]:
         """Return the value of each parameter by key, as constants of CasADi."""
-        return {parameter.key: ca.SX(parameter.value) for parameter in self.parameters()}
+        return {each.name: ca.SX(each.initial) for each in self.parameters()}
 
     def sizes(self, tank: str, symbols: Symbols) -> dict[str, ca.SX]:
         """Return the symbol of each parameter by key, where the vessel is that of a tank."""
-        return {key: symbols[f"{tank}.{key}"] for key, *_ in self.parameters()}
+        return {each.name: symbols[f"{tank}.{each.name}"] for each in self.parameters()}
 
     def rim(self, values: Mapping[str, ca.SX]) -> ca.SX:
         """Return the level of the rim [m]; a shape overrides it where it follows a parameter."""
