@@ -3,54 +3,32 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from clepsydra.controllers.decoupling import Decoupling
 from clepsydra.designs.applicability import NotApplicable, reasons_about
-from clepsydra.designs.loops.pairing import Pairing, checked_pairing
-from clepsydra.designs.models.transfer_element import (
-    TransferElement,
-    moving_element,
-    transfer_element,
-)
-from clepsydra.linear.linear_model import LinearModel
+from clepsydra.designs.loops.pairing import PairedLoop
+from clepsydra.designs.models.transfer_element import TransferElement, transfer_element
 
 #: A lead that no lag of the process goes with gets a lag this much shorter.
 LEAD_OVER_LAG = 10.0
 
 
-@dataclass(frozen=True, eq=False)
-class Decoupler:
-    """u_i = c_i + Σ_{j≠i} d_ij u_j, with d_ij(s) = gain (lead s + 1)/(lag s + 1).
-
-    c_i is the output of controller i, and u_j what is applied of the other inputs, each as a
-    deviation from its operating point.
+class LeadLag(NamedTuple):
+    """gain (lead s + 1)/(lag s + 1), and whether it is what it stands for exactly.
 
     Parameters
     ----------
-    gain : ndarray [n, n]
-        [unit of input i / unit of input j], zero on the diagonal.
-    lead, lag : ndarray [n, n]
-        [s], zero where d_ij is a gain.
-    exact : ndarray of bool [n, n]
-        Where d_ij is −g_ij/g_ii itself and no approximation of it.
-    outputs, inputs : tuple of str
-        In the order of the pairing.
+    gain : float
+        [unit of the own input / unit of the other]
+    lead, lag : float
+        [s], zero where it is a gain.
+    exact : bool
+        Whether it is −g_ij/g_ii itself and no approximation of it.
     """
-
-    gain: np.ndarray
-    lead: np.ndarray
-    lag: np.ndarray
-    exact: np.ndarray
-    outputs: tuple[str, ...]
-    inputs: tuple[str, ...]
-
-
-class LeadLag(NamedTuple):
-    """gain (lead s + 1)/(lag s + 1), and whether it is what it stands for exactly."""
 
     gain: float
     lead: float
@@ -58,17 +36,21 @@ class LeadLag(NamedTuple):
     exact: bool
 
 
-def inverted_decoupler(
-    model: LinearModel, pairing: Pairing | None = None, *, kind: Decoupling = "dynamic"
-) -> Decoupler:
-    """Return the elements d_ij = −g_ij/g_ii of inverted decoupling for a pairing.
+_NOTHING = LeadLag(0.0, 0.0, 0.0, True)
 
-    Each controller then moves its own output by g_ii alone, as if the others were in manual.
+
+def inverted_decoupler(
+    loops: Sequence[PairedLoop], kind: Decoupling = "dynamic"
+) -> list[list[LeadLag]]:
+    """Return the elements d_ij = −g_ij/g_ii of inverted decoupling for some pairs.
+
+    u_i = c_i + Σ_{j≠i} d_ij u_j, with the output c_i of controller i and what is applied of the
+    other inputs, each as a deviation from its operating point. Each controller then moves its
+    own output by g_ii alone, as if the others were in manual.
 
     Parameters
     ----------
-    pairing : sequence of (output, input), or mapping, optional
-        The one that the relative gains suggest if left out.
+    loops : sequence of PairedLoop
         At least two.
     kind : {"dynamic", "static"}
         Lead-lags of first order, or gains that hold at rest only.
@@ -81,8 +63,6 @@ def inverted_decoupler(
         half-plane, or g_ij integrates and g_ii does not); or the inputs that feed each other
         would run away: the matrix of the d_ij at rest, or at once, has a spectral radius of
         one or more.
-    InputError
-        The pairing is no pairing of the model, or the kind is unknown.
 
     References
     ----------
@@ -95,29 +75,25 @@ def inverted_decoupler(
     The quadruple tank: pump 2 reaches tank 1 through tank 3, so d_12 lags as tank 3 does.
 
     >>> import clepsydra as cl
+    >>> from clepsydra.designs.loops.pairing import paired_loops
     >>> analysis = cl.load("quadruple-tank").analysis
-    >>> found = inverted_decoupler(analysis.model, analysis.pairing)
-    >>> round(float(found.lag[0, 1]), 2), bool(found.exact.all())
+    >>> found = inverted_decoupler(paired_loops(analysis.model, analysis.pairing))
+    >>> round(found[0][1].lag, 2), found[0][1].exact
     (22.76, True)
     """
-    outputs, inputs = checked_pairing(pairing, model)
-    if len(outputs) < 2:
+    if len(loops) < 2:
         raise NotApplicable("there is one loop only")
-    n = len(outputs)
-    gain, lead, lag = np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n))
-    exact = np.ones((n, n), bool)
-    for i, output in enumerate(outputs):
-        own = moving_element(model, output, inputs[i])
-        for j, other in enumerate(inputs):
-            if i == j:
-                continue
-            with reasons_about(f"{output} by {inputs[i]} and {other}"):
-                cross = transfer_element(model, output, other)
-                if cross is not None:
-                    found = decoupling_element(own, cross, kind)
-                    gain[i, j], lead[i, j], lag[i, j], exact[i, j] = found
-    _check_inner_loop(gain, lead, lag)
-    return Decoupler(gain, lead, lag, exact, outputs, inputs)
+    found = [
+        [_NOTHING if own is other else _of(own, other, kind) for other in loops] for own in loops
+    ]
+    _check_inner_loop(found)
+    return found
+
+
+def _of(own: PairedLoop, other: PairedLoop, kind: Decoupling) -> LeadLag:
+    with reasons_about(f"{own.pair} and {other.input.name}"):
+        cross = transfer_element(own.model, own.output.name, other.input.name)
+        return _NOTHING if cross is None else decoupling_element(own.element, cross, kind)
 
 
 def decoupling_element(own: TransferElement, cross: TransferElement, kind: Decoupling) -> LeadLag:
@@ -206,8 +182,9 @@ def _without_common(
     return left, rest
 
 
-def _check_inner_loop(gain: np.ndarray, lead: np.ndarray, lag: np.ndarray) -> None:
+def _check_inner_loop(elements: list[list[LeadLag]]) -> None:
     """Refuse inputs that feed each other with a gain of one or more, at rest or at once."""
+    gain, lead, lag, _ = np.moveaxis(np.array(elements), 2, 0)
     at_once = gain * np.divide(lead, lag, out=np.ones_like(lag), where=lag > 0.0)
     for matrix, when in ((gain, "at rest"), (at_once, "from one sample to the next")):
         radius = float(np.max(np.abs(np.linalg.eigvals(matrix))))

@@ -9,7 +9,7 @@ import numpy as np
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
-from clepsydra.linear.linear_model import InternalDelays, LinearModel
+from clepsydra.linear.linear_model import InternalDelays, LinearModel, Ports
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
 
@@ -164,39 +164,34 @@ def _with_delays(
     """
     process, motion = point.process, point.process.motion
     parameters = process.parameter_values
-    contents, slopes = _values(motion.to_contents, 0, [point.state, parameters])
+    slopes = _slopes(motion.to_contents, [point.state, parameters], "x")
+    contents = motion.to_contents(point.state, parameters)
     outside = [point.inputs, point.disturbances, parameters]
     z = motion.delayed_at_rest(contents, *outside)
     held = [contents, z, motion.first_memories, *outside]
-    back = np.linalg.inv(slopes)
-    rates = {name: back @ _values(motion.rates, place, held, 0)[1] for name, place in _CAUSES}
-    sent = {name: _values(motion.rates, place, held, 1)[1] for name, place in _CAUSES}
+    matrix = _slopes(motion.rates, held, "cudz")
+    at = Ports.of(len(slopes), len(point.inputs), len(point.disturbances), 0, len(z))
+    matrix[at.x] = np.linalg.solve(slopes, matrix[at.x])
+    matrix[:, at.x] = matrix[:, at.x] @ slopes
+    rates, sent = matrix[at.x], matrix[at.w]
     delays = InternalDelays(
-        times=np.array([delay.time for delay in motion.delays]),
-        to_states=rates["delays"],
-        from_states=sent["contents"] @ slopes,
-        from_inputs=sent["inputs"],
-        from_disturbances=sent["disturbances"],
-        through=sent["delays"],
-        to_outputs=np.zeros((outputs, len(z))),
+        np.array([delay.time for delay in motion.delays]),
+        rates[:, at.z],
+        sent[:, at.x],
+        sent[:, at.u],
+        sent[:, at.d],
+        sent[:, at.z],
+        np.zeros((outputs, len(z))),
     )
-    return rates["contents"] @ slopes, rates["inputs"], rates["disturbances"], delays
+    return rates[:, at.x], rates[:, at.u], rates[:, at.d], delays
 
 
-#: Arguments of the rates of a motion by their places.
-_CAUSES = (("contents", 0), ("delays", 1), ("inputs", 3), ("disturbances", 4))
-
-
-def _values(
-    function: ca.Function, argument: int, at: list[np.ndarray], result: int = 0
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return one result of a function, and its derivative by one argument."""
-    symbols = [ca.SX.sym("a", function.numel_in(i)) for i in range(function.n_in())]
-    values = function(*symbols)
-    value = values[result] if isinstance(values, tuple) else values
-    both = ca.Function("both", symbols, [value, ca.jacobian(value, symbols[argument])])
-    found, slope = both(*at)
-    return np.array(found).ravel(), np.array(slope)
+def _slopes(function: ca.Function, at: list[np.ndarray], by: str) -> np.ndarray:
+    """Return how the first two results of a function change with some of its arguments."""
+    symbols = {name: ca.SX.sym(name, function.numel_in(name)) for name in function.name_in()}
+    found = ca.vertcat(*function.call(list(symbols.values()))[:2])
+    slope = ca.jacobian(found, ca.vertcat(*(symbols[name] for name in by)))
+    return np.array(ca.Function("slope", list(symbols.values()), [slope])(*at))
 
 
 def operating_point_of(model: LinearModel) -> OperatingPoint:

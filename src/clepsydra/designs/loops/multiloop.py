@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from functools import lru_cache
+from itertools import permutations
 from typing import Literal, TypeVar
 
 from clepsydra.base.errors import InputError
@@ -73,13 +74,13 @@ class MultiloopPid(LoopsTogether[Sequence[PidSettings]]):
             decoupling=decoupling,
         )
         by = "" if decoupling is None else f"{decoupling} decoupling"
-        values = numbers_at(self.point, law.parameters)
+        terms = {} if decoupling is None else self._decoupling_terms(decoupling)
         blank = controller_at(
             self.point,
             f"{self.actions}, {method}" + (f", {by}" if by else ""),
             family(self.form) + (f" with {by}" if by else ""),
             law,
-            values if decoupling is None else values | self._decoupling_terms(model, decoupling),
+            numbers_at(self.point, law.parameters, **terms),
             structure=Complexity.ADVANCED_LOOPS if by else Complexity.LOOPS,
             free_inputs=self._remote_setpoints(),
         )
@@ -114,22 +115,16 @@ class MultiloopPid(LoopsTogether[Sequence[PidSettings]]):
             given |= {path(y, "remote_setpoint"): at[y.name], path(y, "setpoint_source"): 0.0}
         return given
 
-    def _decoupling_terms(self, model: LinearModel, kind: Decoupling) -> dict[str, float]:
+    def _decoupling_terms(self, kind: Decoupling) -> dict[str, list[float]]:
         """Return the terms by which inputs answer to the others, which no setting changes."""
-        pairs = [(loop.output.name, loop.input.name) for loop in self.loops]
         with reasons_about("decoupling"):
-            found = inverted_decoupler(model, pairs, kind=kind)
-        values: dict[str, float] = {}
-        for i, loop in enumerate(self.loops):
-            for j, other in enumerate(self.loops):
-                if i != j:
-                    owner = path(path(loop.input, "feedforward"), other.input.name)
-                    values[path(owner, "gain")] = float(found.gain[i, j])
-                    values[path(owner, "reference")] = other.resting_input
-                    if kind == "dynamic":
-                        values[path(owner, "lead")] = float(found.lead[i, j])
-                        values[path(owner, "lag")] = float(found.lag[i, j])
-        return values
+            found = inverted_decoupler(self.loops, kind)
+        pairs = list(permutations(range(len(self.loops)), 2))
+        terms = {
+            name: [getattr(found[own][other], name) for own, other in pairs]
+            for name in ("gain", "lead", "lag")
+        }
+        return terms | {"reference": [self.loops[other].resting_input for _, other in pairs]}
 
     def _settings(self, settings: Sequence[PidSettings]) -> dict[str, float]:
         return {
