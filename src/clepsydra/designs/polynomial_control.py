@@ -10,7 +10,7 @@ from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.arguments.numbers import ASSIGNED_POLES, PENALTY
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loops.pairing import Pairing
-from clepsydra.designs.polynomial.paired_design import PairedDesign
+from clepsydra.designs.polynomial.paired_design import paired_controller
 from clepsydra.designs.polynomial.paired_models import (
     LoopGains,
     Request,
@@ -106,5 +106,5 @@ def design_polynomial(
         [pair.input for pair in pairs],
         [loop.shape for loop in gains_at(1.0)],
     )
-    design = PairedDesign("2DOF polynomial, LQ", FAMILY, model, pairs, law, gains_at)
-    return design.controller(SOURCE, [], request.in_words())
+    name, given = "2DOF polynomial, LQ", request.in_words()
+    return paired_controller(name, FAMILY, model, pairs, law, gains_at, SOURCE, given)

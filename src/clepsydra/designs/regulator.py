@@ -18,7 +18,7 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.wiring import check_signals
 from clepsydra.designs.applicability import told_by
 from clepsydra.designs.loop_shaping.conditioning import linear_controller, told_by_own_observer
-from clepsydra.designs.loop_shaping.precompensator import Precompensator, sampled_precompensator
+from clepsydra.designs.loop_shaping.precompensator import Precompensator
 from clepsydra.designs.loop_shaping.shaped_plant import shaped_plant
 from clepsydra.designs.regulators.given import METHOD, GivenRegulator, given_regulator
 from clepsydra.designs.regulators.mat_file import read_mat
@@ -34,7 +34,6 @@ FAMILY = "given regulator"
 ActsOn = Literal["setpoint_minus_measurement", "measurement_minus_setpoint"]
 #: Whether its states are told what was applied, or wind up.
 RegulatorAntiWindup = Literal["conditioning", "none"]
-_SINGULAR = 1e12
 
 
 def regulator_controller(
@@ -192,12 +191,8 @@ def _sampled(given: GivenRegulator, process: Process) -> SampledSystem:
             remedy = "give the process that sampling_period, or the regulator in continuous time"
             raise InputError(place, f"{given.period:g} s", expected, remedy)
         return SampledSystem(*matrices)
-    if np.linalg.cond(np.eye(len(given.A)) - 0.5 * period * given.A) > _SINGULAR:
-        shown = f"a pole at {2.0 / period:.3g} rad/s"
-        remedy = "sample faster, or give a regulator that is sampled already"
-        raise InputError(f"{given.place}, A", shown, "no pole at 2/T", remedy)
-    errors, outputs = (tuple(map(str, range(count))) for count in given.D.shape[::-1])
-    return sampled_precompensator(METHOD, matrices, period, errors, outputs).system
+    remedy = "sample faster, or give a regulator that is sampled already"
+    return SampledSystem.by_tustins_rule(matrices, period, f"{given.place}, A", remedy)
 
 
 def _scales(

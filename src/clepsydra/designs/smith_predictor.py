@@ -21,7 +21,7 @@ from clepsydra.designs.loops.closed_loop_time import CLOSED_LOOP_TIME
 from clepsydra.designs.loops.pairing import Pairing
 from clepsydra.designs.models.first_order_delay import half_rule
 from clepsydra.designs.models.transfer_element import TransferElement
-from clepsydra.designs.polynomial.paired_design import PairedDesign
+from clepsydra.designs.polynomial.paired_design import paired_controller
 from clepsydra.designs.polynomial.paired_models import (
     LoopGains,
     ModelledPair,
@@ -167,14 +167,15 @@ def design_smith_predictor(
         source = "SIMC (Skogestad 2003) for the model without its delay"
         given = "" if time is None else f"a closed-loop time constant of {time:g} s"
     name, control = f"Smith predictor, {kind}", f"{FAMILY} with {means} control"
-    fixed = _fixed(pairs, feedback)
-    design = PairedDesign(name, control, model, pairs, law, gains_at, fixed)
     integrating = [pair.pair for pair, kappa in zip(pairs, feedback, strict=True) if kappa]
     note = (
         f"{', '.join(integrating)}: the process integrates, so that its model follows it by the "
         "predicted error (Mataušek and Micić); a plain predictor would keep an offset under loads."
     )
-    return design.controller(source, [note] if integrating else [], given)
+    notes, fixed = [note] if integrating else [], _fixed(pairs, feedback)
+    return paired_controller(
+        name, control, model, pairs, law, gains_at, source, given, notes, fixed
+    )
 
 
 def _check(pair: ModelledPair, given: bool) -> None:

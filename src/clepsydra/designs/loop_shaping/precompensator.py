@@ -10,11 +10,10 @@ from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.linear_step_law import StepLawDerivatives
 from clepsydra.designs.sampled.sampled_loop import inputs_at_rest
-from clepsydra.designs.sampled.sampled_system import SampledSystem
+from clepsydra.designs.sampled.sampled_system import SINGULAR, SampledSystem
 from clepsydra.linear.linear_model import LinearModel
 
 _SAME = 1e-9
-_SINGULAR = 1e12
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +63,7 @@ class Precompensator:
     def inverse_direct(self) -> np.ndarray | None:
         """D⁻¹; None where there is none, or where the inverse of W₁ is unstable."""
         D = self.system.D
-        if D.shape[0] != D.shape[1] or np.linalg.cond(D) > _SINGULAR:
+        if D.shape[0] != D.shape[1] or np.linalg.cond(D) > SINGULAR:
             return None
         inverse = np.linalg.inv(D)
         unwound = self.system.A - self.system.B @ inverse @ self.system.C
@@ -113,18 +112,8 @@ def sampled_precompensator(
         expected = f"A {n} × {n}, B {n} × {q}, C {m} × {n} and D {m} × {q}"
         remedy = "give the four matrices of one state space"
         raise InputError("precompensator", given, expected, remedy)
-    half, identity = 0.5 * period, np.eye(n)
-    left = identity - half * A
-    if n and np.linalg.cond(left) > _SINGULAR:
-        given, remedy = f"a pole at {2.0 / period:.3g} rad/s", "slow it down or sample faster"
-        raise InputError("precompensator", given, "no pole at 2/T", remedy)
-    inverse = np.linalg.inv(left)
-    system = SampledSystem(
-        inverse @ (identity + half * A),
-        period * inverse @ B,
-        C @ inverse,
-        D + half * C @ inverse @ B,
-    )
+    remedy = "slow it down or sample faster"
+    system = SampledSystem.by_tustins_rule((A, B, C, D), period, "precompensator", remedy)
     return Precompensator(name, system, outputs, inputs)
 
 

@@ -4,19 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import NamedTuple
+
+import numpy as np
 
 from clepsydra.base.errors import InputError
 
 #: Coefficients of 1, z^-1, z^-2, …
 Polynomial = tuple[Fraction, ...]
-
-
-class Solution(NamedTuple):
-    """X and Y of A X + B Y = C."""
-
-    X: Polynomial
-    Y: Polynomial
 
 
 def rational(polynomial: Sequence[float | Fraction]) -> Polynomial:
@@ -38,12 +32,8 @@ def product(first: Sequence[float | Fraction], second: Sequence[float | Fraction
     >>> [int(value) for value in product([1, -1], [1, 2])]
     [1, 1, -2]
     """
-    one, two = rational(first), rational(second)
-    total = [Fraction(0)] * (len(one) + len(two) - 1)
-    for i, a in enumerate(one):
-        for j, b in enumerate(two):
-            total[i + j] += a * b
-    return tuple(total)
+    one, two = (np.array(rational(each)) for each in (first, second))
+    return tuple(np.convolve(one, two))
 
 
 def solve_diophantine(
@@ -53,7 +43,7 @@ def solve_diophantine(
     *,
     degree_x: int,
     degree_y: int,
-) -> Solution:
+) -> tuple[Polynomial, Polynomial]:
     """Solve A X + B Y = C for polynomials X and Y in z^-1 of given degrees.
 
     Floats are taken as the rational numbers that they are, and Gauss's elimination in rational
@@ -88,15 +78,10 @@ def solve_diophantine(
     a, b, c = rational(A), rational(B), rational(C)
     unknowns = degree_x + degree_y + 2
     rows = max(len(a) + degree_x, len(b) + degree_y, len(c))
-    table = [[Fraction(0)] * (unknowns + 1) for _ in range(rows)]
-    for column in range(degree_x + 1):
-        for i, value in enumerate(a):
-            table[i + column][column] += value
-    for column in range(degree_y + 1):
-        for i, value in enumerate(b):
-            table[i + column][degree_x + 1 + column] += value
-    for i, value in enumerate(c):
-        table[i][-1] = value
+    table = np.full((rows, unknowns + 1), Fraction(0))
+    shifted = [(a, k) for k in range(degree_x + 1)] + [(b, k) for k in range(degree_y + 1)]
+    for column, (polynomial, shift) in enumerate([*shifted, (c, 0)]):
+        table[shift : shift + len(polynomial), column] = polynomial
     values = _solved(table, unknowns)
     if values is None:
         raise InputError(
@@ -106,27 +91,19 @@ def solve_diophantine(
             "polynomials A and B without a common root, and degrees that fit",
             "cancel what A and B share",
         )
-    return Solution(tuple(values[: degree_x + 1]), tuple(values[degree_x + 1 :]))
+    return tuple(values[: degree_x + 1]), tuple(values[degree_x + 1 :])
 
 
-def _solved(table: list[list[Fraction]], unknowns: int) -> list[Fraction] | None:
+def _solved(table: np.ndarray, unknowns: int) -> list[Fraction] | None:
     """Return the solution of a table [rows, unknowns + 1]; None where there is not just one."""
-    done = 0
     for column in range(unknowns):
-        pivot = next((row for row in range(done, len(table)) if table[row][column]), None)
-        if pivot is None:
+        pivots = np.flatnonzero(table[column:, column])
+        if not len(pivots):
             return None
-        table[done], table[pivot] = table[pivot], table[done]
-        lead = table[done][column]
-        table[done] = [value / lead for value in table[done]]
-        for row in range(len(table)):
-            factor = table[row][column]
-            if row != done and factor:
-                table[row] = [
-                    value - factor * above
-                    for value, above in zip(table[row], table[done], strict=True)
-                ]
-        done += 1
-    if any(row[-1] for row in table[done:]):
-        return None
-    return [table[row][-1] for row in range(unknowns)]
+        pivot = column + pivots[0]
+        table[[column, pivot]] = table[[pivot, column]]
+        table[column] /= table[column, column]
+        for row in np.flatnonzero(table[:, column]):
+            if row != column:
+                table[row] -= table[row, column] * table[column]
+    return None if any(table[unknowns:, -1]) else list(table[:unknowns, -1])

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from clepsydra.base.errors import InputError
 from clepsydra.linear.frequency_peak import largest_gain
 from clepsydra.linear.response import evaluate_transfer
 
 #: An eigenvalue this near to the unit circle stands on it.
 _ROUNDING = 1e-10
+#: A matrix of a larger condition number has no inverse.
+SINGULAR = 1e12
 
 
 class SampledSystem(NamedTuple):
@@ -31,6 +35,24 @@ class SampledSystem(NamedTuple):
     B: np.ndarray
     C: np.ndarray
     D: np.ndarray
+
+    @classmethod
+    def by_tustins_rule(
+        cls, matrices: Sequence[np.ndarray], period: float, place: str, remedy: str
+    ) -> SampledSystem:
+        """Return a continuous system A, B, C, D as it is sampled by s = 2/T (z − 1)/(z + 1).
+
+        Raises
+        ------
+        InputError
+            A pole stands at 2/T.
+        """
+        from scipy.signal import cont2discrete
+
+        A = matrices[0]
+        if len(A) and np.linalg.cond(np.eye(len(A)) - 0.5 * period * A) > SINGULAR:
+            raise InputError(place, f"a pole at {2.0 / period:.3g} rad/s", "no pole at 2/T", remedy)
+        return cls(*cont2discrete(matrices, period, "bilinear")[:4])
 
     @property
     def is_stable(self) -> bool:
