@@ -125,7 +125,7 @@ def test_two_pi_loops_take_no_more_lines_than_they_may():
     assert max(map(len, text.splitlines())) <= 100
     own = text[text.rindex("\nFUNCTION_BLOCK ") :]
     assert "begun" not in own and "out => pump_1_out, status => pump_1_status" in own
-    assert "restart := NOT begun OR cold;" in text
+    assert "IF restart OR NOT begun THEN integral := start_integral; END_IF;" in text
 
 
 def without_numbers(ready):

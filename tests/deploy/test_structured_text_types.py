@@ -107,20 +107,15 @@ def test_values_in_their_types_are_those_of_the_engine(seed):
 
 
 def test_blocks_read_like_written_by_hand():
-    """States begin in one IF, are read directly, and integers are limited as such."""
+    """States begin in a line each and are read directly, and integers are limited as such."""
     _, filter_block, *_ = print_structured_text(structured_program_of(law_of_blocks())).split(
         "\n\n"
     )
     body = filter_block.split("END_VAR\n")[-1].split("\n")
-    assert body[:5] == [
-        "IF restart THEN",
-        "  kept := start_kept;",
-        "  scans := 0;",
-        "  was_high := FALSE;",
-        "END_IF;",
-    ]
-    assert "scans := MIN(8, larger) + 1;" in body
-    assert "high := (kept > 1.0) OR was_high;" in body
+    assert "IF restart OR NOT begun THEN kept := start_kept; END_IF;" in body
+    assert "IF restart OR NOT begun THEN scans := 0; END_IF;" in body
+    assert "scans := MIN(8, limited) + 1;" in body
+    assert "high := (kept > 1.0) OR (NOT restart AND begun AND was_high);" in body
 
 
 def test_a_signal_may_be_called_as_a_parameter_of_sel():

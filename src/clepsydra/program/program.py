@@ -190,7 +190,7 @@ class Block:
     arguments: int
     statements: tuple[Statement, ...]
     results: tuple[int, ...]
-    truths: frozenset[int] = frozenset()
+    truths: frozenset[int] = field(default=frozenset(), repr=False)
 
     @cached_property
     def made(self) -> dict[int, Operation]:

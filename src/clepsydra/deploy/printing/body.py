@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections import Counter
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import count
 
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.printing.expressions import Expression, constant, flag, reading, variable
+from clepsydra.deploy.printing.expressions import Expression, reading, variable
 from clepsydra.deploy.printing.folding import FoldedBlock, Scope
 from clepsydra.deploy.printing.heading import harmless
 from clepsydra.deploy.printing.identifiers import Identifiers
-from clepsydra.deploy.printing.lines import explained, in_place, mentions
 from clepsydra.deploy.printing.listing import (
     Assignment,
     BlockCall,
@@ -96,15 +96,17 @@ class Body:
         #: The states that no instance holds: value, signal, where it stands, length of a ring.
         self._held = [each for each in held if each[0] not in owned]
         ranges = whole_ranges(program, language.precision)
-        labels, preferred = self._labels(ranges)
+        labels, preferred = self._labels()
         at = [*map(ring_place, state, rings), *places["inputs"], *places["parameters"]]
         given = [reading(each.kind, place) for each, place in zip(program.given, at, strict=True)]
         scope = Scope(language, names, program.tables)
-        folded = FoldedBlock(program.block, given, scope, labels, preferred, ranges)
+        kinds = {place: signal.kind for _, signal, place, _ in self._held}
+        outputs = zip(places["outputs"], program.outputs, strict=True)
+        kinds |= {place: signal.kind for place, signal in outputs}
+        folded = FoldedBlock(program.block, given, scope, labels, preferred, ranges, kinds)
         #: Tables of the loops by name.
         self.tables, results = scope.tables, folded.results
-        begun = [*map(_begun, folded.statements)]
-        self._statements = _together(begun, {place for _, _, place, _ in self._held})
+        self._statements = folded.statements
         stores: list[Assignment] = []
         written: list[str] = []
         kept = zip(self._held, self._kept(results), strict=True)
@@ -118,23 +120,17 @@ class Body:
         groups = [_whole(shown, program), stores]
         if language.told:
             self._tell_at_calls(groups)
-        lines = language.statements(self._statements)
-        for group in groups:
-            moved = [each for each in group if each.expression.text != each.name]
-            lines += language.statements(moved)
+        moved = (e for group in groups for e in group if e.expression.text != e.name)
+        lines = language.statements([*self._statements, *moved], self._words(labels)) + written
         known = {*places["outputs"], *places["state"]}
         found = {name: kind for name, kind in _declared(self._statements) if name not in known}
-        targets = [*places["outputs"], *(each.name for each in stores)]
-        lines = in_place([*lines, *written], found, targets)
-        read_here = "\n".join(lines)
+        names_read = {*re.findall(r"\w+", "\n".join(lines))}
         #: Constants that the statements read, by name.
-        self.constants = {n: each for n, each in constants.items() if mentions(read_here, n)}
+        self.constants = {n: each for n, each in constants.items() if n in names_read}
         #: Name and type of the variables that are no part of the interface.
-        self.temporaries = {
-            name: language.types[kind] for name, kind in found.items() if mentions(read_here, name)
-        }
+        self.temporaries = {name: language.types[kind] for name, kind in found.items()}
         #: The statements, each on one line however long.
-        self.lines = explained(lines, self._words(labels))
+        self.lines = lines
 
     def _words(self, labels: Mapping[int, str]) -> dict[str, list[str]]:
         """Return the comments above the steps, by what these assign."""
@@ -149,20 +145,18 @@ class Body:
             if name in program.words
         }
 
-    def _labels(self, ranges: Container[int]) -> tuple[dict[int, str], dict[int, str]]:
+    def _labels(self) -> tuple[dict[int, str], dict[int, str]]:
         """Return the names of values that have one: the law's own, outputs, next states."""
         program, first = self._program, self._program.block.arguments
         instances = {call.identifier for call in program.calls}
         labels = self._begun()
         results = dict(zip(program.output_values, program.outputs, strict=True))
-        for output, place, value in zip(
-            program.outputs, self._places["outputs"], program.output_values, strict=True
-        ):
-            # An output variable may be read back: the value needs no other name. What is whole
-            # may have a variable of another type than a number.
-            unnamed = program.names.get(value, output.name) == output.name
-            whole = value in self._made and value in ranges
-            if output.kind == "real" and value >= first and unnamed and not whole:
+        for place, value in zip(self._places["outputs"], program.output_values, strict=True):
+            # An output variable may be read back: the value needs no other name.
+            made = self._made.get(value)
+            if made and made.code == "number":
+                value = made.arguments[0]
+            if value >= first:
                 labels.setdefault(value, place)
         scaled = self._scaled_for_a_call()
         for value, name in program.names.items():
@@ -195,28 +189,13 @@ class Body:
 
     def _begun(self) -> dict[int, str]:
         """Return the values that a state is set to where it begins anew, before it is read."""
-        made, uses, entries = self._made, self._uses, self._program.given
-        held = {
-            value: (place, signal.kind) for value, signal, place, ring in self._held if not ring
-        }
+        made, uses = self._made, self._uses
+        held = {value: place for value, _, place, ring in self._held if not ring}
         labels: dict[int, str] = {}
-
-        def code_of(value: int) -> str:
-            return made[value].code if value in made else ""
-
         for target, each in made.items():
             given = each.arguments
-            if each.code == "and" and "not" in map(code_of, given):
-                for value in given:
-                    read = made[value].arguments[0] if code_of(value) == "truth" else -1
-                    if read in held and uses[value] == uses[read] == 1:
-                        labels[target] = held[read][0]
             if each.code == "select" and given[2] in held and uses[given[2]] == 1:
-                _, start, before = given
-                place, kind = held[before]
-                alike = start < len(entries) and entries[start].kind == kind
-                if alike or kind == "real" or code_of(start) == "constant":
-                    labels[target], held[target] = place, held[before]
+                labels[target] = held[target] = held[given[2]]
         return labels
 
     def _kept(self, results: Sequence[Expression]) -> list[Expression]:
@@ -281,46 +260,6 @@ def _whole(shown: Sequence[Assignment], program: Program) -> list[Assignment]:
         else:
             found += [each for _, each in members]
     return found
-
-
-def _begun(statement: ListingStatement) -> ListingStatement:
-    """Return ``x := x AND NOT c`` as what sets x to FALSE where c holds."""
-    if not isinstance(statement, Assignment) or statement.expression.code != "and":
-        return statement
-    kept = flag(statement.name)
-    others = [each for each in statement.expression.operands if each != kept]
-    if len(others) != 1 or others[0].code != "not":
-        return statement
-    chosen = Expression("select", (others[0].operands[0], constant(0.0, "boolean"), kept))
-    return Assignment(statement.name, chosen)
-
-
-def _together(
-    statements: Sequence[ListingStatement], held: Container[str]
-) -> list[ListingStatement]:
-    """Return statements with those beside each other that let states begin anew alike.
-
-    Such a statement comes earlier where nothing before it has touched its state.
-    """
-    found: list[ListingStatement] = []
-    for each in statements:
-        place = len(found)
-        begins = _beginning(each, held)
-        if isinstance(each, Assignment) and begins is not None:
-            places = [k for k, other in enumerate(found) if _beginning(other, held) == begins]
-            early = places[-1] + 1 if places else place
-            place = place if any(each.name in touched(s) for s in found[early:]) else early
-        found.insert(place, each)
-    return found
-
-
-def _beginning(statement: ListingStatement, held: Container[str]) -> Expression | None:
-    """Return the condition under which a statement sets a state to a constant."""
-    if not isinstance(statement, Assignment) or statement.expression.code != "select":
-        return None
-    condition, start, kept = statement.expression.operands
-    kept_alike = kept.text == statement.name and statement.name in held
-    return condition if start.code == "constant" and kept_alike else None
 
 
 def _declared(statements: Sequence[ListingStatement]) -> list[tuple[str, str]]:

@@ -132,11 +132,8 @@ def read_tables(
         table = places[number][begin] if common else Table(f"{loop.name}_table", values)
         steps = equal_steps(table.values, index, notation.precision) if notation.computes else None
         if steps:
-            key = table.name, index
-            name = scope.counted.get(key) or names.new(table.name)
-            scope.counted[key] = name
-            counted.append(Assignment(name, steps))
-            entries.append(variable(name))
+            counted.append(Assignment(names.shared(table.name, index), steps))
+            entries.append(variable(counted[-1].name))
         elif found := on_lines(table, values, over, notation.precision):
             entries.append(found)
         else:

@@ -18,7 +18,7 @@ from clepsydra.program.precision import Precision
 # demands is put in parentheses.
 _LOOSE, _SIGNED, _SUM, _PRODUCT, _ATOM = range(5)
 #: How tightly an operation holds together, and its operands have to; others compare.
-_STRENGTHS = dict.fromkeys(("multiply", "divide", "quotient"), (_PRODUCT, _PRODUCT, _ATOM))
+_STRENGTHS = dict.fromkeys(("multiply", "divide"), (_PRODUCT, _PRODUCT, _ATOM))
 _STRENGTHS |= dict.fromkeys(("add", "subtract"), (_SUM, _SUM, _PRODUCT))
 #: What a language without a function for it writes as a choice.
 _CHOSEN = {
@@ -28,14 +28,14 @@ _CHOSEN = {
     **dict.fromkeys(("minimum", "integer minimum"), "{0} < {1} ? {0} : {1}"),
 }
 #: Where that holds an operand twice.
-_REPEATING = {*_CHOSEN, "limit"} - {"select"}
+_REPEATING = {*_CHOSEN} - {"select"}
 _OPPOSITE = {"and": "or", "or": "and"}
 _TRUTHS = COMPARISONS | LOGIC | {"greater", "greater_equal"}
 _ARITHMETIC = frozenset({"add", "subtract", "multiply", "negate", "absolute"})
 #: Operations that languages have for integers apart.
 _TWOFOLD = frozenset({"absolute", "minimum", "maximum"})
 #: Operations with the type of their last operand.
-_ALIKE = _ARITHMETIC | _TWOFOLD | {"select", "quotient", "limit"}
+_ALIKE = _ARITHMETIC | _TWOFOLD | {"select"}
 
 
 @dataclass(frozen=True)
@@ -46,8 +46,7 @@ class Expression:
     ----------
     code : str
         An operation code of `clepsydra.program.program`, "variable", "constant", or "convert"
-        (from the type of the operand to another one); of integers also "quotient" (the rest is
-        dropped) and "limit" (from, value, to).
+        (from the type of the operand to another one).
     operands : tuple of Expression
     text : str
         What is written for a variable.
@@ -224,7 +223,7 @@ def reading(kind: Kind, text: str) -> Expression:
 
 
 #: Signs that all languages share.
-OPERATORS = {"add": "+", "subtract": "-", "multiply": "*", "divide": "/", "quotient": "/"}
+OPERATORS = {"add": "+", "subtract": "-", "multiply": "*", "divide": "/"}
 OPERATORS |= {"less": "<", "less_equal": "<=", "greater": ">", "greater_equal": ">="}
 
 

@@ -24,8 +24,6 @@ from clepsydra.program.program import Block, Call, Conditional, ForLoop, read_by
 
 #: A truth value up to this width is written wherever it is read [characters].
 _SHORT = 32
-#: What a variable is called that nothing gives a name.
-_CALLED = {"maximum": "larger", "minimum": "smaller", "limit": "limited"}
 _CONVERTED: dict[str, Kind] = {"truth": "boolean", "number": "real"}
 #: A number is no larger than one above this.
 _LARGE = 1e37
@@ -59,6 +57,10 @@ class FoldedBlock:
         Value to the name that it gets if it needs a variable.
     ranges : mapping, optional
         Bounds of the values that are whole numbers, which are computed as integers.
+    kinds : mapping, optional
+        Types of the labels that are declared already; a value of another type gets none of them.
+    depth : int
+        How many loops are around; those beside each other share an index.
 
     Examples
     --------
@@ -81,9 +83,12 @@ class FoldedBlock:
         labels: Mapping[int, str] | None = None,
         preferred: Mapping[int, str] | None = None,
         ranges: Mapping[int, WholeRange] | None = None,
+        kinds: Mapping[str, Kind] | None = None,
+        depth: int = 0,
     ) -> None:
         self._scope, self._notation, self._names = scope, scope.notation, scope.names
-        self._labels, self._preferred = labels or {}, dict(preferred or {})
+        self._labels, self._kinds, self._depth = labels or {}, kinds or {}, depth
+        self._preferred = dict(preferred or {})
         self._ranges, self._integers = ranges or {}, INTEGERS[scope.notation.precision][:2]
         self._arguments = dict(enumerate(arguments))
         #: Value to the expression that reads it.
@@ -149,8 +154,14 @@ class FoldedBlock:
         if expression.is_atom:
             return
         often = self._uses[target] > 1 and not self._is_short(expression, self._uses[target])
-        if target in self._labels or often:
-            self._assign(target, self._labels.get(target, ""))
+        name = self._label(target, expression.typed_part.kind)
+        if name or often:
+            self._assign(target, name)
+
+    def _label(self, value: int, kind: Kind) -> str:
+        """Return the variable that a value of a type is assigned to in any case, if any."""
+        name = self._labels.get(value, "")
+        return name if self._kinds.get(name, kind) == kind else ""
 
     def _call(self, call: Call) -> None:
         """Call an instance, of which the outputs are read afterwards."""
@@ -175,7 +186,7 @@ class FoldedBlock:
         carried: dict[int, str] = {}
         for k in live:
             target, start = statement.targets[k], statement.carried[k]
-            name, kept = self._labels.get(target, ""), self._values[start].text
+            name, kept = self._label(target, "real"), self._values[start].text
             if not name and kept in self._carried and self._uses[start] == 1:
                 name = kept
             wanted = self._preferred.get(target) or f"{statement.name}_value"
@@ -213,7 +224,7 @@ class FoldedBlock:
             if not self._fits(wanted, position, self._values[value]):
                 self._atom(value)
         # A long sum reads well on several lines.
-        widest = _WIDTH * (3 if code == "add" else 1)
+        widest = _WIDTH * (4 if code == "add" else 1)
         while True:
             expression = self._made(operation)
             folded = [value for value in operation.arguments if not self._values[value].is_atom]
@@ -249,9 +260,10 @@ class FoldedBlock:
         before, live = dict(self._values), needed_values(statement, self._uses)
         needed, read = needed_body(statement, live)
         loop = statement if isinstance(statement, ForLoop) else None
-        index, rings = self._index() if loop else "", loop.rings if loop else ()
+        index, rings = "", loop.rings if loop else ()
         turns, inside, counted = range(1), list[Expression](), list[Assignment]()
         if loop:
+            index = self._names.shared("i", self._depth)
             turns, inside, counted = read_tables(loop, index, read, self._scope)
         first, of_rings = len(inside), len(inside) + len(statement.targets)
         carried = self._carry(statement, live)
@@ -269,9 +281,7 @@ class FoldedBlock:
             given.get(argument) or (self._atom(value) if argument in read else _UNREAD)
             for argument, value in enumerate(values, first)
         ]
-        self._scope.depth += 1 if loop else 0
-        made = FoldedBlock(needed, inside, self._scope)
-        self._scope.depth -= 1 if loop else 0
+        made = FoldedBlock(needed, inside, self._scope, depth=self._depth + (loop is not None))
         body: list[ListingStatement] = [*counted, *made.statements]
         results = made.results
         update = self._update(list(carried.values()), results[: len(live)], body)
@@ -285,13 +295,6 @@ class FoldedBlock:
         self.statements.append(
             Compound(statement.name, start, *inner, condition, index, turns, turned)
         )
-
-    def _index(self) -> str:
-        """Return the index of a loop; those beside each other have the same."""
-        indices, depth = self._scope.indices, self._scope.depth
-        if len(indices) == depth:
-            indices.append(self._names.new("i"))
-        return indices[depth]
 
     def _update(
         self, carried: Sequence[str], results: Sequence[Expression], body: list[ListingStatement]
@@ -317,10 +320,7 @@ def _name_for(expression: Expression) -> str:
         return _last_name(operands[0].operands[0], "_is_number")
     if code == "select" and operands[2].code == "constant" and expression.kind == "real":
         return _last_name(operands[1], "_used")
-    other = {"maximum": "minimum", "minimum": "maximum"}.get(expression.operation)
-    if other and [each.code for each in operands] == ["variable", other]:
-        return "limited"
-    return _CALLED.get(code, "")
+    return "limited" if code in ("maximum", "minimum") else ""
 
 
 def _last_name(read: Expression, end: str) -> str:

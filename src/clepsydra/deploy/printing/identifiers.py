@@ -66,6 +66,7 @@ class Identifiers:
         self._ignore_case = ignore_case
         self._taken = {self._key(name) for name in taken}
         self._temporaries = 0
+        self._shared: dict[tuple[str, object], str] = {}
 
     def new(self, wanted: str) -> str:
         """Return the wanted name, or that name with a number where it is taken."""
@@ -78,6 +79,17 @@ class Identifiers:
             name = f"{wanted}_{number}"
         self._taken.add(self._key(name))
         return name
+
+    def shared(self, wanted: str, key: object) -> str:
+        """Return the name that all with one key have who want it.
+
+        >>> names = Identifiers([], ignore_case=True)
+        >>> names.shared("i", 0), names.shared("i", 1), names.shared("i", 0)
+        ('i', 'i_2', 'i')
+        """
+        if (wanted, key) not in self._shared:
+            self._shared[wanted, key] = self.new(wanted)
+        return self._shared[wanted, key]
 
     def is_free(self, name: str) -> bool:
         """Whether nothing has a name yet.

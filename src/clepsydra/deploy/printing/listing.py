@@ -120,6 +120,13 @@ def touched(statement: ListingStatement) -> set[str]:
     return found | {part.text for each in given for part in each.parts if part.text}
 
 
+def assigned(statement: ListingStatement) -> list[str]:
+    """Return the names of the variables that a statement computes."""
+    if isinstance(statement, Compound):
+        return [each.name for each in statement.start]
+    return [statement.name] if isinstance(statement, Assignment) else []
+
+
 @dataclass
 class Scope:
     """Where the statements of a program stand, those of its loops and branches included.
@@ -133,18 +140,9 @@ class Scope:
         Numbers that loops read by a name.
     tables : dict
         The tables that they read, by name.
-    indices : list of str
-        Of the loops, by how deep these stand.
-    counted : dict
-        Variables of the entries that are computed, by their table and the index.
-    depth : int
-        How many loops are around.
     """
 
     notation: Notation
     names: Identifiers
     known: Sequence[Table] = ()
     tables: dict[str, Table] = field(default_factory=dict)
-    indices: list[str] = field(default_factory=list)
-    counted: dict[tuple[str, str], str] = field(default_factory=dict)
-    depth: int = 0

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from typing import Self
 
 from clepsydra.base.signal import Kind, Signal
 from clepsydra.deploy.printing.expressions import Expression, Notation, constant, variable
-from clepsydra.deploy.printing.lines import indented
-from clepsydra.deploy.printing.listing import Assignment, BlockCall, Compound, ListingStatement
+from clepsydra.deploy.printing.lines import LINE, indented
+from clepsydra.deploy.printing.listing import (
+    Assignment,
+    BlockCall,
+    Compound,
+    ListingStatement,
+    assigned,
+)
 from clepsydra.program.entries import is_ring
 from clepsydra.program.operation import COMPARISONS
 
@@ -44,6 +50,8 @@ class Language(Notation, ABC):
     repeated_end: str
     #: The place behind a place in a ring of a length.
     advanced: str
+    #: Whether a short branch stands beside its condition.
+    dense = False
     #: What stands before the name of a state.
     states = ""
     #: How a call hands an output to a variable; empty where it cannot.
@@ -89,9 +97,6 @@ class Language(Notation, ABC):
             return self.worded(Expression("not_equal", (expression.operands[0], constant())))
         if operation == "boolean to real" and not self.chooses:
             return self.worded(expression.as_select)
-        if code == "select" and expression.kind == "boolean":
-            expression = _logical(expression)
-            code = expression.code
         operands = tuple(
             self.worded(part, compared=code in COMPARISONS) for part in expression.operands
         )
@@ -116,62 +121,36 @@ class Language(Notation, ABC):
     def call(self, entry: BlockCall) -> list[str]:
         """Write the call of an instance."""
 
-    def statements(self, entries: Sequence[ListingStatement]) -> list[str]:
-        """Write the statements of a listing; what one condition decides stands in one IF.
+    def statements(
+        self, entries: Sequence[ListingStatement], told: Mapping[str, Sequence[str]] | None = None
+    ) -> list[str]:
+        """Write the statements of a listing, each on one line however long it is.
 
-        Each statement stands on one line, however long it is.
-
-        Examples
-        --------
-        >>> from clepsydra.deploy.c99.statements import C99
-        >>> from clepsydra.deploy.printing.expressions import flag
-        >>> begun = [Assignment(n, Expression("select", (flag("cold"), variable("u"), variable(n))))
-        ...          for n in ("a", "b")]
-        >>> print("\\n".join(C99("law", "double").statements(begun)))
-        if (cold) {
-          a = u;
-          b = u;
-        }
-
-        What holds otherwise comes first, where nothing that is assigned is read:
-
-        >>> from clepsydra.deploy.structured_text.dialect import dialect_of
-        >>> from clepsydra.deploy.structured_text.statements import StructuredText
-        >>> share = Expression("divide", (variable("gain"), variable("time")))
-        >>> chosen = Expression("select", (flag("acts"), share, variable("rest")))
-        >>> both = [Assignment(name, chosen) for name in ("low", "high")]
-        >>> StructuredText(dialect_of("codesys"), "double").statements(both)[:3]
-        ['low := rest;', 'high := rest;', 'IF acts THEN']
+        Above the last one that assigns a variable stand the rows that tell what it is.
         """
-        lines: list[str] = []
-        rest = list(entries)
-        while rest:
-            group = self._decided_by_one(rest)
-            if len(group) < 2:
-                lines += self._statement(rest.pop(0))
-                continue
-            del rest[: len(group)]
-            choices = [(each.name, *_choice(each.expression)) for each in group]
-            first = [Assignment(name, value) for name, _, value, _ in choices]
-            last = [Assignment(name, v) for name, _, _, v in choices if not _keeps(name, v)]
-            branches = [(self.expression(choices[0][1]), self._assigned(first))]
-            read = {part.text for each in group for part in each.expression.parts}
-            free = read.isdisjoint(each.name for each in group)
-            if free and all(value.is_atom for *_, value in choices):
-                # What holds otherwise comes first.
-                lines += [*self._assigned(last), *self._decided(branches)]
-                continue
-            lines += self._decided([*branches, ("", self._assigned(last))])
+        lines, told = list[str](), told or {}
+        last = {name: k for k, each in enumerate(entries) for name in assigned(each)}
+        for k, each in enumerate(entries):
+            for name in assigned(each):
+                lines += told.get(name, ()) if last[name] == k else ()
+            lines += self._statement(each)
         return lines
 
     def _decided(self, branches: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
-        """Write an IF: what each condition decides, the others behind the empty one."""
+        """Write an IF: what each condition decides, the others behind the empty one.
+
+        What a branch does stands beside its condition, if that is one short statement.
+        """
         lines: list[str] = []
         for condition, inside in branches:
             opening = self.another if lines else self.opened
             head = opening.format(condition) if condition else self.otherwise
-            lines += [head, *indented(inside)] if inside else []
-        return [*lines, self.closed]
+            beside = self.dense and len(inside) == 1 and not inside[0].startswith(self.opened[:2])
+            whole = f"{head} {inside[0]}" if beside else ""
+            if inside:
+                lines += [whole] if 0 < len(whole) <= LINE else [head, *indented(inside)]
+        alone = f"{lines[0]} {self.closed}"
+        return [alone] if len(lines) == 1 and len(alone) <= LINE else [*lines, self.closed]
 
     def _statement(self, entry: ListingStatement) -> list[str]:
         if isinstance(entry, Assignment):
@@ -187,10 +166,7 @@ class Language(Notation, ABC):
             if len(turns) > 1:
                 begin = self.repeated.format(entry.index, turns.start, turns[-1], turns.stop)
                 lines = [begin, *indented(lines), self.repeated_end]
-        return [self.comment.format(title), *self._assigned(entry.start), *lines]
-
-    def _assigned(self, entries: Iterable[Assignment]) -> list[str]:
-        return [line for each in entries for line in self.assign(each.name, each.expression)]
+        return [self.comment.format(title), *self.statements(entry.start), *lines]
 
     def _body(self, entry: Compound) -> list[str]:
         """Write what a loop repeats or a branch does, up to the next values of what it carries."""
@@ -201,10 +177,8 @@ class Language(Notation, ABC):
             if turn.oldest:
                 read.append(Assignment(turn.oldest, variable(ring_place(place, length))))
             written += self.write_ring(place, turn.written, length)
-        return [
-            *self._assigned(read), *self.statements(entry.body), *written,
-            *self._assigned(entry.update),
-        ]  # fmt: skip
+        before, after = self.statements([*read, *entry.body]), self.statements(entry.update)
+        return [*before, *written, *after]
 
     def write_ring(self, name: str, written: Expression, length: int) -> list[str]:
         """Write a value over the oldest one of a ring, and go on to the place of the next one.
@@ -242,20 +216,18 @@ class Language(Notation, ABC):
         >>> chosen = Expression("select", (falls, more, variable("rest")))
         >>> print("\\n".join(wording.assign("u", chosen)))
         u := rest;
-        IF level < limit THEN
-          u := gain / time;
-        END_IF;
+        IF level < limit THEN u := gain / time; END_IF;
         """
         if not self._branches(name, expression):
             return [self.assignment.format(name, self.expression(expression))]
-        condition, first, second = _choice(expression)
+        condition, first, second = expression.as_select.operands
         lines: list[str] = []
         if held is None and second.is_atom and not expression.reads(name):
             # What holds otherwise comes first.
             lines, held = self.assign(name, second), second
         branches = [(self.expression(condition), self.assign(name, first, held))]
         while second.code == "select":
-            condition, first, second = _choice(second)
+            condition, first, second = second.operands
             branches.append((self.expression(condition), self.assign(name, first, held)))
         if second != held and not _keeps(name, second):
             branches.append(("", self.assign(name, second, held)))
@@ -265,21 +237,7 @@ class Language(Notation, ABC):
         """Whether an assignment is written with IF."""
         if expression.as_select.code != "select":
             return False
-        return _keeps(name, _choice(expression)[2]) or not self.writes(expression)
-
-    def _decided_by_one(self, entries: Sequence[ListingStatement]) -> list[Assignment]:
-        """Return the assignments at the beginning that the same condition decides."""
-        found: list[Assignment] = []
-        for each in entries:
-            if not isinstance(each, Assignment) or not self._branches(each.name, each.expression):
-                break
-            condition = _choice(each.expression)[0]
-            if found and condition != _choice(found[0].expression)[0]:
-                break
-            found.append(each)
-            if condition.reads(each.name):
-                break
-        return found
+        return _keeps(name, expression.as_select.operands[2]) or not self.writes(expression)
 
 
 def ring_place(name: str, length: int = 0) -> str:
@@ -289,33 +247,6 @@ def ring_place(name: str, length: int = 0) -> str:
     ('flow[flow_position]', 'level')
     """
     return f"{name}[{name}_position]" if length else name
-
-
-def _logical(select: Expression) -> Expression:
-    """Return a choice of truth values as logic where one of them is known."""
-    condition, first, second = select.operands
-    for place, value in ((1, first), (0, second)):
-        if value.code == "constant":
-            truth, other = bool(value.number), second if place else first
-            # Where the known one is FALSE the other one counts under the opposite condition.
-            opposite = Expression("not", (condition,))
-            holds = condition if truth == bool(place) else opposite
-            return Expression("or" if truth else "and", (holds.simplified(), other)).simplified()
-    return select
-
-
-def _choice(expression: Expression) -> tuple[Expression, Expression, Expression]:
-    """Return condition and both branches, in which the condition is known."""
-    condition, first, second = expression.as_select.operands
-    return condition, _known(first, condition, True), _known(second, condition, False)
-
-
-def _known(expression: Expression, condition: Expression, holds: bool) -> Expression:
-    """Return an expression where a condition holds, or does not."""
-    if expression.code == "select" and expression.operands[0] == condition:
-        return _known(expression.operands[1 if holds else 2], condition, holds)
-    operands = tuple(_known(each, condition, holds) for each in expression.operands)
-    return replace(expression, operands=operands)
 
 
 def _keeps(name: str, expression: Expression) -> bool:

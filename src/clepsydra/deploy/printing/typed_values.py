@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from clepsydra.deploy.printing.expressions import Expression
@@ -40,9 +39,6 @@ def in_own_type(
     >>> more.operation, more.operands[0].code
     ('integer to real', 'add')
     """
-    if code == "floor" and operands[0].code == "divide":
-        number, divisor = operands[0].operands
-        return _quotient(number, divisor, found, integers)
     numbers = operands[1:] if code == "select" else operands
     parts = [each.known_as("integer") for each in numbers]
     if not any(p and e.code != "constant" for e, p in zip(numbers, parts, strict=True)):
@@ -63,21 +59,7 @@ def in_own_type(
         return Expression("select", (operands[0], *whole)).to("real")
     if code not in _OF_INTEGERS or _may_be_negative_zero(code, bounds):
         return None
-    return _limited(Expression(code, whole)).to("real")
-
-
-def _quotient(
-    number: Expression, divisor: Expression, found: WholeRange | None, integers: tuple[float, float]
-) -> Expression | None:
-    """Return a whole number, not negative, divided by a power of two and rounded down."""
-    first, second = number.known_as("integer"), divisor.known_as("integer")
-    if first is None or second is None or second.code != "constant" or found is None:
-        return None
-    exact = second.number >= 1.0 and math.frexp(second.number)[0] == 0.5
-    # The number itself has to be an integer too.
-    if exact and found.low >= 0.0 and (found.high + 1.0) * second.number <= integers[1] + 1.0:
-        return Expression("quotient", (first, second)).to("real")
-    return None
+    return Expression(code, whole).to("real")
 
 
 def _may_be_negative_zero(code: str, bounds: Sequence[WholeRange | None]) -> bool:
@@ -85,16 +67,3 @@ def _may_be_negative_zero(code: str, bounds: Sequence[WholeRange | None]) -> boo
         return any(bound is None or bound.low < 0.0 for bound in bounds)
     zero = (bound is None or bound.low <= 0.0 <= bound.high for bound in bounds)
     return code == "negate" and any(zero)
-
-
-def _limited(integer: Expression) -> Expression:
-    """Return what is limited on both sides as one operation."""
-    other = {"maximum": "minimum", "minimum": "maximum"}.get(integer.code)
-    for inner, bound in (integer.operands, integer.operands[::-1]) if other else ():
-        if bound.code != "constant" or inner.code != other:
-            continue
-        for value, first in (inner.operands, inner.operands[::-1]):
-            low, high = (bound, first) if other == "minimum" else (first, bound)
-            if first.code == "constant" and low.number <= high.number:
-                return Expression("limit", (low, value, high))
-    return integer

@@ -157,7 +157,6 @@ _SCL = Dialect(
         "select": ("G", "IN0", "IN1"),
         "integer maximum": ("IN1", "IN2"),
         "integer minimum": ("IN1", "IN2"),
-        "limit": ("MN", "IN", "MX"),
         "maximum": ("a", "b"),
         "minimum": ("a", "b"),
     },

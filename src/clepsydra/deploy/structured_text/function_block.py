@@ -9,7 +9,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.deploy.printing.body import Body, places_of
 from clepsydra.deploy.printing.decimal_text import decimal
 from clepsydra.deploy.printing.declarations import Variable, check_scope, declared
-from clepsydra.deploy.printing.lines import dense, folded
+from clepsydra.deploy.printing.lines import folded
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.structured_text.dialect import Dialect
 from clepsydra.deploy.structured_text.pou import Section, Unit
@@ -85,7 +85,7 @@ def function_block(
         Section("VAR_TEMP", "", (("values of one sample", variables),)),
     )
     local = {entry.name.lower() for section in declarations for entry in section.variables}
-    lines = dense([wording.marked(line, local) for line in (*_products(wording), *body.lines)])
+    lines = (wording.marked(line, local) for line in (*_products(wording), *body.lines))
     text = tuple(part for line in lines for part in folded(line))
     return Unit("FUNCTION_BLOCK", program.name, tuple(head), declarations, text)
 

@@ -8,12 +8,11 @@ from dataclasses import replace
 from clepsydra.deploy.printing.declarations import Variable, declared, records_of
 from clepsydra.deploy.printing.expressions import Expression, variable
 from clepsydra.deploy.printing.heading import heading
-from clepsydra.deploy.printing.lines import dense
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.whole_numbers import printed_form
 from clepsydra.deploy.structured_text.dialect import OWN, Dialect, dialect_of
 from clepsydra.deploy.structured_text.function_block import ZEROS, block_type, function_block
-from clepsydra.deploy.structured_text.instances import BEGUN, beginning, with_block_names
+from clepsydra.deploy.structured_text.instances import remembering, with_block_names
 from clepsydra.deploy.structured_text.pou import Section, Unit, comment_lines, unit_text
 from clepsydra.deploy.structured_text.statements import REAL, StructuredText
 from clepsydra.program.called_blocks import called_blocks
@@ -104,7 +103,7 @@ def function_blocks(
     """Return a step program as function blocks: first what it calls, itself last.
 
     The state of a call lives in its instance where nothing else reads it. Its start values are
-    inputs: the program's own block has a retained state that says whether it has run.
+    inputs: a retained state of the instance says whether it has run.
 
     Raises
     ------
@@ -124,10 +123,10 @@ def function_blocks(
     >>> law = Program("law", (Signal("x"),), (Signal("u"),), (), (Signal("y"),), calls)
     >>> units = function_blocks(law, dialect_of("codesys"), "double")
     >>> [unit.name for unit in units], units[-1].body[0]
-    (['FB_FlowTotal', 'law'], 'feed(u := u, restart := NOT begun, y => y);')
+    (['FB_FlowTotal', 'law'], 'feed(u := u, y => y);')
     """
     printed = printed_form(program, precision)
-    main = with_block_names(beginning(printed), dialect.all_words)
+    main = with_block_names(printed, dialect.all_words)
     library = []
     # What the program says of its inputs, and structures of their members, is not said again.
     wording = StructuredText(dialect, precision)
@@ -142,13 +141,11 @@ def function_blocks(
     for block in called_blocks(main):
         name = block_type(block)
         head = (f"{name}:", *block.description)
-        unit = function_block(replace(block, name=name), dialect, precision, head)
+        named = replace(remembering(block), name=name)
+        unit = function_block(named, dialect, precision, head)
         library.append(replace(unit, sections=tuple(_told_once(s, told) for s in unit.sections)))
     exact = f"{REAL[precision]} must be the IEEE 754 {precision}, without fused multiply-add:"
     notes = (f"{exact} then it equals the", *_NOTES)
-    if origin is not None:
-        # What tells the first scan from the others comes from no design.
-        origin = replace(origin, sources={BEGUN: "", **origin.sources})
     about = heading(in_precision(program, precision), "IEC 61131-3 Structured Text", notes, origin)
     blocks = (*library, function_block(main, dialect, precision, about, origin))
     return (
@@ -210,7 +207,7 @@ def _function(code: str, wording: StructuredText) -> Unit:
         name,
         (f"{name}: {_ABOUT[code]}",),
         (Section("VAR_INPUT", "", (("", variables),)),),
-        tuple(dense([wording.marked(line, {*inputs, name.lower()}) for line in lines])),
+        tuple(wording.marked(line, {*inputs, name.lower()}) for line in lines),
         wording.real,
     )
 
@@ -238,11 +235,7 @@ def _whole(code: str, wording: StructuredText) -> list[str]:
         f"{name} := a;",
         f"IF ABS(a) < {wording.literal(_WHOLE[wording.precision])} THEN",
         *parts,
-        f"  IF {name} {beyond} a THEN",
-        f"    {name} := {name} {back} {one};",
-        "  END_IF;",
-        f"  IF {name} = {zero} THEN",
-        f"    {name} := a * {zero};",
-        "  END_IF;",
+        f"  IF {name} {beyond} a THEN {name} := {name} {back} {one}; END_IF;",
+        f"  IF {name} = {zero} THEN {name} := a * {zero}; END_IF;",
         "END_IF;",
     ]

@@ -30,7 +30,6 @@ _TYPED = {
     "boolean to integer": "BOOL_TO_DINT",
     "integer maximum": "MAX",
     "integer minimum": "MIN",
-    "limit": "LIMIT",
     "integer absolute": "ABS",
 }
 
@@ -72,7 +71,7 @@ class StructuredText(Language):
     language = "Structured Text"
     operators: ClassVar = {**OPERATORS, "equal": "=", "not_equal": "<>", "and": "AND", "or": "OR"}
     negation = "NOT "
-    computes = True
+    computes = dense = True
     comment = "(* {} *)"
     assignment = "{} := {};"
     opened = "IF {} THEN"
