@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
-import casadi as ca
 import numpy as np
 
 from clepsydra.base.arguments import is_finite_number
@@ -47,45 +46,27 @@ def orifice_areas_at_rest(
     0.071
     """
     place = "orifice areas at rest"
-    names = _orifices(process, place)
-    if not records:
-        raise InputError(f"{place}, records", "none", "at least one", "give the levels")
-    balances = _balances(process, names)
-    found = [
-        balances(*_values(process, record, f"{place}, record {number}"))
-        for number, record in enumerate(records, 1)
-    ]
-    known = -np.concatenate([rates for rates, _ in found])
-    effects = np.vstack([by_area for _, by_area in found])
-    _check_seen(effects, names, place)
-    return dict(zip(names, np.linalg.lstsq(effects, known, rcond=None)[0].tolist(), strict=True))
-
-
-def _balances(
-    process: Process, names: list[str]
-) -> Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
-    """Return what gives the rates without any orifice [n], and what each area adds to them."""
-    groups = (process.state, process.inputs, process.disturbances, process.parameters)
-    x, u, d, p = (ca.SX.sym(n, len(g)) for n, g in zip("xudp", groups, strict=True))
-    rates = process.dynamics(x, u, d, p)
-    places = [[s.name for s in process.parameters].index(f"{name}.area") for name in names]
-    values = process.parameter_values
-    values[places] = 0.0
-    by_area = ca.densify(ca.jacobian(rates, p)[:, places])
-    function = ca.Function("balances", [x, u, d, p], [rates, by_area])
-
-    def balances(*groups: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        found, effects = function(*groups, values)
-        return np.array(found).ravel(), np.array(effects)
-
-    return balances
-
-
-def _orifices(process: Process, place: str) -> list[str]:
     names = [element.name for element in process.elements if isinstance(element, Orifice)]
     if not names:
         raise InputError(place, process.name, "a process with orifices", "choose another process")
-    return names
+    if not records:
+        raise InputError(f"{place}, records", "none", "at least one", "give the levels")
+    # All closed first, then each by itself with an area of 1 m².
+    values = np.tile(process.parameter_values[:, None], (1, 1 + len(names)))
+    areas = [[s.name for s in process.parameters].index(f"{name}.area") for name in names]
+    values[areas] = np.eye(len(names), 1 + len(names), 1)
+    rates = np.vstack(
+        [
+            np.array(
+                process.dynamics(*_values(process, record, f"{place}, record {number}"), values)
+            )
+            for number, record in enumerate(records, 1)
+        ]
+    )
+    effects = rates[:, 1:] - rates[:, :1]
+    _check_seen(effects, names, place)
+    found = np.linalg.lstsq(effects, -rates[:, 0], rcond=None)[0]
+    return dict(zip(names, found.tolist(), strict=True))
 
 
 def _values(process: Process, record: Mapping[str, float], place: str) -> Iterator[np.ndarray]:

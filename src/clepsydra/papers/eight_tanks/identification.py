@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from clepsydra.identification.arx import DelayChoice, choose_delay, regressors
+from clepsydra.identification.arx import ArxFit, fits_by_delay, regressors
 from clepsydra.papers.document import Found
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.six_designs import (
@@ -37,10 +37,10 @@ def run() -> Found:
 
 
 @cache
-def _records(values_a_sample: int) -> list[DelayChoice]:
-    """Return the choices of the delay for white noise that is held a part of the period."""
+def _records(values_a_sample: int) -> list[dict[int, ArxFit]]:
+    """Return the fits by their delay for white noise that is held a part of the period."""
     return [
-        choose_delay(*record(seed, values_a_sample), order=2, delays=DELAYS, period=1.0)
+        fits_by_delay(*record(seed, values_a_sample), order=2, delays=DELAYS)
         for seed in range(_RECORDS)
     ]
 
@@ -55,8 +55,13 @@ def record(seed: int, values_a_sample: int) -> tuple[np.ndarray, np.ndarray]:
 
 def _counts(values_a_sample: int) -> np.ndarray:
     """Return how often each delay has the smallest J."""
-    chosen = [choice.delay for choice in _records(values_a_sample)]
+    chosen = [np.argmin(_costs(fits)) for fits in _records(values_a_sample)]
     return np.bincount(chosen, minlength=len(DELAYS))
+
+
+def _costs(fits: dict[int, ArxFit]) -> np.ndarray:
+    """Return J(d) for each delay."""
+    return np.array([fits[delay].cost for delay in DELAYS])
 
 
 def _shapes() -> Rows:
@@ -94,7 +99,7 @@ def _delay() -> Rows:
 
 
 def _gain() -> Row:
-    mean = float(np.mean([each.fits[PRINTED_D].model.static_gain for each in _records(1)]))
+    mean = float(np.mean([fits[PRINTED_D].model.static_gain for fits in _records(1)]))
     by_squares = "fails" if _squares_of_the_print() > 1.0 else "holds"
     line = PRINTED["section 3.2", "least squares against fminsearch"]
     line = line.told(by_squares=by_squares, records=_RECORDS, samples=_SAMPLES)
@@ -108,11 +113,11 @@ def _squares_of_the_print() -> float:
     """Return J of (21) over that of least squares with the same delay, in the same records."""
     theta = np.array([*PRINTED_A, *PRINTED_B])
     printed = fitted = 0.0
-    for seed, choice in enumerate(_records(1)):
+    for seed, fits in enumerate(_records(1)):
         F, y = regressors(*record(seed, 1), 2, PRINTED_D)
         squares = (y - F @ theta) ** 2
-        fit = choice.fits[PRINTED_D]
-        # The samples that every delay of the choice has.
+        fit = fits[PRINTED_D]
+        # The samples that every delay has.
         printed += float(squares[-len(fit.residuals) :].sum())
         fitted += fit.cost
     return printed / fitted
@@ -120,8 +125,8 @@ def _squares_of_the_print() -> float:
 
 def _criterion() -> Figure:
     delays = np.array(DELAYS, dtype=float)
-    mean = np.mean([choice.costs for choice in _records(1)], axis=0)
-    one = _records(1)[0].costs
+    mean = np.mean([_costs(fits) for fits in _records(1)], axis=0)
+    one = _costs(_records(1)[0])
     shares = {f"{faster} values a period": 100.0 * _counts(faster) / _RECORDS for faster in _FASTER}
     sums = (
         Curve(f"mean of {_RECORDS} records", delays, mean),

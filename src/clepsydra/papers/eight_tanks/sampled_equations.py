@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from sympy import Expr, Function, Poly, symbols
 
-from clepsydra.identification.arx import choose_delay, fit_arx
+from clepsydra.identification.arx import fit_arx, fits_by_delay
 from clepsydra.papers.document import Found
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.identification import DELAYS, record
@@ -105,4 +105,5 @@ def _from_rest(seed: int) -> int:
     """Return the delay of the smallest J of all N samples, those before them zero."""
     before = np.zeros(_ORDER + max(DELAYS))
     inflow, level = (np.concatenate([before, values]) for values in record(seed, 1))
-    return choose_delay(inflow, level, order=_ORDER, delays=DELAYS, period=1.0).delay
+    fits = fits_by_delay(inflow, level, order=_ORDER, delays=DELAYS)
+    return min(fits, key=lambda delay: fits[delay].cost)

@@ -6,8 +6,8 @@ from functools import cache
 
 import numpy as np
 
+from clepsydra.designs.polynomial.sampled_model import SampledModel
 from clepsydra.identification.simplex_refinement import (
-    SimplexFit,
     refined_coefficients,
     second_order_of_gain,
 )
@@ -42,7 +42,7 @@ def _record(minutes: int = _MINUTES) -> tuple[np.ndarray, np.ndarray]:
 
 
 @cache
-def _fitted(minutes: int = _MINUTES) -> SimplexFit:
+def _fitted(minutes: int = _MINUTES) -> SampledModel:
     """Return the held second-order model without zeros, of gain 3.08, that fits the step."""
     return second_order_of_gain(
         *_record(minutes), gain=GAIN, delay=PRINTED_D, period=1.0, start=(0.1, 1.0)
@@ -50,12 +50,12 @@ def _fitted(minutes: int = _MINUTES) -> SimplexFit:
 
 
 @cache
-def _free(minutes: int = _MINUTES) -> SimplexFit:
-    return refined_coefficients(_fitted(minutes).model, *_record(minutes))
+def _free(minutes: int = _MINUTES) -> SampledModel:
+    return refined_coefficients(_fitted(minutes), *_record(minutes))
 
 
 def _coefficients() -> Rows:
-    model = _fitted(_PRINTED_SAMPLES).model
+    model = _fitted(_PRINTED_SAMPLES)
     chosen = (
         f"The length of the record, {_PRINTED_SAMPLES} samples, and what the search holds were "
         "chosen so that (21) comes out."
@@ -64,9 +64,9 @@ def _coefficients() -> Rows:
     for name, value in zip(("a1", "a2", "b1", "b2"), found, strict=True):
         yield PRINTED["(21)", name].compared(value).circular(chosen)
     free = _free(_PRINTED_SAMPLES)
-    b1, b2 = free.model.numerator
+    b1, b2 = free.numerator
     yield PRINTED["section 3.2", "how (21) was found"].remark(
-        f"b1 = {b1:.4f}, b2 = {b2:.4f}, gain {free.model.static_gain:.3f}"
+        f"b1 = {b1:.4f}, b2 = {b2:.4f}, gain {free.static_gain:.3f}"
     )
 
 
@@ -106,7 +106,7 @@ def _quality() -> Rows:
 def _steps() -> Figure:
     inflow, level = _record()
     minutes = np.arange(len(inflow)) - 1.0
-    free = _free().model.output(inflow)
+    free = _free().output(inflow)
     simplex = "free simplex fit, d = 5"
     responses = (
         Curve("chain (8)", minutes, 100.0 * level),
@@ -115,7 +115,7 @@ def _steps() -> Figure:
     )
     longer = second_order_of_gain(*_record(), gain=GAIN, delay=7, period=1.0, start=(0.2, 0.9))
     models = {
-        "model (21)": printed_model(), simplex: _free().model, "gain held, d = 7": longer.model,
+        "model (21)": printed_model(), simplex: _free(), "gain held, d = 7": longer,
     }  # fmt: skip
     errors = {name: 100.0 * (model.output(inflow) - level) for name, model in models.items()}
     return Figure(

@@ -40,7 +40,7 @@ def _gains() -> Rows:
     runs = by_hand(MINIMUM, (volts, volts), duration=duration, plugged=True, every=1)
     for pump in (1, 2):
         found = [
-            1e6 * pump_gain(runs.time, 0.01 * level, np.full(len(level), volts), AREA * 1e-4).value
+            1e6 * pump_gain(runs.time, 0.01 * level, np.full(len(level), volts), AREA * 1e-4)[0]
             for level in runs.levels[pump - 1]
         ]
         mean, error = float(np.mean(found)), float(np.std(found, ddof=1) / np.sqrt(len(found)))
