@@ -5,11 +5,8 @@ import math
 import pytest
 from refusals import refused
 
-from clepsydra import InputError, PidForm, Signal
-from clepsydra.designs.gain_units import (
-    gain_from_percent,
-    gain_units,
-)
+from clepsydra import PidForm, Signal
+from clepsydra.designs.gain_units import gain_from_percent, percent_gain, unit_of_gain
 from clepsydra.designs.loops.multiloop import law_settings
 from clepsydra.designs.loops.pid_settings import (
     ParallelSettings,
@@ -77,49 +74,23 @@ def test_parallel_gains_of_two_signs_have_no_isa_form(gains):
         from_parallel(ParallelSettings(*gains))
 
 
-def test_units_of_a_direct_acting_level_controller():
-    # 0.5 per metre: 4 m of range are 100 %, so 2 %/%; a band of 50 %; 3 min a repeat.
-    shown = gain_units(PidSettings(-0.5, 180.0, 30.0), LEVEL, VALVE)
-    assert shown.unit == "1/m"
-    assert (shown.percent_gain, shown.proportional_band) == (2.0, 50.0)
-    assert shown.action == "direct"
-    assert shown.minutes_per_repeat == 3.0
-    assert shown.repeats_per_minute == pytest.approx(1.0 / 3.0, rel=1e-15)
-    assert shown.derivative_minutes == 0.5
-    assert shown.parallel == pytest.approx((-0.5, -0.5 / 180.0, -15.0))
-    assert shown.series is not None
-    assert gain_units(PidSettings(0.5, 180.0, 50.0), LEVEL, VALVE).series is None
-
-
-def test_a_controller_without_integral_repeats_never():
-    shown = gain_units(PidSettings(0.5), LEVEL, VALVE)
-    assert (shown.repeats_per_minute, shown.minutes_per_repeat) == (0.0, math.inf)
-    assert shown.action == "reverse"
-
-
 @pytest.mark.parametrize("gain", [-0.5, 0.125])
 def test_units_go_both_ways(gain):
-    shown = gain_units(PidSettings(gain, 90.0), LEVEL, VALVE)
-    signed = math.copysign(100.0 / shown.proportional_band, gain)
-    assert abs(signed) == pytest.approx(shown.percent_gain)
-    assert gain_from_percent(signed, LEVEL, VALVE) == pytest.approx(gain, rel=1e-14)
-    assert 60.0 / shown.repeats_per_minute == pytest.approx(90.0, rel=1e-14)
+    # 4 m of range are 100 %: a gain of 0.5 per metre is 2 %/%.
+    percent = percent_gain(gain, LEVEL, VALVE)
+    assert percent == 4.0 * gain
+    assert gain_from_percent(percent, LEVEL, VALVE) == gain
+    assert unit_of_gain(LEVEL, VALVE) == "1/m"
 
 
-@pytest.mark.parametrize(
-    ("call", "words"),
-    [
-        (lambda: gain_units(PidSettings(0.0, 1.0), LEVEL, VALVE), "not zero"),
-        (lambda: gain_units(PidSettings(math.nan, 1.0), LEVEL, VALVE), "not zero"),
-        (lambda: gain_units(PidSettings(1.0, 0.0), LEVEL, VALVE), "above 0 s"),
-        (lambda: gain_units(PidSettings(1.0, math.nan), LEVEL, VALVE), "above 0 s"),
-        (lambda: gain_units(PidSettings(1.0, 1.0, -1.0), LEVEL, VALVE), "from 0 s"),
-        (lambda: gain_units(PidSettings(1.0, 1.0), Signal("y", "m"), VALVE), "finite range"),
-    ],
-)
-def test_what_is_no_setting_is_refused(call, words):
-    with pytest.raises(InputError, match=words):
-        call()
+def test_a_signal_without_a_range_has_no_percent():
+    with refused(place="y", expected="finite range"):
+        percent_gain(1.0, Signal("y", "m"), VALVE)
+
+
+@pytest.mark.parametrize(("gain", "action"), [(-0.5, "direct"), (0.5, "reverse")])
+def test_the_action_is_the_sign_of_the_gain(gain, action):
+    assert PidSettings(gain).action == action
 
 
 def test_a_law_in_series_form_refuses_complex_zeros():

@@ -56,7 +56,7 @@ def controllability_margins(model: LinearModel) -> list[ModeMargin]:
     """Return how far each mode is from being uncontrollable, by Popov, Belevitch and Hautus.
 
     A mode p is uncontrollable when [A - p I, B] loses rank. The margins depend on units:
-    those of `in_ranges(model)` compare.
+    those of `in_known_ranges(model)` compare.
 
     Returns
     -------

@@ -24,7 +24,7 @@ _MOST = 9
 def singular_values(model: LinearModel, omegas: ArrayLike) -> np.ndarray:
     """Return the singular values of G(jω): the gains of the strongest to the weakest direction.
 
-    They depend on units; `in_ranges(model)` gives those that compare. There a smallest value
+    They depend on units; `in_known_ranges(model)` gives those that compare. There a smallest value
     below one says that some combination of outputs cannot be moved through its range.
 
     Parameters

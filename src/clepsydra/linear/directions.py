@@ -38,7 +38,7 @@ def zero_directions(model: LinearModel) -> list[ZeroDirection]:
 
     They are the null vectors of the Rosenbrock matrix [[A - z I, B], [C, D]] of the minimal
     realisation, so a zero that is a pole as well has them too. The largest entry is real and
-    positive. Directions depend on units: `in_ranges(model)` gives those that compare.
+    positive. Directions depend on units: `in_known_ranges(model)` gives those that compare.
 
     Returns
     -------

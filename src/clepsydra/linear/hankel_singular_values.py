@@ -127,7 +127,7 @@ def hankel_singular_values(model: LinearModel) -> HankelSingularValues:
     """Return σ_i = √λ_i(P Q) of the stable part, P and Q its Gramians.
 
     They depend on the units of inputs and outputs, not on those of the states; of
-    `in_ranges(model)` they compare.
+    `in_known_ranges(model)` they compare.
 
     References
     ----------

@@ -12,13 +12,15 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.pid_keys import PARAMETERS
 from clepsydra.controllers.structure.pid_block import PidBlock
-from clepsydra.designs.gain_units import gain_factor, gain_units
+from clepsydra.designs.gain_units import gain_factor, percent_gain
 from clepsydra.designs.loops.pid_settings import (
     ParallelSettings,
     PidSettings,
     SeriesSettings,
     from_parallel,
     from_series,
+    to_parallel,
+    to_series,
 )
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
@@ -155,14 +157,12 @@ class _Loop:
         name, found = f"{self.measurement.name} by {self.moved.name}", self.settings
         if found is None:
             return name, "no ISA form", "", "", "", "", ""
-        percent = (
-            gain_units(found, self.measurement, self.moved).percent_gain if self.ranged else 0.0
-        )
+        percent = percent_gain(found.gain, self.measurement, self.moved) if self.ranged else 0.0
         weight = self.values.get("setpoint_weight")
         return (
             name,
             gain_text(abs(found.gain), self.measurement, self.moved, 3),
-            number_text(percent) if percent else "",
+            number_text(abs(percent)) if percent else "",
             time_cell(found.integral_time) if math.isfinite(found.integral_time) else "none",
             time_cell(found.derivative_time) if found.derivative_time else "",
             "" if weight is None else f"{weight:.2g}",
@@ -223,16 +223,17 @@ class _Loop:
         gain = gain_text(settings.gain, *signals)
         if not self.ranged:
             return [*facts, ("gain K", gain), *times]
-        shown = gain_units(settings, *signals)
-        percent = f"{number_text(shown.percent_gain, DIGITS)} %/%"
+        share = abs(percent_gain(settings.gain, *signals))
+        percent = f"{number_text(share, DIGITS)} %/%"
         if percent != gain:
             gain += f", that is {percent}"
-        band = f"{number_text(shown.proportional_band, DIGITS)} %"
+        band = f"{number_text(100.0 / share, DIGITS)} %"
         facts += [("gain K", gain), ("proportional band", band), *times]
         factor, unit = gain_factor(*signals), gain_unit(*signals)
         if form.has_derivative:
-            words, series = "none, since Ti < 4 Td", shown.series
-            if series is not None:
+            words = "none, since Ti < 4 Td"
+            if settings.integral_time >= 4.0 * settings.derivative_time:
+                series = to_series(settings)
                 words = _symbols(
                     ("K", series.gain * factor, unit),
                     ("Ti", series.integral_time, "s"),
@@ -242,7 +243,7 @@ class _Loop:
         if form.has_integral or form.has_derivative:
             unit = unit or "1"
             units = unit, f"{unit} per s", f"{unit} × s"
-            gains = [factor * each for each in shown.parallel]
+            gains = [factor * each for each in to_parallel(settings)]
             parts = zip(("Kp", "Ki", "Kd"), gains, units, strict=True)
             told = compress(parts, (True, form.has_integral, form.has_derivative))
             facts.append(("the same in parallel form", _symbols(*told)))
