@@ -27,7 +27,7 @@ def draw(
 ) -> None:
     """Draw a process with the values of its operating point; write SVG."""
     from clepsydra.cli.output import check_ending, output_file
-    from clepsydra.cli.subject import study_of_one
+    from clepsydra.cli.subject import study_of
     from clepsydra.interface.draw import draw as draw_plant
     from clepsydra.interface.subject import plant_of, read_subject
 
@@ -37,7 +37,7 @@ def draw(
     plant, made = plant_of(request), None
     target = output_file(Path(f"{plant.file_stem}.svg") if file is None else file)
     if controller is not None:
-        made = study_of_one(request, controller, None, target.parent, quiet=False)[controller]
+        made = study_of(request, controller, None, target.parent, quiet=False)[controller]
     without = draw_plant(plant, target, made)
     if without is not None:
         # A plant that never rests has a picture all the same.

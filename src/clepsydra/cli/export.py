@@ -70,19 +70,14 @@ def export(
 ) -> None:
     """Write a controller for the plant, printed from the program that was simulated."""
     from clepsydra.cli.output import named_options, print_json, results_folder, show
-    from clepsydra.cli.subject import study_of_one
+    from clepsydra.cli.subject import study_of
     from clepsydra.interface.export import export as export_code
     from clepsydra.interface.shell import plant_shell
     from clepsydra.interface.study import names_of
     from clepsydra.interface.subject import plant_of, read_subject
 
     results_folder(folder)
-    options = shell_options(
-        fail_safe=fail_safe,
-        sensor_delay=sensor_delay,
-        setpoint_rate=setpoint_rate,
-        rate_limit=rate_limit,
-    )
+    options = shell_options(fail_safe, sensor_delay, setpoint_rate, rate_limit)
     chosen = {"precision": precision, "dialect": dialect, "fmi": fmi}
     names = {f"export, {option}": f"--{option}" for option in ("to", *chosen)}
     with named_options("to", **names):  # refused before a controller is made
@@ -95,7 +90,7 @@ def export(
     if controller is None:
         _check_process(subject, len(names_of(request)), target)
     else:
-        study = study_of_one(request, controller, seed, folder, quiet=as_json)
+        study = study_of(request, controller, seed, folder, quiet=as_json)
         made, scenario, plant = study[controller].controller, study.scenario, study.plant
     found = export_code(
         made,

@@ -4,26 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
 
-class _Progress(Protocol):
-    @property
-    def done(self) -> int: ...
-    @property
-    def of(self) -> int: ...
-    @property
-    def name(self) -> str: ...
-
-
 @contextmanager
 def shown_progress(
     found: Callable[[Any], RenderableType] | None = None, *, quiet: bool
-) -> Iterator[Callable[[_Progress], None] | None]:
+) -> Iterator[Callable[[Any], None] | None]:
     """Yield what shows how far long work is, until it ends; None where nobody would see it.
+
+    It takes how much is `done`, `of` how much, and the `name` of what comes next.
 
     Parameters
     ----------
@@ -47,7 +40,7 @@ def shown_progress(
     task, done = bar.add_task(""), -1
     with Live(bar, console=console, transient=True) as live:
 
-        def tell(progress: _Progress) -> None:
+        def tell(progress: Any) -> None:
             nonlocal done
             bar.update(task, completed=progress.done, total=progress.of, description=progress.name)
             if found is not None and progress.done > done:

@@ -16,25 +16,10 @@ if TYPE_CHECKING:
     from clepsydra.interface.plant import Plant
 
 
-class Start(StrEnum):
-    """Where a simulation begins."""
-
-    rest = "rest"
-    empty = "empty"
-
-
-class Solver(StrEnum):
-    """What integrates."""
-
-    kernel = "kernel"
-    reference = "reference"
-
-
-class Format(StrEnum):
-    """How trajectories are written."""
-
-    parquet = "parquet"
-    csv = "csv"
+#: Where a simulation begins, what integrates, and how trajectories are written.
+Start = StrEnum("Start", {"rest": "rest", "empty": "empty"})
+Solver = StrEnum("Solver", {"kernel": "kernel", "reference": "reference"})
+Format = StrEnum("Format", ["parquet", "csv"])
 
 
 @verb(20)
@@ -84,7 +69,7 @@ def simulate(
     files = written_files(place, stem, **named)
     changes = _changes(plant, inputs or [], profile)
     remedy = "write as in --state tank_1.level=5cm"
-    begins = named_values(state, "state", lambda text: f"--state {text}", remedy)
+    begins = named_values(state, "state", "--state {}", remedy)
     with named_options("state", "duration"):
         run = simulated(
             plant,

@@ -18,18 +18,23 @@ def name_of(controller: str | None) -> str | None:
     return None if controller is None else plain_name(controller)
 
 
-def study_of_one(
-    request: Plant | StudyRequest, name: str, seed: int | None, folder: Path | None, *, quiet: bool
+def study_of(
+    request: Plant | StudyRequest,
+    name: str | None,
+    seed: int | None,
+    folder: Path | None,
+    *,
+    quiet: bool,
 ) -> Study:
-    """Make one controller of a study; refuse one that does not apply, with its reason."""
+    """Make the controllers of a study, or one; refuse one that does not apply, with its reason."""
     from clepsydra.base.errors import InputError
     from clepsydra.cli.output import named_options
     from clepsydra.cli.progress import shown_progress
-    from clepsydra.interface.study import study
+    from clepsydra.interface.study import so_far, study
 
-    with named_options("controller"), shown_progress(quiet=quiet) as tell:
+    with named_options("controller"), shown_progress(so_far, quiet=quiet) as tell:
         found = study(request, seed=seed, progress=tell, folder=folder, only=name)
-    reasons = dict(found.not_applicable)
+    reasons = {} if name is None else dict(found.not_applicable)
     if name in reasons:
         raise InputError(
             "--controller", name, f"a controller that applies; this one does not: {reasons[name]}",

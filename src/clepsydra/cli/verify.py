@@ -54,11 +54,9 @@ def verify(
     """
     from clepsydra.cli.output import named_options, print_json, results_folder, show
     from clepsydra.cli.progress import shown_progress
-    from clepsydra.cli.subject import study_of_one
+    from clepsydra.cli.subject import study_of
     from clepsydra.interface.export import identifier_of
     from clepsydra.interface.shell import plant_shell
-    from clepsydra.interface.study import so_far as ranked
-    from clepsydra.interface.study import study as study_of
     from clepsydra.interface.subject import plant_of, read_subject
     from clepsydra.interface.verify import proved_targets, so_far
     from clepsydra.interface.verify import verify as prove
@@ -66,20 +64,12 @@ def verify(
     place = results_folder(folder, as_json=as_json)
     targets = proved_targets(to or None)
     request = read_subject(subject, seed)
-    options = shell_options(
-        fail_safe=fail_safe,
-        sensor_delay=sensor_delay,
-        setpoint_rate=setpoint_rate,
-        rate_limit=rate_limit,
-    )
+    options = shell_options(fail_safe, sensor_delay, setpoint_rate, rate_limit)
     with named_options(*options):
         plant_shell(plant_of(request), **options)  # refused before a controller is made
     stem = request.file_stem
-    if controller is None:
-        with shown_progress(ranked, quiet=as_json) as tell:
-            study = study_of(request, seed=seed, progress=tell, folder=place)
-    else:
-        study = study_of_one(request, controller, seed, place, quiet=as_json)
+    study = study_of(request, controller, seed, place, quiet=as_json)
+    if controller is not None:
         stem = f"{stem}-{identifier_of(controller).replace('_', '-')}"
     chosen = [
         each.controller for each in study.ranking if controller in (None, each.controller.name)
