@@ -20,7 +20,7 @@ from clepsydra.loop.scenario import scenario_of_changes
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.figure import Curve, Panel
 from clepsydra.process.reader import load_process
-from clepsydra.scores.effort import TOTAL_VARIATION
+from clepsydra.scores.effort import RESOLUTION, TOTAL_VARIATION, reversals
 from clepsydra.scores.step_response import overshoot, settling_time
 
 #: T0 [s]
@@ -100,17 +100,7 @@ class StepRun:
 
 def turns(values: np.ndarray, least: float) -> int:
     """Return how often a signal turns back by more than a least amount."""
-    count, extreme, direction = 0, float(values[0]), 0.0
-    for value in map(float, values[1:]):
-        if direction == 0.0:
-            if abs(value - extreme) > least:
-                direction = np.sign(value - extreme)
-                extreme = value
-        elif (value - extreme) * direction > 0.0:
-            extreme = value
-        elif abs(value - extreme) > least:
-            count, direction, extreme = count + 1, -direction, value
-    return count
+    return int(reversals(np.arange(len(values)), values, 0.0, least / RESOLUTION))
 
 
 @cache

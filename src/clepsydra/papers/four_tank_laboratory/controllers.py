@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
+from typing import Literal
 
 import numpy as np
 
@@ -20,12 +21,17 @@ from clepsydra.controllers.parameters import remembered_parameters
 from clepsydra.controllers.pid import multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.designs.glover_mcfarlane import design_glover_mcfarlane
-from clepsydra.designs.loop_shaping.precompensator import Precompensator, sampled_precompensator
+from clepsydra.designs.loop_shaping.precompensator import (
+    Precompensator,
+    precompensator_of,
+    sampled_precompensator,
+)
 from clepsydra.designs.phase_margin import design_phase_margin
 from clepsydra.linear.response import transfer_at
 from clepsydra.papers.four_tank_laboratory.set_ups import MINIMUM, PHASE_MARGIN, SetUp, course_model
 from clepsydra.process.process import Process
 
+Kind = Literal["decentralised", "robust"]
 #: The course's simulator has no anti-windup.
 FORM = PidForm("PI", anti_windup="none")
 #: The decoupling is made proper by a lag of this many times the crossover.
@@ -53,14 +59,22 @@ def decentralised(set_up: SetUp) -> Controller:
 @cache
 def robust(set_up: SetUp) -> Controller:
     """Return the Glover-McFarlane controller in volts, with γ = 1.1 γ_min and of full order."""
-    model = course_model(set_up)
-    if set_up is MINIMUM:
-        shaping: Controller | Precompensator = decentralised(set_up)
-        order = len(model.states) + len(model.inputs)
-    else:
-        shaping = dynamic_decoupling(set_up)
-        order = len(model.states) + len(shaping.system.A)
+    model, shaping = course_model(set_up), shaping_of(set_up)
+    order = len(model.states) + len(shaping.system.A)
     return design_glover_mcfarlane(model, set_up.pairing, precompensator=shaping, order=order)
+
+
+DESIGNS: dict[Kind, Callable[[SetUp], Controller]] = {
+    "decentralised": decentralised,
+    "robust": robust,
+}
+
+
+def shaping_of(set_up: SetUp) -> Precompensator:
+    """Return what gives the loop of the robust controller its shape."""
+    if set_up is MINIMUM:
+        return precompensator_of(decentralised(set_up), course_model(set_up))
+    return dynamic_decoupling(set_up)
 
 
 def dynamic_decoupling(set_up: SetUp) -> Precompensator:

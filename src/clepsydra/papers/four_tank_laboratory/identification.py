@@ -9,7 +9,6 @@ from clepsydra.identification.pump_gains import pump_gain
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.papers.document import Found
 from clepsydra.papers.four_tank_laboratory import PRINTED
-from clepsydra.papers.four_tank_laboratory.manual_runs import by_hand
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     AREA,
     GRAVITY,
@@ -20,6 +19,7 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     SetUp,
     plant,
 )
+from clepsydra.papers.four_tank_laboratory.simulator import by_hand
 from clepsydra.papers.printed import short
 from clepsydra.papers.row import Row, Rows
 

@@ -12,7 +12,6 @@ from clepsydra.linear.zeros import zeros
 from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Figure, Panel, curves
 from clepsydra.papers.four_tank_laboratory import PRINTED
-from clepsydra.papers.four_tank_laboratory.manual_runs import SEEDS, ManualRuns, by_hand
 from clepsydra.papers.four_tank_laboratory.readings import (
     USUAL,
     Reading,
@@ -31,6 +30,7 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     SetUp,
     course_model,
 )
+from clepsydra.papers.four_tank_laboratory.simulator import SEEDS_BY_HAND, Runs, by_hand
 from clepsydra.papers.printed import Printed
 from clepsydra.papers.row import Row, Rows
 
@@ -51,7 +51,7 @@ _COUPLED = (
 _SIMULATOR = (
     f"in the course's simulator, whose noise of 30 %, tanks of {AREA:.2f} cm² and pumps that stop "
     "above 27.5 cm until 27 cm are not printed: mean and three standard deviations of one reading, "
-    f"{SEEDS} runs, 750 to 1000 s"
+    f"{SEEDS_BY_HAND} runs, 750 to 1000 s"
 )
 #: A reading of two tables of one run may differ by the noise, three standard deviations of it.
 _DEVIATIONS = 3.0
@@ -74,7 +74,7 @@ def run() -> Found:
 
 def _in_each_reading(
     set_up: SetUp, volts: tuple[float, ...], duration: float = 1000.0
-) -> dict[Reading, ManualRuns]:
+) -> dict[Reading, Runs]:
     return {
         reading: by_hand(set_up, volts, reading.holes, duration=duration, noise=reading.noise)
         for reading in readings_of(set_up)
@@ -95,7 +95,7 @@ def _table(set_up: SetUp) -> Rows:
         yield PRINTED[table, f"h{tank}, calculated"].compared(level.value).circular(again)
 
 
-def _level(runs: ManualRuns, tank: int) -> tuple[float, float]:
+def _level(runs: Runs, tank: int) -> tuple[float, float]:
     """Return a level at rest, and what is left open of one reading of it [cm]."""
     return float(runs.at_last[tank - 1]), _DEVIATIONS * float(runs.last[tank - 1].std())
 
@@ -145,7 +145,7 @@ def _coupling(set_up: SetUp, pump: int, tanks: tuple[int, int], place: str) -> F
     )
 
 
-def _panel(runs: ManualRuns, tanks: tuple[int, ...]) -> Panel:
+def _panel(runs: Runs, tanks: tuple[int, ...]) -> Panel:
     levels = {f"tank {tank}": 100.0 * runs.levels[tank - 1, 0] / FULL_LEVEL for tank in tanks}
     return Panel("", "level [% of 25 cm]", curves(runs.time, levels))
 

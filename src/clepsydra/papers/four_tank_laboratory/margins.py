@@ -11,23 +11,20 @@ from functools import cache
 import numpy as np
 
 from clepsydra.designs.loop_shaping.coprime_factors import coprime_factors
-from clepsydra.designs.loop_shaping.precompensator import Precompensator, precompensator_of
 from clepsydra.designs.loop_shaping.robust_controller import robust_controller
 from clepsydra.designs.loop_shaping.shaped_plant import shaped_plant
 from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.four_tank_laboratory import PRINTED
-from clepsydra.papers.four_tank_laboratory.closed_loop import Kind
 from clepsydra.papers.four_tank_laboratory.controllers import (
+    DESIGNS,
+    Kind,
     at_the_simulator,
-    decentralised,
-    dynamic_decoupling,
-    robust,
+    shaping_of,
 )
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     FULL_LEVEL,
     FULL_VOLTAGE,
-    MINIMUM,
     OF_THE_COURSE,
     SENSOR_GAIN,
     SET_UPS,
@@ -41,8 +38,7 @@ from clepsydra.studies.warnings.loop_response import LoopResponse, loop_response
 
 #: As designed, and as the simulator has it.
 _UNITS: tuple[Units, ...] = ("volts", "percent")
-_KINDS: tuple[Kind, ...] = ("decentralised", "robust")
-_NAMES = {"decentralised": "PI", "robust": "Glover-McFarlane"}
+_NAMES: dict[Kind, str] = {"decentralised": "PI", "robust": "Glover-McFarlane"}
 
 
 def run() -> Found:
@@ -54,8 +50,7 @@ def run() -> Found:
 @cache
 def response(set_up: SetUp, kind: Kind, units: Units) -> LoopResponse:
     """Return what a loop does to a sine, as designed or in the simulator's percent."""
-    designed = decentralised(set_up) if kind == "decentralised" else robust(set_up)
-    controller = at_the_simulator(designed, plant(set_up, units))
+    controller = at_the_simulator(DESIGNS[kind](set_up), plant(set_up, units))
     return loop_response(controller, course_model(set_up, units))
 
 
@@ -73,13 +68,7 @@ def _guarantee() -> Row:
 
 def _norm(set_up: SetUp) -> tuple[float, float, float, float]:
     """Return γ_min, γ, and the norm by a sweep as designed and at three times the gain."""
-    model = course_model(set_up)
-    shaping: Precompensator = (
-        precompensator_of(decentralised(set_up), model)
-        if set_up is MINIMUM
-        else dynamic_decoupling(set_up)
-    )
-    shaped = shaped_plant(model, shaping)
+    shaped = shaped_plant(course_model(set_up), shaping_of(set_up))
     factors = coprime_factors(shaped.system)
     controller = robust_controller(factors)
     angles = np.concatenate([np.geomspace(1e-6, math.pi, 4000), [math.pi]])
@@ -98,8 +87,8 @@ def _norm(set_up: SetUp) -> tuple[float, float, float, float]:
 
 def _figure(set_up: SetUp) -> Figure:
     sizes = {
-        f"{_NAMES[kind]}, {units}": (units, response(set_up, kind, units))
-        for kind in _KINDS
+        f"{name}, {units}": (units, response(set_up, kind, units))
+        for kind, name in _NAMES.items()
         for units in _UNITS
     }
     shown = [

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from clepsydra.papers.four_tank_laboratory.closed_loop import SEEDS
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     MINIMUM,
     OF_THE_COURSE,
@@ -22,6 +21,7 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     Noise,
     SetUp,
 )
+from clepsydra.papers.four_tank_laboratory.simulator import SEEDS
 from clepsydra.papers.printed import Printed
 from clepsydra.papers.row import Row
 

@@ -1,42 +1,171 @@
-"""The course's simulator: a controller on the noisy plant, for many seeds at once."""
+"""The course's simulator, for many seeds at once: constant voltages by hand, and controllers."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.engine.kernel import Kernel
-from clepsydra.engine.trajectories import Trajectories
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.loop import Loop
-from clepsydra.papers.four_tank_laboratory.controllers import at_the_simulator
-from clepsydra.papers.four_tank_laboratory.set_ups import DEVIATIONS, Noise
+from clepsydra.papers.four_tank_laboratory import PRINTED
+from clepsydra.papers.four_tank_laboratory.controllers import (
+    DESIGNS,
+    Kind,
+    at_the_simulator,
+    decentralised,
+)
+from clepsydra.papers.four_tank_laboratory.set_ups import (
+    AREA,
+    DEVIATIONS,
+    FULL_LEVEL,
+    MINIMUM,
+    Holes,
+    Noise,
+    SetUp,
+    Units,
+    plant,
+)
 from clepsydra.process.process import Process
+from clepsydra.scores.load_response import return_time
+from clepsydra.scores.step_response import overshoot, rise_time
+
+#: Seeds of the pumps' noise, with a controller and by hand.
+SEEDS, SEEDS_BY_HAND = 128, 16
+#: Both references, share of 25 cm.
+TARGET = PRINTED["Table 5", "ref1 and ref2"].value / 100.0
+#: Poured: 25 % of a tank, in one second.
+POURED = 0.25 * FULL_LEVEL * AREA * 1e-6  # m³
+#: Back within this share of the target counts as recovered; the noise forbids 2 %.
+BAND = 0.05
+#: Of a stretch of a level: rise time [s], overshoot [% of the target], time until it is back [s].
+SCORES: dict[str, Callable[[np.ndarray, np.ndarray], float]] = {
+    "rise": lambda time, level: rise_time(time, level, 0.0, TARGET),
+    "overshoot": lambda time, level: overshoot(time, level, 0.0, TARGET),
+    "recovery": lambda time, level: return_time(time, level, TARGET, BAND * TARGET),
+}
+_TANKS, _PUMPS = (1, 2, 3, 4), (1, 2)
 
 
-def simulated(
+@dataclass(frozen=True, eq=False)
+class Runs:
+    """What the levels did for every seed, and the pumps for the first one."""
+
+    time: np.ndarray  # [t] [s]
+    levels: np.ndarray  # [4, seeds, t] [cm]
+    pumps: np.ndarray  # [2, t], in shares of their range
+
+    @property
+    def last(self) -> np.ndarray:
+        """Levels over the last quarter of the time [4, seeds, t / 4] [cm]."""
+        return self.levels[:, :, -self.levels.shape[2] // 4 :]
+
+    @property
+    def at_last(self) -> np.ndarray:
+        """Their mean over time and seeds [4] [cm]."""
+        return np.asarray(self.last.mean(axis=(1, 2)))
+
+    def settled(self, tank: int, band: float) -> float:
+        """Return when a level enters a band around its end for good [s], median of the seeds."""
+        end = self.last[tank - 1].mean(axis=1, keepdims=True)
+        outside = np.abs(self.levels[tank - 1] - end) > band * end
+        places = outside.shape[1] - np.argmax(outside[:, ::-1], axis=1)
+        return float(np.median(self.time[np.minimum(places, len(self.time) - 1)]))
+
+    def scored(self, score: str, tank: int) -> np.ndarray:
+        """Return one of `SCORES` of tank 1 or 2 for each seed: a recovery is of its pour.
+
+        Each third of the time has one event: the step, and the pours into either tank.
+        """
+        third = len(self.time) // 3
+        start = third * tank if score == "recovery" else 0
+        part = slice(start, start + third)
+        levels = self.levels[tank - 1, :, part] / FULL_LEVEL
+        return np.array([SCORES[score](self.time[part], level) for level in levels])
+
+
+@cache
+def by_hand(
+    set_up: SetUp,
+    volts: tuple[float, ...],
+    holes: Holes = "report",
+    *,
+    duration: float = 1000.0,
+    noise: Noise = "three deviations",
+    plugged: bool = False,
+    every: int = 10,
+) -> Runs:
+    """Run the simulator with both pumps at constant voltages, from empty tanks.
+
+    With `plugged` no hole lets water out, and the valves send all of it to the lower tanks.
+    """
+    process = plant(set_up, "volts", holes)
+    given: dict[str, float | np.ndarray] = {}
+    for number, value in enumerate(volts, start=1):  # the law stands in manual
+        given |= {f"pump_{number}.mode": 0.0, f"pump_{number}.manual": float(value)}
+    closed = {f"outlet_{tank}.area": 0.0 for tank in _TANKS}
+    straight = {"splitter_1.tank_1": 1.0, "splitter_2.tank_2": 1.0}
+    return _simulated(
+        decentralised(set_up), process, round(duration / process.sampling_period), given,
+        closed | straight if plugged else {}, seed=7, seeds=SEEDS_BY_HAND, noise=noise, every=every,
+    )  # fmt: skip
+
+
+@cache
+def runs(
+    set_up: SetUp,
+    kind: Kind,
+    units: Units,
+    holes: Holes = "report",
+    noise: Noise = "three deviations",
+) -> Runs:
+    """Run the simulator with a controller.
+
+    Both references step from the empty tanks to 60 %; when all is at rest 6.25 cm are poured
+    into tank 1, and later into tank 2.
+    """
+    process = plant(set_up, units, holes)
+    every, stretch = (4, 150.0) if set_up is MINIMUM else (10, 800.0)
+    each, second = (round(time / process.sampling_period) for time in (stretch, 1.0))
+    samples = 3 * each
+    given: dict[str, float | np.ndarray] = {}
+    for tank in (1, 2):
+        target = TARGET * process.signal(f"level_{tank}").high / 1.2
+        given[f"level_{tank}.setpoint"] = np.full(samples, target)
+        pour = given[f"pour_{tank}"] = np.zeros(samples)
+        pour[tank * each : tank * each + second] = POURED
+    designed = DESIGNS[kind](set_up)
+    return _simulated(
+        designed, process, samples, given, {}, seed=4, seeds=SEEDS, noise=noise, every=every
+    )
+
+
+def _simulated(
     designed: Controller,
     process: Process,
     samples: int,
     given: Mapping[str, float | np.ndarray],
-    parameters: Mapping[str, float] | None = None,
+    parameters: Mapping[str, float],
     *,
-    drawn: np.random.Generator,
+    seed: int,
     seeds: int,
     noise: Noise,
     every: int,
-) -> Trajectories:
+) -> Runs:
     """Run a controller that was designed in volts from empty tanks, a lane for each seed.
 
     `given` are inputs at each sample and those that stay, `parameters` stand in the place of the
-    plant's, `drawn` gives the noise of both pumps, and one sample in `every` is kept.
+    plant's, the noise of both pumps is drawn from `seed`, and one sample in `every` is kept.
     """
     loop = Loop(at_the_simulator(designed, process), linearise(find_equilibrium(process)))
-    noises = ["pump_1.noise", "pump_2.noise"]
+    noises = [f"pump_{number}.noise" for number in _PUMPS]
+    drawn = np.random.default_rng(seed)
     columns = drawn.standard_normal((2, 1 if noise == "none" else seeds, samples))
     for name, column in zip(noises, columns, strict=True):
         column *= process.noise[name] * DEVIATIONS[noise]  # in place: they are large
@@ -44,10 +173,17 @@ def simulated(
     still = {name: value for name, value in every_input.items() if isinstance(value, float)}
     program = closed_loop(process, loop.controller, substeps=1, constant=still)
     empty = {entry.name: 0.0 for entry in process.motion.contents}
-    return Kernel(program, individual=noises).run(
+    found = Kernel(program, individual=noises).run(
         samples,
         inputs={name: value for name, value in every_input.items() if name not in still},
         state=loop.initial_state() | empty,
-        parameters=loop.law_parameters() | dict(parameters or {}),
+        parameters=loop.law_parameters() | dict(parameters),
         every=every,
+    )
+    levels = 100.0 * np.array([found.output(f"tank_{tank}.level") for tank in _TANKS])
+    pumps = [process.signal(f"pump_{number}") for number in _PUMPS]
+    return Runs(
+        np.arange(levels.shape[2]) * process.sampling_period * every,
+        levels,
+        np.array([found.output(pump.name)[0] / pump.high for pump in pumps]),
     )

@@ -17,14 +17,7 @@ import numpy as np
 
 from clepsydra.papers.figure import Curve, Figure, Panel, curves
 from clepsydra.papers.four_tank_laboratory import PRINTED
-from clepsydra.papers.four_tank_laboratory.closed_loop import (
-    BAND,
-    SCORES,
-    SEEDS,
-    TARGET,
-    Kind,
-    runs,
-)
+from clepsydra.papers.four_tank_laboratory.controllers import Kind
 from clepsydra.papers.four_tank_laboratory.readings import (
     DESIGNED,
     MEDIANS,
@@ -48,6 +41,7 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     SetUp,
     Units,
 )
+from clepsydra.papers.four_tank_laboratory.simulator import BAND, SCORES, SEEDS, TARGET, runs
 from clepsydra.papers.printed import Printed
 from clepsydra.papers.row import Row, Rows
 
@@ -89,7 +83,7 @@ def _scored(
     score: str, set_up: SetUp, kind: Kind, tank: int, reading: Reading, units: Units = "percent"
 ) -> np.ndarray:
     found = runs(set_up, kind, units, reading.of(set_up).holes, reading.noise)
-    return found.scored(score, tank - 1)
+    return found.scored(score, tank)
 
 
 def _spread(values: np.ndarray) -> tuple[float, float, float]:
@@ -209,8 +203,8 @@ def table_figures(kind: Kind) -> Iterator[Figure]:
         found = runs(set_up, kind, "percent")
         time = found.time
         target = Curve("reference", time[[0, -1]], np.full(2, 100.0 * TARGET), "dashed")
-        levels = {f"tank {tank}": 100.0 * found.levels[tank - 1, 0] for tank in _TANKS}
-        pumps = {f"pump {pump}": 100.0 * found.pumps[pump - 1, 0] for pump in _TANKS}
+        levels = {f"tank {i}": 100.0 * (found.levels[i - 1, 0] / FULL_LEVEL) for i in _TANKS}
+        pumps = {f"pump {pump}": 100.0 * found.pumps[pump - 1] for pump in _TANKS}
         yield Figure(
             _FIGURES[kind, set_up],
             f"{name}, both references 60 %, then pours into tank 1 and tank 2, {set_up.phase}",
