@@ -70,8 +70,12 @@ def test_variants_in_force_stay_in_force(laboratory, tmp_path):
 
 
 def test_a_second_identification_adds_a_second_variant(tmp_path):
+    """Also where the variants in force stand on several lines."""
     first = fitted(cl.load(ONE_TANK), STEPS, ["outlet_1.area"])
     first.write(tmp_path / "first.toml")
+    text = (tmp_path / "first.toml").read_text()
+    assert '["identified"]' in text
+    (tmp_path / "first.toml").write_text(text.replace('["identified"]', '[\n  "identified",\n]'))
     second = fitted(cl.load(tmp_path / "first.toml"), STEPS, ["pump_1.gain"])
     second.write(tmp_path / "second.toml")
     found = cl.load(tmp_path / "second.toml").process

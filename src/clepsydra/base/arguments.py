@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from numbers import Real
 from typing import Any
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.suggestion import suggestion
 
 
 def is_finite_number(value: object) -> bool:
@@ -21,6 +22,36 @@ def check_choice(
     """Refuse what is none of the known names."""
     if value not in known:
         raise InputError(place, value, f"one of {', '.join(known)}", remedy)
+
+
+def require_known(
+    place: str,
+    name: object,
+    known: Collection[str],
+    words: str = "",
+    remedy: str = "choose one of them",
+) -> None:
+    """Refuse a name that is none of those that there are, with the nearest.
+
+    Parameters
+    ----------
+    words : str
+        What they are: "an input of the plant"; one of the names where that is not said.
+    remedy : str
+        What to do where none of them is close.
+
+    Examples
+    --------
+    >>> require_known("step", "pmup", ["pump", "valve"], "an input")
+    Traceback (most recent call last):
+    clepsydra.base.errors.InputError: step: got 'pmup', expected an input (pump, valve); \
+perhaps 'pump' was meant.
+    """
+    if isinstance(name, str) and name in known:
+        return
+    names = ", ".join(known)
+    expected = f"{words} ({names or 'none'})" if words else f"one of {names}"
+    raise InputError(place, str(name)[:60], expected, suggestion(name, known, remedy))
 
 
 def require_type(

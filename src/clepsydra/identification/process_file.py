@@ -16,6 +16,7 @@ from clepsydra.process.document import Document, parse
 from clepsydra.process.elements.flow_splitter import FlowSplitter
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
+from clepsydra.process.toml_lines import entries
 
 _VARIANT = "identified"
 #: The file gives back the fitted numbers to this share.
@@ -87,7 +88,7 @@ def fitted_process_text(fit: ProcessFit) -> str:
         number += 1
         variant = f"{_VARIANT}-{number}"
     names = ", ".join(f'"{name}"' for name in (*process.variant, variant))
-    text = _with_default(text, document, f"default_variant = [{names}]")
+    text = _with_default(text, f"default_variant = [{names}]")
     source = "".join(c for c in Path(fit.record.place).name if c.isprintable() and c not in '"\\')
     lines = [
         "",
@@ -98,20 +99,13 @@ def fitted_process_text(fit: ProcessFit) -> str:
     return text + "\n".join([*lines, *_assignments(fit, document)]) + "\n"
 
 
-def _with_default(text: str, document: Document, assignment: str) -> str:
-    """Return the text with the variants in force: a new line, or instead of the old one."""
-    lines = text.split("\n")
-    if "default_variant" in document.tables:
-        at = document.lines["default_variant",] - 1
-        if lines[at].count("[") != lines[at].count("]"):
-            raise InputError(
-                document.place("default_variant"), "a list over several lines", "one line",
-                "write the variants in force on one line",
-            )  # fmt: skip
-        lines[at] = assignment
-    else:
-        lines.insert(document.lines["name",], assignment)
-    return "\n".join(lines)
+def _with_default(text: str, assignment: str) -> str:
+    """Return the text with the variants in force: a new line, or instead of the old entry."""
+    found = {entry.path: entry for entry in entries(text)}
+    old, name = found.get(("default_variant",)), found["name",]
+    if old is not None:
+        return text[: old.start] + assignment + text[old.end :]
+    return f"{text[: name.end]}\n{assignment}{text[name.end :]}"
 
 
 def _assignments(fit: ProcessFit, document: Document) -> list[str]:

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from clepsydra.base.arguments import require_known
 from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.signal import Signal
-from clepsydra.base.suggestion import suggestion
 from clepsydra.identification.estimate import Estimate, around, by_logarithm
 from clepsydra.identification.process_batch import ProcessBatch
 from clepsydra.identification.record import Record
@@ -252,11 +252,7 @@ def checked_parameters(process: Process, names: Sequence[str]) -> list[Signal]:
         )  # fmt: skip
     found: list[Signal] = []
     for name in names:
-        if name not in known:
-            raise InputError(
-                "parameters", name[:60], f"a parameter of {process.name} ({', '.join(known)})",
-                suggestion(name, known, "choose one of them"),
-            )  # fmt: skip
+        require_known("parameters", name, known, f"a parameter of {process.name}")
         if known[name] in found:
             raise InputError("parameters", name, "each parameter once", "leave one of them out")
         signal = known[name]

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from clepsydra.base.arguments import require_known
 from clepsydra.base.csv_table import csv_head, csv_numbers, csv_rows
 from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.signal import Signal
-from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import convertible, to_si
 from clepsydra.base.words import time_text
 from clepsydra.loop.open_loop import Simulation
@@ -74,11 +74,7 @@ class Record:
     def signal(self, name: str, place: str) -> Signal:
         """Return one of the signals; an unknown name is an InputError."""
         known = {signal.name: signal for signal in self.signals}
-        if name not in known:
-            raise InputError(
-                place, name[:60], f"a column of {self.place} ({', '.join(known)})",
-                suggestion(name, known, "choose one of them"),
-            )  # fmt: skip
+        require_known(place, name, known, f"a column of {self.place}")
         return known[name]
 
     def column(self, name: str) -> str:

@@ -6,8 +6,8 @@ import re
 from importlib import resources
 from pathlib import Path
 
+from clepsydra.base.arguments import require_known
 from clepsydra.base.errors import InputError
-from clepsydra.base.suggestion import suggestion
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
 from clepsydra.process.flat_variant import flat_text
 from clepsydra.process.process_name import check_process_name
@@ -125,14 +125,7 @@ def _study(named: str) -> str:
 
 def _catalogue(named: str) -> str:
     name, variants = split_variants(named)
-    names = catalogue_names()
-    if name not in names:
-        raise InputError(
-            "copy_of",
-            name[:60],
-            f"a process of the catalogue ({', '.join(names)})",
-            suggestion(name, names, "choose one of them"),
-        )
+    require_known("copy_of", name, catalogue_names(), "a process of the catalogue")
     text = catalogue_file(name).read_text(encoding="utf-8")
     return text if variants is None else flat_text(text, name, variants)
 

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from numbers import Real
 from typing import Any
 
-from clepsydra.base.arguments import require_type
+from clepsydra.base.arguments import require_known, require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import to_si
 from clepsydra.process.document import Document
 from clepsydra.process.signal_values import check_in_range, read_value
@@ -113,11 +112,5 @@ def read_time(place: str, key: str, value: object) -> float:
 
 def known(place: str, name: object, signals: Mapping[str, Signal], words: str) -> Signal:
     """Return a signal by its name, or say which there are."""
-    if isinstance(name, str) and name in signals:
-        return signals[name]
-    raise InputError(
-        place,
-        str(name)[:60],
-        f"{words} ({', '.join(signals) or 'none'})",
-        suggestion(name, signals, "choose one of them"),
-    )
+    require_known(place, name, signals, words)
+    return signals[str(name)]

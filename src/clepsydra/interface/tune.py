@@ -7,11 +7,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from clepsydra.base.arguments import require_type
-from clepsydra.base.errors import InputError
+from clepsydra.base.arguments import require_known, require_type
 from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.section import Line, Section
-from clepsydra.base.suggestion import suggestion
 from clepsydra.interface.controller import AnyController, Controller, of_plant
 from clepsydra.interface.events import Events
 from clepsydra.interface.plant import Plant
@@ -167,11 +165,7 @@ def _limits(limits: Mapping[str, Any], plant: Plant) -> dict[str, Any]:
     )  # fmt: skip
     found: dict[str, Any] = {}
     for name, value in limits.items():
-        if name not in _LIMITS:
-            raise InputError(
-                "tuning, limits", str(name)[:60], f"one of {', '.join(_LIMITS)}",
-                suggestion(name, _LIMITS, "choose one of them"),
-            )  # fmt: skip
+        require_known("tuning, limits", name, _LIMITS)
         if name == "total_variation" and isinstance(value, Mapping):
             units = {signal.name: signal.shown_unit for signal in plant.process.inputs}
             value = {key: with_unit(each, units.get(key, "1")) for key, each in value.items()}

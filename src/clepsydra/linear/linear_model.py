@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from clepsydra.base.arguments import require_known
 from clepsydra.base.errors import InputError
-from clepsydra.base.suggestion import suggestion
 
 if TYPE_CHECKING:
     import control
@@ -341,10 +341,7 @@ def _places(what: str, names: tuple[str, ...], wanted: Sequence[str] | None) -> 
         return list(range(len(names)))
     places = []
     for name in wanted:
-        if name not in names:
-            expected = "one of " + ", ".join(names)
-            remedy = suggestion(name, names, "use one of these names")
-            raise InputError(f"linear model, {what}", name, expected, remedy)
+        require_known(f"linear model, {what}", name, names, remedy="use one of these names")
         if names.index(name) in places:
             raise InputError(f"linear model, {what}", name, "each name once", "name it once")
         places.append(names.index(name))

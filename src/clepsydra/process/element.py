@@ -162,6 +162,20 @@ class Element(ABC):
         """Return the disturbances that it brings."""
         return ()
 
+    def signals(self) -> tuple[Signal, ...]:
+        """Return all that it brings: states, what is integrated for them, and the others."""
+        states = self.states()
+        return (
+            *states,
+            *self.inputs(),
+            *self.disturbances(),
+            *self.memories(),
+            *self.totals(),
+            *self.measurements(),
+            *self.parameters(),
+            *(signal for signal in self.contents() if signal not in states),
+        )
+
     def load_steps(self) -> dict[str, tuple[float, ...]]:
         """Return the sizes of typical load steps, one after the other, of its disturbances."""
         return {}

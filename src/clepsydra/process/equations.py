@@ -138,21 +138,15 @@ class _Join:
         self.measurements = _listed(e.measurements() for e in elements)
         self.delays: tuple[Delay, ...] = tuple(d for e in elements for d in e.delays())
         self.parameters = (*_listed(e.parameters() for e in elements), gravity)
-        self.inputs, self.disturbances = self._roles(manipulated)
+        self.inputs = _listed(e.inputs() for e in elements)
+        self.disturbances = _listed(e.disturbances() for e in elements)
+        if manipulated is not None:
+            outside = {signal.name: signal for signal in (*self.inputs, *self.disturbances)}
+            self.inputs = tuple(outside.pop(name) for name in manipulated)
+            self.disturbances = tuple(outside.values())
         self.conserved = conserved(components)
         self.balances = balance_totals(self.conserved, delayed=bool(self.delays))
         self.totals = (*_listed(e.totals() for e in elements), *self.balances)
-
-    def _roles(
-        self, manipulated: Sequence[str] | None
-    ) -> tuple[tuple[Signal, ...], tuple[Signal, ...]]:
-        inputs = _listed(e.inputs() for e in self.elements)
-        disturbances = _listed(e.disturbances() for e in self.elements)
-        if manipulated is None:
-            return inputs, disturbances
-        outside = {signal.name: signal for signal in (*inputs, *disturbances)}
-        chosen = tuple(outside[name] for name in manipulated)
-        return chosen, tuple(s for s in outside.values() if s.name not in manipulated)
 
     def result(self) -> Equations:
         x, c, u, d, p, z, m = (
@@ -215,10 +209,17 @@ class _Join:
                 FlowPath(flow.element, flow.source, flow.destination) for flow in moving.flows
             ),
         )  # fmt: skip
-        dynamics = self._state_rates(steady.rates, x, to_contents)
+        # dc/dt = ∂c/∂x dx/dt; a content depends on its own state and on states before it, as V C on
+        # h and C.
+        dynamics = steady.rates
+        if [s.name for s in self.state] != [s.name for s in self.contents]:
+            dynamics = ca.solve(ca.jacobian(to_contents, x), dynamics)
         readings = _merged(e.readings(in_states) for e in self.elements)
         reading = _stacked(self.measurements, readings)
-        dx = ca.cse(dynamics)
+        dx, y = ca.cse(dynamics), ca.SX.sym("y", len(self.measurements))
+        read = _named(self.measurements, y)
+        displayed = _merged(e.displayed(read) for e in self.elements)
+        display = _stacked(self.measurements, displayed)
         return Equations(
             state=self.state,
             inputs=self.inputs,
@@ -228,17 +229,10 @@ class _Join:
             measured_state=_merged(e.measured_states() for e in self.elements),
             dynamics=ca.Function("dynamics", [x, u, d, p], [dx], ["x", "u", "d", "p"], ["dx"]),
             measure=ca.Function("measure", [x, p], [reading], ["x", "p"], ["y"]),
-            display=self._display(),
+            display=ca.Function("display", [y], [display], ["y"], ["shown"]),
             noise=_merged(e.noises() for e in self.elements),
             motion=motion,
         )
-
-    def _display(self) -> ca.Function:
-        y = ca.SX.sym("y", len(self.measurements))
-        read = _named(self.measurements, y)
-        displayed = _merged(e.displayed(read) for e in self.elements)
-        shown = _stacked(self.measurements, displayed)
-        return ca.Function("display", [y], [shown], ["y"], ["shown"])
 
     def _evaluate(
         self, given: Mapping[str, ca.SX], delayed: Mapping[str, ca.SX] | None
@@ -355,15 +349,6 @@ class _Join:
         names = [name for name, _ in self.conserved]
         held = [element.stored(symbols) for element in self.elements]
         return ca.vertcat(*(sum((h[n] for h in held if n in h), start=ca.SX(0)) for n in names))
-
-    def _state_rates(self, rates: ca.SX, x: ca.SX, to_contents: ca.SX) -> ca.SX:
-        """Solve dc/dt = ∂c/∂x dx/dt for dx/dt; nothing changes where every content is a state.
-
-        A content depends on its own state and on states before it, as V C on h and C.
-        """
-        if [s.name for s in self.state] == [s.name for s in self.contents]:
-            return rates
-        return ca.solve(ca.jacobian(to_contents, x), rates)
 
 
 def _listed(said: Iterable[Iterable[Signal]]) -> tuple[Signal, ...]:

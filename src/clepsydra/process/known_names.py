@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
+from clepsydra.base.arguments import require_known
 from clepsydra.base.suggestion import suggestion
 from clepsydra.process.table_reader import TableReader
 
 
-def known_name(
-    table: TableReader, key: str, name: str, known: Collection[str], words: str, remedy: str = ""
-) -> str:
+def known_name(table: TableReader, key: str, name: str, known: Collection[str], words: str) -> str:
     """Return a name that was written at a key."""
-    if name in known:
-        return name
-    remedy = suggestion(name, known, remedy or "choose one of them")
-    raise table.refused(key, name[:60], f"{words} ({', '.join(known) or 'none'})", remedy)
+    require_known(table.place(key), name, known, words)
+    return name
 
 
 def known_names(

@@ -21,7 +21,9 @@ def read_tags(document: Document, elements: Sequence[Element]) -> dict[str, str]
     takes the place of the element's own name.
     """
     taken = {"gravity": "the acceleration of gravity"}
-    taken |= {name.lower(): element.name for element in elements for name in _names(element)}
+    for element in elements:
+        names = (element.name, *(signal.identifier for signal in element.signals()))
+        taken |= {name.lower(): element.name for name in names}
     tags: dict[str, str] = {}
     for element in (each for each in elements if TAG in each.keys):
         table = document.tables[element.table][element.name]
@@ -42,16 +44,3 @@ def read_tags(document: Document, elements: Sequence[Element]) -> dict[str, str]
         own = [signal.name for signal in (*element.measurements(), *element.inputs())]
         tags[own[0] if len(own) == 1 else element.name] = tag
     return tags
-
-
-def _names(element: Element) -> list[str]:
-    """Return what an element and its signals are called where a program is printed."""
-    groups = (
-        element.states(),
-        element.inputs(),
-        element.disturbances(),
-        element.memories(),
-        element.measurements(),
-        element.parameters(),
-    )
-    return [element.name, *(signal.identifier for group in groups for signal in group)]

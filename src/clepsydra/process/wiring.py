@@ -169,14 +169,8 @@ def _check_identifiers(elements: Sequence[Element], place: Place) -> None:
     """
     owners: dict[str, Element] = {}
     for element in elements:
-        states = element.states()
-        groups = (
-            states, element.inputs(), element.disturbances(), element.memories(),
-            element.totals(), element.measurements(), element.parameters(),
-            tuple(signal for signal in element.contents() if signal not in states),
-        )  # fmt: skip
         own: set[str] = set()
-        for signal in [signal for group in groups for signal in group]:
+        for signal in element.signals():
             name = signal.identifier.lower()
             owner = owners.setdefault(name, element)
             if owner is not element:
