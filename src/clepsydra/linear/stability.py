@@ -100,48 +100,37 @@ def _phase_along_the_axis(
     model: LinearModel, rates: np.ndarray, omegas: np.ndarray
 ) -> float | None:
     """Return by how much the phase of f rises along the points; None where f has a root there."""
-    units, sizes = _characteristic(model, rates, omegas)
-    low, high = omegas[:-1], omegas[1:]
-    ends = (units[:-1], sizes[:-1], units[1:], sizes[1:])
-    phase, seen = 0.0, len(omegas)
-    while len(low):
-        middle = (low + high) / 2.0
-        unit, size = _characteristic(model, rates, middle)
-        unit_low, size_low, unit_high, size_high = ends
-        if not (np.all(np.isfinite(size)) and np.all(np.isfinite(sizes))):
+    points = _characteristic(model, rates, omegas)
+    if not np.all(np.isfinite(points)):
+        return None
+    low, high, phase, seen = points[:, :-1], points[:, 1:], 0.0, len(omegas)
+    while low.size:
+        middle = _characteristic(model, rates, (low[0] + high[0]).real / 2.0)
+        if not np.all(np.isfinite(middle)):
             return None
-        first = size - size_low + 1j * np.angle(unit / unit_low)
-        second = size_high - size + 1j * np.angle(unit_high / unit)
+        first, second = (
+            (after[2] - before[2]) + 1j * np.angle(after[1] / before[1])
+            for before, after in ((low, middle), (middle, high))
+        )
         resolved = (np.abs(first + second) < _STEP) & (np.abs(first - second) < _STEP / 2.0)
         phase += float((first + second)[resolved].imag.sum())
-        coarse = ~resolved
-        if np.any((high - low)[coarse] < _NEAREST * high[coarse]):
+        low, middle, high = (each[:, ~resolved] for each in (low, middle, high))
+        if np.any((high - low)[0].real < _NEAREST * high[0].real):
             return None
-        seen += len(middle)
+        seen += len(resolved)
         if seen > _MOST_POINTS:
             raise _undecidable(f"a loop resolved by {_MOST_POINTS} frequencies")
-        low, middle, high = low[coarse], middle[coarse], high[coarse]
-        unit, size = unit[coarse], size[coarse]
-        unit_low, size_low, unit_high, size_high = (values[coarse] for values in ends)
-        ends = (
-            np.concatenate([unit_low, unit]),
-            np.concatenate([size_low, size]),
-            np.concatenate([unit, unit_high]),
-            np.concatenate([size, size_high]),
-        )
-        low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
+        low, high = np.hstack([low, middle]), np.hstack([middle, high])
     return phase
 
 
-def _characteristic(
-    model: LinearModel, rates: np.ndarray, omegas: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return f(jω) as unit numbers and logarithms of its size, -∞ at a root."""
+def _characteristic(model: LinearModel, rates: np.ndarray, omegas: np.ndarray) -> np.ndarray:
+    """Return ω, and f(jω) as a unit number and the logarithm of its size, -∞ at a root."""
     points = 1j * omegas
     units, sizes = np.linalg.slogdet(characteristic_matrices(model, points)[0])
     below = points[:, None] + rates
     sizes = sizes - np.log(np.abs(below)).sum(axis=1)
-    return units / np.prod(below / np.abs(below), axis=1), sizes
+    return np.stack([omegas, units / np.prod(below / np.abs(below), axis=1), sizes])
 
 
 def _first_points(model: LinearModel, delays: InternalDelays, radius: float) -> np.ndarray:

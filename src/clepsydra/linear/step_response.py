@@ -6,6 +6,7 @@ from fractions import Fraction
 from math import gcd, lcm
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebder, chebpts2, chebvander
 from numpy.typing import ArrayLike
 
 from clepsydra.base.errors import InputError
@@ -96,8 +97,9 @@ def _by_steps(model: LinearModel, delays: InternalDelays, moments: np.ndarray) -
             delays, f"a common measure longer than {last / _MOST_INTERVALS:.3g} s"
         )
     # On each interval: ẋ = A x + B u + to_states z at all nodes but the first, where x goes on.
-    nodes, slopes = _chebyshev(_DEGREE)
-    slopes = slopes * 2.0 / length
+    nodes = chebpts2(_DEGREE + 1)
+    fitted = np.linalg.inv(chebvander(nodes, _DEGREE))  # coefficients of values at the nodes
+    slopes = chebvander(nodes, _DEGREE - 1) @ chebder(fitted) * 2.0 / length
     size = len(nodes)
     matrix = np.kron(slopes, np.eye(n)) - np.kron(np.eye(size), model.A)
     matrix[:n] = np.eye(n, size * n)
@@ -120,7 +122,7 @@ def _by_steps(model: LinearModel, delays: InternalDelays, moments: np.ndarray) -
         if len(wanted):
             outputs = model.C @ states + model.D + delays.to_outputs @ back
             local = np.clip(2.0 * (moments[wanted] / length - interval) - 1.0, -1.0, 1.0)
-            values[wanted] = np.tensordot(_interpolation(nodes, local), outputs, axes=1)
+            values[wanted] = np.tensordot(chebvander(local, _DEGREE) @ fitted, outputs, axes=1)
     return values
 
 
@@ -150,28 +152,3 @@ def _incommensurable(delays: InternalDelays, expected: str) -> InputError:
         "round the dead times, or approximate them by "
         "clepsydra.linear.dead_time.without_dead_time(model, order)",
     )
-
-
-def _chebyshev(degree: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the Chebyshev points from -1 to 1 and the matrix that differentiates there.
-
-    L. N. Trefethen, Spectral Methods in MATLAB, 2000, doi 10.1137/1.9780898719598, chapter 6.
-    """
-    nodes = -np.cos(np.pi * np.arange(degree + 1) / degree)
-    weights = (-1.0) ** np.arange(degree + 1)
-    weights[[0, -1]] *= 2.0
-    apart = nodes[:, None] - nodes + np.eye(degree + 1)
-    slopes = weights[:, None] / weights / apart
-    return nodes, slopes - np.diag(slopes.sum(axis=1))
-
-
-def _interpolation(nodes: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Return the matrix from values at the Chebyshev points to values at the places."""
-    weights = (-1.0) ** np.arange(len(nodes))
-    weights[[0, -1]] /= 2.0
-    apart = places[:, None] - nodes
-    hit = apart == 0.0
-    rows = weights / np.where(hit, 1.0, apart)
-    rows /= rows.sum(axis=1, keepdims=True)
-    rows[hit.any(axis=1)] = hit[hit.any(axis=1)]
-    return rows
