@@ -5,7 +5,7 @@ import math
 import pytest
 
 from clepsydra import NotApplicable
-from clepsydra.designs.models.first_order_delay import FirstOrderDelay, half_rule
+from clepsydra.designs.models.delayed_lags import DelayedLags, half_rule
 from clepsydra.designs.models.transfer_element import TransferElement
 from clepsydra.designs.simc import simc_settings
 
@@ -71,7 +71,7 @@ def test_each_rule_for_a_numerator_time_constant(lags, lead, delay, gain, time_c
 def test_an_integrating_element_keeps_its_slope():
     # k'/(s (τ2 s + 1)): half of τ2 is delay; K = 1/(k' 2θ), Ti = 8 θ at τc = θ.
     model = half_rule(made_of(0.2, [4.0], integrators=1), 1.0)
-    assert model == FirstOrderDelay(0.2, math.inf, 3.0)
+    assert model == DelayedLags(0.2, math.inf, 3.0)
     assert simc_settings(model, 3.0) == (pytest.approx(1 / 1.2), 24.0, 0.0)
 
 

@@ -12,7 +12,7 @@ from clepsydra import InputError, NotApplicable, PidForm
 from clepsydra.designs.arrest_time import arrest_settings, arrest_time_for, design_arrest_time
 from clepsydra.designs.lambda_tuning import design_lambda, lambda_settings
 from clepsydra.designs.loops.averaging_room import averaging_room, load_steps
-from clepsydra.designs.models.first_order_delay import FirstOrderDelay
+from clepsydra.designs.models.delayed_lags import DelayedLags
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 
@@ -35,7 +35,7 @@ def largest_deviation(slope, time_constant, setting, load_rate):
 @pytest.mark.parametrize("time_constant", [math.inf, 4000.0, 700.0])
 @pytest.mark.parametrize("slope", [0.01, -0.004])
 def test_a_load_is_arrested_at_the_time_and_deviation_asked(slope, time_constant):
-    model = FirstOrderDelay(slope, time_constant, 0.0)
+    model = DelayedLags(slope, time_constant, 0.0)
     deviation, rate = 0.3, 0.001
     arrest = arrest_time_for(model, deviation, rate)
     assert arrest == pytest.approx(math.e * deviation / rate, rel=1e-12)
@@ -50,7 +50,7 @@ def test_a_load_is_arrested_at_the_time_and_deviation_asked(slope, time_constant
 
 def test_the_delay_of_first_order_is_in_the_arrest_time():
     """With e^−θs as 1 − θs: s (s + 1/τ) + k'K (1 − θs)(s + 1/Ti) = c (λ s + 1)²."""
-    model = FirstOrderDelay(0.02, 900.0, 30.0)
+    model = DelayedLags(0.02, 900.0, 30.0)
     deviation, rate = 0.4, 0.002
     arrest = arrest_time_for(model, deviation, rate)
     setting = arrest_settings(model, arrest)
@@ -64,19 +64,19 @@ def test_the_delay_of_first_order_is_in_the_arrest_time():
 
 
 def test_arrest_time_of_an_integrator_is_lambda_tuning():
-    model = FirstOrderDelay(0.02, math.inf, 3.0)
+    model = DelayedLags(0.02, math.inf, 3.0)
     assert arrest_settings(model, 50.0) == pytest.approx(lambda_settings(model, 50.0), rel=1e-13)
 
 
 def test_too_small_a_room_and_too_fast_a_tank_are_refused():
     with pytest.raises(NotApplicable, match="too short beside a delay of 100 s"):
-        arrest_time_for(FirstOrderDelay(0.02, math.inf, 100.0), 0.1, 0.001)
+        arrest_time_for(DelayedLags(0.02, math.inf, 100.0), 0.1, 0.001)
     with pytest.raises(NotApplicable, match=r"does not integrate: it settles by itself .* of 50 s"):
-        arrest_settings(FirstOrderDelay(0.02, 50.0, 0.0), 101.0)
+        arrest_settings(DelayedLags(0.02, 50.0, 0.0), 101.0)
 
 
 def test_lambda_cancels_the_lag_and_is_the_time_constant_of_the_closed_loop():
-    model = FirstOrderDelay(-0.05, 40.0, 0.0)
+    model = DelayedLags(-0.05, 40.0, 0.0)
     setting = lambda_settings(model, 25.0)
     # g C = −2/(40 s + 1) · K (1 + 1/(40 s)) = 1/(25 s)
     for s in (0.01j, 1j):
@@ -86,7 +86,7 @@ def test_lambda_cancels_the_lag_and_is_the_time_constant_of_the_closed_loop():
 
 def test_lambda_of_an_integrator_places_a_double_pole():
     """k'K (1 − θs)(s + 1/Ti) + s² has both roots at −1/λ."""
-    model = FirstOrderDelay(0.02, math.inf, 5.0)
+    model = DelayedLags(0.02, math.inf, 5.0)
     K, Ti, _ = lambda_settings(model, 20.0)
     closed = np.polyadd([1.0, 0.0, 0.0], 0.02 * K * np.polymul([-5.0, 1.0], [1.0, 1.0 / Ti]))
     assert closed / closed[-1] == pytest.approx([400.0, 40.0, 1.0], rel=1e-12)

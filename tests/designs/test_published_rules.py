@@ -8,11 +8,11 @@ import pytest
 from clepsydra import InputError, NotApplicable, PidForm
 from clepsydra.designs.amigo import amigo_settings, design_amigo
 from clepsydra.designs.loops.pid_settings import PidSettings, to_series
-from clepsydra.designs.models.first_order_delay import FirstOrderDelay, half_rule_of_second_order
+from clepsydra.designs.models.delayed_lags import DelayedLags, half_rule
 from clepsydra.designs.models.reaction_curve import reaction_curve
 from clepsydra.designs.models.transfer_element import TransferElement
 from clepsydra.designs.models.ultimate_point import UltimatePoint, ultimate_point
-from clepsydra.designs.simc import simc_pid_settings
+from clepsydra.designs.simc import simc_settings
 from clepsydra.designs.tyreus_luyben import design_tyreus_luyben, tyreus_luyben_settings
 from clepsydra.designs.ziegler_nichols import (
     design_ziegler_nichols,
@@ -215,15 +215,15 @@ def test_luyben_pid_is_a_series_form_with_the_reciprocal_ultimate_frequency():
     ],
 )
 def test_amigo_examples(k, T, L, actions, expected):
-    found = amigo_settings(FirstOrderDelay(k / T, T, L), actions)
+    found = amigo_settings(DelayedLags(k / T, T, L), actions)
     # The publication prints three figures.
     assert found == pytest.approx(expected, rel=2e-3)
 
 
 @pytest.mark.parametrize("actions", ["PI", "PID"])
 def test_amigo_for_integrating_elements_is_the_limit_of_a_long_lag(actions):
-    limit = amigo_settings(FirstOrderDelay(-0.2, math.inf, 3.0), actions)
-    long = amigo_settings(FirstOrderDelay(-0.2, 1e9, 3.0), actions)
+    limit = amigo_settings(DelayedLags(-0.2, math.inf, 3.0), actions)
+    long = amigo_settings(DelayedLags(-0.2, 1e9, 3.0), actions)
     # 13.35 L is printed as 13.4 L.
     assert long == pytest.approx(limit, rel=4e-3)
 
@@ -246,12 +246,12 @@ def test_amigo_for_integrating_elements_is_the_limit_of_a_long_lag(actions):
     ],
 )  # fmt: skip
 def test_simc_pid_examples(element, first, second, delay, expected):
-    model = half_rule_of_second_order(element)
+    model = half_rule(element, order=2)
     assert model.time_constant == pytest.approx(first, rel=1e-12)
     assert model.second_time_constant == pytest.approx(second, rel=1e-12)
     assert model.delay == pytest.approx(delay, rel=1e-12)
     horizon = 2 * model.delay
-    found = simc_pid_settings(model, model.delay)
+    found = simc_settings(model, model.delay)
     K, Ti, Td = 1 / (model.slope * horizon), min(first, 4 * horizon), second
     assert (K, Ti, Td) == pytest.approx(expected, rel=1.1e-2)
     # Both forms are one transfer function.

@@ -9,7 +9,7 @@ from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loops.pid_settings import PidSettings
 from clepsydra.designs.loops.published_rule import AS_PUBLISHED, PublishedRule, RuleActions
 from clepsydra.designs.loops.words import model_words
-from clepsydra.designs.models.first_order_delay import FirstOrderDelay
+from clepsydra.designs.models.delayed_lags import DelayedLags
 from clepsydra.designs.models.reaction_curve import reaction_curve
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ METHOD = "AMIGO"
 SOURCE = "Åström and Hägglund 2006"
 
 
-def amigo_settings(model: FirstOrderDelay, actions: RuleActions = "PI") -> PidSettings:
+def amigo_settings(model: DelayedLags, actions: RuleActions = "PI") -> PidSettings:
     """Return the AMIGO settings for a first-order or integrating model with delay.
 
     With gain k, time constant T, delay L and, integrating, slope k'::
@@ -36,7 +36,7 @@ def amigo_settings(model: FirstOrderDelay, actions: RuleActions = "PI") -> PidSe
 
     Parameters
     ----------
-    model : FirstOrderDelay
+    model : DelayedLags
         With a delay above zero.
 
     References
@@ -49,7 +49,7 @@ def amigo_settings(model: FirstOrderDelay, actions: RuleActions = "PI") -> PidSe
     --------
     The lags 1/(s + 1)⁴ with k = 1, T = 2.90 s and L = 1.42 s:
 
-    >>> found = amigo_settings(FirstOrderDelay(1 / 2.90, 2.90, 1.42), "PID")
+    >>> found = amigo_settings(DelayedLags(1 / 2.90, 2.90, 1.42), "PID")
     >>> [round(value, 2) for value in found]
     [1.12, 2.4, 0.62]
     """

@@ -23,7 +23,7 @@ from clepsydra.designs.loops.averaging_room import (
 from clepsydra.designs.loops.multiloop import MultiloopPid, pi_only
 from clepsydra.designs.loops.pairing import PairedLoop, Pairing
 from clepsydra.designs.loops.pid_settings import PidSettings
-from clepsydra.designs.models.first_order_delay import FirstOrderDelay, half_rule
+from clepsydra.designs.models.delayed_lags import DelayedLags, half_rule
 from clepsydra.designs.request import in_shown_unit
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT, note_on_peak
 from clepsydra.linear.linear_model import LinearModel
@@ -33,7 +33,7 @@ _SOURCE = "Arrest time (Bialkowski; Olsen and Bialkowski 2002), poles placed"
 
 
 def arrest_time_for(
-    model: FirstOrderDelay, deviation: float, load_rate: float, damping: float = 1.0
+    model: DelayedLags, deviation: float, load_rate: float, damping: float = 1.0
 ) -> float:
     """Return the arrest time with which a load step takes the level to this deviation [s].
 
@@ -50,7 +50,7 @@ def arrest_time_for(
 
     Parameters
     ----------
-    model : FirstOrderDelay
+    model : DelayedLags
         From the input to the level.
     deviation : float
         Allowed [output unit].
@@ -76,7 +76,7 @@ def arrest_time_for(
     --------
     A load that moves a level by 1 mm/s, and 20 cm of room: λ = e · 0.2 m/(1 mm/s).
 
-    >>> round(arrest_time_for(FirstOrderDelay(0.01, math.inf, 0.0), 0.2, 0.001) / math.e, 9)
+    >>> round(arrest_time_for(DelayedLags(0.01, math.inf, 0.0), 0.2, 0.001) / math.e, 9)
     200.0
     """
     delay, turns = model.delay, _turns(damping)
@@ -92,9 +92,7 @@ def arrest_time_for(
     return 0.5 * (doubled + math.sqrt(inside)) * turns
 
 
-def arrest_settings(
-    model: FirstOrderDelay, arrest_time: float, damping: float = 1.0
-) -> PidSettings:
+def arrest_settings(model: DelayedLags, arrest_time: float, damping: float = 1.0) -> PidSettings:
     """Return the PI settings with which a load step is arrested after this time.
 
     The poles of the loop are placed at s² + 2 ζ s/λ + 1/λ² = 0, with the delay as 1 − θs::
@@ -106,7 +104,7 @@ def arrest_settings(
 
     Parameters
     ----------
-    model : FirstOrderDelay
+    model : DelayedLags
         An integrator, or a level so slow that λ is below about 2 τ.
     arrest_time : float
         λ arccos ζ/√(1 − ζ²), with damping 1 it is λ [s].
@@ -125,7 +123,7 @@ def arrest_settings(
 
     Examples
     --------
-    >>> arrest_settings(FirstOrderDelay(0.01, math.inf, 0.0), 100.0)
+    >>> arrest_settings(DelayedLags(0.01, math.inf, 0.0), 100.0)
     PidSettings(gain=2.0, integral_time=200.0, derivative_time=0.0)
     """
     delay, period = model.delay, arrest_time / _turns(damping)

@@ -15,7 +15,7 @@ from clepsydra.designs.loops.loops_together import LoopsTogether
 from clepsydra.designs.loops.multiloop import MultiloopPid
 from clepsydra.designs.loops.pairing import Pairing
 from clepsydra.designs.loops.words import model_words
-from clepsydra.designs.models.first_order_delay import half_rule
+from clepsydra.designs.models.delayed_lags import half_rule
 from clepsydra.designs.slowing_down import note_on_peak
 from clepsydra.linear.linear_model import LinearModel
 

@@ -10,7 +10,7 @@ from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loops.closed_loop_time import CLOSED_LOOP_TIME, TimedLoop, design_by_time
 from clepsydra.designs.loops.pid_settings import PidSettings
 from clepsydra.designs.loops.words import model_words
-from clepsydra.designs.models.first_order_delay import FirstOrderDelay, half_rule
+from clepsydra.designs.models.delayed_lags import DelayedLags, half_rule
 
 if TYPE_CHECKING:
     from clepsydra.controllers.controller import Controller
@@ -25,7 +25,7 @@ DELAYS = 3.0
 NEARLY_INTEGRATING = 10.0
 
 
-def lambda_settings(model: FirstOrderDelay, closed_loop_time_constant: float) -> PidSettings:
+def lambda_settings(model: DelayedLags, closed_loop_time_constant: float) -> PidSettings:
     """Return the settings by lambda tuning for a first-order or integrating model with delay.
 
     Self-regulating, the zero of the controller cancels the lag, and a setpoint step is answered
@@ -58,7 +58,7 @@ def lambda_settings(model: FirstOrderDelay, closed_loop_time_constant: float) ->
     --------
     A level that integrates with 0.02 s⁻¹ and 1 s of delay, λ = 4 s:
 
-    >>> lambda_settings(FirstOrderDelay(0.02, math.inf, 1.0), 4.0)
+    >>> lambda_settings(DelayedLags(0.02, math.inf, 1.0), 4.0)
     PidSettings(gain=18.0, integral_time=9.0, derivative_time=0.0)
     """
     time, delay = closed_loop_time_constant, model.delay

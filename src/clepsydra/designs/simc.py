@@ -13,12 +13,7 @@ from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loops.closed_loop_time import CLOSED_LOOP_TIME, TimedLoop, design_by_time
 from clepsydra.designs.loops.pid_settings import PidSettings, SeriesSettings, from_series
 from clepsydra.designs.loops.words import model_words
-from clepsydra.designs.models.first_order_delay import (
-    FirstOrderDelay,
-    SecondOrderDelay,
-    half_rule,
-    half_rule_of_second_order,
-)
+from clepsydra.designs.models.delayed_lags import DelayedLags, half_rule
 
 if TYPE_CHECKING:
     from clepsydra.controllers.controller import Controller
@@ -30,10 +25,10 @@ if TYPE_CHECKING:
 METHOD = "SIMC"
 
 
-def simc_settings(model: FirstOrderDelay, closed_loop_time_constant: float) -> PidSettings:
-    """Return Skogestad's PI settings for a first-order model with delay.
+def simc_settings(model: DelayedLags, closed_loop_time_constant: float) -> PidSettings:
+    """Return Skogestad's settings for lags with delay: PI for one lag, PID in ISA form for two.
 
-    K = 1/(k') · 1/(τc + θ) with k' = k/τ, and Ti = min(τ, 4 (τc + θ)).
+    In series form, K' = 1/(k' (τc + θ)) with k' = k/τ1, Ti' = min(τ1, 4 (τc + θ)), Td' = τ2.
 
     Parameters
     ----------
@@ -47,33 +42,12 @@ def simc_settings(model: FirstOrderDelay, closed_loop_time_constant: float) -> P
 
     Examples
     --------
-    >>> simc_settings(FirstOrderDelay(1.0 / 1.1, 1.1, 0.1), 0.1)
+    >>> simc_settings(DelayedLags(1.0 / 1.1, 1.1, 0.1), 0.1)
     PidSettings(gain=5.5, integral_time=0.8, derivative_time=0.0)
-    """
-    horizon = closed_loop_time_constant + model.delay
-    return PidSettings(1.0 / (model.slope * horizon), min(model.time_constant, 4.0 * horizon))
 
-
-def simc_pid_settings(model: SecondOrderDelay, closed_loop_time_constant: float) -> PidSettings:
-    """Return Skogestad's PID settings for a second-order model with delay, in ISA form.
-
-    In series form, K' = 1/(k' (τc + θ)) with k' = k/τ1, Ti' = min(τ1, 4 (τc + θ)), Td' = τ2.
-
-    Parameters
-    ----------
-    closed_loop_time_constant : float
-        τc [s]
-
-    References
-    ----------
-    S. Skogestad, Journal of Process Control 13(4), 2003, 291-309,
-    doi 10.1016/S0959-1524(02)00062-8.
-
-    Examples
-    --------
     A double lag of 2 s and 1 s with a delay of 0.25 s: K' = 4, Ti' = 2 s, Td' = 1 s.
 
-    >>> simc_pid_settings(SecondOrderDelay(0.5, 2.0, 1.0, 0.25), 0.25)
+    >>> simc_settings(DelayedLags(0.5, 2.0, 0.25, 1.0), 0.25)
     PidSettings(gain=6.0, integral_time=3.0, derivative_time=0.6666666666666666)
     """
     horizon = closed_loop_time_constant + model.delay
@@ -167,13 +141,8 @@ def simc_loop(loop: PairedLoop, delay: float, actions: RuleActions) -> TimedLoop
     Without a given time it is the delay itself, or longer where a setpoint step of a tenth of the
     range would saturate the input.
     """
-    model: FirstOrderDelay | SecondOrderDelay
-    if actions == "PI":
-        model = first = half_rule(loop.element, delay)
-        settings_at, more = partial(simc_settings, first), ""
-    else:
-        model = second = half_rule_of_second_order(loop.element, delay)
-        settings_at = partial(simc_pid_settings, second)
-        more = f", second time constant {time_text(second.second_time_constant)}"
+    model, more = half_rule(loop.element, delay, 1 if actions == "PI" else 2), ""
+    if actions == "PID":
+        more = f", second time constant {time_text(model.second_time_constant)}"
     shortest = max(model.delay, 1.0 / (abs(model.slope) * loop.largest_gain) - model.delay)
-    return TimedLoop(settings_at, shortest, model_words(model, loop, more))
+    return TimedLoop(partial(simc_settings, model), shortest, model_words(model, loop, more))

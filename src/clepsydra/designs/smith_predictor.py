@@ -19,7 +19,7 @@ from clepsydra.designs.arguments.numbers import ASSIGNED_POLES, PENALTY
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loops.closed_loop_time import CLOSED_LOOP_TIME
 from clepsydra.designs.loops.pairing import Pairing
-from clepsydra.designs.models.first_order_delay import half_rule
+from clepsydra.designs.models.delayed_lags import half_rule
 from clepsydra.designs.models.transfer_element import TransferElement
 from clepsydra.designs.polynomial.paired_design import paired_controller
 from clepsydra.designs.polynomial.paired_models import (

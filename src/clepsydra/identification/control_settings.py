@@ -9,8 +9,8 @@ from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
 from clepsydra.base.words import time_text
 from clepsydra.designs.loops.pid_settings import PidSettings
-from clepsydra.designs.models.first_order_delay import FirstOrderDelay, SecondOrderDelay
-from clepsydra.designs.simc import simc_pid_settings, simc_settings
+from clepsydra.designs.models.delayed_lags import DelayedLags
+from clepsydra.designs.simc import simc_settings
 from clepsydra.identification.estimate import ratio_signal
 
 SIMC = "SIMC (S. Skogestad, 2003, doi 10.1016/S0959-1524(02)00062-8)"
@@ -64,7 +64,7 @@ class ControlSettings:
 
 
 def control_settings(
-    model: FirstOrderDelay | SecondOrderDelay,
+    model: DelayedLags,
     output: Signal,
     manipulated: Signal,
     period: float,
@@ -79,7 +79,7 @@ def control_settings(
 
     Examples
     --------
-    >>> model = FirstOrderDelay(slope=0.02, time_constant=50.0, delay=2.0)
+    >>> model = DelayedLags(slope=0.02, time_constant=50.0, delay=2.0)
     >>> found = control_settings(model, Signal("level", "m"), Signal("pump", "V"), 1.0, (0.5, 1.0))
     >>> found.settings.gain, found.closed_loop_time_constant
     (2.0, 22.5)
@@ -96,9 +96,5 @@ def control_settings(
     return ControlSettings(_settings(model, delay, shortest), gain, delay, shortest, tightest)
 
 
-def _settings(
-    model: FirstOrderDelay | SecondOrderDelay, delay: float, closed_loop_time_constant: float
-) -> PidSettings:
-    if isinstance(model, SecondOrderDelay):
-        return simc_pid_settings(replace(model, delay=delay), closed_loop_time_constant)
+def _settings(model: DelayedLags, delay: float, closed_loop_time_constant: float) -> PidSettings:
     return simc_settings(replace(model, delay=delay), closed_loop_time_constant)

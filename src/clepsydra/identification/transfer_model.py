@@ -7,14 +7,14 @@ import math
 import numpy as np
 
 from clepsydra.base.signal import Signal
-from clepsydra.designs.models.first_order_delay import FirstOrderDelay, SecondOrderDelay
+from clepsydra.designs.models.delayed_lags import DelayedLags
 from clepsydra.identification.control_settings import control_settings
 from clepsydra.identification.estimate import Estimate, around, by_logarithm, ratio_signal
 from clepsydra.identification.fitted_model import FittedModel
 from clepsydra.identification.output_error import LATEST, OutputErrorFit, fit_output_error
 from clepsydra.identification.record import Record
 from clepsydra.identification.residual_tests import chance_of_no_effect, residual_tests
-from clepsydra.identification.structures import IPDT, SOPDT, Structure
+from clepsydra.identification.structures import IPDT, Structure
 from clepsydra.identification.uncertainty import Uncertainty, uncertainty
 from clepsydra.identification.validation import USEFUL, fit_percent, fits
 
@@ -128,13 +128,11 @@ def _estimates(
     return tuple(found)
 
 
-def _element(fit: OutputErrorFit) -> FirstOrderDelay | SecondOrderDelay:
+def _element(fit: OutputErrorFit) -> DelayedLags:
     if fit.structure is IPDT:
-        return FirstOrderDelay(fit.gain, math.inf, fit.delay)
-    slope = fit.gain / float(fit.lags[0])
-    if fit.structure is SOPDT:
-        return SecondOrderDelay(slope, float(fit.lags[0]), float(fit.lags[1]), fit.delay)
-    return FirstOrderDelay(slope, float(fit.lags[0]), fit.delay)
+        return DelayedLags(fit.gain, math.inf, fit.delay)
+    lag, *second = map(float, fit.lags)
+    return DelayedLags(fit.gain / lag, lag, fit.delay, *second)
 
 
 def _remarks(fit: OutputErrorFit, estimates: tuple[Estimate, ...]) -> tuple[str, ...]:

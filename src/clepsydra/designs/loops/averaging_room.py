@@ -12,7 +12,7 @@ import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.designs.models.first_order_delay import half_rule
+from clepsydra.designs.models.delayed_lags import half_rule
 from clepsydra.designs.models.transfer_element import transfer_element
 from clepsydra.linear.dead_time import at_rest
 from clepsydra.linear.linear_model import LinearModel

@@ -11,7 +11,7 @@ from clepsydra.designs.gain_units import percent_gain
 
 if TYPE_CHECKING:
     from clepsydra.designs.loops.pairing import PairedLoop
-    from clepsydra.designs.models.first_order_delay import FirstOrderDelay, SecondOrderDelay
+    from clepsydra.designs.models.delayed_lags import DelayedLags
 
 
 def gain(value: float, output: Signal, manipulated: Signal) -> str:
@@ -50,7 +50,7 @@ def slope(value: float, output: Signal, manipulated: Signal) -> str:
     return f"slope {60.0 * in_shares:.3g} %/% a minute"
 
 
-def model_words(model: FirstOrderDelay | SecondOrderDelay, loop: PairedLoop, more: str = "") -> str:
+def model_words(model: DelayedLags, loop: PairedLoop, more: str = "") -> str:
     """Return the slope, the lag and the delay of a model, what more there is before the delay."""
     lag = model.time_constant
     said = "integrating" if math.isinf(lag) else f"time constant {time_text(lag)}"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.designs.models.first_order_delay import FirstOrderDelay
+from clepsydra.designs.models.delayed_lags import DelayedLags
 
 if TYPE_CHECKING:
     from clepsydra.designs.models.transfer_element import TransferElement
@@ -37,7 +37,7 @@ class ReactionCurve(NamedTuple):
     Examples
     --------
     >>> ReactionCurve(0.5, 1.0, 2.0, 4.0).model
-    FirstOrderDelay(slope=0.5, time_constant=4.0, delay=1.0)
+    DelayedLags(slope=0.5, time_constant=4.0, delay=1.0, second_time_constant=0.0)
     """
 
     slope: float
@@ -46,11 +46,11 @@ class ReactionCurve(NamedTuple):
     time_constant: float
 
     @property
-    def model(self) -> FirstOrderDelay:
+    def model(self) -> DelayedLags:
         """The first-order model with delay of Åström and Hägglund, k/(T s + 1) e^(−Ls)."""
         if math.isinf(self.time_constant):
-            return FirstOrderDelay(self.slope, math.inf, self.delay)
-        return FirstOrderDelay(self.gain / self.time_constant, self.time_constant, self.delay)
+            return DelayedLags(self.slope, math.inf, self.delay)
+        return DelayedLags(self.gain / self.time_constant, self.time_constant, self.delay)
 
 
 def reaction_curve(element: TransferElement, delay: float) -> ReactionCurve:

@@ -20,27 +20,30 @@ _CLOSE = 1.6 * (1.0 - 1e-9)
 
 
 @dataclass(frozen=True)
-class FirstOrderDelay:
-    """g(s) ≈ slope · e^(−θs) / (s + 1/τ), that is gain k = slope·τ.
+class DelayedLags:
+    """g(s) ≈ slope · e^(−θs) / ((s + 1/τ1)(τ2 s + 1)), that is gain k = slope·τ1.
 
     Parameters
     ----------
     slope : float
-        k/τ, [output unit / (input unit · s)]; it stays finite for an integrating element.
+        k/τ1, [output unit / (input unit · s)]; it stays finite for an integrating element.
     time_constant : float
-        τ [s], infinite for an integrating element.
+        τ1 [s], infinite for an integrating element.
     delay : float
         Effective delay θ [s].
+    second_time_constant : float
+        τ2 [s], zero for a model of first order.
 
     Examples
     --------
-    >>> FirstOrderDelay(slope=0.5, time_constant=4.0, delay=1.0).gain
+    >>> DelayedLags(slope=0.5, time_constant=4.0, delay=1.0).gain
     2.0
     """
 
     slope: float
     time_constant: float
     delay: float
+    second_time_constant: float = 0.0
 
     @property
     def gain(self) -> float:
@@ -48,14 +51,14 @@ class FirstOrderDelay:
         return self.slope * self.time_constant
 
 
-def half_rule(element: TransferElement, delay: float = 0.0) -> FirstOrderDelay:
-    """Reduce an element to first order with delay by Skogestad's rules.
+def half_rule(element: TransferElement, delay: float = 0.0, order: int = 1) -> DelayedLags:
+    """Reduce an element to first or second order with delay by Skogestad's rules.
 
     Positive numerator time constants are paired with a denominator time constant and replaced
-    by a gain, or by a shorter lag, in order of size (rules T1 to T3). The largest lag left is
-    kept and half of the second is added to it; the other half, all further lags, and the
-    numerator time constants of zeros in the right half-plane become delay. Rules T1 to T3 look
-    at the effective delay, which they change: they are repeated until it stands still.
+    by a gain, or by a shorter lag, in order of size (rules T1 to T3). The largest lags left are
+    kept and half of the next is added to the last of them; the other half, all further lags, and
+    the numerator time constants of zeros in the right half-plane become delay. Rules T1 to T3
+    look at the effective delay, which they change: they are repeated until it stands still.
 
     Parameters
     ----------
@@ -63,6 +66,8 @@ def half_rule(element: TransferElement, delay: float = 0.0) -> FirstOrderDelay:
         Its dead time counts as delay.
     delay : float
         Delay of the loop outside the element: half a sampling period [s].
+    order : {1, 2}
+        How many lags are kept; there may be fewer.
 
     Raises
     ------
@@ -77,95 +82,14 @@ def half_rule(element: TransferElement, delay: float = 0.0) -> FirstOrderDelay:
 
     Examples
     --------
-    1/((s + 1)(0.2 s + 1)), example E1 there:
+    1/((s + 1)(0.2 s + 1)), example E1 there, and four lags of 1 s as two:
 
     >>> from clepsydra.designs.models.transfer_element import TransferElement
     >>> model = half_rule(TransferElement(1.0, (-1.0, -5.0), (), 0))
     >>> model.time_constant, model.delay
     (1.1, 0.1)
-    """
-    slope, (lag,), effective = reduced_lags(element, delay, 1)
-    return FirstOrderDelay(slope, lag, effective)
-
-
-@dataclass(frozen=True)
-class SecondOrderDelay:
-    """g(s) ≈ slope · e^(−θs) / ((s + 1/τ1)(τ2 s + 1)).
-
-    Parameters
-    ----------
-    slope : float
-        k/τ1 [output unit / (input unit · s)]
-    time_constant : float
-        τ1 [s], infinite for an integrating element.
-    second_time_constant : float
-        τ2 [s], zero where the element has one lag only.
-    delay : float
-        Effective delay θ [s].
-    """
-
-    slope: float
-    time_constant: float
-    second_time_constant: float
-    delay: float
-
-
-def half_rule_of_second_order(element: TransferElement, delay: float = 0.0) -> SecondOrderDelay:
-    """Reduce an element to second order with delay by Skogestad's rules.
-
-    As `first_order_delay.half_rule`, but the two largest lags are kept, and half of the third
-    is added to the second.
-
-    Parameters
-    ----------
-    delay : float
-        Of the loop outside the element: half a sampling period [s].
-
-    Raises
-    ------
-    NotApplicable
-        As for the half rule of first order.
-
-    References
-    ----------
-    S. Skogestad, Journal of Process Control 13(4), 2003, 291-309, section 2,
-    doi 10.1016/S0959-1524(02)00062-8.
-
-    Examples
-    --------
-    >>> from clepsydra.designs.models.transfer_element import TransferElement
-    >>> model = half_rule_of_second_order(TransferElement(1.0, (-1.0,) * 4, (), 0))
-    >>> model.second_time_constant, model.delay
-    (1.5, 1.5)
-    """
-    slope, lags, effective = reduced_lags(element, delay, 2)
-    return SecondOrderDelay(slope, lags[0], lags[1] if len(lags) > 1 else 0.0, effective)
-
-
-def reduced_lags(
-    element: TransferElement, delay: float, order: int
-) -> tuple[float, list[float], float]:
-    """Return the slope, the lags that the half rule keeps, and the effective delay.
-
-    Parameters
-    ----------
-    delay : float
-        Of the loop outside the element [s].
-    order : int
-        How many lags are kept; there may be fewer.
-
-    Raises
-    ------
-    NotApplicable
-        As for `half_rule`.
-
-    Examples
-    --------
-    Four lags of 1 s as two: 1 s and 1.5 s, with 1.5 s of delay.
-
-    >>> from clepsydra.designs.models.transfer_element import TransferElement
-    >>> reduced_lags(TransferElement(1.0, (-1.0,) * 4, (), 0), 0.0, 2)
-    (1.0, [1.0, 1.5], 1.5)
+    >>> half_rule(TransferElement(1.0, (-1.0,) * 4, (), 0), order=2)
+    DelayedLags(slope=1.0, time_constant=1.0, delay=1.5, second_time_constant=1.5)
     """
     _check(element)
     lags = sorted((-1.0 / root.real for root in element.poles), reverse=True)
@@ -189,7 +113,8 @@ def reduced_lags(
     kept = left[:order]
     kept[-1] += shared / 2.0
     gain = element.gain * factor  # of an integrating element it is the slope already
-    return gain if math.isinf(kept[0]) else gain / kept[0], kept, effective
+    slope = gain if math.isinf(kept[0]) else gain / kept[0]
+    return DelayedLags(slope, kept[0], effective, *kept[1:])
 
 
 def _without_leads(
