@@ -114,7 +114,7 @@ def test_blocks_read_like_written_by_hand():
     body = filter_block.split("END_VAR\n")[-1].split("\n")
     assert "IF restart OR NOT begun THEN kept := start_kept; END_IF;" in body
     assert "IF restart OR NOT begun THEN scans := 0; END_IF;" in body
-    assert "scans := MIN(8, limited) + 1;" in body
+    assert "scans := MIN(limited, 8) + 1;" in body
     assert "high := (kept > 1.0) OR (NOT restart AND begun AND was_high);" in body
 
 

@@ -11,7 +11,6 @@ from tools import need_compiler, need_grammar, need_importer
 
 from clepsydra.deploy.proof.item import process_item
 from clepsydra.deploy.proof.proof import prove
-from clepsydra.deploy.proof.words import notes
 
 pytestmark = pytest.mark.thorough
 
@@ -27,4 +26,4 @@ def test_a_process_is_the_same_on_every_target(name, monkeypatch):
     need_importer()
     quickly(monkeypatch, SCANS, without=() if name == "wet-well" else EVERY_FMU)
     proof = prove([process_item(plant(name).point)], scans=SCANS)
-    assert proof.holds, notes(proof)
+    assert proof.holds, proof.failures

@@ -107,21 +107,16 @@ class Body:
         #: Tables of the loops by name.
         self.tables, results = scope.tables, folded.results
         self._statements = folded.statements
-        stores: list[Assignment] = []
-        written: list[str] = []
         kept = zip(self._held, self._kept(results), strict=True)
-        for place, length, result in [(p, n, self._plain(s, r)) for (_, s, p, n), r in kept]:
-            if length:
-                written += language.write_ring(place, result, length)
-            else:
-                stores.append(Assignment(place, result))
+        stores = [Assignment(ring_place(p, n), self._plain(s, r)) for (_, s, p, n), r in kept]
         told = zip(program.outputs, places["outputs"], results[len(program.state) :], strict=True)
         shown = [Assignment(place, self._plain(output, result)) for output, place, result in told]
-        groups = [_whole(shown, program), stores]
+        moves = [*_whole(shown, program), *stores]
         if language.told:
-            self._tell_at_calls(groups)
-        moved = (e for group in groups for e in group if e.expression.text != e.name)
-        lines = language.statements([*self._statements, *moved], self._words(labels)) + written
+            moves = self._told_at_calls(moves)
+        moves = [each for each in moves if each.expression.text != each.name]
+        lines = language.statements([*self._statements, *moves], self._words(labels))
+        lines += (language.moved_on(place, length) for _, _, place, length in self._held if length)
         known = {*places["outputs"], *places["state"]}
         found = {name: kind for name, kind in _declared(self._statements) if name not in known}
         names_read = {*re.findall(r"\w+", "\n".join(lines))}
@@ -169,7 +164,6 @@ class Body:
         preferred = {
             value: f"next_{signal_of(entry).identifier}"
             for entry, value in zip(program.state, program.next_state, strict=True)
-            if value not in labels and value not in results
         }
         return labels, preferred
 
@@ -212,23 +206,22 @@ class Body:
             overwritten.add(ring_place(place, length))
         return kept
 
-    def _tell_at_calls(self, groups: Sequence[list[Assignment]]) -> None:
-        """Let calls hand over what a result only takes from them, if nothing reads it later."""
+    def _told_at_calls(self, moves: list[Assignment]) -> list[Assignment]:
+        """Return moves without what calls can hand over, since nothing touches it later."""
         at = {f"{each.instance}.": k for k, each in enumerate(self._statements)
               if isinstance(each, BlockCall)}  # fmt: skip
-        read = [each for group in groups for each in group]
-        for group in groups:
-            for each in [*group]:
-                instance, _, port = each.expression.text.rpartition(".")
-                k = at.get(f"{instance}.", -1)
-                later = [*self._statements[k + 1 :], *(a for a in read if a != each)]
-                if k < 0 or any(each.name in touched(s) for s in later):
-                    continue
-                call = self._statements[k]
-                assert isinstance(call, BlockCall)
-                if port not in dict(call.told):
-                    self._statements[k] = replace(call, told=(*call.told, (port, each.name)))
-                    group.remove(each)
+        for each in [*moves]:
+            instance, _, port = each.expression.text.rpartition(".")
+            k = at.get(f"{instance}.", -1)
+            later = [*self._statements[k + 1 :], *(other for other in moves if other != each)]
+            if k < 0 or any(each.name in touched(s) for s in later):
+                continue
+            call = self._statements[k]
+            assert isinstance(call, BlockCall)
+            if port not in dict(call.told):
+                self._statements[k] = replace(call, told=(*call.told, (port, each.name)))
+                moves.remove(each)
+        return moves
 
     def _plain(self, signal: Signal, result: Expression) -> Expression:
         """Return a result in the type of its signal."""

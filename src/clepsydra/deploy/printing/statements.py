@@ -170,29 +170,26 @@ class Language(Notation, ABC):
 
     def _body(self, entry: Compound) -> list[str]:
         """Write what a loop repeats or a branch does, up to the next values of what it carries."""
-        places = [f"{self.states}{turn.ring.signal.identifier}" for turn in entry.rings]
-        read, written = [], []
-        for turn, place in zip(entry.rings, places, strict=True):
+        read, written, moved = list[Assignment](), list[Assignment](), list[str]()
+        for turn in entry.rings:
+            name = f"{self.states}{turn.ring.signal.identifier}"
             length = turn.ring.length if is_ring(turn.ring) else 0
-            if turn.oldest:
-                read.append(Assignment(turn.oldest, variable(ring_place(place, length))))
-            written += self.write_ring(place, turn.written, length)
-        before, after = self.statements([*read, *entry.body]), self.statements(entry.update)
-        return [*before, *written, *after]
+            place = ring_place(name, length)
+            read += [Assignment(turn.oldest, variable(place))] if turn.oldest else []
+            written.append(Assignment(place, turn.written))
+            moved += [self.moved_on(name, length)] if length else []
+        before = self.statements([*read, *entry.body, *written])
+        return [*before, *moved, *self.statements(entry.update)]
 
-    def write_ring(self, name: str, written: Expression, length: int) -> list[str]:
-        """Write a value over the oldest one of a ring, and go on to the place of the next one.
+    def moved_on(self, name: str, length: int) -> str:
+        """Write that a ring goes on to the place of what is now its oldest value.
 
         >>> from clepsydra.deploy.c99.statements import C99
-        >>> print("\\n".join(C99("law", "double").write_ring("flow", variable("inflow"), 5)))
-        flow[flow_position] = inflow;
-        flow_position = flow_position + 1 < 5 ? flow_position + 1 : 0;
+        >>> C99("law", "double").moved_on("flow", 5)
+        'flow_position = flow_position + 1 < 5 ? flow_position + 1 : 0;'
         """
-        lines, position = self.assign(ring_place(name, length), written), f"{name}_position"
-        if length:
-            following = self.advanced.format(position, length)
-            lines.append(self.assignment.format(position, following))
-        return lines
+        position = f"{name}_position"
+        return self.assignment.format(position, self.advanced.format(position, length))
 
     def assign(
         self, name: str, expression: Expression, held: Expression | None = None

@@ -59,6 +59,9 @@ def in_own_type(
         return Expression("select", (operands[0], *whole)).to("real")
     if code not in _OF_INTEGERS or _may_be_negative_zero(code, bounds):
         return None
+    if code in ("maximum", "minimum"):
+        # STruC++ computes in the type of the first operand, and takes a literal for an INT.
+        whole = tuple(sorted(whole, key=lambda each: each.code == "constant"))
     return Expression(code, whole).to("real")
 
 

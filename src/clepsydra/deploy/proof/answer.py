@@ -17,10 +17,13 @@ from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES
 #: Controllers and processes that are listed, and findings that are told, each in two lines.
 _LISTED, _TOLD = 16, 4
 _EMPTY = Line("")
-#: The worst first.
-_ORDER: tuple[Verdict, ...] = (
-    "fails", "differs", "refused", "diverges", "equal", "within the bound", "reported",
-)  # fmt: skip
+#: What is told, the worst first.
+_AMISS: dict[Verdict, str] = {
+    "fails": "does not run",
+    "differs": "differs",
+    "refused": "refused without need",
+    "diverges": "does not follow the simulation",
+}
 _REASONS = {limit.name: limit.reason for limit in LIMITS}
 #: "Structured Text, scl", "FMU 3.0", "FMU 3.0 exchange".
 _TARGET = re.compile(r"(Structured Text|FMU)[, ]+(\S+)(?: (exchange))?")
@@ -37,7 +40,9 @@ def proof_answer(proof: Proof, *, every: bool = False) -> Section:
     """
     rows = _by_subject(proof.rows)
     subjects = list(rows)
-    told = [f"{name}: {words}" for name in subjects for words in _amiss(proof, rows[name])]
+    told = [f"{name}: {said}." for name in subjects for said in findings(rows[name], whole=every)]
+    still = ((name, seen.still) for name, seen in proof.coverage.items() if not every)
+    told += [f"{name}: never moved: {', '.join(found)}." for name, found in still if found]
     listed = subjects if every else subjects[: _LISTED - 2 * min(len(told), _TOLD)]
     parts: list[Line | Table | Section] = [Line(result_sentence(proof), Mark.ANSWER)]
     if listed:
@@ -74,16 +79,6 @@ def _by_subject(rows: Sequence[ProofRow]) -> dict[str, list[ProofRow]]:
     return found
 
 
-def _amiss(proof: Proof, rows: Sequence[ProofRow]) -> list[str]:
-    """Return what is to be told of a controller or process beside its line."""
-    name = rows[0].subject
-    clean = ("equal", "within the bound", "reported")
-    said = [words for row, words in findings(rows) if row.verdict not in clean]
-    if name in proof.coverage and proof.coverage[name].still:
-        said.append(f"never moved: {', '.join(proof.coverage[name].still)}")
-    return [f"{words}." for words in said]
-
-
 def _table(rows_of: dict[str, list[ProofRow]]) -> Table:
     rows: list[tuple[str, ...]] = []
     for name, rows_of_one in rows_of.items():
@@ -115,68 +110,47 @@ def _single(rows: Sequence[ProofRow]) -> str:
     return next((row.verdict for row in rows if row.verdict != "equal"), "equal to C in every bit")
 
 
-def findings(rows: Iterable[ProofRow]) -> list[tuple[ProofRow, str]]:
-    """Return what the rows of one controller or process show, the worst first.
+def findings(rows: Iterable[ProofRow], *, whole: bool = False) -> list[str]:
+    """Return what is amiss in the rows of one controller or process, the worst first.
 
-    Rows of which the same is to be said come together, as the first of them and the words.
+    Rows of which the same is to be said come together.
+
+    Parameters
+    ----------
+    rows : iterable of ProofRow
+    whole : bool
+        Whether with all lines of a reason; a compiler writes many.
 
     Examples
     --------
-    >>> rows = [ProofRow("PI", name, "double", "engine", "0f", 10_000, 1)
+    >>> rows = [ProofRow("PI", name, "double", "engine", "0f", 9, 1, verdict="fails", reason="?")
     ...         for name in ("C", "FMU 3.0", "FMU 2.0")]
-    >>> findings(rows)[0][1]
-    'equal in every bit: C, FMU 2.0 and 3.0'
+    >>> findings(rows)
+    ['does not run: C, FMU 2.0 and 3.0 (?)']
     """
     together: dict[tuple[str, str], list[ProofRow]] = {}
-    rows = sorted(rows, key=lambda row: (row.holds, _ORDER.index(row.verdict)))
-    single = any(row.verdict == "reported" for row in rows)
-    for row in rows:
-        if not (single and row.against == "C in single" and row.verdict == "equal"):
-            together.setdefault(_said(row), []).append(row)
-    return [
-        (same[0], f"{what}{_targets(same)}{f' ({more})' if more else ''}")
-        for (what, more), same in together.items()
-    ]
+    amiss = [row for row in rows if row.verdict in _AMISS]
+    for row in sorted(amiss, key=lambda row: (row.holds, [*_AMISS].index(row.verdict))):
+        what = "not run" if row.limit else _AMISS[row.verdict]
+        together.setdefault((what, _why(row, whole=whole)), []).append(row)
+    return [f"{what}: {_targets(same)} ({why})" for (what, why), same in together.items()]
 
 
-def _said(row: ProofRow) -> tuple[str, str]:
-    """Return what is said of a row, and how much or why."""
-    if row.verdict == "fails":
-        return "does not run", _begun(row.reason)
-    if row.verdict == "refused":
-        if row.limit:
-            return "not run", _REASONS[row.limit]
-        return "refused without need", _begun(row.reason)
-    if row.verdict == "differs":
-        return "differs", _how_much(row)
+def _why(row: ProofRow, *, whole: bool) -> str:
+    """Return how much or why, of a row that is amiss."""
     if row.verdict == "diverges":
-        return "does not follow the simulation", (
-            f"{row.signal} is {row.largest:.2g} times its range off in scan {row.scan}; export "
-            "it in double precision"
-        )
-    of_c = " to C" if row.against == "C in single" else ""
-    if row.verdict == "equal":
-        return f"equal{of_c} in every bit", ""
-    if row.verdict == "within the bound":
-        return f"equal{of_c} within {rounded_up(row.bound or 0.0)} of the range", ""
-    changes = row.scores.get("is_change", False)
-    return (
-        f"single precision within {rounded_up(row.largest)} of the range",
-        "which changes the ranking" if changes else "",
-    )
-
-
-def _begun(reason: str) -> str:
-    """Return the two lines of a reason that say it; a compiler writes many below."""
-    return " ".join(reason.split("\n")[:2])
-
-
-def _how_much(row: ProofRow) -> str:
+        off = f"{row.signal} is {row.largest:.2g} times its range off in scan {row.scan}"
+        return f"{off}; export it in double precision"
+    if row.verdict != "differs":
+        limit, reason = _REASONS.get(row.limit, ""), row.reason.split("\n")
+        said = " ".join(reason if whole else reason[:2])
+        return "; ".join(filter(None, [limit, said] if whole else [limit or said]))
     if math.isinf(row.largest):
         return f"{row.signal or 'a decision'} is infinite or not a number in scan {row.scan}"
-    if row.largest == 0.0:
-        return f"{row.differing:,} of the numbers compared, {row.decisions:,} of them decisions"
-    return f"by up to {rounded_up(row.largest)} of the range of {row.signal}, in scan {row.scan}"
+    said = f"{row.differing:,} of the numbers compared"
+    said += f", {row.decisions:,} of them decisions" if row.decisions else ""
+    most = f", by up to {rounded_up(row.largest)} of the range of {row.signal} in scan {row.scan}"
+    return said + (most if row.largest else "")
 
 
 def rounded_up(share: float) -> str:
@@ -195,8 +169,6 @@ def _targets(rows: Iterable[ProofRow]) -> str:
     """Return the names of targets, dialects and versions of one kind together."""
     kinds: dict[tuple[str, str], list[str]] = {}
     for row in rows:
-        if row.verdict == "reported":  # of C in single precision alone, as the words say
-            return ""
         found = _TARGET.fullmatch(row.target)
         ending = " in single precision" if row.precision == "single" else ""
         if found is None:
@@ -205,7 +177,7 @@ def _targets(rows: Iterable[ProofRow]) -> str:
             ending += " for model exchange" if found[3] else ""
             kinds.setdefault((found[1], ending), []).append(found[2])
     names = (f"{name}{_each(name, each)}{end}" for (name, end), each in kinds.items())
-    return f": {', '.join(names)}"
+    return ", ".join(names)
 
 
 def _each(name: str, each: list[str]) -> str:

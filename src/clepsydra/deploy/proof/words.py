@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from decimal import Decimal
 
-from clepsydra.deploy.proof.limits import LIMITS
 from clepsydra.deploy.proof.row import Proof, ProofRow, Verdict
 
 _SMALLEST_PERCENT = 1e-4
@@ -63,60 +62,16 @@ def cells(row: ProofRow) -> tuple[str, ...]:
 
 
 def notes(proof: Proof) -> list[str]:
-    """Return what is to be said of rows and subjects, a sentence or two each."""
-    said = []
-    reasons: dict[tuple[str, str, str], list[str]] = {}
-    for row in proof.rows:
-        target = row.target if row.precision == "double" else f"{row.target} in single precision"
-        if row.verdict == "differs":
-            said.append(f"{row.subject}, {target}: {_difference_sentence(row)}")
-        elif row.verdict == "diverges":
-            said.append(f"{row.subject}, {target}: {_divergence_sentence(row)}")
-        elif row.reason:
-            reasons.setdefault((row.subject, _verb(row), row.reason), []).append(target)
-        if row.scores:
-            said.append(f"{row.subject}: {_score_sentence(row)}")
-    for (subject, verb, reason), targets in reasons.items():
-        said.append(f"{subject}, {', '.join(targets)}: {verb}{reason}")
-    met = {row.limit for row in proof.refusals}
-    said += [f"{limit.name}: {limit.reason}" for limit in LIMITS if limit.name in met]
-    for name, seen in proof.coverage.items():
-        if seen.unseen or seen.still:
-            said.append(f"{name}: {seen.sentence}")
-    return said
-
-
-def _verb(row: ProofRow) -> str:
-    if row.verdict == "refused":
-        return f"refused ({row.limit}); " if row.limit else "refused without need; "
-    return "" if row.verdict == "reported" else f"{row.verdict}; "
-
-
-def _difference_sentence(row: ProofRow) -> str:
-    if row.bound is None:
-        return (
-            f"{_count(row.overflows, 'number')} {'is' if row.overflows == 1 else 'are'} infinite "
-            "or not a number, and finite in what it is compared with; the worst is "
-            f"{row.signal or 'a decision'} in scan {row.scan}"
-        )
-    bound = "in every bit" if not row.bound else f"within {row.bound:g} of the range"
-    where = ""
-    if row.signal:
-        where = f", the largest difference {row.largest:.3g} of the range of {row.signal} in scan "
-        where += str(row.scan)
-    return (
-        f"it must be equal {bound}, and {_count(row.differing, 'number')} "
-        f"{'differs' if row.differing == 1 else 'differ'}{where}; "
-        f"{_count(row.decisions, 'decision')} among them"
-    )
-
-
-def _divergence_sentence(row: ProofRow) -> str:
-    sentence = (
-        f"it does not follow the simulation: {row.signal} is {row.largest:.2g} times its range off "
-        f"in scan {row.scan}; export this controller in double precision"
-    )
-    return f"{sentence}; {row.reason}" if row.reason else sentence
+    """Return what is to be said of rows and subjects beside what is amiss, a sentence each."""
+    said = [
+        f"{row.subject}: {words}"
+        for row in proof.rows
+        if row.verdict in ("reported", "diverges")
+        for words in (row.reason, _score_sentence(row) if row.scores else "")
+        if words
+    ]
+    seen = proof.coverage.items()
+    return said + [f"{name}: {each.sentence}" for name, each in seen if each.unseen or each.still]
 
 
 def _score_sentence(row: ProofRow) -> str:
