@@ -8,7 +8,7 @@ import pytest
 
 from clepsydra.linear.analysis import analyse
 from clepsydra.papers.four_tank_variable_structure import rig
-from clepsydra.papers.four_tank_variable_structure.decoupled import Setting, filled_with
+from clepsydra.papers.four_tank_variable_structure.readings import Setting, filled_with
 from clepsydra.papers.four_tank_variable_structure.rig import at_target, plant
 
 pytestmark = pytest.mark.thorough

@@ -9,7 +9,7 @@ import numpy as np
 from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Figure, Panel, curves
 from clepsydra.papers.four_tank_variable_structure import PRINTED
-from clepsydra.papers.four_tank_variable_structure.decoupled import Setting, filled_with
+from clepsydra.papers.four_tank_variable_structure.readings import Setting, filled_with
 from clepsydra.papers.four_tank_variable_structure.rig import Filling, fill, in_nu, in_volts
 from clepsydra.papers.row import Row
 
@@ -26,7 +26,7 @@ def run() -> Found:
     volts = fill(in_volts("variable_structure"), LIMIT, parameters=lanes)
     nu = fill(in_nu("variable_structure"), LIMIT, parameters=lanes)
     differentiated = [Setting(derivative=_DERIVATIVE)] * len(RATES)
-    damped = filled_with("variable_structure", differentiated, LIMIT, RATES)
+    damped = filled_with("variable_structure", differentiated, RATES)
     return (_adjusts(volts, nu, damped), _figure(volts, nu))
 
 

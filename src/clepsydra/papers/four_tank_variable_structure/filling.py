@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
+from itertools import product
+from typing import get_args
+
 import numpy as np
 
+from clepsydra.controllers.virtual_input import AlphaOn
 from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Curve, Figure, Panel, curves
 from clepsydra.papers.four_tank_variable_structure import PRINTED
-from clepsydra.papers.four_tank_variable_structure.decoupled import (
-    DECOUPLED_READINGS,
-    READING,
-    at_limit,
-    decoupled,
-    shares_at_limit,
-)
 from clepsydra.papers.four_tank_variable_structure.readings import (
-    CONVENTIONAL,
-    USUAL,
+    COMPARED,
+    LANE,
+    READING,
+    Setting,
+    at_limit,
     both,
+    decoupled,
     filled,
     saturating,
+    shares_at_limit,
 )
 from clepsydra.papers.four_tank_variable_structure.rig import (
     SETTINGS,
@@ -36,8 +38,6 @@ PLACE = "section 5"
 SHOWN = 200.0
 #: The levels nearest to the rim that the pumps still hold, with room for a little overshoot [m].
 HIGH = (0.185, 0.185)
-_WAYS = (CONVENTIONAL, "variable_structure")
-_LANE = at_limit(USUAL.limit)
 
 
 def run() -> Found:
@@ -47,21 +47,20 @@ def run() -> Found:
 
 
 def _overshoots() -> Rows:
-    old, new = (decoupled(way) for way in _WAYS)
-    in_volts = decoupled("variable_structure", DECOUPLED_READINGS[1])
-    doubled = decoupled(CONVENTIONAL, DECOUPLED_READINGS[2])
+    new, old = map(decoupled, COMPARED)
+    in_volts = decoupled("variable_structure", alpha_on="input")
+    doubled = decoupled("none", Setting(2.0))
     line = PRINTED[PLACE, "overshoot of the level, conventional PID"]
     farther, agreeing = (
         max((run.overshoot(tank)[lane] for tank in (1, 2)), key=lambda v: abs(v - line.value))
-        for run, lane in ((old, _LANE), (doubled, at_limit(20.0)))
+        for run, lane in ((old, LANE), (doubled, at_limit(20.0)))
     )
     line = line.told(reading=READING)
     conventional, other = (line.compared(found, tolerance=0.1) for found in (farther, agreeing))
     hangs_on = "It agrees with sensors of 1 V/cm and pumps to 20 V, and not as computed here."
     yield (conventional.undecided(hangs_on) if other.verdict == "reproduced" else conventional)
     yield PRINTED[PLACE, "overshoot, variable-structure PID"].remark(
-        f"{both(new, 'overshoot', lane=_LANE)} with α on ν, "
-        f"{both(in_volts, 'overshoot', lane=_LANE)} with α in volts",
+        f"{both(new, 'overshoot')} with α on ν, {both(in_volts, 'overshoot')} with α in volts",
         reading=READING,
     )
 
@@ -69,7 +68,7 @@ def _overshoots() -> Rows:
 def _speed() -> Row:
     """Compare settling and rise of both lower levels after decoupling."""
     settling, rise = (
-        " against ".join(both(decoupled(way), what, form, _LANE) for way in reversed(_WAYS))
+        " against ".join(both(decoupled(way), what, form) for way in COMPARED)
         for what, form in (("settling", ".0f"), ("rise", ".1f"))
     )
     line = PRINTED[PLACE, "speed of the response"].told(reading=READING)
@@ -78,20 +77,20 @@ def _speed() -> Row:
 
 def _saturation() -> Row:
     shares = [
-        shares_at_limit(decoupled("variable_structure", each), decoupled(CONVENTIONAL, each)).max()
-        for each in DECOUPLED_READINGS
+        shares_at_limit(decoupled(way, Setting(gain), alpha_on) for way in COMPARED).max()
+        for gain, alpha_on in product((1.0, 2.0), get_args(AlphaOn))
     ]
-    plain, limited = filled("variable_structure"), filled(CONVENTIONAL)
+    plain, limited = map(filled, COMPARED)
     undecoupled = [
         plain.saturated(pump)[lane] / limited.saturated(pump)[lane]
         for lane in saturating()
         for pump in (1, 2)
     ]
-    old, new = (decoupled(way) for way in _WAYS)
+    new, old = map(decoupled, COMPARED)
     return PRINTED[PLACE, "time of the pumps at a limit"].claimed(
         bool(max(*shares, *undecoupled) < 1.0),
         ", ".join(
-            f"v{pump} {new.saturated(pump)[_LANE]:.1f} against {old.saturated(pump)[_LANE]:.1f}"
+            f"v{pump} {new.saturated(pump)[LANE]:.1f} against {old.saturated(pump)[LANE]:.1f}"
             for pump in (1, 2)
         ),
         reading=READING,
@@ -102,7 +101,7 @@ def _without_saturation() -> Row:
     apart = [
         max(abs(old.level(tank) - new.level(tank)).max() for tank in (1, 2))
         for controller in (in_nu, in_volts)
-        for old, new in [[fill(controller(way), limits=1000.0) for way in _WAYS]]
+        for new, old in [[fill(controller(way), limits=1000.0) for way in COMPARED]]
     ]
     return PRINTED["section 4, feature (1)", "behaviour without saturation"].claimed(
         max(apart) == 0.0, f"{max(apart):.1g}"
@@ -110,9 +109,9 @@ def _without_saturation() -> Row:
 
 
 def _energy() -> Row:
-    old, new = (decoupled(way) for way in _WAYS)
+    new, old = map(decoupled, COMPARED)
     squares, volumes = (
-        [getattr(run, what)()[_LANE] for run in (new, old)] for what in ("electric", "pumped")
+        [getattr(run, what)()[LANE] for run in (new, old)] for what in ("electric", "pumped")
     )
     return PRINTED[PLACE, "energy of a filling"].remark(
         f"{squares[0]:.0f} against {squares[1]:.0f} V² s, "
@@ -122,7 +121,7 @@ def _energy() -> Row:
 
 
 def _overflow() -> Row:
-    old, limited = (fill(each(CONVENTIONAL), target=HIGH) for each in (in_nu, in_volts))
+    old, limited = (fill(each("none"), target=HIGH) for each in (in_nu, in_volts))
     return PRINTED[PLACE, "water over the rims"].claimed(
         bool(min(old.spilt()[0], limited.spilt()[0]) > 0.0),
         f"{old.spilt()[0]:.0f}",
@@ -131,20 +130,20 @@ def _overflow() -> Row:
 
 
 def _figures() -> Found:
-    names = "conventional PID", "variable-structure PID"
-    runs = dict(zip(names, map(decoupled, _WAYS), strict=True))
-    seen = runs[names[0]].time <= SHOWN
-    time = runs[names[0]].time[seen]
+    new, old = map(decoupled, COMPARED)
+    runs = {"conventional PID": old, "variable-structure PID": new}
+    seen = new.time <= SHOWN
+    time = new.time[seen]
     for number, lower in (("Fig. 3", 1), ("Fig. 4", 2)):
         ends, target = np.array([0.0, SHOWN]), np.full(2, 100.0 * TARGET[lower - 1])
         panels = []
         for tank in (lower, lower + 2):
-            levels = {name: run.level(tank)[_LANE, seen] for name, run in runs.items()}
+            levels = {name: run.level(tank)[LANE, seen] for name, run in runs.items()}
             setpoint = [Curve("setpoint", ends, target, "dashed")] if tank == lower else []
             panels.append(Panel(f"h{tank}", f"h{tank} [cm]", curves(time, levels) + setpoint))
         yield Figure(number, f"Levels h{lower} and h{lower + 2}", panels, READING)
     for pump, settings in enumerate(SETTINGS, start=1):
-        volts = {name: run.voltage(pump)[_LANE, seen] for name, run in runs.items()}
+        volts = {name: run.voltage(pump)[LANE, seen] for name, run in runs.items()}
         panel = Panel(f"v{pump}", f"v{pump} [V]", curves(time, volts, "held"))
         words = (
             f"After decoupling; PI with K = {settings.gain:g} V/V, Ti = "

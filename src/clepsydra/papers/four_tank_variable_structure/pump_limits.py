@@ -13,12 +13,13 @@ import numpy as np
 from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Figure, Panel, curves
 from clepsydra.papers.four_tank_variable_structure import PRINTED
-from clepsydra.papers.four_tank_variable_structure.decoupled import (
+from clepsydra.papers.four_tank_variable_structure.readings import (
+    COMPARED,
     LIMITS,
+    SATURATED,
     decoupled,
     shares_at_limit,
 )
-from clepsydra.papers.four_tank_variable_structure.readings import CONVENTIONAL, SATURATED
 from clepsydra.papers.four_tank_variable_structure.rig import WAYS, Filling, fill, in_volts
 from clepsydra.papers.row import Row
 
@@ -44,7 +45,7 @@ def run() -> Found:
 
 
 def _shares(runs: dict[str, Filling], least: float = SATURATED) -> np.ndarray:
-    return shares_at_limit(runs["variable_structure"], runs[CONVENTIONAL], least)
+    return shares_at_limit([runs[way] for way in COMPARED], least)
 
 
 def _returns(runs: dict[str, dict[str, Filling]]) -> Row:

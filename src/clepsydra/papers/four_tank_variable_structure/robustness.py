@@ -6,11 +6,15 @@ import itertools
 
 import numpy as np
 
-from clepsydra.controllers.virtual_input import VirtualAntiWindup
 from clepsydra.papers.document import Found
 from clepsydra.papers.four_tank_variable_structure import PRINTED
-from clepsydra.papers.four_tank_variable_structure.decoupled import READING
-from clepsydra.papers.four_tank_variable_structure.readings import READINGS, filled_in, saturating
+from clepsydra.papers.four_tank_variable_structure.readings import (
+    COMPARED,
+    READING,
+    READINGS,
+    filled_in,
+    saturating,
+)
 from clepsydra.papers.four_tank_variable_structure.rig import Filling, fill, in_nu, plant
 
 _VARIED = ("pump_1.gain", "pump_2.gain", "outlet_1.area", "outlet_2.area")
@@ -27,10 +31,11 @@ def run() -> Found:
     }
     lanes = [reading for reading in READINGS for _ in corners]
     everywhere = {name: np.tile(values, len(READINGS)) for name, values in parameters.items()}
-    ways: tuple[VirtualAntiWindup, ...] = ("variable_structure", "none")
-    new, old = (_worst(filled_in(way, lanes, everywhere), "settling", len(corners)) for way in ways)
+    new, old = (
+        _worst(filled_in(way, lanes, everywhere), "settling", len(corners)) for way in COMPARED
+    )
     slower = next(READINGS[place] for place in saturating() if new[place] > old[place])
-    linear = [fill(in_nu(way), parameters=parameters) for way in ways]
+    linear = [fill(in_nu(way), parameters=parameters) for way in COMPARED]
     worst = {what: [_worst(run, what, len(corners))[0] for run in linear] for what in _SCORES}
     line = PRINTED["section 6", "worst overshoot and settling time"]
     yield line.remark(
