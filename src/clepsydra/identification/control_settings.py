@@ -46,8 +46,7 @@ class ControlSettings:
         if derivative:
             parts.append(f"a derivative time of {time_text(derivative)}")
         form = "PID" if derivative else "PI"
-        acting = "direct-acting " if self.settings.action == "direct" else ""
-        return f"{acting}{form} with {', '.join(parts[:-1])} and {parts[-1]}"
+        return f"{self.settings.action}-acting {form} with {', '.join(parts[:-1])} and {parts[-1]}"
 
     def as_dict(self) -> dict[str, Any]:
         """Return the settings [SI], for JSON."""

@@ -10,7 +10,7 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.equilibrium import NoEquilibrium, find_equilibrium
-from clepsydra.loop.motion_block import RING_PARTS, MotionBlock, process_period, ring_name
+from clepsydra.loop.motion_block import MotionBlock, motion_from, process_period
 from clepsydra.loop.open_loop_plan import plan_simulation
 from clepsydra.process.process import Process
 
@@ -57,42 +57,26 @@ class ProcessBatch:
 
         The parameters are those that differ from the process's own, each [lanes].
         """
-        process, motion = self.process, self.process.motion
-        lanes = start.shape[1]
-        values = np.tile(process.parameter_values[:, None], (1, lanes))
+        process = self.process
+        values = np.tile(process.parameter_values[:, None], (1, start.shape[1]))
         for place, signal in enumerate(process.parameters):
             if signal.name in parameters:
                 values[place] = parameters[signal.name]
-        contents = np.array(motion.to_contents.map(lanes)(start, values))
-        state: dict[str, np.ndarray | float] = {
-            signal.name: contents[place] for place, signal in enumerate(motion.contents)
-        }
-        state |= {signal.name: signal.initial for signal in motion.memories}
-        state |= self._on_the_way(contents, values)
+        first = np.array([given[0] for given in self.given.values()])
+        inputs, disturbances = np.split(first, [len(process.inputs)])
+        begins = [
+            motion_from(process.motion, x, inputs, disturbances, p)
+            for x, p in zip(start.T, values.T, strict=True)
+        ]
         count = self.samples if samples is None else samples
         result = self._kernel.run(
             count,
             inputs={name: values[:count] for name, values in self.given.items()},
             parameters={s.name: values[place] for place, s in enumerate(process.parameters)},
-            state=state,
+            state={name: np.array([lane[name] for lane in begins]) for name in begins[0]},
             threads=1,
         )
         return np.stack([result.output(s.name) for s in process.measurements], axis=1)
-
-    def _on_the_way(self, contents: np.ndarray, values: np.ndarray) -> dict[str, np.ndarray]:
-        """Return what the delays hold at first: what enters them then, in every lane."""
-        motion = self.process.motion
-        if not motion.delays:
-            return {}
-        first = np.array([values[0] for values in self.given.values()])
-        u, d = np.split(first, [len(self.process.inputs)])
-        lanes = zip(contents.T, values.T, strict=True)
-        late = np.transpose([motion.delayed_at_rest(c, u, d, p) for c, p in lanes])
-        return {
-            ring_name(delay.name, part): late[place]
-            for place, delay in enumerate(motion.delays)
-            for part in RING_PARTS
-        }
 
     @cached_property
     def _kernel(self) -> Kernel:

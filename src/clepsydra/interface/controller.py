@@ -82,16 +82,18 @@ class Controller(Answered, inner.Controller):
             design=f"{self.design.rstrip('.')}; then changed by hand.",
             values={**self.values, **found},
         )
-        if isinstance(self.law, PythonLaw):
-            return changed
-        state = rested_elsewhere(
-            Loop(self, self.plant.measured), Loop(changed, self.plant.measured)
-        )
-        return replace(changed, initial_state=state)
+        return changed._rested_as(self)
 
     def named(self, name: str) -> Controller:
         """Return it under another name, by which a study tells it apart."""
         return replace(self, name=name)
+
+    def _rested_as(self, before: Controller) -> Controller:
+        """Return it at rest at its plant, as the one that it was made from is at its own."""
+        if isinstance(self.law, PythonLaw):
+            return self
+        loops = (Loop(each, each.plant.measured) for each in (before, self))
+        return replace(self, initial_state=rested_elsewhere(*loops))
 
     def _remedy(self, name: str) -> str:
         """Lead from a setting to where it stands."""
@@ -143,13 +145,7 @@ def of_plant(controller: AnyController, plant: Subject) -> Controller:
     if controller.plant is plant:
         return controller
     _check_signals(controller, plant)
-    moved = replace(controller, plant=plant)
-    if isinstance(controller.law, PythonLaw):
-        return moved
-    state = rested_elsewhere(
-        Loop(controller, controller.plant.measured), Loop(moved, plant.measured)
-    )
-    return replace(moved, initial_state=state)
+    return replace(controller, plant=plant)._rested_as(controller)
 
 
 def _check_signals(controller: Controller, plant: Plant) -> None:

@@ -75,12 +75,7 @@ def plant_shell(
                 found[name][key] = table.quantity(key, "s", "a time", _REMEDY, at_least=0.0)
             else:
                 found[name][key] = read_rate(table, key, signal, "a rate", _REMEDY)
-    return PlantShell(
-        fail_safe=found["fail_safe"],
-        sensor_delay=found["sensor_delay"],
-        setpoint_rate=found["setpoint_rate"],
-        rate_limit=found["rate_limit"],
-    )
+    return PlantShell(**found)
 
 
 def _a_second(unit: str) -> str:

@@ -218,10 +218,16 @@ def step_told(period: float, substeps: int) -> dict[str, float]:
 
 def motion_at_rest(point: OperatingPoint) -> dict[str, float]:
     """Return what lives from sample to sample by name, at rest; nothing has happened yet."""
-    process, motion = point.process, point.process.motion
-    p = process.parameter_values
-    c = np.array(motion.to_contents(point.state, p)).ravel()
-    z = motion.delayed_at_rest(c, point.inputs, point.disturbances, p)
+    values = point.process.parameter_values
+    return motion_from(point.process.motion, point.state, point.inputs, point.disturbances, values)
+
+
+def motion_from(
+    motion: Motion, state: np.ndarray, inputs: np.ndarray, disturbances: np.ndarray, p: np.ndarray
+) -> dict[str, float]:
+    """Return the same at a state, where what enters the delays then has always entered them."""
+    c = np.array(motion.to_contents(state, p)).ravel()
+    z = motion.delayed_at_rest(c, inputs, disturbances, p)
     rings = {
         ring_name(delay.name, part): float(value)
         for delay, value in zip(motion.delays, z, strict=True)

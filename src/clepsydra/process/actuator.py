@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import casadi as ca
+
+from clepsydra.base.quantity import quantity
 
 #: Where a rate is limited and no lag is given: time to the last of the way, as a share of the
 #: time over the whole span. It rounds the corner at the end of a ramp.
 ROUNDING = 0.01
+
+
+def follows_in(
+    remedy: str, expected: str = "a time constant", words: str = "time constant of"
+) -> Any:
+    """Return the field of the time [s] in which an element follows; without one it does at once."""
+    return quantity("s", expected, words, above=0.0, absent=0.0, remedy=remedy)
 
 
 def limited_speed(missing: ca.SX, per_lag: ca.SX, rate: ca.SX | None) -> ca.SX:

@@ -13,7 +13,7 @@ from clepsydra.base.errors import Finding
 from clepsydra.base.quantity import quantity
 from clepsydra.base.signal import Signal
 from clepsydra.process import told
-from clepsydra.process.actuator import ROUNDING, limited_speed
+from clepsydra.process.actuator import ROUNDING, follows_in, limited_speed
 from clepsydra.process.declared import choice, filled, flag, link, part
 from clepsydra.process.element import Element
 from clepsydra.process.elements.orifice import LAMINAR
@@ -30,6 +30,7 @@ from clepsydra.program.step_law import Symbols
 
 #: What a Kv is defined with: water, and a pressure difference of 1 bar.
 _DENSITY, _BAR = 1000.0, 1e5
+_AT_ONCE = "leave it out for a valve that follows at once"
 
 
 @dataclass(frozen=True)
@@ -136,22 +137,8 @@ class ControlValve(Element):
         absent=math.inf,
         remedy="leave it out for a line without loss",
     )
-    stroke_time: float = quantity(
-        "s",
-        "a time",
-        "stroke time of",
-        above=0.0,
-        absent=0.0,
-        remedy="leave it out for a valve that follows at once",
-    )
-    lag: float = quantity(
-        "s",
-        "a time constant",
-        "time constant of",
-        above=0.0,
-        absent=0.0,
-        remedy="leave it out for a valve that follows at once",
-    )
+    stroke_time: float = follows_in(_AT_ONCE, "a time", "stroke time of")
+    lag: float = follows_in(_AT_ONCE)
     friction: Backlash | Stiction | None = part(
         lambda table, key, known: read_friction(table),
         {

@@ -11,7 +11,7 @@ import casadi as ca
 from clepsydra.base.quantity import quantity
 from clepsydra.base.signal import Signal
 from clepsydra.process import told
-from clepsydra.process.actuator import ROUNDING, limited_speed
+from clepsydra.process.actuator import ROUNDING, follows_in, limited_speed
 from clepsydra.process.declared import filled, link, part
 from clepsydra.process.element import Connection, Element
 from clepsydra.process.flow import Flow, Flows
@@ -123,14 +123,7 @@ class Pump(Element):
         needs="curve",
         remedy="leave it out for a pipe without loss",
     )
-    lag: float = quantity(
-        "s",
-        "a time constant",
-        "time constant of",
-        above=0.0,
-        absent=0.0,
-        remedy=_AT_ONCE,
-    )
+    lag: float = follows_in(_AT_ONCE)
     rate: float = quantity(
         "{unit}/s",
         "a change per time",
