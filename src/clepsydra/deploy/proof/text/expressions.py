@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -12,9 +11,10 @@ from clepsydra.deploy.proof.text.operations import (
     ARITHMETIC,
     COMPARED,
     COMPARISONS,
-    DINT_ARITHMETIC,
+    DIVIDED,
     FUNCTIONS,
     PARAMETERS,
+    ROUNDED,
     quotient,
     remainder,
     rounding,
@@ -26,8 +26,6 @@ from clepsydra.deploy.proof.text.values import LITERALS, REALS, in_range, litera
 if TYPE_CHECKING:
     from tree_sitter import Node
 
-_LOAD, _STORE = ast.Load(), ast.Store()
-
 
 def checked(values: list[Any], place: int) -> int:
     """Return an index that lies inside an array."""
@@ -38,10 +36,10 @@ def checked(values: list[Any], place: int) -> int:
 
 @dataclass(frozen=True)
 class Typed:
-    """An expression and its type."""
+    """An expression of Python and its type in Structured Text."""
 
     type: str
-    code: ast.expr
+    code: str
 
 
 class Expressions:
@@ -96,14 +94,14 @@ class Expressions:
         """Whether a variable is a structure."""
         return declared.type in self._units and self._units[declared.type].kind == "STRUCT"
 
-    def of_type(self, node: Node, type_name: str, what: str) -> ast.expr:
+    def of_type(self, node: Node, type_name: str, what: str) -> str:
         """Translate an expression that must be of a type."""
         found = self.expression(node, type_name)
         if found.type != type_name:
             raise wrong(node, f"{what} is {type_name}, the value {found.type}")
         return found.code
 
-    def index(self, node: Node, name: str) -> tuple[Declared, ast.expr]:
+    def index(self, node: Node, name: str) -> tuple[Declared, str]:
         """Translate the index of an array, with the array's declaration."""
         declared = self.known(node, name)
         if not declared.length:
@@ -116,35 +114,27 @@ class Expressions:
             return self.expression(node.named_children[0], wanted)
         if node.type in LITERALS or node.type == "typed_literal":
             return self._literal(node, wanted)
-        of_memory = {
+        kinds = {
             "identifier": self._variable,
             "index_expression": self._entry,
             "member_access_expression": self._member,
-        }
-        if node.type in of_memory:
-            return of_memory[node.type](node)
-        computed = {
             "unary_expression": self._unary,
             "binary_expression": self._binary,
             "call_expression": self._call,
         }
-        if node.type in computed:
-            return computed[node.type](node, wanted)
+        if node.type in kinds:
+            return kinds[node.type](node, wanted)
         raise wrong(node, f"no meaning for {node.type}")
 
-    def variable(self, name: str) -> ast.expr:
+    def variable(self, name: str) -> str:
         """Return what reads a variable."""
         self.read.add(name)
-        return ast.Name(f"v_{name}", _LOAD)
+        return f"v_{name}"
 
-    def place_in(self, array: str, index: ast.expr) -> tuple[ast.expr, ast.expr]:
-        """Return an array and an index that is checked to lie inside of it."""
+    def place_in(self, array: str, index: str) -> str:
+        """Return the entry of an array at an index that is checked to lie inside of it."""
         values = self.variable(array)
-        return values, self.called("checked", values, index)
-
-    def called(self, function: str, *arguments: ast.expr) -> ast.expr:
-        """Return what calls a function of the namespace."""
-        return ast.Call(ast.Name(function, _LOAD), list(arguments), [])
+        return f"{values}[checked({values}, {index})]"
 
     def _literal(self, node: Node, wanted: str) -> Typed:
         if node.type == "typed_literal":
@@ -152,24 +142,24 @@ class Expressions:
         else:
             possible = LITERALS[node.type]
             type_name = wanted if wanted in possible else possible[0]
-        return Typed(type_name, ast.Constant(literal(node, type_name)))
+        return Typed(type_name, repr(literal(node, type_name)))
 
-    def _variable(self, node: Node) -> Typed:
+    def _variable(self, node: Node, wanted: str) -> Typed:
         name = content(node).lower()
         declared = self.known(node, name)
         if declared.length or declared.is_instance:
             raise wrong(node, f"{name} is no single value")
         return Typed(declared.type, self.variable(name))
 
-    def _entry(self, node: Node) -> Typed:
+    def _entry(self, node: Node, wanted: str) -> Typed:
         name = content(part(node, "object")).lower()
         declared, index = self.index(node, name)
-        return Typed(declared.type, ast.Subscript(*self.place_in(name, index), _LOAD))
+        return Typed(declared.type, self.place_in(name, index))
 
-    def _member(self, node: Node) -> Typed:
+    def _member(self, node: Node, wanted: str) -> Typed:
         held, member = part(node, "object"), content(part(node, "member")).lower()
         if held.type == "member_access_expression":
-            whole = self._member(held)
+            whole = self._member(held, wanted)
             unit, memory = self._units[whole.type], whole.code
         else:
             name = content(held).lower()
@@ -177,18 +167,17 @@ class Expressions:
         declared = unit.declared.get(member)
         if declared is None or declared.section != "VAR_OUTPUT" or declared.length:
             raise wrong(node, f"{member} is no output of {unit.name}")
-        state = ast.Attribute(memory, "state", _LOAD)
-        return Typed(declared.type, ast.Subscript(state, ast.Constant(member), _LOAD))
+        return Typed(declared.type, f"{memory}.state[{member!r}]")
 
     def _unary(self, node: Node, wanted: str) -> Typed:
         operator = content(part(node, "operator")).upper()
         operand = self.expression(part(node, "operand"), wanted)
         if operator == "NOT" and operand.type == "BOOL":
-            return Typed("BOOL", ast.UnaryOp(ast.Not(), operand.code))
+            return Typed("BOOL", f"(not {operand.code})")
         if (operator, operand.type) == ("-", "DINT"):
-            return Typed("DINT", self.called("in_range", ast.UnaryOp(ast.USub(), operand.code)))
+            return Typed("DINT", f"in_range(-{operand.code})")
         if operator == "-" and operand.type in ("LREAL", "REAL"):
-            return Typed(operand.type, ast.UnaryOp(ast.USub(), operand.code))
+            return Typed(operand.type, f"(-{operand.code})")
         raise wrong(node, f"{operator} of {operand.type}")
 
     def _binary(self, node: Node, wanted: str) -> Typed:
@@ -206,34 +195,23 @@ class Expressions:
         if kind != right.type:
             raise wrong(node, f"{kind} {operator} {right.type}")
         if operator in COMPARISONS and kind in COMPARED:
-            return Typed("BOOL", ast.Compare(left.code, [COMPARISONS[operator]], [right.code]))
+            return Typed("BOOL", f"({left.code} {COMPARISONS[operator]} {right.code})")
         if (kind, operator) in ARITHMETIC:
-            found: ast.expr = ast.BinOp(left.code, ARITHMETIC[kind, operator], right.code)
-            return Typed(kind, self._rounded(kind, found))
+            sign, function = ARITHMETIC[kind, operator], ROUNDED.get(kind, "")
+            return Typed(kind, f"{function}({left.code} {sign} {right.code})")
+        if (kind, operator) in DIVIDED:
+            return Typed(kind, f"{DIVIDED[kind, operator]}({left.code}, {right.code})")
         if operator == "/" and kind in REALS:
-            return Typed(kind, self._rounded(kind, self._quotient(left.code, right.code)))
-        if kind == "DINT" and operator in DINT_ARITHMETIC:
-            found = ast.BinOp(left.code, DINT_ARITHMETIC[operator], right.code)
-            return Typed(kind, self.called("in_range", found))
-        if (kind, operator) == ("DINT", "/"):
-            return Typed(kind, self.called("whole_quotient", left.code, right.code))
-        if (kind, operator) == ("DINT", "MOD"):
-            return Typed(kind, self.called("remainder", left.code, right.code))
+            return Typed(kind, f"{ROUNDED.get(kind, '')}({self._quotient(left.code, right.code)})")
         if operator == "**" and kind in REALS:
             return self._applied(node, "EXPT", [left, right])
         raise wrong(node, f"{operator} of {kind}")
 
-    def _rounded(self, kind: str, code: ast.expr) -> ast.expr:
-        return self.called("single", code) if kind == "REAL" else code
-
-    def _quotient(self, left: ast.expr, right: ast.expr) -> ast.expr:
+    def _quotient(self, left: str, right: str) -> str:
         """Divide by what is not zero without a call: `left / d if (d := right) else …`."""
         self._divisors += 1
         name = f"divisor_{self._divisors}"
-        given = ast.NamedExpr(ast.Name(name, _STORE), right)
-        divisor = ast.Name(name, _LOAD)
-        divided = ast.BinOp(left, ast.Div(), divisor)
-        return ast.IfExp(given, divided, self.called("quotient", left, divisor))
+        return f"{left} / {name} if ({name} := {right}) else quotient({left}, {name})"
 
     def _call(self, node: Node, wanted: str) -> Typed:
         name = content(part(node, "function")).upper()
@@ -263,8 +241,8 @@ class Expressions:
                     raise wrong(node, f"{content(each)} is not {name} of {unit.name}")
                 each = part(each, "value")
             arguments.append(self.of_type(each, kind, name))
-        self.namespace[key] = self._functions[key]
-        return Typed(unit.declared[key].type, self.called(key, *arguments))
+        self.namespace[f"f_{key}"] = self._functions[key]
+        return Typed(unit.declared[key].type, f"f_{key}({', '.join(arguments)})")
 
     def _argument(self, node: Node, function: str, place: int) -> Node:
         """Return the value of an argument, which may be given with its name."""
@@ -282,7 +260,7 @@ class Expressions:
         result, compute = FUNCTIONS[name, types]
         function = f"{name}_{'_'.join(types)}"
         self.namespace[function] = compute
-        return Typed(result, self.called(function, *(argument.code for argument in arguments)))
+        return Typed(result, f"{function}({', '.join(each.code for each in arguments)})")
 
 
 def _given(node: Node) -> list[Node]:

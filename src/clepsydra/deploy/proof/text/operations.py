@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import ctypes
 import math
 from array import array
@@ -113,20 +112,17 @@ def _of_numpy(function: Any, kind: type) -> Callable[..., float]:
     return compute
 
 
-#: Operators on two values of a type, with the type of the result, that Python has too; those of
-#: REAL are rounded to it afterwards.
-ARITHMETIC: dict[tuple[str, str], ast.operator] = {
-    **{(kind, "+"): ast.Add() for kind in ("LREAL", "REAL")},
-    **{(kind, "-"): ast.Sub() for kind in ("LREAL", "REAL")},
-    **{(kind, "*"): ast.Mult() for kind in ("LREAL", "REAL")},
-    # Both operands are evaluated: what goes wrong in the second one is not overlooked.
-    ("BOOL", "AND"): ast.BitAnd(),
-    ("BOOL", "OR"): ast.BitOr(),
+#: Operators on two values of a type that Python has too. Both operands of AND and OR are evaluated:
+#: what goes wrong in the second one is not overlooked.
+ARITHMETIC = {
+    **{(kind, sign): sign for kind in ("LREAL", "REAL", "DINT") for sign in "+-*"},
+    ("BOOL", "AND"): "&",
+    ("BOOL", "OR"): "|",
 }
-DINT_ARITHMETIC: dict[str, ast.operator] = {"+": ast.Add(), "-": ast.Sub(), "*": ast.Mult()}
-COMPARISONS: dict[str, ast.cmpop] = {
-    "<": ast.Lt(), "<=": ast.LtE(), ">": ast.Gt(), ">=": ast.GtE(), "=": ast.Eq(), "<>": ast.NotEq()
-}  # fmt: skip
+#: What a result of a type goes through, and what divides.
+ROUNDED = {"REAL": "single", "DINT": "in_range"}
+DIVIDED = {("DINT", "/"): "whole_quotient", ("DINT", "MOD"): "remainder"}
+COMPARISONS = {"<": "<", "<=": "<=", ">": ">", ">=": ">=", "=": "==", "<>": "!="}
 COMPARED = ("LREAL", "REAL", "DINT")
 
 #: Names of the parameters of functions that have more than one.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +12,6 @@ from clepsydra.deploy.proof.text.tree import content, part, wrong
 if TYPE_CHECKING:
     from tree_sitter import Node
 
-_LOAD, _STORE = ast.Load(), ast.Store()
 _PASSIVE = ("empty_statement", "comment", "pragma")
 
 
@@ -60,31 +58,27 @@ class _Body(Expressions):
         body = self._sequence(unit.body)
         kept = [n for n, d in unit.declared.items() if d.section != "VAR_TEMP"]
         if unit.kind == "FUNCTION":
-            given = ", ".join(f"v_{name}" for name in kept)
-            heading, returned = f"def run({given}): pass", f"v_{unit.name.lower()}"
-            whole = [*body, ast.Return(ast.Name(returned, _LOAD))]
+            heading = f"def run({', '.join(f'v_{name}' for name in kept)}):"
+            whole = [*body, f"return v_{unit.name.lower()}"]
         else:
-            heading, used = "def run(memory): pass", self.read | self._written
-            loads = [f"v_{name} = memory['{name}']" for name in kept if name in used]
-            stores = [f"memory['{name}'] = v_{name}" for name in kept if name in self._written]
-            first, last = (ast.parse("\n".join(lines)).body for lines in (loads, stores))
-            whole = [*first, *body, *last] or [ast.Pass()]
-        module = ast.parse(heading)
-        (definition,) = module.body
-        assert isinstance(definition, ast.FunctionDef)
-        definition.body = whole
-        exec(compile(ast.fix_missing_locations(module), f"<{unit.name}>", "exec"), self.namespace)
+            heading, used = "def run(memory):", self.read | self._written
+            first = [f"v_{name} = memory['{name}']" for name in kept if name in used]
+            last = [f"memory['{name}'] = v_{name}" for name in kept if name in self._written]
+            whole = [*first, *body, *last]
+        exec(
+            compile("\n".join([heading, *_inside(whole)]), f"<{unit.name}>", "exec"), self.namespace
+        )
         run: Callable[..., Any] = self.namespace["run"]
         return run
 
-    def _sequence(self, nodes: Sequence[Node]) -> list[ast.stmt]:
+    def _sequence(self, nodes: Sequence[Node]) -> list[str]:
         kinds = {
             "assignment_statement": self._assignment,
             "if_statement": self._if,
             "for_statement": self._for,
             "invocation_statement": self._invocation,
         }
-        statements: list[ast.stmt] = []
+        statements: list[str] = []
         for node in nodes:
             if node.type in _PASSIVE:
                 continue
@@ -93,7 +87,7 @@ class _Body(Expressions):
             statements += kinds[node.type](node)
         return statements
 
-    def _assignment(self, node: Node) -> list[ast.stmt]:
+    def _assignment(self, node: Node) -> list[str]:
         left, right = part(node, "left"), part(node, "right")
         if left.type == "member_access_expression":
             return self._to_member(node, left, right)
@@ -106,28 +100,25 @@ class _Body(Expressions):
         if single:
             return self._to_variable(node, name, declared, value)
         _, index = self.index(left, name)
-        return [ast.Assign([ast.Subscript(*self.place_in(name, index), _STORE)], value)]
+        return [f"{self.place_in(name, index)} = {value}"]
 
-    def _to_variable(
-        self, node: Node, name: str, declared: Declared, value: ast.expr
-    ) -> list[ast.stmt]:
+    def _to_variable(self, node: Node, name: str, declared: Declared, value: str) -> list[str]:
         """Translate what assigns a whole variable of this unit."""
         if self.is_record(declared):
-            return [_copied(self.variable(name), value)]
+            return [f"{self.variable(name)}.state.update({value}.state)"]
         if declared.length or declared.is_instance:
             raise wrong(node, f"{name} is no single value")
         self._written.add(name)
-        return [ast.Assign([ast.Name(f"v_{name}", _STORE)], value)]
+        return [f"v_{name} = {value}"]
 
-    def _to_member(self, node: Node, left: Node, right: Node) -> list[ast.stmt]:
+    def _to_member(self, node: Node, left: Node, right: Node) -> list[str]:
         """Translate what assigns a member of a structure of this unit."""
         name = content(part(left, "object")).lower()
         if not self.is_record(self._writable(node, name)):
             raise wrong(node, f"no meaning for a value of {content(left)}")
         member = self.expression(left)
         value = self.of_type(right, member.type, content(left))
-        assert isinstance(member.code, ast.Subscript)
-        return [ast.Assign([ast.Subscript(member.code.value, member.code.slice, _STORE)], value)]
+        return [f"{member.code} = {value}"]
 
     def _writable(self, node: Node, name: str) -> Declared:
         declared = self.known(node, name)
@@ -135,21 +126,22 @@ class _Body(Expressions):
             raise wrong(node, f"{name} may not be written")
         return declared
 
-    def _if(self, node: Node) -> list[ast.stmt]:
-        branches = [(node, node.children_by_field_name("consequence"))]
-        otherwise: list[ast.stmt] = []
+    def _if(self, node: Node) -> list[str]:
+        lines = self._branch("if", node, "consequence")
         for child in node.children:
             if child.type == "elsif_clause":
-                branches.append((child, child.children_by_field_name("body")))
+                lines += self._branch("elif", child, "body")
             elif child.type == "else_clause":
-                otherwise = self._sequence(child.children_by_field_name("body"))
-        for clause, nodes in reversed(branches):
-            condition = self.of_type(part(clause, "condition"), "BOOL", "a condition")
-            body = self._sequence(nodes) or [ast.Pass()]
-            otherwise = [ast.If(condition, body, otherwise)]
-        return otherwise
+                body = self._sequence(child.children_by_field_name("body"))
+                lines += ["else:", *_inside(body)]
+        return lines
 
-    def _for(self, node: Node) -> list[ast.stmt]:
+    def _branch(self, word: str, clause: Node, body: str) -> list[str]:
+        condition = self.of_type(part(clause, "condition"), "BOOL", "a condition")
+        inside = self._sequence(clause.children_by_field_name(body))
+        return [f"{word} {condition}:", *_inside(inside)]
+
+    def _for(self, node: Node) -> list[str]:
         name = content(part(node, "control")).lower()
         declared = self._writable(node, name)
         if declared.type != "DINT" or declared.length:
@@ -161,19 +153,16 @@ class _Body(Expressions):
         )
         self._written.add(name)
         self._controls.append(name)
-        body = self._sequence(node.children_by_field_name("body")) or [ast.Pass()]
+        body = self._sequence(node.children_by_field_name("body"))
         self._controls.pop()
-        after = ast.BinOp(end, ast.Add(), ast.Constant(1))
-        turns = ast.Call(ast.Name("range", _LOAD), [start, after], [])
-        return [ast.For(ast.Name(f"v_{name}", _STORE), turns, body, [])]
+        return [f"for v_{name} in range({start}, {end} + 1):", *_inside(body)]
 
-    def _invocation(self, node: Node) -> list[ast.stmt]:
+    def _invocation(self, node: Node) -> list[str]:
         call = node.named_children[0]
         name = content(part(call, "function")).lower()
         unit = self.unit_of(node, name)
         instance = self.variable(name)
-        memory = ast.Attribute(instance, "state", _LOAD)
-        before, after = list[ast.stmt](), list[ast.stmt]()
+        before, after = list[str](), list[str]()
         for argument in part(call, "arguments").named_children:
             if argument.type != "named_argument":
                 raise wrong(argument, "inputs are given by name")
@@ -183,7 +172,7 @@ class _Body(Expressions):
             declared = unit.declared.get(given)
             if declared is None or declared.section != f"VAR_{port.upper()}":
                 raise wrong(argument, f"{given} is no {port} of {unit.name}")
-            place = ast.Subscript(memory, ast.Constant(given), _LOAD if told else _STORE)
+            place = f"{instance}.state[{given!r}]"
             value = part(argument, "value")
             if told:
                 target = content(value).lower()
@@ -193,13 +182,9 @@ class _Body(Expressions):
                 after += self._to_variable(argument, target, taken, place)
             else:
                 code = self.of_type(value, declared.type, given)
-                before.append(ast.Assign([place], code))
-        run = ast.Call(ast.Attribute(instance, "run", _LOAD), [], [])
-        return [*before, ast.Expr(run), *after]
+                before.append(f"{place} = {code}")
+        return [*before, f"{instance}.run()", *after]
 
 
-def _copied(record: ast.expr, value: ast.expr) -> ast.stmt:
-    """Return what copies the members of a structure."""
-    state = ast.Attribute(record, "state", _LOAD)
-    given = ast.Attribute(value, "state", _LOAD)
-    return ast.Expr(ast.Call(ast.Attribute(state, "update", _LOAD), [given], []))
+def _inside(lines: Sequence[str]) -> list[str]:
+    return [f" {line}" for line in lines or ["pass"]]
