@@ -92,7 +92,7 @@ class Language(Notation, ABC):
         code, operation = expression.code, expression.operation
         if code == "constant":
             name = self.constants.get((expression.kind, expression.number))
-            return variable(name) if name else expression
+            return variable(name, expression.kind) if name else expression
         if operation == "real to boolean":
             return self.worded(Expression("not_equal", (expression.operands[0], constant())))
         if operation == "boolean to real" and not self.chooses:
