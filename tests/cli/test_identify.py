@@ -58,7 +58,10 @@ def test_two_columns_need_no_option(identified, tank):
     assert status == 0
     assert all(len(line) <= 100 for line in output.splitlines())
     words = " ".join(output.split())
-    assert "Use FOPDT: static gain 4" in words and "SIMC on FOPDT: reverse-acting PI with a gain of" in words
+    assert (
+        "Use FOPDT: static gain 4" in words
+        and "SIMC on FOPDT: reverse-acting PI with a gain of" in words
+    )
     page = (tank.parent / "tank-identification.html").read_text("utf-8")
     assert page.rstrip().endswith("</html>") and "Use FOPDT" in page
     best = cl.identify(tank).best
