@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
@@ -110,18 +111,6 @@ def course_model(set_up: SetUp, units: Units = "volts") -> LinearModel:
     constants (10), which depend on the levels alone.
     """
     process = plant(set_up, units)
-    state = np.array(set_up.course_levels) / 100.0
-    still = np.zeros(len(process.disturbances))
-    parameters = process.parameter_values
-
-    def rates(inputs: np.ndarray) -> np.ndarray:
-        return np.array(process.dynamics(state, inputs, still, parameters), float).ravel()
-
-    # The inputs that come nearest to holding the levels.
-    without = rates(np.zeros(2))
-    moved = np.column_stack([rates(one) - without for one in np.eye(2)])
-    inputs = np.linalg.lstsq(moved, -without, rcond=None)[0]
-    left = float(np.abs(rates(inputs)).max())
-    measured = np.array(process.measure(state, parameters), float).ravel()
-    point = OperatingPoint(process, state, inputs, still, measured, left)
+    state, rest = np.array(set_up.course_levels) / 100.0, find_equilibrium(process)
+    point = OperatingPoint.at(process, state, rest.inputs, rest.disturbances)
     return linearise(point).select(outputs=process.controlled)

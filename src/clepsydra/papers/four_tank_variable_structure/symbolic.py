@@ -26,21 +26,15 @@ def to_sympy(expression: ca.SX, names: Mapping[str, Any]) -> list[Expr]:
     """
     import sympy
 
-    symbols = ca.symvar(expression)
-    function = ca.Function("expression", symbols, [ca.densify(expression)])
-    work: dict[int, Any] = {}
-    results: list[Any] = [sympy.Integer(0)] * expression.numel()
-    binary = {
+    operations = {
         ca.OP_ADD: lambda a, b: a + b,
         ca.OP_SUB: lambda a, b: a - b,
         ca.OP_MUL: lambda a, b: a * b,
         ca.OP_DIV: lambda a, b: a / b,
         ca.OP_FMAX: lambda a, b: b if a.is_number else a,
-        ca.OP_LT: _below,
-        ca.OP_LE: _below,
+        ca.OP_LT: lambda a, b: sympy.Integer(not b.is_number),
+        ca.OP_LE: lambda a, b: sympy.Integer(not b.is_number),
         ca.OP_IF_ELSE_ZERO: lambda a, b: a * b,
-    }
-    unary = {
         ca.OP_SQRT: sympy.sqrt,
         ca.OP_SQ: lambda a: a**2,
         ca.OP_NEG: lambda a: -a,
@@ -48,24 +42,12 @@ def to_sympy(expression: ca.SX, names: Mapping[str, Any]) -> list[Expr]:
         ca.OP_TWICE: lambda a: 2 * a,
         ca.OP_NOT: lambda a: 1 - a,
     }
-    for k in range(function.n_instructions()):
-        operation = function.instruction_id(k)
-        given, out = function.instruction_input(k), function.instruction_output(k)
-        if operation == ca.OP_CONST:
-            work[out[0]] = sympy.nsimplify(function.instruction_constant(k), rational=True)
-        elif operation == ca.OP_INPUT:
-            work[out[0]] = names[symbols[given[0]].name()]
-        elif operation == ca.OP_OUTPUT:
-            results[out[1]] = sympy.simplify(work[given[0]])
-        elif operation in binary:
-            work[out[0]] = binary[operation](*(work[place] for place in given))
-        else:
-            work[out[0]] = unary[operation](work[given[0]])
-    return results
 
+    def of(entry: ca.SX) -> Any:
+        if entry.is_symbolic():
+            return names[entry.name()]
+        if entry.is_constant():
+            return sympy.nsimplify(float(entry), rational=True)
+        return operations[entry.op()](*(of(entry.dep(k)) for k in range(entry.n_dep())))
 
-def _below(left: Any, right: Any) -> Any:
-    """Return whether left < right where one of the two is a number and the other a level."""
-    from sympy import Integer
-
-    return Integer(0) if right.is_number else Integer(1)
+    return [sympy.simplify(of(entry)) for entry in ca.vertsplit(ca.densify(expression))]

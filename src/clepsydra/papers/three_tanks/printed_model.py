@@ -40,10 +40,8 @@ def three_tanks() -> Process:
 def linear_model_at(levels: np.ndarray) -> LinearModel:
     """Return the linear model at some levels [3] and the printed flow, at rest there or not."""
     process = three_tanks()
-    point = OperatingPoint(
-        process, levels, np.array([FLOW]), np.zeros(len(process.disturbances)), levels, np.nan
-    )
-    return linearise(point)
+    still = np.zeros(len(process.disturbances))
+    return linearise(OperatingPoint.at(process, levels, np.array([FLOW]), still))
 
 
 @cache
@@ -71,6 +69,6 @@ def flows_at(levels: np.ndarray) -> np.ndarray:
     [49.5, 39.6, 140.1]
     """
     process = three_tanks()
-    disturbances = np.zeros(len(process.disturbances))
-    rates = process.dynamics(levels, FLOW, disturbances, process.parameter_values)
+    still = np.zeros(len(process.disturbances))
+    rates = process.dynamics(levels, FLOW, still, process.parameter_values)
     return np.asarray(FLOW - AREA * np.cumsum(np.array(rates)))
