@@ -6,13 +6,16 @@ import csv
 import io
 import math
 import re
+from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.input_file import input_text, read_input
-from clepsydra.base.units import split_quantity
+from clepsydra.base.signal import Signal
+from clepsydra.base.units import split_quantity, to_si
 
 _EXPECTED = "a CSV file"
 _LARGEST, _LONGEST_LINE = 200_000_000, 100_000
@@ -21,6 +24,64 @@ _CONTROL = re.compile(r"[^\t\n\r -~\xa0-\U0010ffff]")
 _HEADER = re.compile(r"\s*(.*?)\s*(?:\[\s*(.*?)\s*\]\s*)?")
 _DECIMAL_COMMA = re.compile(r"\s*[+-]?\d*,\d+\s*")
 _HEAD_EXAMPLE = "write a head such as time [s],pump_1 [V]"
+
+
+class CsvTable(NamedTuple):
+    """Signals over time as a file has them, with the line and the cells of each row."""
+
+    file: Path
+    rows: list[tuple[int, list[str]]]
+    time_unit: str
+    time: np.ndarray  # [s]
+    signals: list[Signal]
+    values: np.ndarray  # [rows, signals], SI
+
+    def place(self, row: int, column: str = "time") -> str:
+        """Return where a cell stands, for messages."""
+        return f"{self.file}, line {self.rows[row][0]}, column '{column}'"
+
+
+def read_csv(
+    file: Path, most_rows: int, gap: str, signal_of: Callable[[str, str | None, str, int], Signal]
+) -> CsvTable:
+    """Read a file whose head names time and signals with their units.
+
+    Parameters
+    ----------
+    most_rows : int
+        Without the head.
+    gap : str
+        What to do about an empty cell.
+    signal_of : callable
+        Takes name and unit of a column, the place of the head and the number of the column, and
+        returns the signal or refuses the column.
+
+    Raises
+    ------
+    InputError
+        As by `csv_rows`, `csv_head` and `csv_numbers`; or a column has no unit or one of something
+        else, or names a signal again.
+    """
+    (line, cells), *rows = csv_rows(file, most_rows)
+    head = f"{file}, line {line}"
+    (time, time_unit), *columns = csv_head(cells, head)
+    factors = [to_si(f"1 {time_unit}", "s", f"{head}, column 'time'")]
+    signals: list[Signal] = []
+    for number, (name, unit) in enumerate(columns, 2):
+        where = f"{head}, column '{name}'"
+        if name in [signal.name for signal in signals]:
+            raise InputError(where, name, "each signal once", "take one of the two columns out")
+        signal = signal_of(name, unit, head, number)
+        if not unit and signal.unit != "1":
+            raise InputError(
+                where, name, f"its unit in brackets, as in {name} [{signal.shown_unit}]",
+                "write the unit of the numbers",
+            )  # fmt: skip
+        factors.append(to_si(f"1 {unit}" if unit and unit != "1" else "1", signal.unit, where))
+        signals.append(signal)
+    names = [time, *(signal.name for signal in signals)]
+    numbers = csv_numbers(rows, names, file, gap) * factors
+    return CsvTable(file, rows, time_unit or "", numbers[:, 0], signals, numbers[:, 1:])
 
 
 def csv_rows(file: Path, most_rows: int) -> list[tuple[int, list[str]]]:

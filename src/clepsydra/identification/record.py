@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from clepsydra.base.arguments import require_known
-from clepsydra.base.csv_table import csv_head, csv_numbers, csv_rows
+from clepsydra.base.csv_table import read_csv
 from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import convertible, to_si
@@ -201,52 +201,31 @@ def read_record(path: str | Path, process: Process | None = None) -> Record:
     file = Path(path)
     if file.suffix.lower() == ".parquet":
         raise InputError(str(file), Finding("a Parquet file"), "a CSV file", "write it as one")
-    (line, head), *rows = csv_rows(file, MOST_ROWS)
-    fields = csv_head(head, f"{file}, line {line}")
-    names = [name for name, _ in fields]
-    signals, factors = _signals(fields, f"{file}, line {line}", process)
-    lines = [line for line, _ in rows]
-    numbers = csv_numbers(rows, names, file, _GAP)
-    time = numbers[:, 0] * to_si(f"1 {fields[0][1]}", "s", f"{file}, column 'time'")
-    if len(time) < 2:
-        raise InputError(str(file), "1 row", "rows of numbers", "record for longer")
-    period = sampling_period(time, lambda row: f"{file}, line {lines[row]}, column 'time'")
-    values = {signal.name: numbers[:, at] * factors[at - 1] for at, signal in enumerate(signals, 1)}
-    return Record(str(file), tuple(signals), values, period, float(time[0]))
-
-
-def _signals(
-    fields: list[tuple[str, str | None]], place: str, process: Process | None
-) -> tuple[list[Signal], list[float]]:
-    """Return the signals and what one of their written units is in SI."""
-    to_si(f"1 {fields[0][1]}", "s", f"{place}, column 'time'")
     known = {}
     if process is not None:
         groups = (process.state, process.inputs, process.disturbances, process.measurements)
         known = {signal.name: signal for group in groups for signal in group}
-    signals: list[Signal] = []
-    factors = []
-    for number, (name, written) in enumerate(fields[1:], 2):
-        where = f"{place}, column '{name}'"
+
+    def signal_of(name: str, unit: str | None, head: str, number: int) -> Signal:
         if not name:
             raise InputError(
-                f"{place}, column {number}", "", "a name", "name every column, as in pump_1 [V]"
+                f"{head}, column {number}", "", "a name", "name every column, as in pump_1 [V]"
             )
-        if name in [signal.name for signal in signals]:
-            raise InputError(where, name, "each signal once", "take one of the two columns out")
-        of_process = known.get(name)
-        if not written and not (of_process and of_process.unit == "1"):
-            unit = of_process.shown_unit if of_process else "V"
+        signal, where = known.get(name), f"{head}, column '{name}'"
+        if not unit and (signal is None or signal.unit != "1"):
+            shown = signal.shown_unit if signal else "V"
             raise InputError(
-                where, name, f"its unit in brackets, as in {name} [{unit}]",
+                where, name, f"its unit in brackets, as in {name} [{shown}]",
                 "write the unit of the numbers, [1] for a pure number",
             )  # fmt: skip
-        unit = written or "1"
-        signal = of_process or _signal(name, unit, where)
-        plain = "" if unit == "1" else f" {unit}"
-        factors.append(to_si(f"1{plain}", signal.unit, where))
-        signals.append(signal)
-    return signals, factors
+        return signal or _signal(name, unit or "1", where)
+
+    table = read_csv(file, MOST_ROWS, _GAP, signal_of)
+    if len(table.time) < 2:
+        raise InputError(str(file), "1 row", "rows of numbers", "record for longer")
+    period = sampling_period(table.time, table.place)
+    values = {signal.name: table.values[:, at] for at, signal in enumerate(table.signals)}
+    return Record(str(file), tuple(table.signals), values, period, float(table.time[0]))
 
 
 def _signal(name: str, unit: str, place: str) -> Signal:
