@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
+from scipy.linalg import block_diag
 
 from clepsydra import LinearModel
-from clepsydra.linear.linear_model import InternalDelays
+from clepsydra.linear.linear_model import InternalDelays, led_back
 
 
 def rational(A, B, C, D) -> LinearModel:
@@ -54,3 +57,48 @@ def late_feedback(k: float, tau: float, gain: float = 1.0) -> LinearModel:
     return LinearModel(
         0 * one, gain * one, none, one, 0 * one, ("h",), ("u",), (), ("y",), delays=late
     )
+
+
+def side_by_side(first: LinearModel, second: LinearModel) -> LinearModel:
+    """Return both models: the inputs, states and outputs of one, then of the other."""
+    matrices = [[model.A, model.B, model.C, model.D] for model in (first, second)]
+    base = rational(*(block_diag(*each) for each in zip(*matrices, strict=True)))
+    names = (
+        "to_states",
+        "from_states",
+        "from_inputs",
+        "from_disturbances",
+        "through",
+        "to_outputs",
+    )
+    late = [delays_of(model) for model in (first, second)]
+    blocks = (block_diag(*(getattr(each, name) for each in late)) for name in names)
+    return replace(base, delays=InternalDelays(np.concatenate([d.times for d in late]), *blocks))
+
+
+def delays_of(model: LinearModel) -> InternalDelays:
+    """Return its delays, of no signals where it has none."""
+    n, m, q = len(model.A), len(model.inputs), len(model.outputs)
+    shapes = ((n, 0), (0, n), (0, m), (0, 0), (0, 0), (q, 0))
+    return model.delays or InternalDelays(np.zeros(0), *map(np.zeros, shapes))
+
+
+def led_to_inputs(model: LinearModel, gain: np.ndarray) -> LinearModel:
+    """Return the model with u = gain y + a new input."""
+    at = model.ports
+    return model.with_matrix(led_back(model.matrix, at.u, at.y, gain), model.times)
+
+
+def series(first: LinearModel, second: LinearModel) -> LinearModel:
+    """Return second · first, with the signals of the first and the outputs of the second."""
+    m, q, p = len(first.inputs), len(first.outputs), len(second.outputs)
+    joined = led_to_inputs(
+        side_by_side(first, second), np.eye(m + q, q + p, k=-m) * (np.arange(q + p) < q)
+    )
+    chosen = joined.select(joined.outputs[q:], joined.inputs[:m])
+    return replace(chosen, inputs=first.inputs, outputs=second.outputs)
+
+
+def feedback(loop: LinearModel) -> LinearModel:
+    """Return a loop closed by negative unity feedback."""
+    return led_to_inputs(loop, -np.eye(len(loop.inputs)))

@@ -7,14 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from models_by_hand import late_feedback, pure_delay, rational
+from models_by_hand import late_feedback, pure_delay, rational, series
 from refusals import refused
 
 import clepsydra as cl
 from clepsydra.linear.directionality import condition_numbers, singular_values
 from clepsydra.linear.directions import zero_directions
 from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.linear.interconnection import series
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.ranges import in_known_ranges
 from clepsydra.linear.response import evaluate_transfer, frequency_response

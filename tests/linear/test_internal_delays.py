@@ -7,11 +7,10 @@ from dataclasses import replace
 import control
 import numpy as np
 import pytest
-from models_by_hand import lag, late_feedback, pi, pure_delay, rational
+from models_by_hand import feedback, lag, late_feedback, pure_delay, rational, series, side_by_side
 from refusals import refused
 
 from clepsydra.linear.dead_time import without_dead_time
-from clepsydra.linear.interconnection import feedback, parallel_channels, series
 from clepsydra.linear.linear_model import InternalDelays
 from clepsydra.linear.poles import poles, time_constants
 from clepsydra.linear.relative_gain_array import (
@@ -82,19 +81,10 @@ def test_series_side_by_side_and_feedback_are_matrix_algebra():
     np.testing.assert_allclose(transfer_at(chain, s), second @ first, rtol=1e-10, atol=1e-11)
     closed = np.linalg.solve(np.eye(2) + second @ first, second @ first)
     np.testing.assert_allclose(transfer_at(feedback(chain), s), closed, rtol=1e-9, atol=1e-10)
-    beside = transfer_at(parallel_channels(one, two), s)
+    beside = transfer_at(side_by_side(one, two), s)
     np.testing.assert_allclose(beside[:, :2, :2], first, rtol=1e-11, atol=1e-12)
     np.testing.assert_allclose(beside[:, 2:, 2:], second, rtol=1e-11, atol=1e-12)
     assert not beside[:, :2, 2:].any() and not beside[:, 2:, :2].any()
-
-
-def test_one_channel_closed():
-    """S_ii of the whole loop and the loop seen at i, the other closed: S_ii = 1/(1 + L_i)."""
-    loop = random_delayed(8)
-    s = 1j * OMEGAS
-    sensitivity = np.linalg.inv(np.eye(2) + transfer_at(loop, s))
-    seen = transfer_at(feedback(loop, [1]), s)[:, 0, 0]
-    np.testing.assert_allclose(1 / (1 + seen), sensitivity[:, 0, 0], rtol=1e-10)
 
 
 def test_without_delays_nothing_changes(random_system):
@@ -236,12 +226,3 @@ def test_what_pade_refuses():
     echo = replace(pure_delay(1.0).delays, through=np.eye(1))
     with refused(remedy="one higher or lower"):
         without_dead_time(replace(pure_delay(1.0), delays=echo), 2)
-
-
-def test_connections_that_do_not_fit():
-    with refused(remedy="select as many outputs"):
-        series(pure_delay(1.0, 2.0), pi(1.0, 2.0))
-    with refused(remedy="not well posed"):
-        feedback(rational(-1.0, 1.0, 1.0, -1.0))
-    with refused(expected="as many outputs as inputs"):
-        feedback(rational(-np.eye(2), np.ones((2, 1)), np.eye(2), np.zeros((2, 1))))

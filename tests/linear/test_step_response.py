@@ -8,11 +8,19 @@ from dataclasses import replace
 import control
 import numpy as np
 import pytest
-from models_by_hand import lag, late_feedback, pi, pure_delay, rational, static
+from models_by_hand import (
+    feedback,
+    lag,
+    late_feedback,
+    pi,
+    pure_delay,
+    rational,
+    series,
+    static,
+)
 from refusals import refused
 
 from clepsydra.linear.dead_time import without_dead_time
-from clepsydra.linear.interconnection import feedback, series
 from clepsydra.linear.static_gain import static_gain
 from clepsydra.linear.step_response import step_response
 

@@ -7,12 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from clepsydra.linear.frequency_grid import frequency_grid
-from clepsydra.linear.frequency_peak import highest
-from clepsydra.linear.interconnection import feedback, require_square
-from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.stability import asymptotically_stable
-
 _SWEEPS = 12
 # A coupling below this share of the matrix is balanced as if it were so large.
 _LEAST = 1e-12
@@ -156,51 +150,3 @@ class DiskMargin(NamedTuple):
     def phase(self) -> float:
         """The phase may change by this, up or down [rad]."""
         return 2.0 * math.atan(self.size / 2.0)
-
-
-def disk_margin(loop: LinearModel) -> DiskMargin:
-    """Return the symmetric disk margin α = 1 / max μ(S - I/2) of a loop, over all frequencies.
-
-    For one channel μ is the modulus, so α = 2/max|S - T|. For several, every channel is changed
-    independently and at once: the multiloop disk margin. μ is then its bound by diagonal
-    scaling, which is exact for up to three channels and for more makes α err to the safe side.
-
-    Parameters
-    ----------
-    loop : LinearModel
-        L, with as many outputs as inputs, closed by negative unity feedback. Broken at the
-        plant output it is G K, at the plant input K G.
-
-    Raises
-    ------
-    InputError
-        L is not square or not well posed, or its stability cannot be decided.
-
-    References
-    ----------
-    P. Seiler, A. Packard and P. Gahinet, An Introduction to Disk Margins, IEEE Control Systems
-    Magazine 40(5), 2020, 78-95, doi 10.1109/MCS.2020.3005277, with the skew at zero.
-
-    Examples
-    --------
-    L = 25/(s³ + 10 s² + 10 s + 10), the example of the reference:
-
-    >>> A = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [-10.0, -10.0, -10.0]])
-    >>> B, C = np.array([[0.0], [0.0], [25.0]]), np.array([[1.0, 0.0, 0.0]])
-    >>> loop = LinearModel(A, B, B[:, :0], C, np.zeros((1, 1)), ("a", "b", "c"), ("u",), (),
-    ...                    ("y",))
-    >>> margin = disk_margin(loop)
-    >>> round(margin.size, 2), round(margin.gain, 2), round(margin.frequency, 3)
-    (0.46, 1.59, 1.955)
-    """
-    size = require_square(loop)
-    closed = feedback(loop)
-    if not asymptotically_stable(closed):
-        return DiskMargin(0.0, math.nan)
-    identity = np.eye(size)
-    peak = highest(
-        closed,
-        frequency_grid(loop, closed),
-        lambda values: structured_singular_values(identity / 2.0 - values),  # S - I/2 = I/2 - T
-    )
-    return DiskMargin(min(1.0 / peak.peak, 2.0), peak.frequency)

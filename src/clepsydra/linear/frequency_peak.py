@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.response import evaluate_transfer, transfer_at
+from clepsydra.linear.response import evaluate_transfer
 
 # A maximum that can rise by less than this share is found: nine digits, and four of its place.
 _RISE = 1e-9
@@ -23,9 +22,6 @@ _PER_POLE = 8
 _BEYOND = np.array([1e2, 1e3])
 # Nearer to each other than this share of the least damping ratio, frequencies are one.
 _APART = 1e-3
-Curve = Callable[[np.ndarray], np.ndarray]
-
-_PHASES = 2048
 
 
 class SensitivityPeak(NamedTuple):
@@ -167,61 +163,3 @@ def largest_gain(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> 
     at_rest = SensitivityPeak(float(np.linalg.norm(D - C @ np.linalg.solve(A, B), 2)), 0.0)
     between = SensitivityPeak(*highest_point(gains, frequencies_of(np.linalg.eigvals(A))))
     return max(at_infinity, at_rest, between, key=lambda peak: peak.peak)
-
-
-def highest(closed: LinearModel, grid: np.ndarray, curve: Curve) -> SensitivityPeak:
-    """Return the maximum over frequency of a curve of a stable frequency response.
-
-    The curve is taken at zero, at infinity, and at its highest point between
-    (`highest_point`).
-
-    Parameters
-    ----------
-    closed : LinearModel
-        Stable.
-    grid : ndarray [l]
-        Rising [rad/s], close enough that no peak stands unseen between two of them; see
-        `frequency_grid`.
-    curve : function
-        Of responses [k, q, m] to values [k], both for k frequencies.
-
-    Returns
-    -------
-    SensitivityPeak
-        Its frequency is infinite where the curve only approaches the peak.
-    """
-
-    def values_at(frequencies: np.ndarray) -> np.ndarray:
-        return curve(transfer_at(closed, 1j * frequencies))
-
-    # Below a tenth of the grid's lowest frequency the curve is the one at zero.
-    between = highest_point(values_at, np.concatenate([grid[:1] / 10.0, grid]))
-    return max(
-        SensitivityPeak(float(values_at(np.zeros(1))[0]), 0.0),
-        SensitivityPeak(*between),
-        SensitivityPeak(float(curve(responses_at_infinity(closed)).max()), float("inf")),
-        key=lambda found: found.peak,
-    )
-
-
-def responses_at_infinity(model: LinearModel) -> np.ndarray:
-    """Return the responses that a model approaches with rising frequency.
-
-    Without a direct way through a dead time that is D. With one, e^(-jωτ) keeps turning: the
-    responses at 2048 phases of it (or combinations of phases, for several) stand for all.
-
-    Returns
-    -------
-    ndarray [k, q, m], complex
-    """
-    delays = model.delays
-    if delays is None or not (delays.from_inputs.any() and delays.to_outputs.any()):
-        return model.D[None].astype(complex)
-    r = len(delays.times)
-    if r == 1:
-        turns = np.linspace(0.0, 2.0 * np.pi, _PHASES, endpoint=False)[:, None]
-    else:
-        turns = np.random.default_rng(0).uniform(0.0, 2.0 * np.pi, (_PHASES, r))
-    late = np.exp(1j * turns)[:, :, None]
-    inner = np.linalg.solve(np.eye(r) - late * delays.through, late * delays.from_inputs)
-    return np.asarray(model.D + delays.to_outputs @ inner)

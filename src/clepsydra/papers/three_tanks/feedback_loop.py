@@ -8,8 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
+from clepsydra.linear.frequency_peak import largest_gain
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.loop_margins import LoopMargins, loop_margins
 from clepsydra.papers.printed import Printed
 from clepsydra.papers.row import Row
 from clepsydra.papers.three_tanks.printed_model import printed_model
@@ -44,18 +44,17 @@ class FeedbackLoop:
         return float(-1.0 / (_LEVEL_3 @ np.linalg.solve(self.closed, self.model.B))[0, 0])
 
     @cached_property
-    def margins(self) -> list[LoopMargins]:
-        """Margins with the loop opened at the feed, and at one level, closed at the others."""
-        B, D, states = self.model.B, np.zeros((1, 1)), tuple(self.model.states)
+    def sensitivity_peaks(self) -> list[float]:
+        r"""max\|S\| with the loop opened at the feed and at each level, closed at the others."""
+        model = self.model
         return [
-            loop_margins(LinearModel(A, B, B[:, :0], gain, D, states, ("feed",), (), ("demand",)))
-            for A, gain in self._opened()
+            largest_gain(self.closed, model.B, -gain, np.eye(1)).peak for _, gain in self._opened()
         ]
 
     @property
     def vector_gain_margins(self) -> list[float]:
         r"""20 log10 max\|S\| with the loop opened at the feed and at each level [dB]."""
-        return [20.0 * math.log10(each.sensitivity.peak) for each in self.margins]
+        return [20.0 * math.log10(each) for each in self.sensitivity_peaks]
 
     def _opened(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """Return A with the other feedback closed, and the gain of what is opened, of each."""
@@ -86,7 +85,6 @@ class FeedbackLoop:
 
     def margin_row(self, printed: Printed) -> Row:
         """Compare its vector gain margin with a printed one."""
-        assert math.isinf(self.margins[0].gain_margin_up or 0.0)
         at_feed, *at_levels = self.vector_gain_margins
         words = (
             "Where the loop is opened is not said. 20 log10 max|S|, the document's S∞, at the "

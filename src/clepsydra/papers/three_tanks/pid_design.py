@@ -9,7 +9,6 @@ import numpy as np
 from clepsydra.designs.models.transfer_element import TransferElement
 from clepsydra.designs.models.ultimate_point import ultimate_point
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.loop_margins import loop_margins
 from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Figure, bode_panels
 from clepsydra.papers.row import Rows
@@ -90,6 +89,8 @@ def loop_model() -> LinearModel:
 
 
 def _loop() -> Rows:
+    import control
+
     place = "closed loop of the PID"
     above = ("numerator s²", "numerator s", "numerator constant")
     below = tuple(f"denominator {power}" for power in ("s³", "s²", "s", "constant"))
@@ -101,15 +102,14 @@ def _loop() -> Rows:
         PRINTED[place, name].compared(value, tolerance=left.get(name, 0.0) / value)
         for name, value in found.items()
     ]
-    margins = loop_margins(loop_model())
-    phase = math.degrees(margins.phase_margin or 0.0)
-    peak = 20.0 * math.log10(margins.sensitivity.peak)
+    margin, phase, nearest, *_ = control.stability_margins(control.tf(_ABOVE, _BELOW))
+    peak = -20.0 * math.log10(nearest)
     poles = np.roots([1.0, *(PRINTED[place, name].value for name in below)])
-    assert math.isinf(margins.gain_margin_up or 0.0)
+    assert math.isinf(margin)
     yield PRINTED[place, "internal stability"].claimed(
-        bool(poles.real.max() >= 0.0) or not margins.stable,
+        bool(poles.real.max() >= 0.0) or bool(np.roots(closed).real.max() >= 0.0),
         f"stable, poles of the printed denominator at most at {poles.real.max():.4f} 1/s",
-        phase=phase,
+        phase=float(phase),
     )
     yield PRINTED[place, "VGM"].compared(peak)
     yield PRINTED[place, "VGM of the PID"].claimed(peak > 9.5, f"{peak:.2f} dB")
