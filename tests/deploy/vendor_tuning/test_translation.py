@@ -190,7 +190,8 @@ def test_what_decoupling_adds_stands_beside_the_blocks(kind):
         gain = float(words.partition("times ")[2].split()[0])
         assert gain == pytest.approx(-gains[row, 1 - row] / gains[row, row], rel=1e-4)
         assert ("with a lead of " in words) == (kind == "dynamic")
-        assert f"- {words}" in found.as_markdown().replace("\\", "")
+        shown = found.as_markdown().replace("\\", "")
+        assert f"- {words}".replace(" -", " −") in shown
     assert len(found.beside) == 2 == len(found.as_dict()["beside"])
 
 

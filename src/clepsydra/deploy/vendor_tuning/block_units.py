@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from clepsydra.controllers.pid_form import DerivativeOn
@@ -12,6 +12,8 @@ from clepsydra.deploy.vendor_tuning.printed_gain import engineering_unit
 from clepsydra.deploy.vendor_tuning.standard_tuning import StandardTuning
 from clepsydra.deploy.vendor_tuning.vendor_block import Kind, Parameter, VendorBlock
 from clepsydra.designs.gain_units import gain_factor, gain_from_percent, percent_gain
+
+Way = Callable[[float], float]
 
 
 @dataclass(frozen=True)
@@ -70,58 +72,51 @@ class BlockUnits:
         gain = engineering_unit(self.tuning.measurement, self.tuning.moved)
         return f"{'%/%' if percent else gain} {parameter.unit}".strip()
 
+    def _ways(self, numbers: FilteredPid, parameter: Parameter) -> dict[Kind, tuple[str, Way, Way]]:
+        """Return by kind which number a parameter shows, how it does, and the way back."""
+        gain, td, length = self._of_gain(numbers.gain), numbers.derivative_time, parameter.seconds
+
+        def times(factor: float, over: float = 1.0) -> tuple[Way, Way]:
+            return lambda x: x * factor / over, lambda shown: shown * over / factor
+
+        def by(amount: float) -> tuple[Way, Way]:
+            return lambda x: amount / x, lambda shown: amount / shown
+
+        weight: tuple[Way, Way] = (lambda x: 1.0 - x, lambda shown: 1.0 - shown)
+        of_gain, gain_of = self._of_gain, self._gain_of
+        return {
+            "gain": ("gain", of_gain, gain_of),
+            "proportional band": (
+                "gain", lambda x: 100.0 / of_gain(x), lambda shown: gain_of(100.0 / shown)
+            ),
+            "integral time": ("integral_time", *times(1.0, length)),
+            "repeats": ("integral_time", *by(length)),
+            "integral gain": ("integral_time", *by(gain * length)),
+            "derivative time": ("derivative_time", *times(1.0, length)),
+            "derivative gain": ("derivative_time", *times(gain, length)),
+            "filter time": ("filter_time", *times(1.0, length)),
+            "filter ratio": ("filter_time", *times(1.0, td or math.nan)),
+            "setpoint weight": ("setpoint_weight", *times(1.0)),
+            "reduced setpoint weight": ("setpoint_weight", *weight),
+        }  # fmt: skip
+
     def value(
         self, parameter: Parameter, numbers: FilteredPid, derivative_on: DerivativeOn
     ) -> float:
         """Return what a parameter has to be for numbers in the block's form."""
-        gain, integral_time, derivative_time, filter_time, weight = numbers
-        gain, length = self._of_gain(gain), parameter.seconds
-        values: dict[Kind, float] = {
-            "gain": gain,
-            "proportional band": 100.0 / gain,
-            "integral time": integral_time / length,
-            "repeats": length / integral_time,
-            "integral gain": gain * length / integral_time,
-            "derivative time": derivative_time / length,
-            "derivative gain": gain * derivative_time / length,
-            "filter time": filter_time / length,
-            "filter ratio": filter_time / derivative_time if derivative_time else math.nan,
-            "setpoint weight": weight,
-            "reduced setpoint weight": 1.0 - weight,
-            "derivative weight": 1.0 if derivative_on == "error" else 0.0,
-        }
-        return values[parameter.kind]
+        if parameter.kind == "derivative weight":
+            return 1.0 if derivative_on == "error" else 0.0
+        name, shown, _ = self._ways(numbers, parameter)[parameter.kind]
+        return shown(getattr(numbers, name))
 
     def meant(self, settings: Sequence[Setting], target: FilteredPid) -> FilteredPid:
         """Return what the printed numbers mean, in the block's form; gains come first."""
-        found = target._asdict()
         kinds = {parameter.name: parameter for parameter in self.block.parameters}
-        gain = self._of_gain(target.gain)
         for setting in settings:
-            parameter, value = kinds[setting.name], setting.value
-            length = parameter.seconds
-            match parameter.kind:
-                case "gain" | "proportional band":
-                    gain = value if parameter.kind == "gain" else 100.0 / value
-                    found["gain"] = self._gain_of(gain)
-                case "integral time":
-                    found["integral_time"] = value * length
-                case "repeats":
-                    found["integral_time"] = length / value
-                case "integral gain":
-                    found["integral_time"] = gain * length / value
-                case "derivative time":
-                    found["derivative_time"] = value * length
-                case "derivative gain":
-                    found["derivative_time"] = value * length / gain
-                case "filter time":
-                    found["filter_time"] = value * length
-                case "filter ratio":
-                    found["filter_time"] = value * found["derivative_time"]
-                case "setpoint weight":
-                    found["setpoint_weight"] = value
-                case "reduced setpoint weight":
-                    found["setpoint_weight"] = 1.0 - value
-        if isinstance(self.block.derivative_filter, float):
-            found["filter_time"] = found["derivative_time"] / self.block.derivative_filter
-        return FilteredPid(**found)
+            parameter = kinds[setting.name]
+            if parameter.kind != "derivative weight":
+                name, _, back = self._ways(target, parameter)[parameter.kind]
+                target = target._replace(**{name: back(setting.value)})
+        if isinstance(ratio := self.block.derivative_filter, float):
+            target = target._replace(filter_time=target.derivative_time / ratio)
+        return target
