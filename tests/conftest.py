@@ -1,9 +1,14 @@
-"""Shared by all tests: compiled kernels go to a folder of their own, the same in every worker."""
+"""Shared by all tests: compiled kernels go to a folder of their own, the same in every worker.
 
+What several workers need and one is to make, they make under a lock in a folder of all of them.
+"""
+
+import fcntl
 import hashlib
 import os
 import tempfile
 from collections import defaultdict
+from contextlib import contextmanager
 
 import pytest
 
@@ -39,3 +44,18 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         cases.sort(key=lambda case: hashlib.sha256(case.nodeid.encode()).digest())
         for case in cases[SAMPLE:]:
             case.add_marker("thorough")
+
+
+@pytest.fixture(scope="session")
+def alone(tmp_path_factory):
+    """Return a folder of all workers, while no other works there on what has this name."""
+    folder = tmp_path_factory.getbasetemp()
+    folder = folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder
+
+    @contextmanager
+    def locked(name):
+        with (folder / f"{name}.lock").open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            yield folder
+
+    return locked

@@ -11,12 +11,10 @@ are those of axe-core, `printed` the words of each sheet on paper:
         assert len(printed(page)) <= 6
 """
 
-import fcntl
 import os
 import shutil
 import subprocess
 import sys
-from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
 
@@ -31,21 +29,6 @@ SOURCES = ROOT / "page"
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 #: A phone, a laptop and a control room's screen [px].
 WIDTHS = (420, 1400, 2560)
-
-
-@pytest.fixture(scope="session")
-def alone(tmp_path_factory):
-    """Return a folder of all workers, while no other works there on what has this name."""
-    folder = tmp_path_factory.getbasetemp()
-    folder = folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder
-
-    @contextmanager
-    def locked(name):
-        with (folder / f"{name}.lock").open("w") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX)
-            yield folder
-
-    return locked
 
 
 @pytest.fixture(scope="session")

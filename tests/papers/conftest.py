@@ -1,7 +1,8 @@
-"""One run of each document for every test of a process that asks for it, and the page beside it."""
+"""One run of each document for every test that asks for it, in any process, and its page."""
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -13,24 +14,27 @@ from clepsydra.papers.audit import Audit, DocumentAudit, audit
 PAGES = Path(__file__).parents[2] / "docs" / "papers"
 
 
-@cache
-def _audited(key: str) -> DocumentAudit:
-    (document,) = audit([key]).documents
-    return document
+@pytest.fixture(scope="session")
+def audited(alone) -> Callable[[str], DocumentAudit]:
+    """Key to a document with what its experiments found, audited by the worker that is first."""
+
+    @cache
+    def found(key: str) -> DocumentAudit:
+        with alone(f"audit-{key}") as folder:
+            file = folder / f"audit-{key}.pickle"
+            if not file.exists():
+                file.write_bytes(pickle.dumps(audit([key]).documents[0]))
+            return pickle.loads(file.read_bytes())
+
+    return found
 
 
 @pytest.fixture(scope="session")
-def audited() -> Callable[[str], DocumentAudit]:
-    """Key to a document with what its experiments found."""
-    return _audited
-
-
-@pytest.fixture(scope="session")
-def page_holds() -> Callable[[str], bool]:
+def page_holds(audited) -> Callable[[str], bool]:
     """Whether the page of a document prints the sentence that its audit gives now."""
 
     def holds(key: str) -> bool:
         words = (PAGES / f"{key}.md").read_text("utf-8")
-        return Audit((_audited(key),)).summary in words
+        return Audit((audited(key),)).summary in words
 
     return holds

@@ -6,7 +6,6 @@ import pytest
 from clepsydra.papers.averaging_tank import fuzzy, printed_tables
 from clepsydra.papers.averaging_tank.continuous_pi import continuous_run
 from clepsydra.papers.averaging_tank.pi import OPTIMAL
-from clepsydra.papers.document import load_document
 
 MISPRINTS = {
     ("Table 2", "names of the last two sets of eV"),
@@ -27,8 +26,8 @@ REMARKS = {
 
 
 @pytest.fixture(scope="module")
-def findings():
-    return load_document("averaging-tank").findings("fuzzy")
+def findings(audited):
+    return audited("averaging-tank").experiments["fuzzy"]
 
 
 @pytest.mark.thorough

@@ -7,14 +7,13 @@ from plain_fuzzy import stepped
 from clepsydra.papers.averaging_tank import fuzzy_range
 from clepsydra.papers.averaging_tank.fuzzy import FILTERED, LITERAL, fuzzy_run
 from clepsydra.papers.averaging_tank.operating_range import LARGE_STEPS, Step
-from clepsydra.papers.document import load_document
 
 pytestmark = pytest.mark.thorough
 
 
 @pytest.fixture(scope="module")
-def rows():
-    return {row.name: row for row in load_document("averaging-tank").findings("fuzzy-range").rows}
+def rows(audited):
+    return {row.name: row for row in audited("averaging-tank").experiments["fuzzy-range"].rows}
 
 
 def test_both_are_remarks(rows):

@@ -13,7 +13,6 @@ from clepsydra.papers.averaging_tank.range_controllers import (
     controller_of,
     gains_at,
 )
-from clepsydra.papers.document import load_document
 
 pytestmark = pytest.mark.thorough
 
@@ -27,8 +26,8 @@ VERDICTS = {
 
 
 @pytest.fixture(scope="module")
-def findings():
-    return load_document("averaging-tank").findings("operating-range")
+def findings(audited):
+    return audited("averaging-tank").experiments["operating-range"]
 
 
 def test_every_row_has_the_verdict_that_was_found_by_hand(findings):

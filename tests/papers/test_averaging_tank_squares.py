@@ -5,16 +5,12 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import solve_continuous_are
 
-from clepsydra.papers.document import load_document
-
 pytestmark = pytest.mark.thorough
 
 
 @pytest.fixture(scope="module")
-def rows():
-    return {
-        row.name: row for row in load_document("averaging-tank").findings("squared-errors").rows
-    }
+def rows(audited):
+    return {row.name: row for row in audited("averaging-tank").experiments["squared-errors"].rows}
 
 
 def test_every_row_has_the_verdict_that_was_found_by_hand(rows):
