@@ -57,9 +57,8 @@ class InputFlow:
                 moved = signal.name == self.signal.name or signal.owner == self.signal.name
                 if moved and math.isfinite(signal.span):
                     values[place] = signal.low + share * signal.span
-        contents, outside = motion.to_contents(state, p), (inputs, self.point.disturbances, p)
-        delayed = motion.delayed_at_rest(contents, *outside)
-        flows = np.array(motion.flows(contents, delayed, motion.first_memories, *outside)).ravel()
+        rest = motion.at_rest(state, inputs, self.point.disturbances, p)
+        flows = np.array(motion.flows(*rest)).ravel()
         own = [path.element == self.element.name for path in motion.flow_paths]
         return float(flows[own].sum())
 

@@ -82,9 +82,7 @@ def reasons_of_harm(
     motion, p = process.motion, process.parameter_values
     if not any(event.harm for event in motion.events):
         return ()
-    contents, outside = motion.to_contents(state, p), (inputs, disturbances, p)
-    delayed = motion.delayed_at_rest(contents, *outside)
-    guards = motion.guards(contents, delayed, motion.first_memories, *outside)
+    guards = motion.guards(*motion.at_rest(state, inputs, disturbances, p))
     return tuple(
         f"nothing would rest there, since {event.words}"
         for event, guard in zip(motion.events, np.array(guards).ravel(), strict=True)

@@ -165,12 +165,9 @@ def _with_delays(
     process, motion = point.process, point.process.motion
     parameters = process.parameter_values
     slopes = _slopes(motion.to_contents, [point.state, parameters], "x")
-    contents = motion.to_contents(point.state, parameters)
-    outside = [point.inputs, point.disturbances, parameters]
-    z = motion.delayed_at_rest(contents, *outside)
-    held = [contents, z, motion.first_memories, *outside]
+    held = motion.at_rest(point.state, point.inputs, point.disturbances, parameters)
     matrix = _slopes(motion.rates, held, "cudz")
-    at = Ports.of(len(slopes), len(point.inputs), len(point.disturbances), 0, len(z))
+    at = Ports.of(len(slopes), len(point.inputs), len(point.disturbances), 0, len(motion.delays))
     matrix[at.x] = np.linalg.solve(slopes, matrix[at.x])
     matrix[:, at.x] = matrix[:, at.x] @ slopes
     rates, sent = matrix[at.x], matrix[at.w]
@@ -181,7 +178,7 @@ def _with_delays(
         sent[:, at.u],
         sent[:, at.d],
         sent[:, at.z],
-        np.zeros((outputs, len(z))),
+        np.zeros((outputs, len(motion.delays))),
     )
     return rates[:, at.x], rates[:, at.u], rates[:, at.d], delays
 

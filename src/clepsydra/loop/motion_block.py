@@ -226,8 +226,7 @@ def motion_from(
     motion: Motion, state: np.ndarray, inputs: np.ndarray, disturbances: np.ndarray, p: np.ndarray
 ) -> dict[str, float]:
     """Return the same at a state, where what enters the delays then has always entered them."""
-    c = np.array(motion.to_contents(state, p)).ravel()
-    z = motion.delayed_at_rest(c, inputs, disturbances, p)
+    c, z, *_ = motion.at_rest(state, inputs, disturbances, p)
     rings = {
         ring_name(delay.name, part): float(value)
         for delay, value in zip(motion.delays, z, strict=True)

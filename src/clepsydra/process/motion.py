@@ -93,23 +93,19 @@ class Motion:
     flows: ca.Function
     flow_paths: tuple[FlowPath, ...]
 
-    @property
-    def first_memories(self) -> np.ndarray:
-        """What the memories are at first [memories]."""
-        return np.array([signal.initial for signal in self.memories])
-
-    def delayed_at_rest(
-        self, contents: np.ndarray, inputs: np.ndarray, disturbances: np.ndarray, p: np.ndarray
-    ) -> np.ndarray:
-        """Return what leaves the delays where it has entered them for ever [delays].
+    def at_rest(
+        self, state: np.ndarray, inputs: np.ndarray, disturbances: np.ndarray, p: np.ndarray
+    ) -> list[np.ndarray]:
+        """Return (c, z, m, u, d, p) where what leaves the delays has entered them for ever.
 
         Every memory is as it is at first.
         """
-        z = np.zeros(len(self.delays))
+        contents = np.array(self.to_contents(state, p)).ravel()
+        memories = np.array([signal.initial for signal in self.memories])
+        held = [contents, np.zeros(len(self.delays)), memories, inputs, disturbances, p]
         for _ in self.delays:  # one delay may feed the next
-            held = [contents, z, self.first_memories, inputs, disturbances, p]
-            z = np.array(self.rates(*held)[1]).ravel()
-        return z
+            held[1] = np.array(self.rates(*held)[1]).ravel()
+        return held
 
     @property
     def plain(self) -> bool:

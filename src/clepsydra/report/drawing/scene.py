@@ -84,11 +84,8 @@ class Scene:
         """The elements through which nothing flows."""
         if self.point is None or not self.process.motion.flow_paths:
             return set()
-        motion, p = self.process.motion, self.process.parameter_values
-        contents = np.array(motion.to_contents(self.point.state, p)).ravel()
-        outside = self.point.inputs, self.point.disturbances
-        delayed = motion.delayed_at_rest(contents, *outside, p)
-        rates = motion.flows(contents, delayed, motion.first_memories, *outside, p)
+        motion, point, p = self.process.motion, self.point, self.process.parameter_values
+        rates = motion.flows(*motion.at_rest(point.state, point.inputs, point.disturbances, p))
         flows = dict.fromkeys((path.element for path in motion.flow_paths), 0.0)
         for path, rate in zip(motion.flow_paths, np.array(rates).ravel(), strict=True):
             flows[path.element] += abs(float(rate))
