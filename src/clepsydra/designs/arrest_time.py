@@ -23,6 +23,7 @@ from clepsydra.designs.loops.averaging_room import (
 from clepsydra.designs.loops.multiloop import MultiloopPid, pi_only
 from clepsydra.designs.loops.pairing import PairedLoop, Pairing
 from clepsydra.designs.loops.pid_settings import PidSettings
+from clepsydra.designs.loops.words import by_pair
 from clepsydra.designs.models.delayed_lags import DelayedLags, half_rule
 from clepsydra.designs.request import in_shown_unit
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT, note_on_peak
@@ -224,10 +225,7 @@ def design_arrest_time(
         lambda loop: _averaging(together, model, loop, arrest_time, deviation, damping)
     )
     settings = [setting for setting, _ in found]
-    words = "; ".join(
-        f"{loop.pair}: {said}" for loop, (_, said) in zip(together.loops, found, strict=True)
-    )
-    notes = [f"{words}."]
+    notes = [f"{by_pair(together.loops, [said for _, said in found])}."]
     if arrest_time is None:
         tuned = together.detuned(settings)
         if tuned.factor > 1.0:

@@ -334,14 +334,12 @@ def _rates(
         for name, setting, degree in zip(names, settings, linearised.degrees, strict=True)
     }
     effects, paired = np.abs(linearised.at_point), dict(linearised.order)
-    if alpha_on == "virtual":
-        rates = found = saturation_rates(settling, names, alpha)
-    else:
-        # In the virtual input an excess of an input counts by its effect, and so must α.
-        scale = [float(effects[j, paired[j]]) for j in range(len(effects))]
-        found = saturation_rates(settling, names, alpha, scale)
-        rates = tuple(rate * effect for rate, effect in zip(found, scale, strict=True))
-    return list(rates), f"; α {rates_in_words(found, settling, names)}"
+    # In the virtual input an excess of an input counts by its effect, and so must α.
+    on_input = alpha_on == "input"
+    scale = [float(effects[j, paired[j]]) if on_input else 1.0 for j in range(len(effects))]
+    found = saturation_rates(settling, names, alpha, scale if on_input else None)
+    rates = [rate * effect for rate, effect in zip(found, scale, strict=True)]
+    return rates, f"; α {rates_in_words(found, settling, names)}"
 
 
 def _notes(

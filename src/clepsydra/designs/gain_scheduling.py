@@ -20,6 +20,7 @@ from clepsydra.designs.designed_values import kind
 from clepsydra.designs.loops.multiloop import Detuned, MultiloopPid, checked_form, law_settings
 from clepsydra.designs.loops.pairing import Pairing, checked_pairing
 from clepsydra.designs.loops.pid_settings import PidSettings
+from clepsydra.designs.loops.words import by_pair
 from clepsydra.designs.lqi import design_lqi
 from clepsydra.designs.operating_plan import (
     Along,
@@ -137,10 +138,8 @@ def design_gain_scheduled_pid(
             if (name := path(output, part)) in plain.values
         }
 
-    words = "; ".join(
-        f"{loop.pair}: closed-loop time constant {time_text(time)}"
-        for loop, time in zip(together.loops, times, strict=True)
-    )
+    constants = (f"closed-loop time constant {time_text(time)}" for time in times)
+    words = by_pair(together.loops, constants)
     return _scheduled(
         planned_points(model, plain, values_at, over, points),
         f"{actions}, gain scheduling",

@@ -278,16 +278,11 @@ def largest_change(plan: Plan, kinds: Mapping[str, str]) -> float:
     >>> largest_change(plan, {"gain": "gain"})
     0.2
     """
-    largest, alike = 0.0, dict[str, float]()
-    numbers = {name: [point.values[name] for point in plan] for name in kinds}
-    sizes = {name: max(map(abs, found)) for name, found in numbers.items()}
-    for name, kind in kinds.items():
-        alike[kind] = max(alike.get(kind, 0.0), sizes[name])
-    for name, kind in kinds.items():
-        if sizes[name] != 0.0 and sizes[name] >= 0.05 * alike[kind]:
-            span = max(numbers[name]) - min(numbers[name])
-            largest = max(largest, span / sizes[name])
-    return largest
+    table = np.array([[point.values[name] for name in kinds] for point in plan])
+    sizes, of = np.abs(table).max(axis=0), np.array([*kinds.values()])
+    alike = np.array([sizes[of == kind].max() for kind in of])
+    counted = (sizes > 0.0) & (sizes >= 0.05 * alike)
+    return float((np.ptp(table, axis=0)[counted] / sizes[counted]).max(initial=0.0))
 
 
 @lru_cache(maxsize=128)

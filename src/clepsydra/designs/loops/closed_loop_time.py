@@ -9,6 +9,7 @@ from clepsydra.base.words import time_text
 from clepsydra.designs.arguments.argument import number
 from clepsydra.designs.loops.control_authority import DESIGN_STEP
 from clepsydra.designs.loops.pid_settings import PidSettings
+from clepsydra.designs.loops.words import by_pair
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT, note_on_peak
 
 if TYPE_CHECKING:
@@ -106,7 +107,6 @@ def design_by_time(
 
 def in_words(loops: Sequence[PairedLoop], models: Sequence[str], times: Sequence[float]) -> str:
     """Return the model and the closed-loop time constant of each loop."""
-    return "; ".join(
-        f"{loop.pair}: {words}, closed-loop time constant {time_text(time)}"
-        for loop, words, time in zip(loops, models, times, strict=True)
-    )
+    pairs = zip(models, times, strict=True)
+    said = (f"{words}, closed-loop time constant {time_text(time)}" for words, time in pairs)
+    return by_pair(loops, said)

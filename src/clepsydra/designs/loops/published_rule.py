@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 from clepsydra.designs.arguments.argument import flag
 from clepsydra.designs.loops.control_authority import DESIGN_STEP
 from clepsydra.designs.loops.pid_settings import PidSettings
+from clepsydra.designs.loops.words import by_pair
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT, note_on_peak
 
 if TYPE_CHECKING:
@@ -83,12 +84,8 @@ class PublishedRule(NamedTuple):
 
         together = MultiloopPid(model, pairing, form, self.method)
         found = together.each(lambda loop: self.settings_of(loop, together.delay, together.actions))
-        settings = [each for each, _ in found]
-        origins = [
-            f"{loop.pair}: {origin}"
-            for loop, (_, origin) in zip(together.loops, found, strict=True)
-        ]
-        notes = [f"The rule was given, {'; '.join(origins)}."]
+        settings, origins = zip(*found, strict=True)
+        notes = [f"The rule was given, {by_pair(together.loops, origins)}."]
         if as_published:
             tuned = together.as_given(settings, "the settings of the rule")
             notes += note_on_peak(tuned.peak, "lower the gain")

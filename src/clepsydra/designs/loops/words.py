@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from clepsydra.base.signal import Signal
@@ -48,6 +49,11 @@ def slope(value: float, output: Signal, manipulated: Signal) -> str:
     if abs(in_shares) >= 0.01:
         return f"slope {in_shares:.3g} %/% a second"
     return f"slope {60.0 * in_shares:.3g} %/% a minute"
+
+
+def by_pair(loops: Iterable[PairedLoop], words: Iterable[str]) -> str:
+    """Return what is said of each pair."""
+    return "; ".join(f"{loop.pair}: {said}" for loop, said in zip(loops, words, strict=True))
 
 
 def model_words(model: DelayedLags, loop: PairedLoop, more: str = "") -> str:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
+from functools import lru_cache  # several rules ask for the point of the same element
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.designs.models.bisection import last_before
 
 if TYPE_CHECKING:
     from clepsydra.designs.models.transfer_element import TransferElement
@@ -31,6 +30,7 @@ class UltimatePoint(NamedTuple):
     period: float
 
 
+@lru_cache(maxsize=16)
 def ultimate_point(element: TransferElement, delay: float) -> UltimatePoint:
     """Return the ultimate gain and period of an element, exact with its dead time.
 
@@ -65,36 +65,25 @@ def ultimate_point(element: TransferElement, delay: float) -> UltimatePoint:
     >>> round(found.gain, 9), round(found.period * math.sqrt(3.0) / math.tau, 9)
     (8.0, 1.0)
     """
+    from scipy.optimize import brentq
+
     element.check()
-    found = _found(element, delay)
-    if found is None:
-        raise NotApplicable(
-            "the element is never late by half a turn, so no gain is too large for it"
-        )
-    return found
 
-
-@lru_cache(maxsize=16)
-def _found(element: TransferElement, delay: float) -> UltimatePoint | None:
-    """Return the point, if there is one; several rules ask for that of the same element."""
-
-    def half_turns_late(omega: float) -> float:
-        """Return how far the loop is behind −π, in whole turns."""
-        return (-math.pi - element.phase(omega) + omega * delay) / math.tau
+    def half_turns_late(omega: float, turn: int = 0) -> float:
+        """Return how far the loop is behind −π, in whole turns and beyond one of them."""
+        return (-math.pi - element.phase(omega) + omega * delay) / math.tau - turn
 
     grid = element.frequencies(delay, 1e4, _POINTS_A_DECADE)
     found: list[float] = []
-    turns = map(half_turns_late, grid)
-    for (low, high), (before, after) in zip(pairwise(grid), pairwise(turns), strict=True):
+    for (low, high), ends in zip(pairwise(grid), pairwise(map(half_turns_late, grid)), strict=True):
         # Whole numbers between the two are crossings; the first is enough of many.
-        crossed, rising = math.ceil(min(before, after)), after > before
-
-        def is_before(omega: float, turn: int = crossed, rising: bool = rising) -> bool:
-            return (half_turns_late(omega) < turn) == rising
-
-        if crossed <= max(before, after) and crossed >= 0:
-            found.append(last_before(low, high, is_before))
+        crossed = math.ceil(min(ends))
+        if 0 <= crossed <= max(ends):
+            exact = {"xtol": 1e-15 * low, "rtol": 1e-15}
+            found.append(float(brentq(half_turns_late, low, high, (crossed,), **exact)))
     if not found:
-        return None
+        raise NotApplicable(
+            "the element is never late by half a turn, so no gain is too large for it"
+        )
     omega = max(found, key=element.magnitude)
     return UltimatePoint(element.sign / element.magnitude(omega), math.tau / omega)

@@ -10,6 +10,7 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.designs.at_operating_point import controller_at, numbers_at
 from clepsydra.designs.gain_units import percent_gain
 from clepsydra.designs.loops.loops_together import LoopsTogether
+from clepsydra.designs.loops.words import by_pair
 from clepsydra.designs.polynomial.paired_models import LoopGains, ModelledPair
 from clepsydra.designs.slowing_down import OF_STATE_FEEDBACK, note_on_peak, note_on_slowing
 from clepsydra.linear.linear_model import LinearModel
@@ -68,7 +69,7 @@ def paired_controller(
         "%/%"
         for pair, loop in zip(pairs, found.design, strict=True)
     )
-    models = "; ".join(f"{pair.pair}: {pair.sampled.in_words()}" for pair in pairs)
+    models = by_pair(pairs, (pair.sampled.in_words() for pair in pairs))
     period = point.process.sampling_period
     holds = f"Its gains hold for a sampling period of {period:g} s and no other."
     said = f"Sampled models: {models}.", *notes, *more, holds

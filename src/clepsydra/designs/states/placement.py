@@ -6,7 +6,6 @@ import warnings
 from collections.abc import Callable, Sequence
 from functools import cache
 from numbers import Complex
-from typing import Any
 
 import numpy as np
 
@@ -210,14 +209,14 @@ def _prototype(order: int) -> tuple[complex, ...]:
 _SAME = 1e-6
 
 
-def place_slow_modes(
+def slow_modes_gain(
     held: np.ndarray,
     moved: np.ndarray,
     bandwidth: float,
     sizes: np.ndarray,
     moves: np.ndarray,
     period: float,
-) -> tuple[np.ndarray, int]:
+) -> np.ndarray:
     """Return F with which the slow eigenvalues of Φ − Γ F have Bessel's pattern.
 
     To slow a fast mode down costs gain and robustness and is good for nothing. So the k slowest
@@ -247,9 +246,9 @@ def place_slow_modes(
 
     >>> held = np.diag(np.exp([-0.01, -1.0]))
     >>> sizes = np.ones(2), np.ones(1)
-    >>> gain, count = place_slow_modes(held, np.ones((2, 1)), 0.1, *sizes, 1.0)
-    >>> np.sort(np.log(np.linalg.eigvals(held - np.ones((2, 1)) @ gain))).round(9), count
-    (array([-1. , -0.1]), 1)
+    >>> gain = slow_modes_gain(held, np.ones((2, 1)), 0.1, *sizes, 1.0)
+    >>> np.sort(np.log(np.linalg.eigvals(held - np.ones((2, 1)) @ gain))).round(9)
+    array([-1. , -0.1])
     """
     from scipy.linalg import schur
 
@@ -264,7 +263,7 @@ def place_slow_modes(
             count = order
             break
     if not count:
-        return np.zeros((moved.shape[1], len(held))), 0
+        return np.zeros((moved.shape[1], len(held)))
     limit = rates[count - 1] * (1.0 + 0.5 * _SAME)
 
     def is_slow(real: float, imaginary: float) -> bool:
@@ -277,7 +276,7 @@ def place_slow_modes(
     reduced = Z.T @ (moved / sizes[:, None])
     part, ones = form[:found, :found].T, np.ones(found)
     gain = placed_gain(part, reduced, poles, ones, moves, period)
-    return gain @ Z.T / sizes, found
+    return np.asarray(gain @ Z.T / sizes)
 
 
 def _rates(eigenvalues: np.ndarray, period: float) -> np.ndarray:
@@ -333,8 +332,3 @@ def correction(
         raise NotApplicable(reason) from refusal
     found: np.ndarray = dual.T / spans
     return found
-
-
-def slow_modes_gain(held: np.ndarray, moved: np.ndarray, *wanted: Any) -> np.ndarray:
-    """Return the gain of `place_slow_modes`."""
-    return place_slow_modes(held, moved, *wanted)[0]
