@@ -6,16 +6,14 @@ from pathlib import Path
 
 import typer
 
-from clepsydra.cli.options import JsonOption, ProcessArgument
+from clepsydra.cli.options import JsonOption, ProcessArgument, all_option
 from clepsydra.cli.verb import verb
 
 
 @verb(30)
 def analyse(
     process: ProcessArgument,
-    every: bool = typer.Option(
-        False, "--all", help="Show every signal, pole, zero, gain and sentence."
-    ),
+    every: bool = all_option("Show every signal, pole, zero, gain and sentence."),
     as_json: JsonOption = False,
     file: Path | None = typer.Option(
         None,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from clepsydra.cli.options import JsonOption
+from clepsydra.cli.options import JsonOption, all_option
 from clepsydra.cli.verb import verb
 
 if TYPE_CHECKING:
@@ -27,9 +27,7 @@ def designs(
         help="Say which apply to it, and why others do not: a process of the catalogue, or the "
         "path of a process file.",
     ),
-    every: bool = typer.Option(
-        False, "--all", help="Show arguments and source of each, and whole reasons."
-    ),
+    every: bool = all_option("Show arguments and source of each, and whole reasons."),
     as_json: JsonOption = False,
 ) -> None:
     """List the design methods with their arguments and sources, and which apply to a process."""
@@ -53,32 +51,22 @@ def _glance(found: list[dict[str, Any]], process: str | None) -> Section:
     from clepsydra.interface.design_words import design_words
 
     if process is None:
-        designs = design_words()
-        return Section(
-            "",
-            (
-                Table("", ("design", "what it makes"), designs[:_SHOWN], names=2),
-                Line(f"{len(found) - _SHOWN} more, and arguments and sources: --all"),
-                Line("Next: clepsydra designs PROCESS says which apply."),
-            ),
-        )
+        table = Table("", ("design", "what it makes"), design_words()[:_SHOWN], names=2)
+        more = Line(f"{len(found) - _SHOWN} more, and arguments and sources: --all")
+        return Section("", (table, more, Line("Next: clepsydra designs PROCESS says which apply.")))
     names = [each["name"] for each in found if each["applies"]]
     own = [f"{each['name']} ({', '.join(each['needs'])})" for each in found if each["needs"]]
-    return Section(
-        "",
-        (
-            Line(f"{len(names)} of {len(found)} designs apply to {process}:", Mark.ANSWER),
-            Line(", ".join(names)),
-            Line(""),
-            Line(f"Those that need numbers of yours: {', '.join(own)}"),
-            *marked(
-                Mark.REFUSED,
-                (each["reason"].partition(";")[0] for each in found if each["applies"] is False),
-            ),
-            Line(""),
-            Line("Next: name one in a study file: clepsydra new --study; --all has the sources."),
-        ),
+    refused = (each["reason"].partition(";")[0] for each in found if each["applies"] is False)
+    parts = (
+        Line(f"{len(names)} of {len(found)} designs apply to {process}:", Mark.ANSWER),
+        Line(", ".join(names)),
+        Line(""),
+        Line(f"Those that need numbers of yours: {', '.join(own)}"),
+        *marked(Mark.REFUSED, refused),
+        Line(""),
+        Line("Next: name one in a study file: clepsydra new --study; --all has the sources."),
     )
+    return Section("", parts)
 
 
 def _whole(found: list[dict[str, Any]], process: str | None) -> Section:

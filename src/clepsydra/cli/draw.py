@@ -6,20 +6,15 @@ from pathlib import Path
 
 import typer
 
-from clepsydra.cli.options import SubjectArgument
-from clepsydra.cli.subject import name_of
+from clepsydra.cli.options import SubjectArgument, controller_option
 from clepsydra.cli.verb import verb
 
 
 @verb(40)
 def draw(
     subject: SubjectArgument,
-    controller: str | None = typer.Option(
-        None,
-        "--controller",
-        metavar="NAME",
-        callback=name_of,
-        help="Whose loops are drawn, as the study calls it, in quotation marks; none if left out.",
+    controller: str | None = controller_option(
+        "Whose loops are drawn, as the study calls it, in quotation marks; none if left out."
     ),
     file: Path | None = typer.Option(
         None, "--output", "-o", metavar="FILE.svg", help="Where to write; NAME.svg if left out."

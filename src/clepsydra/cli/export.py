@@ -13,9 +13,9 @@ from clepsydra.cli.options import (
     SensorDelayOption,
     SetpointRateOption,
     SubjectArgument,
+    controller_option,
     shell_options,
 )
-from clepsydra.cli.subject import name_of
 from clepsydra.cli.verb import verb
 from clepsydra.interface.targets import TARGETS, target_of
 
@@ -34,13 +34,9 @@ def export(
         metavar=f"[{'|'.join(TARGETS)}]",
         help="; ".join(f"{name}: {each.words}" for name, each in TARGETS.items()) + ".",
     ),
-    controller: str | None = typer.Option(
-        None,
-        "--controller",
-        metavar="NAME",
-        callback=name_of,
-        help="As the study calls it, in quotation marks; with --to fmu it may be left out: "
-        "then the process itself is exported.",
+    controller: str | None = controller_option(
+        "As the study calls it, in quotation marks; with --to fmu it may be left out: then the "
+        "process itself is exported."
     ),
     dialect: str | None = typer.Option(
         None,

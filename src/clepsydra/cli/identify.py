@@ -6,7 +6,7 @@ from pathlib import Path
 
 import typer
 
-from clepsydra.cli.options import JsonOption, OutputOption
+from clepsydra.cli.options import JsonOption, OutputOption, all_option
 from clepsydra.cli.verb import verb
 
 
@@ -32,7 +32,7 @@ def identify(
     write: Path | None = typer.Option(
         None, metavar="FILE.toml", help="Write the process file with the fitted parameters."
     ),
-    every: bool = typer.Option(False, "--all", help="Show every parameter and remark."),
+    every: bool = all_option("Show every parameter and remark."),
     as_json: JsonOption = False,
     folder: OutputOption = None,
 ) -> None:

@@ -9,10 +9,21 @@ from typing import Annotated, Any
 import typer
 
 from clepsydra.base.errors import InputError
+from clepsydra.cli.subject import name_of
 
 
 def _on_plant(words: str) -> Any:
     return typer.Option(metavar="SIGNAL=VALUE", help=words, rich_help_panel="On the plant")
+
+
+def all_option(words: str) -> Any:
+    """Return the option `--all`, which shows more than the first screen."""
+    return typer.Option(False, "--all", help=words)
+
+
+def controller_option(words: str) -> Any:
+    """Return the option `--controller`, which chooses one of a study."""
+    return typer.Option(None, metavar="NAME", callback=name_of, help=words)
 
 
 _PROCESS = "A process of the catalogue, or the path of a process file."

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from clepsydra.cli.options import JsonOption, OutputOption
+from clepsydra.cli.options import JsonOption, OutputOption, all_option
 from clepsydra.cli.verb import verb
 
 
@@ -13,7 +13,7 @@ def papers(
     documents: list[str] | None = typer.Argument(
         None, metavar="[DOCUMENT]...", help="Keys of documents; all if left out."
     ),
-    every: bool = typer.Option(False, "--all", help="Show every row that is not as printed."),
+    every: bool = all_option("Show every row that is not as printed."),
     as_json: JsonOption = False,
     folder: OutputOption = None,
 ) -> None:

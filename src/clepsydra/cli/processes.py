@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from clepsydra.cli.options import JsonOption
+from clepsydra.cli.options import JsonOption, all_option
 from clepsydra.cli.verb import verb
 
 
@@ -13,7 +13,7 @@ def processes(
     name: str | None = typer.Argument(
         None, metavar="[NAME]", help="One process, with source and variants."
     ),
-    every: bool = typer.Option(False, "--all", help="Show sources and variants of every process."),
+    every: bool = all_option("Show sources and variants of every process."),
     as_json: JsonOption = False,
     schema: bool = typer.Option(
         False, "--schema", help="Print the JSON Schema of process files, for editors."

@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from clepsydra.cli.options import JsonOption, OutputOption, ProcessArgument, named_values
+from clepsydra.cli.options import (
+    JsonOption,
+    OutputOption,
+    ProcessArgument,
+    all_option,
+    named_values,
+)
 from clepsydra.cli.verb import verb
 
 if TYPE_CHECKING:
@@ -54,7 +60,7 @@ def simulate(
         Solver.kernel, help="The compiled kernel, or CVODES to compare with."
     ),
     data_format: Format = typer.Option(Format.parquet, "--format", help="Of the trajectories."),
-    every: bool = typer.Option(False, "--all", help="Show every signal and balance, with times."),
+    every: bool = all_option("Show every signal and balance, with times."),
     as_json: JsonOption = False,
     folder: OutputOption = None,
 ) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from clepsydra.cli.options import JsonOption, OutputOption
+from clepsydra.cli.options import JsonOption, OutputOption, all_option
 from clepsydra.cli.verb import verb
 
 
@@ -18,9 +18,7 @@ def study(
     ),
     as_json: JsonOption = False,
     folder: OutputOption = None,
-    every: bool = typer.Option(
-        False, "--all", help="Show the whole ranking, not only its first five."
-    ),
+    every: bool = all_option("Show the whole ranking, not only its first five."),
     why: bool = typer.Option(
         False, "--why", help="Show the reason of every place, and all warnings."
     ),

@@ -12,9 +12,10 @@ from clepsydra.cli.options import (
     SensorDelayOption,
     SetpointRateOption,
     SubjectArgument,
+    all_option,
+    controller_option,
     shell_options,
 )
-from clepsydra.cli.subject import name_of
 from clepsydra.cli.verb import verb
 from clepsydra.interface.targets import TARGETS
 
@@ -24,13 +25,7 @@ _PROVED = f"[{'|'.join(name for name, target in TARGETS.items() if target.runs)}
 @verb(80)
 def verify(
     subject: SubjectArgument,
-    controller: str | None = typer.Option(
-        None,
-        "--controller",
-        metavar="NAME",
-        callback=name_of,
-        help="One controller; every one if left out.",
-    ),
+    controller: str | None = controller_option("One controller; every one if left out."),
     to: list[str] | None = typer.Option(
         None,
         metavar=_PROVED,
@@ -44,7 +39,7 @@ def verify(
     sensor_delay: SensorDelayOption = None,
     setpoint_rate: SetpointRateOption = None,
     rate_limit: RateLimitOption = None,
-    every: bool = typer.Option(False, "--all", help="Show every target, with notes and versions."),
+    every: bool = all_option("Show every target, with notes and versions."),
     as_json: JsonOption = False,
     folder: OutputOption = None,
 ) -> None:
