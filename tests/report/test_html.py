@@ -10,7 +10,7 @@ import pytest
 from clepsydra.process.reader import load_process
 from clepsydra.report import html
 from clepsydra.report.html import address_text, report_text
-from clepsydra.report.page import STILL_WORDS, PageAssets
+from clepsydra.report.page import STILL_WORDS
 
 VOID = {"meta", "br", "link", "img", "hr", "input"}
 
@@ -170,7 +170,9 @@ def test_words_of_a_user_are_never_markup(result):
     assert attack not in report_text(hostile)
 
 
-@pytest.mark.parametrize("assets", [None, PageAssets("drawTrends()", ".interactive { margin: 0 }")])
+@pytest.mark.parametrize(
+    "assets", [None, {"script": "drawTrends()", "style": ".own { margin: 0 }"}]
+)
 def test_pictures_are_interactive_where_the_installation_has_the_script(
     result, assets, monkeypatch
 ):
@@ -273,7 +275,7 @@ def test_a_report_stays_small(result, monkeypatch):
     # 4260 samples of eight signals in two runs are 950 kB as numbers of 14 letters.
     monkeypatch.setattr(html, "page_assets", lambda: None)
     assert len(report_text(result)) < 350_000
-    monkeypatch.setattr(html, "page_assets", lambda: PageAssets("", ""))
+    monkeypatch.setattr(html, "page_assets", lambda: {"script": "", "style": ""})
     assert len(report_text(result)) < 450_000
 
 

@@ -132,7 +132,7 @@ def law_facts(controller: Controller, process: Process) -> list[Table]:
         ("Operating point", _references(controller, process)),
         ("Pumps", _told(controller, _PUMPS)),
         *(
-            (f"Output {name}", _output(process.signal(name), controller))
+            (f"Output {name}", output_facts(process.signal(name), controller))
             for name in controller.manipulated
         ),
     ]
@@ -143,23 +143,6 @@ def _references(controller: Controller, process: Process) -> _Facts:
     shown = ((name, process.signal(name)) for name in controller.measurements)
     named = ((path(name, "reference"), f"{name}°", _quantity(signal)) for name, signal in shown)
     return _told(controller, named)
-
-
-def _output(signal: Signal, controller: Controller) -> _Facts:
-    shown, known = _quantity(signal), output_facts(signal, controller)
-    if path(signal, "bias") in controller.values:
-        known = [fact for fact in known if fact[0] != "output at rest"]
-    before = (
-        (path(signal, "bias"), f"{signal.name}°, at rest", shown),
-        (path(signal, "running_value"), "while it runs", shown),
-        (path(signal, "stopped_value"), "while it stands", shown),
-    )
-    after = (
-        (path(signal, "tracking_time"), "tracking time", setting_time),
-        (path(signal, "fading_time"), "fading time", setting_time),
-        (path(signal, "in_service"), "in service", lambda value: "yes" if value else "no"),
-    )
-    return [*_told(controller, before), *known, *_told(controller, after)]
 
 
 def _quantity(signal: Signal) -> Callable[[float], str]:
@@ -222,7 +205,7 @@ def _stages(controller: Controller, process: Process) -> Table:
 
 
 def output_facts(signal: Signal, controller: Controller) -> list[tuple[str, str]]:
-    """Return limits, rate limit and the value at rest of an output, in display units.
+    """Return limits, rate limit, the value at rest and what else its law has of an output.
 
     Examples
     --------
@@ -233,18 +216,29 @@ def output_facts(signal: Signal, controller: Controller) -> list[tuple[str, str]
     >>> output_facts(pump, controller)
     [('output limits', '0 to 10.00 V'), ('output at rest', '3.000 V')]
     """
-    values, state = controller.values, controller.initial_state
-    facts = []
+    values, state, shown = controller.values, controller.initial_state, _quantity(signal)
+    rest, last = path(signal, "bias"), path(signal, "last_output")
+    before = (
+        (rest, f"{signal.name}°, at rest", shown),
+        (path(signal, "running_value"), "while it runs", shown),
+        (path(signal, "stopped_value"), "while it stands", shown),
+    )
+    facts = _told(controller, before)
     ends = [path(signal, f"{end}_limit") for end in ("low", "high")]
     if ends[0] in values:
-        low, high = (quantity_text(signal, values[end], DIGITS) for end in ends)
+        low, high = (shown(values[end]) for end in ends)
         facts.append(("output limits", f"{low.split(' ')[0]} to {high}"))
     rate = values.get(path(signal, "rate_limit"), LARGEST_PARAMETER)
     if rate < LARGEST_PARAMETER:
-        facts.append(("rate limit", f"{quantity_text(signal, rate, DIGITS)} per s"))
-    if (last := path(signal, "last_output")) in state:
-        facts.append(("output at rest", quantity_text(signal, state[last], DIGITS)))
-    return facts
+        facts.append(("rate limit", f"{shown(rate)} per s"))
+    if last in state and rest not in values:
+        facts.append(("output at rest", shown(state[last])))
+    after = (
+        (path(signal, "tracking_time"), "tracking time", setting_time),
+        (path(signal, "fading_time"), "fading time", setting_time),
+        (path(signal, "in_service"), "in service", lambda value: "yes" if value else "no"),
+    )
+    return facts + _told(controller, after)
 
 
 def parameter_tables(controller: Controller) -> list[Table]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import re
-from dataclasses import dataclass
 from html import escape
 from importlib import resources
 from pathlib import Path
@@ -57,30 +56,15 @@ STILL_WORDS = (
 )
 
 
-@dataclass(frozen=True)
-class PageAssets:
-    """What is put into a report to make its pictures interactive.
-
-    Parameters
-    ----------
-    script, style : str
-        JavaScript and CSS, whole: they fetch nothing.
-    """
-
-    script: str
-    style: str
-
-
-def page_assets() -> PageAssets | None:
-    """Return script and style as the installation built them, or None where it could not.
+def page_assets() -> dict[str, str] | None:
+    """Return script and style that make the pictures of a report interactive, whole.
 
     They are built from `page/`, which needs Node and its packages once, when Clepsydra is
-    installed from its sources; a wheel has them. Without them pictures are still.
+    installed from its sources; a wheel has them. Without them it is None, and pictures are still.
     """
-    folder = resources.files("clepsydra.report") / "page"
+    folder, endings = resources.files("clepsydra.report") / "page", {"script": "js", "style": "css"}
     try:
-        script = (folder / "report.js").read_text("utf-8")
-        return PageAssets(script, (folder / "report.css").read_text("utf-8"))
+        return {k: (folder / f"report.{end}").read_text("utf-8") for k, end in endings.items()}
     except FileNotFoundError:
         return None
 
