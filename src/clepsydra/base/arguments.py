@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from numbers import Real
 from typing import Any
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
 
 
@@ -52,6 +53,13 @@ perhaps 'pump' was meant.
     names = ", ".join(known)
     expected = f"{words} ({names or 'none'})" if words else f"one of {names}"
     raise InputError(place, str(name)[:60], expected, suggestion(name, known, remedy))
+
+
+def known_signal(place: str, name: object, signals: Iterable[Signal], words: str) -> Signal:
+    """Return a signal by its name, or refuse the name as `require_known` does."""
+    known = {signal.name: signal for signal in signals}
+    require_known(place, name, known, words)
+    return known[str(name)]
 
 
 def require_type(

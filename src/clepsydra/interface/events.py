@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from clepsydra.base.arguments import require_type, sequence_of
+from clepsydra.base.arguments import known_signal, require_type, sequence_of
 from clepsydra.base.errors import InputError
 from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.signal import Signal
 from clepsydra.interface.plant import Plant
-from clepsydra.interface.quantities import Quantity, check_within, known, read_signal, read_time
+from clepsydra.interface.quantities import Quantity, check_within, read_signal, read_time
 from clepsydra.interface.subject import Subject, plant_of
 from clepsydra.loop.default_scenario import segment_samples
 from clepsydra.loop.profile import Change as Change
@@ -240,7 +240,8 @@ def _signal(event: Event, plant: Plant, controlled: bool) -> Signal:
     loads = {signal.name: signal for signal in process.disturbances}
     place = event.place
     if event.kind == "disturbance":
-        return known(place, event.signal, loads, f"a disturbance of {process.name}")
+        words = f"a disturbance of {process.name}"
+        return known_signal(place, event.signal, process.disturbances, words)
     setpoints = {name: process.signal(name) for name in process.controlled}
     inputs = {signal.name: signal for signal in process.inputs}
     if not controlled and event.signal in setpoints:
@@ -259,7 +260,8 @@ def _signal(event: Event, plant: Plant, controlled: bool) -> Signal:
         )  # fmt: skip
     movable = {**(setpoints if controlled else inputs), **loads}
     words = "a controlled measurement" if controlled else "an input"
-    return known(place, event.signal, movable, f"{words} or a disturbance of {process.name}")
+    words += f" or a disturbance of {process.name}"
+    return known_signal(place, event.signal, movable.values(), words)
 
 
 def _value(event: Event, signal: Signal, before: float | None) -> float:

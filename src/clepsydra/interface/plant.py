@@ -14,7 +14,7 @@ from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.section import Mark, Section, Table, marked
 from clepsydra.base.signal import Signal
 from clepsydra.interface.analysis import Analysis
-from clepsydra.interface.quantities import Quantity, known, read_signal
+from clepsydra.interface.quantities import Quantity, read_values
 from clepsydra.interface.shown import Answered, lifted
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.equilibrium import find_equilibrium
@@ -97,13 +97,10 @@ class Plant(Answered):
         >>> bigger.process.signal("tank_1.area").initial
         0.003
         """
-        own = {parameter.name: parameter for parameter in self.process.parameters}
-        found = {}
-        remedy = 'write as in {"tank_1.area": "30 cm^2"}'
-        require_type(values, Mapping, "plant, values", "parameters with their values", remedy)
-        for name, value in values.items():
-            signal = known("plant, values", name, own, f"a parameter of {self.process.name}")
-            found[name] = read_signal("plant, values", name, value, signal, "a value")
+        remedy, words = 'write as in {"tank_1.area": "30 cm^2"}', "parameters with their values"
+        require_type(values, Mapping, "plant, values", words, remedy)
+        words = f"a parameter of {self.process.name}"
+        found = read_values("plant, values", values, self.process.parameters, words)
         changed = tuple(
             replace(each, initial=found.get(each.name, each.initial))
             for each in self.process.parameters
@@ -169,15 +166,8 @@ class Plant(Answered):
         require_type(
             given, Mapping, place, "signals with their values", 'write as in {"level_1": "5 V"}'
         )
-        own = {signal.name: signal for signal in signals}
         words = {"inputs": "an input", "outputs": "a measurement", "disturbances": "a disturbance"}
-        return {
-            name: read_signal(
-                place, name, value,
-                known(place, name, own, f"{words[what]} of {self.process.name}"), "a value",
-            )
-            for name, value in given.items()
-        }  # fmt: skip
+        return read_values(place, given, signals, f"{words[what]} of {self.process.name}")
 
     def answer(self) -> Section:
         """Return its signals with ranges and values at rest."""

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from numbers import Real
 from typing import Any
 
-from clepsydra.base.arguments import require_known, require_type
+from clepsydra.base.arguments import known_signal, require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import to_si
@@ -110,7 +110,11 @@ def read_time(place: str, key: str, value: object) -> float:
     return time
 
 
-def known(place: str, name: object, signals: Mapping[str, Signal], words: str) -> Signal:
-    """Return a signal by its name, or say which there are."""
-    require_known(place, name, signals, words)
-    return signals[str(name)]
+def read_values(
+    place: str, given: Mapping[str, object], signals: Sequence[Signal], words: str
+) -> dict[str, float]:
+    """Return values of signals by name [SI]; the words say what they are, as for `known_signal`."""
+    return {
+        name: read_signal(place, name, value, known_signal(place, name, signals, words), "a value")
+        for name, value in given.items()
+    }

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from clepsydra.base.arguments import known_signal
 from clepsydra.base.keywords import keywords_checked
-from clepsydra.interface.quantities import Quantity, known, read_signal, read_time
+from clepsydra.interface.quantities import Quantity, read_signal, read_time
 from clepsydra.interface.subject import Subject, plant_of
 from clepsydra.loop import relay_experiment as inner
 
@@ -59,9 +60,9 @@ def relay_experiment(
     """
     plant = plant_of(plant)
     process = plant.process
-    outputs = {name: process.signal(name) for name in process.controlled}
-    y = known(_PLACE, measured, outputs, "a controlled measurement")
-    u = known(_PLACE, manipulated, {each.name: each for each in process.inputs}, "an input")
+    outputs = [process.signal(name) for name in process.controlled]
+    y = known_signal(_PLACE, measured, outputs, "a controlled measurement")
+    u = known_signal(_PLACE, manipulated, process.inputs, "an input")
 
     def change(key: str, value: Quantity, of: inner.Signal) -> float:
         return read_signal(_PLACE, key, value, of, "a change", change=True)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from clepsydra.base.arguments import require_type
+from clepsydra.base.arguments import known_signal, require_type
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.interface.plant import Plant
-from clepsydra.interface.quantities import Quantity, arguments, known, with_unit
+from clepsydra.interface.quantities import Quantity, arguments, with_unit
 from clepsydra.process.signal_values import read_rate, read_value
 
 #: Signal to a value of its setting.
@@ -59,14 +59,13 @@ def plant_shell(
     )
     found: dict[str, dict[str, float]] = {}
     for name, given, signals, kind in settings:
-        by_name = {signal.name: signal for signal in signals}
         require_type(
             given if given is not None else {}, Mapping, name, "signals with their values",
-            f'write as in {{"{next(iter(by_name))}": "1 s"}}',
+            f'write as in {{"{signals[0].name}": "1 s"}}',
         )  # fmt: skip
         found[name] = {}
         for key, value in (given or {}).items():
-            signal = known(name, key, by_name, "one of these")
+            signal = known_signal(name, key, signals, "one of these")
             shown = {"value": signal.shown_unit, "time": "s", "rate": _a_second(signal.shown_unit)}
             table = arguments(name, {key: with_unit(value, shown[kind])})
             if kind == "value":

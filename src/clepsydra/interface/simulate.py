@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import overload
 
-from clepsydra.base.arguments import require_type
+from clepsydra.base.arguments import known_signal, require_type
 from clepsydra.base.keywords import keywords_checked
 from clepsydra.interface.controller import AnyController, of_plant
 from clepsydra.interface.events import Events, changes_of
 from clepsydra.interface.plant import Plant
-from clepsydra.interface.quantities import Quantity, known, with_unit
+from clepsydra.interface.quantities import Quantity, with_unit
 from clepsydra.interface.run import OpenLoopRun, Run
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.shown import lifted
@@ -123,11 +123,11 @@ def simulate(
 def _states(given: Mapping[str, Quantity], plant: Plant) -> dict[str, float]:
     remedy = 'write as in {"tank_1.level": "5 cm"}'
     require_type(given, Mapping, "state", "states with their values", remedy)
-    own, words = {s.name: s for s in plant.process.state}, f"a state of {plant.process.name}"
+    own, words = plant.process.state, f"a state of {plant.process.name}"
     return {
         name: read_state(
             name,
-            with_unit(value, known("state", name, own, words).shown_unit),
+            with_unit(value, known_signal("state", name, own, words).shown_unit),
             plant.process,
             "state",
         )

@@ -8,7 +8,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from clepsydra.base.arguments import check_choice
+from clepsydra.base.arguments import check_choice, known_signal
 from clepsydra.base.errors import InputError
 from clepsydra.base.units import to_si
 from clepsydra.base.words import listed, time_text
@@ -22,7 +22,6 @@ from clepsydra.loop.open_loop import Simulation, simulate, simulations, state_fr
 from clepsydra.loop.profile import (
     Change,
     check_range,
-    named_signal,
     pretty_duration,
     profiles_of,
     read_duration,
@@ -135,7 +134,7 @@ def read_state(name: str, value: object, process: Process, place: str) -> float:
     >>> read_state("tank_1.level", "5 cm", load_process("quadruple-tank"), "--state")
     0.05
     """
-    signal = named_signal(name, process.state, f"a state of {process.name}", place)
+    signal = known_signal(place, name, process.state, f"a state of {process.name}")
     where = f"{place}, {name}"
     number = to_si(value, signal.unit, where)
     check_range(signal, number, where)

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from clepsydra.base.arguments import known_signal
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import from_si, to_si, with_percent_hint
 from clepsydra.base.words import TIME_UNITS, time_text
 from clepsydra.process.process import Process
@@ -97,16 +97,7 @@ def read_assignment(text: str, process: Process, place: str) -> Change:
 def outside_signal(name: str, process: Process, place: str) -> Signal:
     """Return an input or a disturbance by its name, or refuse the name."""
     outside = (*process.inputs, *process.disturbances)
-    return named_signal(name, outside, f"an input or a disturbance of {process.name}", place)
-
-
-def named_signal(name: str, signals: Iterable[Signal], what: str, place: str) -> Signal:
-    """Return a signal by its name, or refuse the name and say which there are."""
-    known = {signal.name: signal for signal in signals}
-    if name not in known:
-        remedy = suggestion(name, known, "choose one of them")
-        raise InputError(place, name[:60], f"{what} ({', '.join(known)})", remedy)
-    return known[name]
+    return known_signal(place, name, outside, f"an input or a disturbance of {process.name}")
 
 
 def check_range(signal: Signal, value: float, place: str, written: object = None) -> None:
