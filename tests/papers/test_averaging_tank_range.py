@@ -6,7 +6,7 @@ import pytest
 from clepsydra.base.signal import path
 from clepsydra.papers.averaging_tank import operating_range
 from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS
-from clepsydra.papers.averaging_tank.operating_range import LARGE_STEPS, PERIOD, Step, range_run
+from clepsydra.papers.averaging_tank.operating_range import LARGE_STEPS, PERIOD, Step, range_runs
 from clepsydra.papers.averaging_tank.range_controllers import (
     KINDS,
     VOLUMES,
@@ -44,7 +44,7 @@ def test_the_tank_holds_every_step():
     largest = max(step.volume for step in LARGE_STEPS)
     for constant in ("outflow", "inflow"):
         for kind in ("PI", "LQI"):
-            run = range_run(constant, kind, Step(0.6, largest))
+            run = range_runs(constant, kind, [Step(0.6, largest)])
             assert 4.0 < np.max(run["volume"]) < 5.9
 
 
@@ -57,7 +57,7 @@ def test_figures_show_every_law(findings):
 
 def test_the_errors_of_a_small_step_of_v_add_up_to_nothing():
     """An integrator under PI control without limits: a ramp of the input is no steady state."""
-    run = range_run("outflow", "PI", Step(0.0, 0.001))
+    run = range_runs("outflow", "PI", [Step(0.0, 0.001)])
     error = run["volume.setpoint"] - run["volume"]
     assert np.max(np.abs(error)) == pytest.approx(0.002)
     assert np.sum(error) * PERIOD == pytest.approx(0.0, abs=1e-9)

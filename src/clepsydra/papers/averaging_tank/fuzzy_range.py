@@ -12,7 +12,7 @@ from clepsydra.papers.averaging_tank.operating_range import (
     HORIZON,
     LARGE_STEPS,
     Step,
-    relative_error,
+    relative_errors,
 )
 from clepsydra.papers.averaging_tank.step_run import MEASURED, STEPS, indices, trend_figure
 from clepsydra.papers.averaging_tank.symbols import VARIANTS, constant_flow
@@ -38,11 +38,9 @@ def run() -> Found:
 
 
 def fuzzy_error(reading: Reading, step: Step) -> float:
-    """Return ∫ |e| dt over the size of the step [s], as `operating_range.relative_error` has it."""
-    sizes = step.sizes
-    both = sizes.get("C", 0.0), sizes.get("V", 0.0)
-    errors = indices(fuzzy_run(reading, both, HORIZON, _FAST))
-    return float(np.mean([errors["IAE", name] / abs(size) for name, size in sizes.items()]))
+    """Return ∫ |e| dt over the size of the step [s], see `operating_range.relative_errors`."""
+    errors = indices(fuzzy_run(reading, step.sizes, HORIZON, _FAST))
+    return step.relative(errors["IAE", name] for name in MEASURED)
 
 
 def large_steps(reading: Reading) -> Row:
@@ -51,7 +49,7 @@ def large_steps(reading: Reading) -> Row:
     for step in LARGE_STEPS:
         error = fuzzy_error(reading, step)
         worse[step] = error / fuzzy_error(reading, step.small)
-        others = {who: relative_error(*each, step) for who, each in _BY_HAND.items()}
+        others = {who: relative_errors(*each)[step] for who, each in _BY_HAND.items()}
         below = [f"{who} {other:.2f} s" for who, other in others.items() if other < error]
         best += not below
         if below:

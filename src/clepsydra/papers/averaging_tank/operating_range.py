@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterable, Sequence
 from functools import cache
 from itertools import product
 from typing import NamedTuple
@@ -11,14 +12,16 @@ from typing import NamedTuple
 import numpy as np
 
 from clepsydra.designs.sampled.sampled_loop import SampledLoops
+from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
+from clepsydra.loop.closed_loop import closed_loop
+from clepsydra.loop.loop import Loop
 from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, lqi_of
 from clepsydra.papers.averaging_tank.pi import BY_HAND, OPTIMAL, pi_controller
 from clepsydra.papers.averaging_tank.range_controllers import (
     KINDS,
-    bench_of,
     controller_of,
     linear_errors,
 )
@@ -26,7 +29,6 @@ from clepsydra.papers.averaging_tank.step_run import (
     MEASURED,
     SIGNALS,
     model_of,
-    step_scenario,
 )
 from clepsydra.papers.averaging_tank.symbols import C0, V0, VARIANTS, Variant, constant_flow
 from clepsydra.papers.document import Found
@@ -39,7 +41,6 @@ PERIOD, HORIZON = 0.01, 30.0  # [s]
 _SMALL = 0.05
 _LARGE = (-0.5, 0.5)
 _SHARES = (-0.5, -0.25, -0.05, 0.05, 0.25, 0.5)
-_AT_REST = {"C": C0, "V": V0}
 _PERIODS = (1e-3, 1e-2, 1e-1)  # [s]
 #: Drawn at every sampling period.
 _SAMPLED = ("PI", "PI, anti-windup", "LQI", "LQI, anti-windup", "LQI, recomputed, anti-windup")
@@ -58,10 +59,14 @@ class Step(NamedTuple):
     volume: float
 
     @property
-    def sizes(self) -> dict[str, float]:
-        """Of the outputs that step, in kmol/m³ and m³."""
-        shares = {"C": self.concentration, "V": self.volume}
-        return {name: share * _AT_REST[name] for name, share in shares.items() if share}
+    def sizes(self) -> tuple[float, float]:
+        """Of C [kmol/m³] and V [m³]."""
+        return self.concentration * C0, self.volume * V0
+
+    def relative(self, errors: Iterable[float]) -> float:
+        """Return the mean of errors of C and V over the sizes of their steps, if they step."""
+        both = zip(errors, self.sizes, strict=True)
+        return float(np.mean([error / abs(size) for error, size in both if size]))
 
     @property
     def small(self) -> Step:
@@ -71,8 +76,8 @@ class Step(NamedTuple):
     @property
     def words(self) -> str:
         """As the reader sees it."""
-        units = {"C": "kmol/m³", "V": "m³"}
-        return " and ".join(f"{k} by {v:+g} {units[k]}" for k, v in self.sizes.items())
+        told = zip(MEASURED, self.sizes, ("kmol/m³", "m³"), strict=True)
+        return " and ".join(f"{name} by {size:+g} {unit}" for name, size, unit in told if size)
 
 
 LARGE_STEPS = (
@@ -81,6 +86,13 @@ LARGE_STEPS = (
     *(Step(*shares) for shares in product(_LARGE, _LARGE)),
     Step(0.6, 1.0),
 )
+#: Steps of one output.
+_BY_SIZE = {
+    "C": [Step(share, 0.0) for share in _SHARES],
+    "V": [Step(0.0, share) for share in _SHARES],
+}
+#: Every step, with those of the document's size.
+STEPS = tuple({*LARGE_STEPS, *_BY_SIZE["C"], *_BY_SIZE["V"], *(each.small for each in LARGE_STEPS)})
 
 
 def run() -> Found:
@@ -88,53 +100,61 @@ def run() -> Found:
     return (*_declines(), sampling_row(), *_trends(), _by_size(), _by_period())
 
 
-@cache
-def range_run(
-    constant: Variant, kind: str, step: Step, period: float = PERIOD
+def range_runs(
+    constant: Variant, kind: str, steps: Sequence[Step], period: float = PERIOD
 ) -> dict[str, np.ndarray]:
-    """Return time, setpoints, outputs and inputs of one of `KINDS` through one step."""
+    """Return time, and setpoints, outputs and inputs of one of `KINDS` through steps, a lane each.
+
+    The setpoints have one sample: they stay.
+    """
     model = model_of(constant, period, high=True)
-    sizes = step.sizes.get("C", 0.0), step.sizes.get("V", 0.0)
-    loop, kernel = bench_of(constant, kind, period)
-    scenario = step_scenario(model, sizes, HORIZON)
-    given = loop.inputs_of(scenario)
-    found = kernel.run(
-        scenario.samples, inputs=given, state=loop.initial_state(),
+    loop = Loop(controller_of(constant, kind, period), model)
+    still, samples, targets = loop.at_rest(), round(HORIZON / period) + 1, {}
+    sizes = np.array([step.sizes for step in steps])
+    for place, (name, factor) in enumerate(MEASURED.values()):
+        setpoint = f"{name}.setpoint"
+        targets[setpoint] = still.pop(setpoint) + factor * sizes[:, [place]]
+    program = closed_loop(loop.process, loop.controller, substeps=loop.substeps, constant=still)
+    found = Kernel(program, individual=targets).run(
+        samples,
+        inputs={name: np.tile(target, samples) for name, target in targets.items()},
+        state=loop.initial_state(),
         parameters=loop.law_parameters(),
-    )  # fmt: skip
-    outputs = {signal.name: found.output(signal.name)[0] for signal in kernel.program.outputs}
-    return {**given, **outputs, "time": scenario.time}
+    )
+    outputs = {signal.name: found.output(signal.name) for signal in program.outputs}
+    return {**targets, **outputs, "time": np.arange(samples) * period}
 
 
-def relative_error(constant: Variant, kind: str, step: Step, period: float = PERIOD) -> float:
-    """Return ∫ |e| dt over the size of the step [s], the mean of the outputs that step.
+@cache
+def relative_errors(
+    constant: Variant, kind: str, steps: tuple[Step, ...] = STEPS, period: float = PERIOD
+) -> dict[Step, float]:
+    """Return ∫ |e| dt over the size of each step [s], the mean of the outputs that step.
 
     In a linear loop without limits it is the same for every size.
     """
-    run = range_run(constant, kind, step, period)
-    found = []
-    for output, size in step.sizes.items():
-        name, factor = MEASURED[output]
-        errors = np.abs(run[f"{name}.setpoint"] - run[name]) / factor
-        found.append(float(np.trapezoid(errors, run["time"])) / abs(size))
-    return float(np.mean(found))
+    runs = range_runs(constant, kind, steps, period)
+    errors = [
+        np.trapezoid(np.abs(runs[f"{name}.setpoint"] - runs[name]) / factor, runs["time"])
+        for name, factor in MEASURED.values()
+    ]
+    return {step: step.relative(both) for step, *both in zip(steps, *errors, strict=True)}
 
 
 def decline(constant: Variant, kind: str, step: Step) -> float:
     """Return by what share the relative error of a step exceeds that of the document's step."""
-    return relative_error(constant, kind, step) / relative_error(constant, kind, step.small) - 1.0
+    errors = relative_errors(constant, kind)
+    return errors[step] / errors[step.small] - 1.0
 
 
 def _linear_decline(constant: Variant, kind: str, step: Step) -> float:
     """Return the decline on the linear model under the same limits."""
     controller, model = controller_of(constant, kind, PERIOD), model_of(constant, PERIOD, high=True)
-
-    def error(each: Step) -> float:
-        sizes = {MEASURED[k][0]: MEASURED[k][1] * size for k, size in each.sizes.items()}
-        found = linear_errors(controller, model, sizes, HORIZON)
-        return float(np.mean([found[name] / abs(size) for name, size in sizes.items()]))
-
-    return error(step) / error(step.small) - 1.0
+    large, small = (
+        each.relative(linear_errors(controller, model, each.sizes, HORIZON))
+        for each in (step, step.small)
+    )
+    return large / small - 1.0
 
 
 def _worst(constant: Variant, kind: str) -> tuple[float, Step]:
@@ -184,10 +204,10 @@ def _trends() -> Found:
         (Step(0.5, 0.5), "C and V rise by half"),
     ):
         shown = slice(0, int(20.0 / PERIOD), 4)
-        runs = {kind: range_run("outflow", kind, step) for kind in _SAMPLED}
+        runs = {kind: range_runs("outflow", kind, [step]) for kind in _SAMPLED}
         panels = [
             Panel(name, label, [
-                Curve(kind, run["time"][shown], run[signal][shown] / factor, drawn)
+                Curve(kind, run["time"][shown], run[signal][0, shown] / factor, drawn)
                 for kind, run in runs.items()
             ])
             for name, signal, label, factor, drawn in SIGNALS if name != "f_out"
@@ -202,11 +222,8 @@ def _trends() -> Found:
 def _by_size() -> Figure:
     """Draw the relative error against the size of a step."""
     panels = []
-    for output, of in (
-        ("C", lambda share: Step(share, 0.0)),
-        ("V", lambda share: Step(0.0, share)),
-    ):
-        errors = {k: [relative_error("outflow", k, of(s)) for s in _SHARES] for k in KINDS}
+    for output, steps in _BY_SIZE.items():
+        errors = {k: [relative_errors("outflow", k)[step] for step in steps] for k in KINDS}
         shown = curves(100.0 * np.array(_SHARES), errors)
         panels.append(Panel(output, "IAE / step [s]", shown, f"step of {output} [% of its value]"))
     return Figure(
@@ -217,9 +234,10 @@ def _by_size() -> Figure:
 
 def _by_period() -> Figure:
     """Draw the relative error of large steps against the sampling period."""
-    panels = []
-    for step in LARGE_STEPS[:4]:
-        errors = {k: [relative_error("outflow", k, step, p) for p in _PERIODS] for k in _SAMPLED}
+    panels, steps = [], LARGE_STEPS[:4]
+    found = {k: [relative_errors("outflow", k, steps, p) for p in _PERIODS] for k in _SAMPLED}
+    for step in steps:
+        errors = {kind: [each[step] for each in by_period] for kind, by_period in found.items()}
         shown = curves(1e3 * np.array(_PERIODS), errors)
         panels.append(Panel(step.words, "IAE / step [s]", shown, "sampling period [ms]", True))
     return Figure(

@@ -21,16 +21,15 @@ from clepsydra.designs.states.bryson_rule import bryson_weights
 from clepsydra.designs.states.linear_quadratic import lqi_gains
 from clepsydra.designs.states.process_filter import acting_model
 from clepsydra.designs.states.state_controllers import lqi_controller
-from clepsydra.engine.kernel import Kernel
+from clepsydra.engine.law_evaluation import LawEvaluation
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.process_equations import process_equations
-from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.loop import Loop
 from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, Weights, in_moles, weighed
 from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.pi import BY_HAND, pi_controller
-from clepsydra.papers.averaging_tank.step_run import model_of, step_scenario
+from clepsydra.papers.averaging_tank.step_run import model_of
 from clepsydra.papers.averaging_tank.symbols import FLOW, V0, Variant
 from clepsydra.program.step_law import StepLaw
 
@@ -63,16 +62,6 @@ def controller_of(constant: Variant, kind: str, period: float) -> Controller:
     if law == "LQI, scheduled":
         return _scheduled_lqi(weights, model, period, winding)
     return _recomputed_lqi(weights, model, period, winding)
-
-
-@cache
-def bench_of(constant: Variant, kind: str, period: float) -> tuple[Loop, Kernel]:
-    """Return the loop of one of `KINDS` for a sampling period [s], compiled once for many steps."""
-    loop = Loop(controller_of(constant, kind, period), model_of(constant, period, high=True))
-    given = loop.inputs_of(step_scenario(loop.model, (0.0, 0.0), period))
-    still = {name: value for name, value in loop.at_rest().items() if name not in given}
-    program = closed_loop(loop.process, loop.controller, substeps=loop.substeps, constant=still)
-    return loop, Kernel(program)
 
 
 @cache
@@ -163,39 +152,28 @@ def _recomputed_lqi(
 
 
 def linear_errors(
-    controller: Controller, model: LinearModel, sizes: Mapping[str, float], horizon: float
-) -> dict[str, float]:
-    """Return ∫ |e| dt after steps of setpoints, with the process as its linear model.
+    controller: Controller, model: LinearModel, sizes: tuple[float, float], horizon: float
+) -> np.ndarray:
+    """Return ∫ |e| dt of C and V [2] after steps of both, with the process as its linear model.
 
     The inputs keep their limits, so that what is left of a decline is no nonlinearity of the
     process. Held over each sample the linear model is exact.
     """
-    point = operating_point_of(model)
-    period, at = point.process.sampling_period, point.as_dict()
-    seen = model.select(controller.measurements, controller.manipulated)
+    loop, law, factors = Loop(controller, model), controller.law, np.array([KMOL, 1.0])
+    period = loop.process.sampling_period
+    seen, now = model.select(_MEASURED, controller.manipulated), loop.point.as_dict()
     held, moved = held_over(seen.A, seen.B, period)
-    law = controller.law
-    rest_y = np.array([at[name] for name in controller.measurements])
-    rest_u = np.array([at[name] for name in controller.manipulated])
-    given = {signal.name: signal.initial for signal in law.inputs} | {"time_step": period}
-    given |= {path(name, "sp"): at[name] + sizes.get(name, 0.0) for name in controller.setpoints}
-    names = [signal.name for signal in law.inputs]
-    places = [names.index(path(name, "pv")) for name in controller.measurements]
-    rows = [i for i, signal in enumerate(law.outputs) if signal.part == "out"]
-    inputs = np.array([given[signal.name] for signal in law.inputs])
-    parameters = [controller.values[parameter.name] for parameter in law.parameters]
+    y, u = (np.array([now[name] for name in names]) for names in (seen.outputs, seen.inputs))
+    targets = y + factors * sizes
+    now |= loop.at_rest()
+    now |= zip([f"{name}.setpoint" for name in _MEASURED], targets, strict=True)
+    parameters = np.array([controller.values[each.name] for each in law.parameters])
     state = np.array([controller.initial_state[entry.name] for entry in law.state])
-    x = np.zeros(len(seen.states))
-    targets = np.array([at[name] + size for name, size in sizes.items()])
-    shown = [controller.measurements.index(name) for name in sizes]
-    errors = []
+    evaluation = LawEvaluation(law, parameters, state)
+    x, errors = np.zeros(len(seen.states)), []
     for _ in range(round(horizon / period) + 1):
-        y = rest_y + seen.C @ x
-        errors.append(np.abs(targets - y[shown]))
-        inputs[places] = y
-        following, outputs, _ = law.function(state, inputs, parameters)
-        state = following.full().ravel()
-        u = outputs.full().ravel()[rows]
-        x = held @ x + moved @ (u - rest_u)
-    found = np.trapezoid(np.array(errors), dx=period, axis=0)
-    return dict(zip(sizes, map(float, found), strict=True))
+        now |= zip(_MEASURED, y + seen.C @ x, strict=True)
+        errors.append(np.abs(targets - y - seen.C @ x) / factors)
+        told = loop.told_by_law(evaluation.step(loop.law_inputs(now)))
+        x = held @ x + moved @ ([told[name] for name in seen.inputs] - u)
+    return np.trapezoid(errors, dx=period, axis=0)
