@@ -43,7 +43,7 @@ def simplex_fit(
         with np.errstate(all="ignore"):
             try:
                 difference = output - model_at(parameters).output(signal)
-            except (InputError, OverflowError):
+            except (InputError, OverflowError, ValueError):
                 return _USELESS
             value = float(difference @ difference) / scale
         return value if math.isfinite(value) else _USELESS
@@ -101,7 +101,7 @@ def second_order_of_gain(
     Examples
     --------
     >>> u = np.append([0.0, 0.0], np.ones(58))
-    >>> right = sampled_transfer([2 * 0.04], [1.0, 0.32, 0.04], 3.0, 1.0)
+    >>> right = sampled_transfer([2 * 0.04], [1.0, 0.32, 0.04], 3, 1.0)
     >>> found = second_order_of_gain(u, right.output(u), gain=2.0, delay=3, period=1.0,
     ...                              start=(0.1, 1.2))
     >>> bool(np.allclose(found.A, right.A, atol=1e-8))
@@ -112,7 +112,7 @@ def second_order_of_gain(
         frequency, damping = np.exp(logarithms)
         square = frequency**2
         return sampled_transfer(
-            [gain * square], [1.0, 2.0 * damping * frequency, square], delay * period, period
+            [gain * square], [1.0, 2.0 * damping * frequency, square], delay, period
         )
 
     return simplex_fit(model_at, np.log(start), signal, output)

@@ -123,8 +123,6 @@ def coprime_factors(plant: SampledSystem) -> CoprimeFactors:
     --------
     See `CoprimeFactors`.
     """
-    if np.any(plant.D != 0.0):
-        raise ValueError("coprime factors: the plant has a direct way from input to output")
     A, B, C = plant.A, plant.B, plant.C
     q, m = C.shape[0], B.shape[1]
     inputs, outputs = np.eye(m), np.eye(q)

@@ -38,11 +38,6 @@ def reduced_plant(factors: CoprimeFactors, order: int) -> ReducedPlant:
     order : int
         From 1 to the order of the plant.
 
-    Raises
-    ------
-    ValueError
-        The order is out of this range.
-
     References
     ----------
     D. Meyer, Fractional balanced reduction: model reduction via a fractional representation,
@@ -60,9 +55,6 @@ def reduced_plant(factors: CoprimeFactors, order: int) -> ReducedPlant:
     >>> len(found.plant.A), found.bound < 0.05
     (1, True)
     """
-    size = len(factors.plant.A)
-    if not 1 <= order <= size:
-        raise ValueError(f"order reduction: {order} states, expected 1 to {size}")
     reached, shown = factors.roots
     left, values, right = np.linalg.svd(shown.T @ reached)
     # A singular vector and its partner may both be turned: the first large number is positive.

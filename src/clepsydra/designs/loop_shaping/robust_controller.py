@@ -96,11 +96,6 @@ def robust_controller(factors: CoprimeFactors, relaxation: float = RELAXATION) -
     relaxation : float
         γ/γ_min, above one.
 
-    Raises
-    ------
-    ValueError
-        The relaxation is one or less.
-
     References
     ----------
     J. Sefton and K. Glover, Pole-zero cancellations in the general H∞ problem with reference to
@@ -113,8 +108,6 @@ def robust_controller(factors: CoprimeFactors, relaxation: float = RELAXATION) -
     --------
     See `RobustController`.
     """
-    if not relaxation > 1.0:
-        raise ValueError(f"robust controller: relaxation {relaxation}, expected above 1")
     gamma = relaxation * factors.smallest_gamma
     X, B, identity = factors.X, factors.plant.B, np.eye(len(factors.X))
     share = gamma**-2

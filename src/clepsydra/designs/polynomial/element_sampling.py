@@ -7,12 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from clepsydra.base.arguments import is_finite_number
-from clepsydra.base.errors import InputError
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.models.transfer_element import TransferElement
 from clepsydra.designs.polynomial.moment_matching import with_two_lags
-from clepsydra.designs.polynomial.sampled_model import SampledModel, whole_samples
+from clepsydra.designs.polynomial.sampled_model import SampledModel
 from clepsydra.designs.sampled.sampled_process import held_over
 
 #: Elements of more poles are reduced.
@@ -25,24 +23,18 @@ _NOTHING = 1e-6
 
 
 def sampled_transfer(
-    numerator: Sequence[float], denominator: Sequence[float], delay: float, period: float
+    numerator: Sequence[float], denominator: Sequence[float], delay: int, period: float
 ) -> SampledModel:
     """Return the sampled model of a continuous transfer function with delay.
 
     Parameters
     ----------
     numerator, denominator : sequence of float
-        Coefficients of s, highest power first.
-    delay : float
-        [s], a whole number of sampling periods.
+        Coefficients of s, highest power first, of a strictly proper one.
+    delay : int
+        [samples]
     period : float
         [s]
-
-    Raises
-    ------
-    InputError
-        A coefficient is no number, the transfer function is not strictly proper, the delay is
-        no whole number of samples, or the period is not above zero.
 
     References
     ----------
@@ -55,28 +47,13 @@ def sampled_transfer(
     >>> chain = np.array([1.0])
     >>> for _ in range(8):
     ...     chain = np.polymul(chain, [2.0, 1.0])
-    >>> model = sampled_transfer([3.08], chain, delay=0.0, period=1.0)
+    >>> model = sampled_transfer([3.08], chain, delay=0, period=1.0)
     >>> model.order, round(model.static_gain, 6)
     (8, 3.08)
     """
-    for name, values in (("numerator", numerator), ("denominator", denominator)):
-        if not len(values) or not all(is_finite_number(value) for value in values):
-            raise InputError(
-                f"transfer function, {name}", list(values), "finite coefficients", "correct them"
-            )
-    above = np.trim_zeros(np.asarray(numerator, dtype=float), "f")
-    below = np.trim_zeros(np.asarray(denominator, dtype=float), "f")
-    if len(above) >= len(below) or not len(above):
-        degrees = len(above) - 1, len(below) - 1
-        given = "a numerator of degree {} over a denominator of degree {}".format(*degrees)
-        remedy = "add the lag of the actuator or the sensor, or leave the direct way out"
-        expected = "a strictly proper one that is not zero"
-        raise InputError("transfer function", given, expected, remedy)
-    if not is_finite_number(period) or period <= 0.0:
-        raise InputError("transfer function, period", period, "a time above 0 s", "correct it")
-    samples = whole_samples(delay, period, "transfer function, delay")
+    above, below = (np.trim_zeros(np.array(each), "f") for each in (numerator, denominator))
     b, a = _held(above / below[0], below / below[0], 0.0, period)
-    return SampledModel(tuple(b), tuple(a), samples, period)
+    return SampledModel(tuple(b), tuple(a), delay, period)
 
 
 def sampled_element(element: TransferElement, period: float) -> SampledModel:

@@ -15,8 +15,6 @@ from clepsydra.base.words import SUPERSCRIPTS
 
 #: A root this near to the unit circle stands on it, and one this near to 1 integrates.
 ON_THE_CIRCLE = 1e-8
-#: A delay of so nearly a whole number of samples is one.
-_WHOLE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -141,36 +139,6 @@ class SampledModel:
         below = "1" + _polynomial(self.denominator, 1, signed=True)
         delayed = f" {_back(self.delay)}" if self.delay else ""
         return f"({above}) / ({below}){delayed}"
-
-
-def whole_samples(delay: float, period: float, place: str) -> int:
-    """Return a delay [s] in samples.
-
-    Raises
-    ------
-    InputError
-        It is negative or no whole number of samples.
-
-    Examples
-    --------
-    >>> whole_samples(300.0, 60.0, "model, delay")
-    5
-    >>> whole_samples(330.0, 60.0, "model, delay")
-    Traceback (most recent call last):
-        ...
-    clepsydra.base.errors.InputError: model, delay: got '330 s', expected a whole number of \
-sampling periods of 60 s; take 5 or 6 of them, or sample so that the delay is a multiple of the \
-period.
-    """
-    if not is_finite_number(delay) or delay < 0.0:
-        raise InputError(place, delay, "a time from 0 s on", "give it in seconds")
-    count = delay / period
-    if abs(count - round(count)) > _WHOLE:
-        low, expected = math.floor(count), f"a whole number of sampling periods of {period:g} s"
-        few = f"take {low} or {low + 1} of them"
-        remedy = f"{few}, or sample so that the delay is a multiple of the period"
-        raise InputError(place, f"{delay:g} s", expected, remedy)
-    return round(count)
 
 
 def _polynomial(coefficients: Sequence[float], first: int, *, signed: bool = False) -> str:

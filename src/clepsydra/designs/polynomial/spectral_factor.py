@@ -9,7 +9,6 @@ from math import comb, fsum, isfinite
 
 import numpy as np
 
-from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import InputError
 
 #: A root w of the factor this near to [0, 4] means a zero on the unit circle, as a share of 4.
@@ -56,8 +55,8 @@ def spectral_factor(A: Sequence[float], B: Sequence[float], penalty: float) -> S
     Raises
     ------
     InputError
-        The penalty is negative, both polynomials are zero, or the sum vanishes on the unit
-        circle: A and B share a root there, or B alone has one where q_u is zero.
+        Both polynomials are zero, or the sum vanishes on the unit circle: A and B share a root
+        there, or B alone has one where q_u is zero.
 
     References
     ----------
@@ -71,9 +70,6 @@ def spectral_factor(A: Sequence[float], B: Sequence[float], penalty: float) -> S
     >>> [tuple(round(d, 6) for d in spectral_factor(A, B, q).coefficients) for q in (1.0, 10.0)]
     [(1.0, -1.622621, 0.68047), (1.0, -1.742615, 0.769174)]
     """
-    if not is_finite_number(penalty) or penalty < 0.0:
-        place = "spectral factorisation, penalty"
-        raise InputError(place, penalty, "a number from 0 on", "correct q_u")
     first, second = _squared(A), _squared(B)
     size = max(len(first), len(second))
     total = np.zeros(size)

@@ -9,7 +9,6 @@ from fractions import Fraction
 
 import numpy as np
 
-from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import InputError
 from clepsydra.designs.polynomial.diophantine import (
     Polynomial,
@@ -57,11 +56,6 @@ def assigned(factor: SpectralFactor, poles: Sequence[float]) -> Characteristic:
     poles : sequence of float
         γ of equation (30) or (32), and further ones, each inside the unit circle.
 
-    Raises
-    ------
-    InputError
-        A pole is no number between −1 and 1.
-
     References
     ----------
     V. Bobál et al., eq. (29) to (33), with d3 = −αβγ in the place of (31)'s +αβγ.
@@ -73,10 +67,6 @@ def assigned(factor: SpectralFactor, poles: Sequence[float]) -> Characteristic:
     >>> tuple(round(d, 4) for d in assigned(factor, [0.5]).coefficients)
     (1.0, -2.2426, 1.6405, -0.3846)
     """
-    for pole in poles:
-        if not is_finite_number(pole) or not -1.0 < pole < 1.0:
-            expected = "a real number between −1 and 1"
-            raise InputError("assigned pole", pole, expected, "move it inside")
     coefficients = np.array(factor.coefficients)
     for pole in poles:
         coefficients = np.convolve(coefficients, [1.0, -pole])
@@ -142,8 +132,7 @@ def two_degree_of_freedom(
     Raises
     ------
     InputError
-        B is not strictly proper, B(1) is zero, so that no input holds the output, or A K and B
-        share a root.
+        B(1) is zero, so that no input holds the output, or A K and B share a root.
 
     References
     ----------
@@ -160,11 +149,6 @@ def two_degree_of_freedom(
     >>> [round(float(q), 3) for q in found.Q], found.increment_gains, round(found.feedforward, 4)
     ([17.217, -30.03, 13.256], (), 0.4419)
     """
-    if not len(B) or B[0] != 0.0:
-        remedy = (
-            "leave the direct way from input to output out: a sample's output is seen in the next"
-        )
-        raise InputError("2DOF controller, B", list(B), "a first coefficient of zero", remedy)
     gain = math.fsum(B)
     if abs(gain) <= 1e-12 * math.fsum(abs(b) for b in B):
         remedy = "choose an input that can hold the output"

@@ -113,7 +113,7 @@ def chain() -> Analysis:
 def sampled_chain(gain: float = GAIN, period: float = 1.0) -> SampledModel:
     """Return equation (9) of (8): the chain sampled with a period [min], in m³/min."""
     below = [float(value) for value in np.poly([-1.0 / TIME_CONSTANT] * TANKS)]
-    return sampled_transfer([gain * below[-1]], below, 0.0, period)
+    return sampled_transfer([gain * below[-1]], below, 0, period)
 
 
 @cache
