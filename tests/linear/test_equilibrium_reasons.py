@@ -28,7 +28,7 @@ def test_pump_and_valve_that_are_too_small_are_told_in_flows(tmp_path):
     assert found.reasons == (
         PUMP,
         "brine_valve would have to be 120 %, outside its range from 0 % to 100 %: at 100 % it "
-        "gives 0.6 m^3/h, and 0.72 m^3/h are needed",
+        "gives 0.6 m³/h, and 0.72 m³/h are needed",
     )
     assert found.place.endswith("plant.toml, line 35, operating_point")
 
@@ -41,7 +41,7 @@ def test_beyond_the_range_of_a_curved_valve_no_signal_is_made_up(tmp_path):
     assert found.reasons == (
         PUMP,
         "brine_valve would have to go beyond 100 %, the end of its range: at 100 % it gives "
-        "0.6 m^3/h, and 0.72 m^3/h are needed",
+        "0.6 m³/h, and 0.72 m³/h are needed",
     )
 
 
@@ -53,7 +53,7 @@ def test_what_flows_in_would_have_to_flow_back(tmp_path):
     assert found.reasons == (
         "water_pump would have to be -20 %, outside its range from 0 % to 100 %: 8 l/min would "
         "have to flow back through it",
-        "brine_valve would have to be -20 %, outside its range from 0 % to 100 %: 0.12 m^3/h would "
+        "brine_valve would have to be -20 %, outside its range from 0 % to 100 %: 0.12 m³/h would "
         "have to flow back through it",
     )
 
@@ -102,7 +102,7 @@ def test_a_gain_without_its_percent_is_shown_on_its_line(tmp_path):
         (
             (KV, 'kv = "12 m^3/h"'),
             "brine_valve rests at 2 %, close to the end of its range at 0 %, where a controller "
-            "can hardly lower it: it gives 0.24 m^3/h of at most 12 m^3/h",
+            "can hardly lower it: it gives 0.24 m³/h of at most 12 m³/h",
         ),
     ],
 )

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import clepsydra as cl
-from clepsydra.studies.result import Standing
+from clepsydra.studies.result import Remark, Standing
 
 SENSOR_GAIN = 50.0  # V/m
 #: K [%/%] and Ti [s] of both loops, of which the second set moves pumps to their limits.
@@ -73,7 +73,7 @@ def judged(candidate, place, tuning):
             "Smallest error of all, and it leaves the pumps away from their limits.",
             "Faster, but its pumps reach their limits after each step.",
         )[place],
-        warnings=() if place == 0 else ("pump_1 stood at its limit after setpoint steps.",),
+        warnings=() if place == 0 else (Remark("pump_1 stood at its limit after setpoint steps"),),
         criteria={"setpoint error": 1.0 + 0.1 * place, "load error": 1.0 + 0.3 * place},
         wear=1.0 + 11.5 * place,
         tuning=None if place else tuning,
@@ -100,7 +100,7 @@ def build_study():
         not_applicable=(("Smith predictor", "the process has no dead time"),),
         verdict="PI, phase margin holds both levels best: worst error integral 3 % s, "
         "maximum sensitivity 1.62, no warning.",
-        warnings=("The upper tanks are measured but not controlled.",),
+        warnings=(Remark("The upper tanks are measured but not controlled"),),
     )
 
 

@@ -164,7 +164,7 @@ def test_words_of_a_user_are_never_markup(result):
         result,
         process=replace(result.process, title=attack, source=attack),
         verdict=attack,
-        ranking=(replace(first, reason=attack, warnings=(attack,)),),
+        ranking=(replace(first, reason=attack, warnings=(type(result.warnings[0])(attack),)),),
         not_applicable=((attack, attack),),
     )
     assert attack not in report_text(hostile)

@@ -11,7 +11,7 @@ import clepsydra as cl
 from clepsydra.process.catalogue_names import catalogue_names
 from clepsydra.report.screen import Screen
 from clepsydra.report.study_answer import better_words, lead, study_answer
-from clepsydra.studies.recommendation import Recommendation, recommend
+from clepsydra.studies.recommendation import Recommendation, Remark, recommend
 from clepsydra.studies.result import Standing
 
 
@@ -149,10 +149,10 @@ def test_columns_go_from_the_right_and_names_stay_whole(result):
 
 def test_what_to_watch_is_short_and_the_rest_is_counted(result):
     told = (
-        "pump_1 stands at a limit: it is still; give it more range.",
-        "a level spills",
-        "noise",
-        "Drift.",
+        Remark("pump_1 stands at a limit", "it is still", "give it more range"),
+        Remark("a level spills"),
+        Remark("noise"),
+        Remark("Drift"),
     )
     first = replace(result.ranking[0], warnings=told, scores={"overshoot[level_1]": 34.2})
     lines = screen(replace(result, ranking=(first,), warnings=()), 80)
@@ -199,7 +199,7 @@ def test_the_ranking_is_cut_at_five_and_shown_whole_on_request(result):
 
 def test_the_recommended_stands_in_the_last_row_where_it_is_not_among_the_first(result):
     quiet = result.ranking[0]
-    several = [replace(quiet, rank=rank, warnings=("It rings.",)) for rank in range(1, 8)]
+    several = [replace(quiet, rank=rank, warnings=(Remark("It rings"),)) for rank in range(1, 8)]
     many = replace(result, ranking=(*several, replace(quiet, rank=8)))
     rows = [line[:1] for line in screen(many, 80) if re.match(r"\d  ", line)]
     assert rows == ["1", "2", "3", "4", "8"]
@@ -207,7 +207,7 @@ def test_the_recommended_stands_in_the_last_row_where_it_is_not_among_the_first(
 
 def test_a_best_of_the_same_kind_says_what_there_is_to_watch_with_it(result):
     quiet = replace(result.ranking[0], scores={})
-    first = replace(quiet, warnings=("It rings: slow it down.",), mean_error=1.0)
+    first = replace(quiet, warnings=(Remark("It rings", "slow it down"),), mean_error=1.0)
     second = replace(quiet, rank=2, mean_error=1.25)
     said = " ".join(screen(replace(result, ranking=(first, second)), 100))
     assert f"The best, {first.controller.title}, has 20 % less error; it rings." in said
@@ -228,7 +228,7 @@ def test_a_best_that_switches_at_levels_says_so():
     found = cl.study(plant, controllers, load, duration="1 h", accept=9)
     assert found.best.controller.name == "Start/stop levels" != found.recommended.controller.name
     said = " ".join(screen(found, 100))
-    assert "less error; it switches at levels, and holds no setpoint." in said
+    assert "less error; it switches at levels, and holds no setpoint" in said
     assert row_of(found, found.best)[-1] == "–"  # it has no max|S|
 
 

@@ -5,7 +5,13 @@ from types import SimpleNamespace
 import pytest
 
 import clepsydra as cl
-from clepsydra.studies.recommendation import as_good_as_first, recommend, rival_of, watched
+from clepsydra.studies.recommendation import (
+    Remark,
+    as_good_as_first,
+    recommend,
+    rival_of,
+    watched,
+)
 from clepsydra.studies.result import Standing
 from clepsydra.studies.warnings.after import caveats_after
 
@@ -97,7 +103,7 @@ def test_an_error_of_the_simulation_does_not_speak_against_a_controller(error):
     (caveat,) = first.caveats = caveats_after(first.run)
     assert caveat.seen == (error > 1e-3)
     assert watched(first) == () and recommend([first, second]).simplest is first
-    first.warnings = ("It winds up.",)
+    first.warnings = (Remark("It winds up"),)
     assert recommend([first, second]).simplest is second
 
 
@@ -107,16 +113,16 @@ def test_overshoot_and_slowing_are_watched_but_not_the_overshoot_of_a_level_that
     assert watched(each) == ()
     each.scores["overshoot[a]"] = 10.6
     each.controller.slowed = 7.483
-    each.warnings = ("pump stands at a limit: nothing is corrected meanwhile.",)
-    assert watched(each) == (
+    each.warnings = (Remark("pump stands at a limit", "nothing is corrected meanwhile"),)
+    assert [found.advice for found in watched(each)] == [
         "It overshoots a step of the setpoint by 11 %; ramp the setpoint.",
         "Its rule was slowed 7.48 times, until it was robust.",
         "pump stands at a limit.",
-    )
+    ]
     each.controller.values["a.setpoint_weight"] = 1.0
-    each.warnings = ("pump winds up: it went on; choose another form.",)
+    each.warnings = (Remark("pump winds up", "it went on", "choose another form"),)
     assert watched(each)[0].endswith("; ramp the setpoint, or lower b.")
-    assert watched(each)[-1] == "pump winds up; choose another form."
+    assert watched(each)[-1].advice == "pump winds up; choose another form."
 
 
 def test_the_rival_of_the_first_is_of_another_kind_or_of_another_error():

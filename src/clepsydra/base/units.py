@@ -182,6 +182,19 @@ def from_si(value: float, unit: str, display_unit: str) -> float:
     return float(Fraction(repr(float(value))) / factor_of(display_unit, unit))
 
 
+def unit_text(unit: str) -> str:
+    """Return a unit as it is printed, empty for a pure number.
+
+    Examples
+    --------
+    >>> unit_text("cm^3/(s V)"), unit_text("1")
+    ('cm³/(s V)', '')
+    """
+    if unit in ("1", "dimensionless"):
+        return ""
+    return unit.replace("**", "^").replace("^2", "²").replace("^3", "³")
+
+
 def convertible(unit: str, to: str) -> bool:
     """Return whether one unit measures the same as another; False where it is no unit at all.
 

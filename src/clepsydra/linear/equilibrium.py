@@ -9,6 +9,7 @@ import numpy as np
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import ClepsydraError
+from clepsydra.base.remark import Remark
 from clepsydra.base.rounding import rounded
 from clepsydra.linear.equilibrium_continuation import by_homotopy, by_pseudo_transient
 from clepsydra.linear.equilibrium_inputs import warnings_of_inputs
@@ -132,7 +133,9 @@ def find_equilibrium(
         raise NoEquilibrium(process, beyond_mixtures(process, request) or refused, place)
     point = OperatingPoint.at(process, state, manipulated, request.disturbances)
     warnings = [
-        f"{signal.name} stands on its floor: the tank is empty and has no linear model there"
+        Remark(
+            f"{signal.name} stands on its floor", "the tank is empty and has no linear model there"
+        )
         for signal, value in zip(process.state, state, strict=True)
         if signal.unit == "m" and value <= signal.low
     ]
@@ -140,14 +143,17 @@ def find_equilibrium(
     free_names = undetermined(search, solution)
     if free_names:
         warnings.append(
-            f"{' and '.join(free_names)} may take other values as well: the given signals do not "
-            "determine them, and they were left near their initial values; give the reading of a "
-            "sensor under [operating_point]"
+            Remark(
+                f"{' and '.join(free_names)} may take other values as well",
+                "the given signals do not determine them, and they were left near their initial "
+                "values",
+                "give the reading of a sensor under [operating_point]",
+            )
         )
     return replace(point, warnings=(*process.warnings, *warnings))
 
 
-def _warnings_at(point: OperatingPoint) -> list[str]:
+def _warnings_at(point: OperatingPoint) -> list[Remark]:
     """Return what leaves no room for control there."""
     return [*warnings_of_sensors(point.process, point.measurements), *warnings_of_inputs(point)]
 
@@ -231,7 +237,7 @@ def _same(
     return bool(np.all(np.abs(here - there) <= _SAME * np.maximum(1.0, np.abs(there))))
 
 
-def _another(point: OperatingPoint, other: OperatingPoint) -> str:
+def _another(point: OperatingPoint, other: OperatingPoint) -> Remark:
     """Return the sentence on another equilibrium, with what differs most in it."""
     process = point.process
     here, there = point.as_dict(), other.as_dict()
@@ -240,8 +246,8 @@ def _another(point: OperatingPoint, other: OperatingPoint) -> str:
         for s in (*process.state, *process.inputs)
         if abs(there[s.name] - here[s.name]) > _SAME * (s.span if np.isfinite(s.span) else 1.0)
     ]
-    return (
+    return Remark(
         f"there is another equilibrium for the same signals, with {' and '.join(different[:3])}"
-        f"{' and more' if len(different) > 3 else ''}: which of them the process comes to depends "
-        "on where it starts"
+        f"{' and more' if len(different) > 3 else ''}",
+        "which of them the process comes to depends on where it starts",
     )

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from clepsydra.base.remark import Remark
 from clepsydra.base.signal import Signal
-from clepsydra.base.units import convertible, from_si
+from clepsydra.base.units import convertible, from_si, unit_text
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.linear.signal_words import range_of, shown
 from clepsydra.process.element import Element
@@ -77,7 +78,7 @@ class InputFlow:
 
     def shown(self, flow: float) -> str:
         """Return a flow [m³/s] as text."""
-        return f"{from_si(flow, _FLOW, self.unit):.3g} {self.unit}"
+        return f"{from_si(flow, _FLOW, self.unit):.3g} {unit_text(self.unit)}"
 
 
 def input_flow(point: OperatingPoint, signal: Signal) -> InputFlow | None:
@@ -90,7 +91,7 @@ def input_flow(point: OperatingPoint, signal: Signal) -> InputFlow | None:
     >>> point = find_equilibrium(load_process("quadruple-tank"))
     >>> flow = input_flow(point, point.process.inputs[0])
     >>> flow.shown(flow.at(1.0))
-    '33.3 cm^3/s'
+    '33.3 cm³/s'
     """
     process = point.process
     element = next((each for each in process.elements if each.name == signal.name), None)
@@ -152,7 +153,7 @@ def _per_percent(unit: str) -> str:
     return f"{above.strip()}/({below.strip('() ')} %)"
 
 
-def warnings_of_inputs(point: OperatingPoint) -> list[str]:
+def warnings_of_inputs(point: OperatingPoint) -> list[Remark]:
     """Return a sentence for each input that rests so near an end of its range that it has no room.
 
     Examples
@@ -161,8 +162,8 @@ def warnings_of_inputs(point: OperatingPoint) -> list[str]:
     >>> from clepsydra.process.reader import load_process
     >>> warnings_of_inputs(find_equilibrium(load_process("quadruple-tank"), {"pump_1": 0.2}))
     ['pump_1 rests at 0.2 V, close to the end of its range at 0 V, where a controller can hardly \
-lower it: it gives 0.666 cm^3/s of at most 33.3 cm^3/s; move the operating point, or give it \
-another size']
+lower it: it gives 0.666 cm³/s of at most 33.3 cm³/s; move the operating point, or give it \
+another size.']
     """
     found = []
     for signal, value in zip(point.process.inputs, point.inputs, strict=True):
@@ -177,10 +178,10 @@ another size']
             f"hardly {way} it"
         )
         flow = input_flow(point, signal)
-        if flow is not None:
-            words += (
-                f": it gives {flow.shown(flow.at(share))} of at most {flow.shown(flow.at(1.0))}"
-            )
+        gives = (
+            flow and f"it gives {flow.shown(flow.at(share))} of at most {flow.shown(flow.at(1.0))}"
+        )
         remedy = "move the operating point, or give it another size"
-        found.append(f"{signal.name} rests at {shown(signal, value)}, {words}; {remedy}")
+        seen = f"{signal.name} rests at {shown(signal, value)}, {words}"
+        found.append(Remark(seen, gives or "", remedy))
     return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from clepsydra.base.remark import Remark
 from clepsydra.base.signal import Signal
 from clepsydra.linear.equilibrium_inputs import beyond_its_range, input_flow
 from clepsydra.linear.equilibrium_search import RANK, EquilibriumSearch, Iterate
@@ -125,7 +126,7 @@ def undetermined(search: EquilibriumSearch, solved: Iterate) -> list[str]:
     return _taking_part(search.unknown_names, right)
 
 
-def warnings_of_sensors(process: Process, measured: np.ndarray) -> list[str]:
+def warnings_of_sensors(process: Process, measured: np.ndarray) -> list[Remark]:
     """Return a sentence for each sensor that would show a value beyond its range.
 
     Parameters
@@ -137,10 +138,13 @@ def warnings_of_sensors(process: Process, measured: np.ndarray) -> list[str]:
     --------
     >>> from clepsydra.process.reader import load_process
     >>> warnings_of_sensors(load_process("quadruple-tank"), np.array([6.0, 11.0, 1.0, 1.0]))
-    ['level_2 would read 11 V, outside its range from 0 V to 10 V: it cannot be controlled there']
+    ['level_2 would read 11 V, outside its range from 0 V to 10 V: it cannot be controlled there.']
     """
     return [
-        f"{signal.name} would read {shown(signal, value)}, {outside}: it cannot be controlled there"
+        Remark(
+            f"{signal.name} would read {shown(signal, value)}, {outside}",
+            "it cannot be controlled there",
+        )
         for signal, value in zip(process.measurements, measured, strict=True)
         if (outside := _outside(signal, value))
     ]

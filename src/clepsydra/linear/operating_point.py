@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from clepsydra.base.remark import Remark
 from clepsydra.process.process import Process
 
 
@@ -39,7 +40,7 @@ class OperatingPoint:
     disturbances: np.ndarray
     measurements: np.ndarray
     residual: float
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[Remark, ...] = ()
 
     @classmethod
     def at(

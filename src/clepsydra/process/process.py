@@ -10,6 +10,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
+from clepsydra.base.remark import Remark
 from clepsydra.base.signal import Signal
 from clepsydra.process.component import Component
 from clepsydra.process.document import Document
@@ -74,7 +75,7 @@ class Process(Equations):
     components: tuple[Component, ...] = ()
     variant: tuple[str, ...] = ()
     variants: Mapping[str, str] = field(default_factory=dict)
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[Remark, ...] = ()
     averaging: tuple[str, ...] = ()
     bands: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     tags: Mapping[str, str] = field(default_factory=dict)

@@ -9,6 +9,7 @@ from copy import deepcopy
 from typing import Any, NamedTuple
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.remark import Remark
 from clepsydra.base.suggestion import suggestion
 from clepsydra.base.words import listed
 from clepsydra.process import cross_section, told
@@ -51,7 +52,7 @@ class ChosenVariants(NamedTuple):
     document: Document
     names: tuple[str, ...]
     descriptions: dict[str, str]
-    warnings: tuple[str, ...]
+    warnings: tuple[Remark, ...]
 
 
 def split_variants(text: str) -> tuple[str, tuple[str, ...] | None]:
@@ -145,16 +146,16 @@ def choose_variants(document: Document, asked: tuple[str, ...] | None) -> Chosen
     return ChosenVariants(laid_over, names, descriptions, tuple(warnings))
 
 
-def _without_effect(document: Document, name: str, replaced: list[tuple[str, ...]]) -> str:
+def _without_effect(document: Document, name: str, replaced: list[tuple[str, ...]]) -> Remark:
     """Return the sentence that says which keys of a file a default variant replaces."""
     shown = [f"{'.'.join(path)} (line {line_of(document.lines, path)})" for path in replaced]
     if len(shown) > _SHOWN:
         shown = [*shown[: _SHOWN - 1], f"{len(shown) - _SHOWN + 1} more keys"]
-    return (
-        f"{listed(shown)} of {document.file} {'has' if len(replaced) == 1 else 'have'} no effect: "
-        f"the variant {name}, which default_variant puts in force, gives "
-        f"{'it' if len(replaced) == 1 else 'them'}; edit [variants.{name}], or remove "
-        "default_variant"
+    has, it = ("has", "it") if len(replaced) == 1 else ("have", "them")
+    return Remark(
+        f"{listed(shown)} of {document.file} {has} no effect",
+        f"the variant {name}, which default_variant puts in force, gives {it}",
+        f"edit [variants.{name}], or remove default_variant",
     )
 
 

@@ -10,26 +10,10 @@ import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
+from clepsydra.base.units import unit_text as unit_text
 from clepsydra.base.words import time_unit
 from clepsydra.process.elements.sensor import Sensor
 from clepsydra.process.process import Process
-
-_SUPERSCRIPTS = {"^2": "²", "^3": "³", "**2": "²", "**3": "³"}
-
-
-def unit_text(unit: str) -> str:
-    """Return a unit as it is printed, empty for a pure number.
-
-    Examples
-    --------
-    >>> unit_text("cm^3/(s V)"), unit_text("1")
-    ('cm³/(s V)', '')
-    """
-    if unit in ("1", "dimensionless"):
-        return ""
-    for plain, printed in _SUPERSCRIPTS.items():
-        unit = unit.replace(plain, printed)
-    return unit
 
 
 def number_text(value: float, digits: int = 3) -> str:

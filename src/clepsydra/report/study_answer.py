@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -21,13 +20,7 @@ from clepsydra.report.score_tables import ranking_notes, reasons, standing_word
 from clepsydra.scores.score import in_sentence
 from clepsydra.studies.ranking import QUIET
 from clepsydra.studies.ranking_words import TIE, trust_sentence
-from clepsydra.studies.recommendation import (
-    Recommendation,
-    first_clause,
-    recommend,
-    watched,
-    with_remedy,
-)
+from clepsydra.studies.recommendation import Recommendation, recommend, watched
 from clepsydra.studies.result import Candidate, Standing, StudyResult
 
 #: Of the answer: rows of the ranking, of settings, and warnings.
@@ -132,7 +125,18 @@ def _action_once(settings: Table) -> Table:
 
 
 def better_words(advice: Recommendation) -> str:
-    """Return what the best controller gains and needs beside the simplest."""
+    """Return what the best controller gains and needs beside the simplest, and what speaks against.
+
+    Examples
+    --------
+    The best would wear the pump out:
+
+    >>> import clepsydra as cl
+    >>> plant = cl.load("wet-well")
+    >>> found = cl.study(plant, [cl.design.simc(plant), cl.design.feedback_linearisation(plant)])
+    >>> print(better_words(recommend(found.ranking)).rpartition("; ")[2][:41])
+    duty goes from one end of its range to th
+    """
     controller = advice.best.controller
     if advice.saved < TIE - 1.0:
         return f"{controller.name} is first in the ranking, by less than 2 %."
@@ -143,10 +147,11 @@ def better_words(advice: Recommendation) -> str:
     elif controller.complexity is not advice.simplest.controller.complexity:
         needs = f"; it needs {controller.complexity.words}"
     else:
-        said = [first_clause(each) for each in watched(advice.best)[:1]]
-        needs = re.sub("^; It", "; it", f"; {said[0].rstrip('.')}") if said else ""
+        needs = ""
+    said = advice.best.warnings if needs else watched(advice.best)
+    watch = f"; {in_sentence(said[0].brief)}" if said else "."
     saved = f"has {100.0 * advice.saved:.0f} % less error"
-    return f"The best, {controller.title}, {saved}{needs}."
+    return f"The best, {controller.title}, {saved}{needs}{watch}"
 
 
 def watch_lines(
@@ -156,16 +161,15 @@ def watch_lines(
 
     What to do stands beside it where all is told, else it comes with the rest.
     """
-    found = [("", words) for words in (*result.warnings, *watched(candidate))]
+    found = [(each.brief, each.advice) for each in (*result.warnings, *watched(candidate))]
     for caveat in candidate.caveats:
         if caveat.seen:
             shared = [any(c.about == caveat.about for c in each.caveats) for each in result.ranking]
             where = "every" if all(shared) and len(shared) > 1 else "this"
-            found.append((f"In {where} run: ", in_sentence(caveat.words)))
+            brief, full = (in_sentence(each) for each in (caveat.words.brief, caveat.words.advice))
+            found.append((f"In {where} run: {brief}", f"In {where} run: {full}"))
     more = 0 if every else len(found) - _WATCHED
-    told = first_clause if more > 0 else with_remedy
-    first = found[:_WATCHED] if more > 0 else found
-    said = [f"{where}{told(words)}" for where, words in first]
+    said = [brief for brief, _ in found[:_WATCHED]] if more > 0 else [full for _, full in found]
     said += [f"{more} more to watch, and what to do: --why."] if more > 0 else []
     return marked(Mark.WATCH, said)
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from clepsydra.base.remark import Remark
+from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Complexity
 from clepsydra.scores.score_key import by_signal
 from clepsydra.studies.ranking_words import TIE
@@ -121,8 +122,8 @@ def _alike(first: Candidate, other: Candidate) -> bool:
     return len(kinds) == 1 and other.mean_error <= TIE * first.mean_error
 
 
-def watched(candidate: Candidate) -> tuple[str, ...]:
-    r"""Return what to watch with a controller, a sentence each; its standing is told elsewhere.
+def watched(candidate: Candidate) -> tuple[Remark, ...]:
+    r"""Return what to watch with a controller; its standing is told elsewhere.
 
     A level that averages is judged by the flow that it smooths, so its overshoot is left out. What
     simulation and scenario leave open is no property of the controller: see `Candidate.caveats`.
@@ -141,37 +142,11 @@ def watched(candidate: Candidate) -> tuple[str, ...]:
     overshoot = max(held, default=0.0)
     said = []
     if overshoot > _OVERSHOOT:
-        weighted = any(name.endswith("setpoint_weight") for name in candidate.controller.values)
-        remedy = f"ramp the setpoint{', or lower b' if weighted else ''}"
-        said.append(f"It overshoots a step of the setpoint by {overshoot:.0f} %; {remedy}.")
+        settings = {Signal(name).part for name in candidate.controller.values}
+        remedy = f"ramp the setpoint{', or lower b' if 'setpoint_weight' in settings else ''}"
+        seen = f"It overshoots a step of the setpoint by {overshoot:.0f} %"
+        said.append(Remark(seen, remedy=remedy))
     if candidate.controller.slowed > 1.0:
         factor = f"{candidate.controller.slowed:.3g}"
-        said.append(f"Its rule was slowed {factor} times, until it was robust.")
-    return (*said, *map(with_remedy, candidate.warnings))
-
-
-def with_remedy(words: str) -> str:
-    """Return what a warning is about and what to do, where it says that, without what it means.
-
-    Examples
-    --------
-    >>> with_remedy("pump_1 winds up: its integral has no anti-windup; choose another form.")
-    'pump_1 winds up; choose another form.'
-    """
-    remedy = words.rpartition("; ")[2] if "; " in words else ""
-    return (
-        f"{first_clause(words).rstrip('.')}; {remedy.rstrip('.')}."
-        if remedy
-        else first_clause(words)
-    )
-
-
-def first_clause(words: str) -> str:
-    """Return what a warning is about, without what it means and what to do.
-
-    Examples
-    --------
-    >>> first_clause("pump_1 winds up: its integral has no anti-windup; choose another form.")
-    'pump_1 winds up.'
-    """
-    return f"{re.split('[;:] ', words)[0].rstrip('.')}."
+        said.append(Remark(f"Its rule was slowed {factor} times, until it was robust"))
+    return (*said, *candidate.warnings)

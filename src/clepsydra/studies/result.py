@@ -8,6 +8,7 @@ from enum import IntEnum
 from pathlib import Path
 from typing import Any
 
+from clepsydra.base.remark import Remark
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.linear_model import LinearModel
@@ -58,7 +59,7 @@ class TriedController:
     run: Run
     scores: dict[str, float]
     maximum_sensitivity: float
-    warnings: tuple[str, ...]
+    warnings: tuple[Remark, ...]
     caveats: tuple[Caveat, ...] = ()
     response: LoopResponse | None = None
     tuning: TuningResult | None = None
@@ -138,7 +139,7 @@ class StudyResult:
     ranking: tuple[Candidate, ...]
     not_applicable: tuple[tuple[str, str], ...]
     verdict: str
-    warnings: tuple[str, ...]
+    warnings: tuple[Remark, ...]
     title: str = ""
     rule: str = ""
     path: Path | None = None

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.remark import Remark
 from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.loop import Loop
@@ -52,7 +53,7 @@ def told_of_single_precision(
     return tuple(told)
 
 
-def single_precision_warnings(candidate: Candidate, model: LinearModel) -> tuple[str, ...]:
+def single_precision_warnings(candidate: Candidate, model: LinearModel) -> tuple[Remark, ...]:
     """Return what single precision does to a controller; nothing where nobody would see it.
 
     Its run is repeated with a law that rounds every operation, as the exported one does in REAL.
@@ -79,14 +80,17 @@ def single_precision_warnings(candidate: Candidate, model: LinearModel) -> tuple
         loop = Loop(controller, model)
         single = loop.run(run.scenario, substeps=run.substeps, precision="single")
     except InputError as refusal:
-        return (f"It has a number that REAL (single precision) has not, {refusal.value}: {_KEEP}.",)
+        seen = f"It has a number that REAL (single precision) has not, {refusal.value}"
+        return (Remark(seen, remedy=_KEEP),)
     name, share, words = max(_deviations(run, single), key=lambda found: found[1])
     if share > _SEEN:
         off = f"by {words} {100.0 * share:.2g} % of its range" if share < 1.0 else "by its range"
-        return (f"In REAL (single precision) {name} would be off {off}: {_KEEP}.",)
+        seen = f"In REAL (single precision) {name} would be off {off}"
+        return (Remark(seen, remedy=_KEEP),)
     times = error_ratio([run, single], [candidate.scores, scores_of(single)])
     if abs(times - 1.0) > _WORSE:
-        return (f"In REAL (single precision) its error would be {times:.3g} times that: {_KEEP}.",)
+        seen = f"In REAL (single precision) its error would be {times:.3g} times that"
+        return (Remark(seen, remedy=_KEEP),)
     return ()
 
 

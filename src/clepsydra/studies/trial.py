@@ -6,6 +6,7 @@ import math
 from contextlib import suppress
 
 from clepsydra.base.errors import ClepsydraError
+from clepsydra.base.remark import Remark
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.linear.analysis import Analysis
@@ -77,9 +78,10 @@ def trial_of(
 def _cut_short(tuning: TuningResult | None) -> tuple[Caveat, ...]:
     if tuning is None or not tuning.interrupted:
         return ()
-    words = (
+    words = Remark(
         f"The tuning was interrupted after {tuning.evaluations} candidates, and this is the best "
-        "of them: run the same study again, and it goes on from there."
+        "of them",
+        remedy="run the same study again, and it goes on from there",
     )
     return (Caveat(words, "tuning"),)
 

@@ -155,7 +155,7 @@ def test_an_inner_loop_is_looked_at_beside_the_outer_one(cascade):
     np.testing.assert_allclose(both, 1.0 + at_pump, rtol=1e-9)
     assert np.max(np.abs(response.at_inner["duty_flow"] - 1.0)) > 0.1
     assert list(response.channels) == ["level", "duty_flow", "duty"]
-    assert margin_warnings(response) == []
+    assert list(margin_warnings(response)) == []
 
 
 def test_a_thin_inner_loop_is_told_though_the_outer_one_is_robust(cascade):
@@ -163,6 +163,6 @@ def test_a_thin_inner_loop_is_told_though_the_outer_one_is_robust(cascade):
     assert response.loop.is_stable and response.loop.maximum_sensitivity < 1.1
     name, peak = response.inner_peak
     assert name == "duty_flow" and peak > 3.0
-    said = margin_warnings(response)
+    said = list(margin_warnings(response))
     assert f"max|S| of the inner loop of duty_flow is {peak:.2f}" in said[0]
     assert said[1].startswith("The loop of duty_flow has a gain margin of")

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from clepsydra.base.remark import Remark
 from clepsydra.base.words import time_text
+from clepsydra.linear.signal_words import shown
 from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Segment
@@ -15,8 +17,7 @@ from clepsydra.scores.effort import at_limit
 from clepsydra.scores.score_key import by_signal
 from clepsydra.studies.warnings.caveat import Caveat
 from clepsydra.studies.warnings.harm import emptied, harms
-from clepsydra.studies.warnings.wind_up import winds_up
-from clepsydra.studies.warnings.words import shown
+from clepsydra.studies.warnings.wind_up import ANTI_WINDUP, winds_up
 
 #: Share of a run at a limit above which the reader is told, and above which it is most of it.
 _SATURATED, _MOSTLY = 0.05, 0.5
@@ -34,7 +35,7 @@ _AT_REST = 0.01
 _NO_WAY = 1e-6
 
 
-def run_warnings(run: Run) -> tuple[str, ...]:
+def run_warnings(run: Run) -> tuple[Remark, ...]:
     """Return what is unusual about a run: overflow, trips, saturation, wind-up.
 
     Examples
@@ -47,14 +48,14 @@ def run_warnings(run: Run) -> tuple[str, ...]:
 ask for less, or give it another size.
     """
     return (
-        *(each.sentence for each in (*harms(run), *emptied(run))),
+        *(each.warning for each in (*harms(run), *emptied(run))),
         *_saturated(run),
         *_driven_to_and_fro(run),
         *_inner_setpoints_at_limits(run),
     )
 
 
-def warnings_after(run: Run, scores: Mapping[str, float]) -> tuple[str, ...]:
+def warnings_after(run: Run, scores: Mapping[str, float]) -> tuple[Remark, ...]:
     """Return the warnings of a run and of its scores, "settling_time[level_1]" to value.
 
     That a level does not settle is no fault where it is meant to average (`Process.averaging`), or
@@ -62,8 +63,11 @@ def warnings_after(run: Run, scores: Mapping[str, float]) -> tuple[str, ...]:
     """
     followed = set(run.controller.setpoints) - set(run.process.averaging)
     unsettled = (
-        f"{name} does not settle within its setpoint step: the loop is too slow or rings; compare "
-        "its trend."
+        Remark(
+            f"{name} does not settle within its setpoint step",
+            "the loop is too slow or rings",
+            "compare its trend",
+        )
         for name, time in by_signal(scores, "settling_time").items()
         if name in followed and math.isinf(time)
     )
@@ -81,10 +85,11 @@ def caveats_after(run: Run) -> tuple[Caveat, ...]:
     found = []
     if run.error_estimate is not None and run.error_estimate > _ERROR:
         error, aim = 100.0 * run.error_estimate, 100.0 * _ERROR
-        words = (
+        words = Remark(
             f"Halving the integration step shows that a state may be wrong by {error:.2g} % of its "
-            f"range, more than the {aim:g} % aimed at: smaller differences between runs say "
-            "nothing; compare with the reference solver."
+            f"range, more than the {aim:g} % aimed at",
+            "smaller differences between runs say nothing",
+            "compare with the reference solver",
         )
         found.append(Caveat(words, "accuracy", error, seen=run.error_estimate >= _SEEN))
     for name in run.process.averaging:
@@ -98,10 +103,11 @@ def caveats_after(run: Run) -> tuple[Caveat, ...]:
                 f"after {time_text(first.stop - first.start)}"
             )
             others = f", nor at the end of {len(moving) - 1} more" if moving[1:] else ""
-            words = (
-                f"{what}{others}, so that what follows begins away from the setpoint: in the last "
-                f"tenth it still moves by up to {100.0 * share:.2g} % of its way, and its scores "
-                "are of a part of the response; leave more time between the steps, in a study file."
+            words = Remark(
+                f"{what}{others}, so that what follows begins away from the setpoint",
+                f"in the last tenth it still moves by up to {100.0 * share:.2g} % of its way, and "
+                "its scores are of a part of the response",
+                "leave more time between the steps, in a study file",
             )
             found.append(Caveat(words, what, share))
     return tuple(found)
@@ -121,11 +127,11 @@ def _still_moving(name: str, segment: Segment, run: Run) -> float:
     return float(np.ptp(late)) / way if way > nothing else 0.0
 
 
-def _saturated(run: Run) -> list[str]:
+def _saturated(run: Run) -> Iterator[Remark]:
     """Return for how long inputs stood at a limit, and with what effect."""
     if not run.controller.setpoints:  # pumps that start and stop stand at their limits
-        return []
-    words, shares = [], {}
+        return
+    shares = {}
     for signal in run.process.inputs:
         low, high = run.limits(signal.name)
         share, mostly_low = _share_at_limit(run.values[signal.name], low, high)
@@ -133,39 +139,38 @@ def _saturated(run: Run) -> list[str]:
         if share > _SATURATED:
             mostly = share > _MOSTLY
             effect = "controlled for most of it" if mostly else "corrected meanwhile"
-            words.append(
-                f"{signal.name} stands at a limit for {100 * share:.0f} % of the time, mostly at "
-                f"{shown(low if mostly_low else high, signal)}: nothing is {effect}; ask for less, "
-                "or give it another size."
+            yield Remark(
+                f"{signal.name} stands at a limit for {100 * share:.0f} % of the time, mostly "
+                f"at {shown(signal, low if mostly_low else high)}",
+                f"nothing is {effect}",
+                "ask for less, or give it another size",
             )
     if any(shares[name] > 0.0 for name in run.controller.manipulated):
-        words += [
-            f"{name} winds up: its integral has no anti-windup and went on while it stood at a "
-            f"limit, for {100 * shares[name]:.2g} % of the time; choose conditional integration or "
-            "back-calculation."
-            for name in winds_up(run.controller, run.process)
-            if shares[name] > 0.0
-        ]
-    return words
+        for name in winds_up(run.controller, run.process):
+            if shares[name] > 0.0:
+                yield Remark(
+                    f"{name} winds up",
+                    "its integral has no anti-windup and went on while it stood at a limit, for "
+                    f"{100 * shares[name]:.2g} % of the time",
+                    ANTI_WINDUP,
+                )
 
 
-def _driven_to_and_fro(run: Run) -> list[str]:
+def _driven_to_and_fro(run: Run) -> Iterator[Remark]:
     """Return which inputs a controller drives from end to end again and again after a step.
 
     That noise does so the standing of a nervous controller says.
     """
-    words = []
     for name in run.controller.manipulated:
         for event in run.scenario.segments:
             strokes = _strokes(run, name, event)
             if event.kind != "noise" and strokes > _STROKES:
-                words.append(
+                seen = (
                     f"{name} goes from one end of its range to the other {strokes} times after "
-                    f"the {event.kind} step of {event.signal}: that wears it out; make the loop "
-                    "slower."
+                    f"the {event.kind} step of {event.signal}"
                 )
+                yield Remark(seen, "that wears it out", "make the loop slower")
                 break
-    return words
 
 
 def _strokes(run: Run, name: str, segment: Segment) -> int:
@@ -177,20 +182,19 @@ def _strokes(run: Run, name: str, segment: Segment) -> int:
     return int(np.count_nonzero(np.diff(ends[ends != 0])))
 
 
-def _inner_setpoints_at_limits(run: Run) -> list[str]:
+def _inner_setpoints_at_limits(run: Run) -> Iterator[Remark]:
     """Return which inner setpoints stood at a limit for more than half of a run."""
-    words = []
     for inner in inner_setpoints(run.controller, run.process):
         share, mostly_low = _share_at_limit(run.values[inner.name], inner.low, inner.high)
         if share > _MOSTLY:
             end, limit = ("low", inner.low) if mostly_low else ("high", inner.high)
-            words.append(
+            yield Remark(
                 f"The inner setpoint of {inner.measurement} stands at a limit for "
                 f"{100.0 * share:.0f} % of the time, mostly at its {end} limit of "
-                f"{shown(limit, inner.signal)}: the outer loop controls nothing for most of it; "
-                f"widen setpoint_{end} of the inner loop, or ask for less."
+                f"{shown(inner.signal, limit)}",
+                "the outer loop controls nothing for most of it",
+                f"widen setpoint_{end} of the inner loop, or ask for less",
             )
-    return words
 
 
 def _share_at_limit(values: np.ndarray, low: float, high: float) -> tuple[float, bool]:

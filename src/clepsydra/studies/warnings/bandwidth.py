@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
+from clepsydra.base.remark import Remark
 from clepsydra.base.words import listed, time_text
 from clepsydra.linear.dead_time import dead_times
 from clepsydra.linear.directions import ZeroDirection, zero_directions
@@ -117,7 +119,7 @@ def bandwidth_in(response: LoopResponse, direction: np.ndarray) -> float | None:
 
 def bandwidth_warnings(
     model: LinearModel, response: LoopResponse, zeros: list[ZeroDirection]
-) -> list[str]:
+) -> Iterator[Remark]:
     """Return warnings of a bandwidth above what zeros and dead times allow.
 
     The bandwidth is taken in the output direction of each zero, and compared with
@@ -137,7 +139,6 @@ def bandwidth_warnings(
     S. Skogestad and I. Postlethwaite, Multivariable Feedback Control, 2nd ed., 2005, sections
     5.6 and 5.7.
     """
-    words = []
     for found in zeros:
         limit, asked = largest_bandwidth(found.zero), bandwidth_in(response, found.output_direction)
         if asked is not None and asked > limit:
@@ -147,11 +148,12 @@ def bandwidth_warnings(
                 for size, name in sorted(zip(sizes, model.outputs, strict=True), reverse=True)
                 if size >= _NAMED
             ]
-            words.append(
-                f"The controller asks for a bandwidth of {asked:.3g} rad/s in {listed(named)}, but "
-                f"the zero at {_zero(found.zero)} rad/s in the right half-plane allows about "
-                f"{limit:.3g} rad/s: what moves faster first goes the wrong way; make the loop "
-                f"{_at_least(asked / limit)} times slower, or control something else."
+            yield Remark(
+                f"The controller asks for a bandwidth of {asked:.3g} rad/s in {listed(named)}, "
+                f"but the zero at {_zero(found.zero)} rad/s in the right half-plane allows "
+                f"about {limit:.3g} rad/s",
+                "what moves faster first goes the wrong way",
+                f"make the loop {_at_least(asked / limit)} times slower, or control something else",
             )
     late = dead_times(model)
     ways = frequency_response(model, response.frequencies[:1])[0] != 0.0
@@ -161,13 +163,12 @@ def bandwidth_warnings(
         dead_time = float(np.min(times)) if times.size and np.all(times > 0.0) else 0.0
         crossover = response.channels[name].bandwidth
         if crossover * dead_time > 1.0:
-            words.append(
-                f"The loop of {name} crosses over at {crossover:.3g} rad/s, but its dead time of "
-                f"{time_text(dead_time)} allows about {1.0 / dead_time:.3g} rad/s: within the dead "
-                "time nothing can be corrected; make the loop "
-                f"{_at_least(crossover * dead_time)} times slower."
+            yield Remark(
+                f"The loop of {name} crosses over at {crossover:.3g} rad/s, but its dead time "
+                f"of {time_text(dead_time)} allows about {1.0 / dead_time:.3g} rad/s",
+                "within the dead time nothing can be corrected",
+                f"make the loop {_at_least(crossover * dead_time)} times slower",
             )
-    return words
 
 
 def _zero(zero: complex) -> str:

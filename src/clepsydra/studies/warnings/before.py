@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from clepsydra.base.errors import ClepsydraError
+from clepsydra.base.remark import Remark
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.linear_model import LinearModel
@@ -21,9 +22,9 @@ from clepsydra.studies.warnings.stability import stability_warnings
 from clepsydra.studies.warnings.unit_mix_up import unit_warnings
 from clepsydra.studies.warnings.wind_up import wind_up_warnings
 
-_NO_LOAD = (
-    "No load changes in the scenario, so that nothing says how well one is rejected; give a flow "
-    "of the process a step, or the study a load."
+_NO_LOAD = Remark(
+    "No load changes in the scenario, so that nothing says how well one is rejected",
+    remedy="give a flow of the process a step, or the study a load",
 )
 
 
@@ -33,7 +34,7 @@ def warnings_before(
     controller: Controller,
     scenario: Scenario,
     response: LoopResponse | None = None,
-) -> tuple[str, ...]:
+) -> tuple[Remark, ...]:
     """Return the warnings of a controller in a scenario, from linear models only.
 
     The most grave stand first: instability, units, what zeros and dead times forbid, margins,
@@ -64,7 +65,8 @@ def warnings_before(
         try:
             response = loop_response(controller, model)
         except ClepsydraError as refusal:
-            words.append(f"Stability, margins and bandwidth could not be checked: {refusal}")
+            seen = "Stability, margins and bandwidth could not be checked"
+            words.append(Remark(seen, str(refusal).removesuffix(".")))
     if response is not None and _answers(response):
         words += _of_the_loop(analysis, model, controller, response)
     words += wind_up_warnings(controller, point, response, scenario)
@@ -104,7 +106,7 @@ def _answers(response: LoopResponse) -> bool:
 
 def _of_the_loop(
     analysis: Analysis, model: LinearModel, controller: Controller, response: LoopResponse
-) -> list[str]:
+) -> list[Remark]:
     square = model.select(response.outputs, response.inputs)
     of_all = analysis.model
     if response.outputs == of_all.outputs and set(response.inputs) == set(of_all.inputs):

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from clepsydra.base.remark import Remark
+
 
 @dataclass(frozen=True)
 class Caveat:
@@ -12,8 +14,7 @@ class Caveat:
 
     Parameters
     ----------
-    words : str
-        A sentence, with what to do.
+    words : Remark
     about : str
         The same in all runs that it is true of, whatever the numbers in its words.
     extent : float
@@ -22,7 +23,7 @@ class Caveat:
         Whether it shows in figures of three digits.
     """
 
-    words: str
+    words: Remark
     about: str
     extent: float = 0.0
     seen: bool = True
@@ -33,7 +34,7 @@ def told_once(runs: Iterable[tuple[str, Sequence[Caveat]]]) -> tuple[str, ...]:
 
     Examples
     --------
-    >>> coarse, coarser = (Caveat(f"It is {x} % wrong.", "error", x) for x in (1, 2))
+    >>> coarse, coarser = (Caveat(Remark(f"It is {x} % wrong"), "error", x) for x in (1, 2))
     >>> told_once([("PI", [coarse]), ("PID", [coarser])])
     ('Every controller: It is 2 % wrong.',)
     >>> told_once([("PI", [coarse]), ("PID", [coarser]), ("LQI", [])])

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
+from clepsydra.base.remark import Remark
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT
 from clepsydra.linear.disk_margin import DiskMargin, structured_singular_values
 from clepsydra.studies.warnings.channel import Channel
@@ -24,7 +26,7 @@ _DISK = 0.4
 _SAME = 1e-3
 
 
-def margin_warnings(response: LoopResponse) -> list[str]:
+def margin_warnings(response: LoopResponse) -> Iterator[Remark]:
     """Return warnings of thin margins of the exact sampled loop.
 
     *Peak.* max|S| at the controlled measurements above 2, the largest singular value; and that
@@ -47,24 +49,26 @@ def margin_warnings(response: LoopResponse) -> list[str]:
     2.4.3. P. Seiler, A. Packard and P. Gahinet, doi 10.1109/MCS.2020.3005277.
     """
     if not response.loop.is_stable:
-        return []
-    words = []
+        return
     peak = response.loop.maximum_sensitivity
     if peak > LARGEST_PEAK:
         sizes = np.linalg.norm(response.at_output, 2, axis=(1, 2))
         omega = response.frequencies[int(np.argmax(sizes))]
-        words.append(
-            f"max|S| is {peak:.2f} at {omega:.3g} rad/s, above 2: a disturbance there is amplified "
-            "as much, and a small error of the model makes the loop unstable; lower the gains."
+        yield Remark(
+            f"max|S| is {peak:.2f} at {omega:.3g} rad/s, above 2",
+            "a disturbance there is amplified as much, and a small error of the model makes "
+            "the loop unstable",
+            "lower the gains",
         )
     for name, values in response.at_inner.items():
         place = int(np.argmax(np.abs(values)))
         peak_there = float(np.abs(values[place]))
         if peak_there > LARGEST_PEAK:
-            words.append(
+            yield Remark(
                 f"max|S| of the inner loop of {name} is {peak_there:.2f} at "
-                f"{response.frequencies[place]:.3g} rad/s, above 2: a disturbance there is "
-                "amplified as much; lower its gain."
+                f"{response.frequencies[place]:.3g} rad/s, above 2",
+                "a disturbance there is amplified as much",
+                "lower its gain",
             )
     named: list[Channel] = []
     for name, channel in response.channels.items():
@@ -74,11 +78,13 @@ def margin_warnings(response: LoopResponse) -> list[str]:
         if said:
             named.append(channel)
             others = " while the other loops are closed" if len(response.inputs) > 1 else ""
-            words.append(
-                f"The loop of {name} has {said}{others}: an error of its model by as much makes "
-                "it unstable; make it slower."
+            yield Remark(
+                f"The loop of {name} has {said}{others}",
+                "an error of its model by as much makes it unstable",
+                "make it slower",
             )
-    return words if named else [*words, *_all_at_once(response)]
+    if not named:
+        yield from _all_at_once(response)
 
 
 def _channel(channel: Channel, peak: float) -> str:
@@ -97,7 +103,7 @@ def _channel(channel: Channel, peak: float) -> str:
     return " and ".join(said)
 
 
-def _all_at_once(response: LoopResponse) -> list[str]:
+def _all_at_once(response: LoopResponse) -> Iterator[Remark]:
     for where, values in (
         ("measurements", response.at_output),
         ("manipulated variables", response.at_input),
@@ -106,13 +112,14 @@ def _all_at_once(response: LoopResponse) -> list[str]:
         place = int(np.argmax(sizes))
         disk = DiskMargin(min(1.0 / float(sizes[place]), 2.0), float(response.frequencies[place]))
         if disk.size < _DISK:
-            return [
-                f"If the gains of all {where} are wrong at once, by a factor of {disk.gain:.2f} or "
-                f"by {math.degrees(disk.phase):.0f}° in different directions, the loop becomes "
-                f"unstable at {disk.frequency:.3g} rad/s, though each alone may be wrong by more; "
-                "use less decoupling or lower gains."
-            ]
-    return []
+            yield Remark(
+                f"If the gains of all {where} are wrong at once, by a factor of "
+                f"{disk.gain:.2f} or by {math.degrees(disk.phase):.0f}° in different "
+                f"directions, the loop becomes unstable at {disk.frequency:.3g} rad/s, though "
+                "each alone may be wrong by more",
+                remedy="use less decoupling or lower gains",
+            )
+            return
 
 
 def _alike(channel: Channel, other: Channel) -> bool:

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
+from clepsydra.base.remark import Remark
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.dead_time import at_rest
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.linear.signal_words import shown
 from clepsydra.loop.scenario import Scenario, Segment
-from clepsydra.studies.warnings.words import shown
 
 #: An input that rests within this share of its range of a limit has no room, which the operating
 #: point has a warning of.
@@ -128,9 +130,9 @@ def _passes(
 
 def resting_saturation_words(
     controller: Controller, point: OperatingPoint, rests: list[Rest]
-) -> list[str]:
+) -> Iterator[Remark]:
     """Return in sentences which manipulated variables cannot hold a step, before simulating."""
-    process, at, words = point.process, point.as_dict(), []
+    process, at = point.process, point.as_dict()
     for name in controller.manipulated:
         signal = process.signal(name)
         if not np.isfinite(signal.span):
@@ -142,14 +144,15 @@ def resting_saturation_words(
             if not signal.low <= value <= signal.high:
                 segment = rest.segment
                 stepped = process.signal(segment.signal)
-                words.append(
-                    f"{name} saturates: to hold the {segment.kind} step of {segment.signal} by "
-                    f"{shown(segment.size, stepped)} it would have to rest at about "
-                    f"{shown(value, signal)}, beyond {shown(_nearer_end(signal, value), signal)}; "
-                    "make the step smaller, or give it another size."
+                end = _nearer_end(signal, value)
+                yield Remark(
+                    f"{name} saturates",
+                    f"to hold the {segment.kind} step of {segment.signal} by "
+                    f"{shown(stepped, segment.size)} it would have to rest at about "
+                    f"{shown(signal, value)}, beyond {shown(signal, end)}",
+                    "make the step smaller, or give it another size",
                 )
                 break
-    return words
 
 
 def _nearer_end(signal: Signal, value: float) -> float:

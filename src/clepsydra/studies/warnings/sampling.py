@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
+from clepsydra.base.remark import Remark
 from clepsydra.base.signal import path
 from clepsydra.base.words import listed, time_text
 from clepsydra.controllers.controller import Controller
@@ -16,7 +18,7 @@ _TOO_SLOW = 0.5
 _WANTED = 0.2
 
 
-def sampling_warnings(controller: Controller, response: LoopResponse) -> list[str]:
+def sampling_warnings(controller: Controller, response: LoopResponse) -> Iterator[Remark]:
     """Return warnings of a loop that is too fast for its sampling period.
 
     *Crossover.* ωc T above 0.5 rad, ωc the highest frequency at which the loop of a controlled
@@ -33,26 +35,27 @@ def sampling_warnings(controller: Controller, response: LoopResponse) -> list[st
     K. J. Åström and B. Wittenmark, Computer-Controlled Systems, 3rd ed., 1997, on the choice of
     the sampling period.
     """
-    return [*_crossover(response), *_derivative(controller, response.period)]
+    yield from _crossover(response)
+    yield from _derivative(controller, response.period)
 
 
-def _crossover(response: LoopResponse) -> list[str]:
+def _crossover(response: LoopResponse) -> Iterator[Remark]:
     period = response.period
     fastest = {name: response.channels[name].bandwidth for name in response.outputs}
     late = [name for name, omega in fastest.items() if omega * period > _TOO_SLOW]
     if not late:
-        return []
+        return
     omega = max(fastest[name] for name in late)
     loops, which = ("loop", "which") if len(late) == 1 else ("loops", "the fastest of which")
-    return [
+    yield Remark(
         f"The sampling period of {time_text(period)} is too long for the {loops} of "
-        f"{listed(late)}, {which} crosses over at {omega:.3g} rad/s: the hold alone takes "
-        f"{math.degrees(omega * period / 2.0):.0f}° of phase; sample every "
-        f"{time_text(_WANTED / omega)} or lower the gain."
-    ]
+        f"{listed(late)}, {which} crosses over at {omega:.3g} rad/s",
+        f"the hold alone takes {math.degrees(omega * period / 2.0):.0f}° of phase",
+        f"sample every {time_text(_WANTED / omega)} or lower the gain",
+    )
 
 
-def _derivative(controller: Controller, period: float) -> list[str]:
+def _derivative(controller: Controller, period: float) -> Iterator[Remark]:
     values, times = controller.values, {}
     for loop in owners(controller.law.parameters, "filter_time"):
         if values.get(path(loop, "derivative_gain"), 0.0):
@@ -62,11 +65,12 @@ def _derivative(controller: Controller, period: float) -> list[str]:
             times[loop] = time / values[path(loop, "derivative_filter")]
     short = {loop: time for loop, time in times.items() if time < period}
     if not short:
-        return []
+        return
     loops = "loop" if len(short) == 1 else "loops"
-    return [
+    yield Remark(
         f"The derivative of {loops} {listed(list(short))} is filtered with "
-        f"{listed([time_text(time) for time in short.values()])}, less than the sampling period of "
-        f"{time_text(period)}: it differentiates the noise of single samples; lengthen the filter, "
-        "or sample faster."
-    ]
+        f"{listed([time_text(time) for time in short.values()])}, less than the sampling "
+        f"period of {time_text(period)}",
+        "it differentiates the noise of single samples",
+        "lengthen the filter, or sample faster",
+    )

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
+from clepsydra.base.remark import Remark
 from clepsydra.base.words import listed, time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.controllability import (
@@ -29,7 +32,7 @@ def stability_warnings(
     model: LinearModel,
     response: LoopResponse,
     blocking_zeros: list[complex],
-) -> list[str]:
+) -> Iterator[Remark]:
     """Return warnings of an unstable closed loop, of hidden modes and of an unstable step law.
 
     *Loop.* An eigenvalue of the exact sampled loop, every state of process and law counted,
@@ -57,60 +60,61 @@ def stability_warnings(
     S. Skogestad and I. Postlethwaite, Multivariable Feedback Control, 2nd ed., 2005, section
     4.7 on internal stability.
     """
-    return [
-        *_loop(response),
-        *_hidden(controller, model),
-        *_law(response, blocking_zeros),
-    ]
+    yield from _loop(response)
+    yield from _hidden(controller, model)
+    yield from _law(response, blocking_zeros)
 
 
-def _loop(response: LoopResponse) -> list[str]:
+def _loop(response: LoopResponse) -> Iterator[Remark]:
     if response.loop.is_stable:
-        return []
+        return
     largest = float(np.max(np.abs(np.linalg.eigvals(response.loop.A))))
     if largest <= 1.0 + _INTEGRATOR:
         how = "what disturbs it stays for ever"
     else:
         how = f"what disturbs it grows by the factor e in {_growth(largest, response.period)}"
-    return [
-        f"The closed loop of {listed(response.outputs)} is unstable by its linear model: {how}; "
-        "check the sign of each gain and the pairing, then lower the gains."
-    ]
+    yield Remark(
+        f"The closed loop of {listed(response.outputs)} is unstable by its linear model",
+        how,
+        "check the sign of each gain and the pairing, then lower the gains",
+    )
 
 
-def _hidden(controller: Controller, model: LinearModel) -> list[str]:
+def _hidden(controller: Controller, model: LinearModel) -> Iterator[Remark]:
     sub = model.select(tuple(dict.fromkeys(controller.measurements)), controller.manipulated)
     shares = in_known_ranges(sub)
     if shares is None:
-        return []
+        return
     resting = at_rest(shares)
     poles = np.linalg.eigvals(resting.A)
     if not np.any(poles.real >= -origin_radius(resting.A)):
-        return []
+        return
     moved, seen = listed(controller.manipulated), listed(sub.outputs)
-    return [
-        *_drifting(resting, controllability_margins(resting), f"{moved} cannot move it", "input"),
-        *_drifting(resting, observability_margins(resting), f"{seen} cannot show it", "sensor"),
-    ]
+    moves, shows = controllability_margins(resting), observability_margins(resting)
+    yield from _drifting(resting, moves, f"{moved} cannot move it", "input")
+    yield from _drifting(resting, shows, f"{seen} cannot show it", "sensor")
 
 
-def _drifting(model: LinearModel, modes: list[ModeMargin], why: str, missing: str) -> list[str]:
+def _drifting(
+    model: LinearModel, modes: list[ModeMargin], why: str, missing: str
+) -> Iterator[Remark]:
     radius = origin_radius(model.A)
     states = [
         mode.state for mode in modes if mode.pole.real >= -radius and mode.share <= NOT_AT_ALL
     ]
-    return [
-        f"{state} does not come to rest by itself, and {why}: it drifts to a limit whatever the "
-        f"controller does; give the loop another {missing}."
-        for state in dict.fromkeys(states)
-    ]
+    for state in dict.fromkeys(states):
+        yield Remark(
+            f"{state} does not come to rest by itself, and {why}",
+            "it drifts to a limit whatever the controller does",
+            f"give the loop another {missing}",
+        )
 
 
-def _law(response: LoopResponse, blocking_zeros: list[complex]) -> list[str]:
+def _law(response: LoopResponse, blocking_zeros: list[complex]) -> Iterator[Remark]:
     eigenvalues = np.linalg.eigvals(response.law.A)
     outside = eigenvalues[np.abs(eigenvalues) > 1.0 + _INTEGRATOR]
     if not outside.size:
-        return []
+        return
     fastest = outside[int(np.argmax(np.abs(outside)))]
     grows = _growth(float(np.abs(fastest)), response.period)
     inverted = [
@@ -120,17 +124,19 @@ def _law(response: LoopResponse, blocking_zeros: list[complex]) -> list[str]:
         <= _SAME * abs(np.exp(zero * response.period) - 1.0)
     ]
     if inverted:
-        return [
+        yield Remark(
             "The controller inverts the process with its zero in the right half-plane at "
-            f"{abs(inverted[0]):.3g} rad/s, so that its internal dynamics are unstable: the inputs "
-            f"run away by the factor e in {grows} while the outputs look well; use a static "
-            "decoupler, or none."
-        ]
-    return [
-        "The step law is unstable by itself: while an output stands at a limit or a sensor has "
-        f"failed, its state grows by the factor e in {grows}; slow the observer or the feedback "
-        "down until it is stable."
-    ]
+            f"{abs(inverted[0]):.3g} rad/s, so that its internal dynamics are unstable",
+            f"the inputs run away by the factor e in {grows} while the outputs look well",
+            "use a static decoupler, or none",
+        )
+        return
+    yield Remark(
+        "The step law is unstable by itself",
+        "while an output stands at a limit or a sensor has failed, its state grows by the "
+        f"factor e in {grows}",
+        "slow the observer or the feedback down until it is stable",
+    )
 
 
 def _growth(size: float, period: float) -> str:

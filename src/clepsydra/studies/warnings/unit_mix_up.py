@@ -10,6 +10,7 @@ from itertools import product
 import numpy as np
 
 from clepsydra.base.key import ratio_of_units
+from clepsydra.base.remark import Remark
 from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import to_si
 from clepsydra.controllers.controller import Controller
@@ -38,7 +39,9 @@ _UNITS = ("law", "shown", "percent")
 Units = tuple[str, str]
 
 
-def unit_warnings(controller: Controller, model: LinearModel, response: LoopResponse) -> list[str]:
+def unit_warnings(
+    controller: Controller, model: LinearModel, response: LoopResponse
+) -> list[Remark]:
     """Return warnings of proportional gains that would fit if they were in other units.
 
     A gain is in units of the input per unit of the measurement. It is often written in percent
@@ -168,17 +171,18 @@ class _Loops:
             and not set(factors) & {*self.too_large(changed), *self.too_weak(changed, response)}
         )
 
-    def warning(self, units: Units, loop: str, factor: float, upward: bool) -> str:
+    def warning(self, units: Units, loop: str, factor: float, upward: bool) -> Remark:
         measurement, manipulated = self.pairs[loop]
         name = path(loop, "proportional_gain")
         gain = self.controller.values[name]
         unit = ratio_of_units(manipulated.unit, measurement.unit)
         unit = "" if unit == "1" else f" {unit}"
         what = "leaves the process nearly alone" if upward else "is far too strong for the process"
-        return (
+        return Remark(
             f"{name} of {gain:.3g}{unit} {what}, but would fit as {gain:.3g} "
-            f"{_named(manipulated, units[0])} per {_named(measurement, units[1])}: check its unit; "
-            f"the law then needs {gain * factor:.3g}{unit}."
+            f"{_named(manipulated, units[0])} per {_named(measurement, units[1])}",
+            "check its unit",
+            f"the law then needs {gain * factor:.3g}{unit}",
         )
 
 

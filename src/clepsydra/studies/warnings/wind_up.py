@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
+from clepsydra.base.remark import Remark
 from clepsydra.base.signal import Signal, path
 from clepsydra.base.words import time_text
 from clepsydra.controllers.blocks.status import Mode
@@ -11,13 +14,15 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.signals import owners
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.linear.signal_words import shown
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
 from clepsydra.program.entries import signal_of
 from clepsydra.program.step_law import StepLaw
 from clepsydra.studies.warnings.loop_response import LoopResponse
-from clepsydra.studies.warnings.words import shown
 
+#: What to do against wind-up.
+ANTI_WINDUP = "choose conditional integration or back-calculation"
 #: So many ranges away from its setpoint a measurement saturates every output.
 _FAR = 1e3
 #: An integral that moves less than this share of its first move stands still.
@@ -49,7 +54,7 @@ def wind_up_warnings(
     point: OperatingPoint,
     response: LoopResponse | None,
     scenario: Scenario,
-) -> list[str]:
+) -> Iterator[Remark]:
     """Return warnings of wind-up, foreseen before simulating.
 
     *Nothing against it.* An integral without anti-windup (see `winds_up`), whose output the
@@ -66,10 +71,8 @@ def wind_up_warnings(
     ----------
     K. J. Åström and T. Hägglund, Advanced PID Control, ISA 2006, section 3.5.
     """
-    return [
-        *_without(controller, point, response, scenario),
-        *_slow_tracking(controller),
-    ]
+    yield from _without(controller, point, response, scenario)
+    yield from _slow_tracking(controller)
 
 
 def _winding(controller: Controller, process: Process, direction: float) -> set[str]:
@@ -122,10 +125,10 @@ def _without(
     point: OperatingPoint,
     response: LoopResponse | None,
     scenario: Scenario,
-) -> list[str]:
+) -> Iterator[Remark]:
     if response is None:
-        return []
-    process, at, words = point.process, point.as_dict(), []
+        return
+    process, at = point.process, point.as_dict()
     for name in winds_up(controller, process):
         row = controller.manipulated.index(name)
         signal = process.signal(name)
@@ -137,30 +140,30 @@ def _without(
             asked = at[name] + kick
             beyond = max(asked - signal.high, signal.low - asked)
             if beyond > _BEYOND * _span(signal):
-                words.append(
-                    f"{name} winds up: the setpoint step of {segment.signal} by "
-                    f"{shown(segment.size, process.signal(segment.signal))} asks for "
-                    f"{shown(asked, signal)}, beyond its range, and its integral has no "
-                    "anti-windup, so that it overshoots for as long; choose conditional "
-                    "integration or back-calculation."
+                yield Remark(
+                    f"{name} winds up",
+                    f"the setpoint step of {segment.signal} by "
+                    f"{shown(process.signal(segment.signal), segment.size)} asks for "
+                    f"{shown(signal, asked)}, beyond its range, and its integral has no "
+                    "anti-windup, so that it overshoots for as long",
+                    ANTI_WINDUP,
                 )
                 break
-    return words
 
 
-def _slow_tracking(controller: Controller) -> list[str]:
-    values, words, moved = controller.values, [], _moved(controller.law)
+def _slow_tracking(controller: Controller) -> Iterator[Remark]:
+    values, moved = controller.values, _moved(controller.law)
     for owner in owners(controller.law.parameters, "tracking_time"):
         tracking, integral = (
             values.get(path(owner, f"{what}_time")) for what in ("tracking", "integral")
         )
         if tracking is not None and integral is not None and tracking > _LONG * integral:
-            words.append(
-                f"{moved[owner]} comes out of saturation slowly: its tracking time of "
-                f"{time_text(tracking)} is {tracking / integral:.1f} times its integral time of "
-                f"{time_text(integral)}; make it at most as long."
+            yield Remark(
+                f"{moved[owner]} comes out of saturation slowly",
+                f"its tracking time of {time_text(tracking)} is {tracking / integral:.1f} "
+                f"times its integral time of {time_text(integral)}",
+                "make it at most as long",
             )
-    return words
 
 
 def _span(signal: Signal) -> float:
