@@ -29,7 +29,9 @@ def table_of(points, values):
     schedule = Schedule("level.sp", LEVEL, len(points))
     symbols = {f"schedule.point.{k}": ca.DM(p) for k, p in enumerate(points, start=1)}
     symbols |= {f"gain.at.{k}": ca.DM(v) for k, v in enumerate(values, start=1)}
-    return lambda at: float(schedule.interpolated(Sample(symbols), ca.DM(at), ["gain"])["gain"])
+    return lambda at: float(
+        schedule.interpolated(Sample(symbols), ca.DM(at), [Signal("gain")])["gain"]
+    )
 
 
 def test_the_table_is_numpys_interpolation():

@@ -13,7 +13,7 @@ from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.matrix import Matrix
 from clepsydra.controllers.blocks.sample import Reading, Sample, control_law
 from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step
-from clepsydra.controllers.state_feedback import fading_output, fading_parameters
+from clepsydra.controllers.state_feedback import fading_output
 from clepsydra.program.step_law import StepLaw
 
 FAMILY = "loop shaping"
@@ -167,23 +167,16 @@ def conditioned_linear_law(
     ...     [given.get(signal.part, 0) for signal in law.inputs],
     ...     [values[signal.name] for signal in law.parameters],
     ... )
-    >>> float(outputs[0]), float(state[2])
+    >>> float(outputs[0]), float(state[0])
     (5.0, 0.2)
     """
     ends, joined = matrices.joined(measured, manipulated)
-    parameters = [number for matrix in joined.values() for number in matrix.signals()]
-    parameters += fading_parameters(ends["u"])
     return control_law(
         "conditioned_linear",
         lambda sample: _equations(sample, ends, joined),
         measured=ends["e"],
         controlled=ends["e"],
         manipulated=ends["u"],
-        parameters=parameters,
-        state=[
-            *(state for u in ends["u"] for state in signals.output_state(u)),
-            *(replace(z, description=f"{z.name} of the controller") for z in ends["z"]),
-        ],
         description=(
             "u = u° + C z + D e + b within the limits, e = y − r, then z⁺ = A z + B e + "
             "M (u − u°) with the u that was applied; b makes a change to automatic bumpless and "
@@ -198,15 +191,17 @@ def _equations(sample: Sample, ends: _Ends, joined: dict[str, Matrix]) -> None:
     reading = Reading.of(sample, names, names)
     errors = {path(y, "error"): reading.measurements[y] - reading.setpoints[y] for y in names}
     sample.named |= errors
-    values = {"z": [sample[z.name] for z in ends["z"]], "e": [*errors.values()], "u": []}
+    kept = (replace(z, description=f"{z.name} of the controller") for z in ends["z"])
+    values = {"z": sample.memory(*kept), "e": [*errors.values()], "u": []}
 
     def product(called: str) -> list[ca.SX]:
         _, _, by = _MATRICES[called]
+        sample.parameters(*joined[called].signals())
         return joined[called].times(sample.symbols, values[by])
 
     shares = zip(ends["u"], product("memory_gain"), product("error_gain"), strict=True)
     for u, of_memory, of_error in shares:
-        asked, bias = of_memory + of_error, sample[path(u, "bias")]
+        asked, (bias,) = of_memory + of_error, sample.parameters(signals.at_rest(u, "bias"))
         sample.name(u, {"asked": asked})
         values["u"].append(fading_output(sample, u, reading, bias + asked) - bias)
     known = all_of([reading.numbers, reading.sensors, is_time_step(sample["time_step"])])

@@ -83,27 +83,12 @@ def disturbance_rejection_law(
     """
     pairs = signals.paired(measured, manipulated)
     controlled, moved = [y for y, _ in pairs], [u for _, u in pairs]
-    own = (_BANDWIDTH, _OBSERVER, _MODEL_GAIN)
     return control_law(
         "disturbance_rejection",
         lambda sample: _equations(sample, pairs),
         measured=controlled,
         controlled=controlled,
         manipulated=moved,
-        parameters=[
-            *(key.of(y, measurement=y, output=u) for y, u in pairs for key in own),
-            *(limit for u in moved for limit in signals.limit_parameters(u)),
-        ],
-        state=[
-            entry
-            for y, u in pairs
-            for entry in (
-                _ESTIMATE.of(y, measurement=y),
-                _BALANCE.of(y, output=u),
-                _LOST.of(y, measurement=y),
-                signals.last_output(u),
-            )
-        ],
         description=_DESCRIPTION,
     )
 
@@ -113,13 +98,18 @@ def _equations(sample: Sample, pairs: Sequence[tuple[Signal, Signal]]) -> None:
     for y, u in pairs:
         reading = Reading.of(sample, [y.name], [y.name])
         level, known = reading.measurements[y.name], reading.known
-        bandwidth, fast, slope = sample.of(y, "bandwidth", "observer_bandwidth", "model_gain")
-        estimate, balance, lost = sample.of(y, "estimate", "balance", "lost")
+        bandwidth, fast, slope = sample.parameters(
+            *(key.of(y, measurement=y, output=u) for key in (_BANDWIDTH, _OBSERVER, _MODEL_GAIN))
+        )
+        estimate, balance, lost, last = sample.memory(
+            *(key.of(y, measurement=y, output=u) for key in (_ESTIMATE, _BALANCE, _LOST)),
+            signals.last_output(u),
+        )
         # Set to zero at run time there is no law, and nothing is divided by it.
         known = ca.logic_and(known, slope != 0)
         slope = ca.if_else(slope != 0, slope, 1)
         pole = 1 / (1 + ca.fmax(fast * time_step, 0))
-        moved = time_step * (slope * (sample[path(u, "last_output")] - balance))
+        moved = time_step * (slope * (last - balance))
         surprise = ca.if_else(lost, 0, level - (estimate + moved))
         step = (fast * pole) * ((fast * pole) * (time_step * surprise))
         following, balanced = level - (pole * pole) * surprise, balance - step / slope

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import islice
 from typing import get_args
@@ -29,7 +29,7 @@ from clepsydra.controllers.virtual_input import (
     VirtualInput,
 )
 from clepsydra.linear.relative_degree import VectorRelativeDegree
-from clepsydra.program.step_law import StepLaw, Symbols
+from clepsydra.program.step_law import StepLaw
 
 
 @dataclass(frozen=True)
@@ -42,13 +42,13 @@ class Evaluated:
         For each output y, dy/dt, … by the drift alone; the last is its entry of L.
     effects : list of list of casadi.SX [q][m]
         E.
-    following : callable
-        Takes the inputs that were applied and returns the next state of the observer.
+    state : list of casadi.SX
+        What its source knows of the state.
     """
 
     derivatives: list[list[ca.SX]]
     effects: list[list[ca.SX]]
-    following: Callable[[Sequence[ca.SX]], dict[str, ca.SX]]
+    state: list[ca.SX]
 
     def through(self, inputs: Sequence[ca.SX]) -> list[ca.SX]:
         """Return L + E u: the highest derivative of each output under these inputs."""
@@ -92,37 +92,27 @@ class LinearisedProcess:
         self.constants = used_in(equations, [found, *self.source.expressions])
         self._expressions = found
 
-    def parameters(self) -> list[Signal]:
-        """Return model.* with the values of the operating point, and those of the observer."""
-        return [*map(model_parameter, self.constants), *self.source.parameters()]
-
     def values(self) -> dict[str, float]:
         """Return the values of model.*."""
         return {model_parameter(each).name: each.value for each in self.constants}
 
-    def evaluated(self, symbols: Symbols, measured: Sequence[ca.SX], known: ca.SX) -> Evaluated:
+    def evaluated(self, sample: Sample, shown: dict[str, ca.SX], known: ca.SX) -> Evaluated:
         """Return derivatives and effects in this sample.
 
-        `symbols`: model.*, estimates, correction and time_step; `measured`: in the order of
-        `measurements`, as numbers; `known`: whether they may be used.
+        `shown`: what the `measurements` show, as numbers; `known`: whether they may be used.
         """
         equations, source = self.linearised.equations, self.source
-        sample, shown = Sample(symbols), dict(zip(self.measurements, measured, strict=True))
+        sample.parameters(*map(model_parameter, self.constants))
         state = ca.SX(equations.point.state)
         found = source.correct(sample, [shown[y] for y in source.measurements], known)
         for name, value in zip(source.states, found, strict=True):
             state[equations.states.index(name)] = value
-        (terms,) = evaluated(equations, [self._expressions], symbols, state)
+        (terms,) = evaluated(equations, [self._expressions], sample.symbols, state)
         values = iter(ca.vertsplit(ca.densify(terms)))
         degrees = zip(equations.outputs, self.linearised.degrees, strict=True)
         derivatives = [[shown[y], *islice(values, degree)] for y, degree in degrees]
         effects = [list(islice(values, len(equations.inputs))) for _ in equations.outputs]
-
-        def following(applied: Sequence[ca.SX]) -> dict[str, ca.SX]:
-            source.predict(sample, found, applied)
-            return sample.next_state
-
-        return Evaluated(derivatives, effects, following)
+        return Evaluated(derivatives, effects, found)
 
 
 FAMILY = "feedback linearisation"
@@ -185,24 +175,12 @@ def feedback_linearisation_law(
         ),
         tuple(process.signal(name) for name in equations.inputs),
     )
-    virtual, known, moved = law.virtual, law.known, law.manipulated
     return control_law(
         "feedback_linearisation",
         law.equations,
-        measured=[process.signal(name) for name in known.measurements],
-        controlled=[each.measurement for each in virtual],
-        manipulated=moved,
-        parameters=[
-            *(signal for each in virtual for signal in each.parameters()),
-            *(each.smallest_effect for each in virtual),
-            *known.parameters(),
-            *(limit for u in moved for limit in signals.limit_parameters(u)),
-        ],
-        state=[
-            *(signal for each in virtual for signal in each.state()),
-            *map(signals.last_output, moved),
-            *known.source.state(),
-        ],
+        measured=[process.signal(name) for name in law.known.measurements],
+        controlled=[each.measurement for each in law.virtual],
+        manipulated=law.manipulated,
         description=(
             "u = E⁻¹ (ν − L) within the limits, with d^r y/dt^r = L + E u from the equations of "
             "the process, and ν = Kp (b r − y) + I − Σ m_k dᵏy/dtᵏ, I⁺ = I + Δt Ki (r − y), each "
@@ -223,9 +201,8 @@ class _Law:
         reading = Reading.of(sample, self.known.measurements, outputs)
         usable = ca.logic_and(reading.numbers, reading.sensors)
         time_step, _ = time_step_of(sample.symbols)
-        measured = list(reading.measurements.values())
-        process = self.known.evaluated(sample.symbols, measured, reading.known)
-        last = [sample[path(u, "last_output")] for u in self.manipulated]
+        process = self.known.evaluated(sample, reading.measurements, reading.known)
+        last = sample.memory(*map(signals.last_output, self.manipulated))
         chains = zip(process.derivatives, process.through(last), strict=True)
         parts = [
             self.virtual[j].asked(sample, reading.setpoints[outputs[j]], chain[:-1], standing)
@@ -246,7 +223,7 @@ class _Law:
             sample.name(y, {"drift": process.derivatives[j][-1], "virtual": asked[j]})
         for u, value in zip(self.manipulated, unlimited, strict=True):
             sample.name(u, {"unlimited": value})
-        sample.next_state |= process.following([each.applied for each in applied])
+        self.known.source.predict(sample, process.state, [each.applied for each in applied])
 
     def _solved(
         self, sample: Sample, asked: list[ca.SX], process: Evaluated, last: list[ca.SX]

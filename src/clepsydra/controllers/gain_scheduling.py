@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -13,12 +14,12 @@ from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.blocks.ports import truth
-from clepsydra.controllers.blocks.sample import Reading, Sample, inner_equations
+from clepsydra.controllers.blocks.sample import Reading, Sample, inner_equations, written_law
 from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step
-from clepsydra.controllers.linear_quadratic_integral import output_parameters, varying_lqi
+from clepsydra.controllers.linear_quadratic_integral import varying_lqi
 from clepsydra.controllers.observers.linear_state import LinearState
 from clepsydra.program.block import Block
-from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
+from clepsydra.program.step_law import Equations, StepLaw, Symbols
 
 #: Fewer points make no table, more make one that nobody checks.
 FEWEST_POINTS, MOST_POINTS = 2, 15
@@ -41,18 +42,6 @@ class Schedule:
     signal: Signal
     points: int
 
-    def parameters(self) -> list[Signal]:
-        """Return the points and filter_time of the schedule."""
-        words = "time constant in which the scheduling variable follows"
-        name = self.signal.name
-        return [
-            *(
-                signals.gain(place, self.signal, float(k), f"{name} at point {k} of the schedule")
-                for k, place in enumerate(self.places, start=1)
-            ),
-            signals.duration(_FILTER_TIME, f"{words} {self.shown}"),
-        ]
-
     @property
     def _input(self) -> Signal:
         return Signal(self.variable)
@@ -72,19 +61,6 @@ class Schedule:
         name = self.signal.name
         return f"the setpoint of {name}" if self._input.part == "sp" else name
 
-    def tables(self, parameters: Iterable[Signal]) -> list[Signal]:
-        """Return the parameters that stand for those that are scheduled: values at the points."""
-        return [
-            replace(
-                parameter,
-                name=name,
-                matrix=parameter.matrix or parameter.part,
-                description=f"{parameter.description}, at point {k} of the schedule",
-            )
-            for parameter in parameters
-            for k, name in enumerate(self.values(parameter.name), start=1)
-        ]
-
     @property
     def words(self) -> str:
         """What a law does by it, for its reader."""
@@ -93,28 +69,24 @@ class Schedule:
             "filtered."
         )
 
-    def state(self) -> list[Signal]:
-        """Return the scheduling variable."""
-        return [signals.like(self.signal, _VARIABLE, f"{self.shown}, filtered")]
-
     def followed(self, sample: Sample) -> ca.SX:
-        """Write the filter of the scheduling variable, and return that of this sample.
-
-        `sample`: with the input, its sensor, variable and filter_time of the schedule, and
-        time_step.
-        """
+        """Write the filter of the scheduling variable, and return that of this sample."""
+        sample.memory(signals.like(self.signal, _VARIABLE, f"{self.shown}, filtered"))
+        words = f"time constant in which the scheduling variable follows {self.shown}"
+        sample.parameters(signals.duration(_FILTER_TIME, words))
         given = {"asked": sample[self.variable]}
         if sensed := self._input.part == "pv":
             given["sensor"] = sample[path(self._input.owner, "good")]
         return sample.call(_schedule_filter(sensed), "schedule_filter", **given)["followed"]
 
-    def interpolated(self, sample: Sample, at: ca.SX, names: Iterable[str]) -> dict[str, ca.SX]:
+    def interpolated(
+        self, sample: Sample, at: ca.SX, scheduled: Iterable[Signal]
+    ) -> dict[str, ca.SX]:
         """Return the scheduled parameters at a value of the scheduling variable.
 
-        At a point of the schedule it is the value of the table in every digit. Points that do
-        not rise are passed over, so that nothing is divided by zero.
-
-        `sample`: with the points and the tables; `names`: of the scheduled parameters.
+        The law has points, and in the place of each such parameter its values there. At a point
+        of the schedule it is the value of the table in every digit. Points that do not rise are
+        passed over, so that nothing is divided by zero.
 
         Examples
         --------
@@ -122,12 +94,28 @@ class Schedule:
         >>> numbers = {"schedule.point.1": 2.0, "schedule.point.2": 6.0, "gain.at.1": 10.0,
         ...            "gain.at.2": 20.0}
         >>> sample = Sample({name: ca.DM(value) for name, value in numbers.items()})
-        >>> float(schedule.interpolated(sample, ca.DM(3.0), ["gain"])["gain"])
+        >>> float(schedule.interpolated(sample, ca.DM(3.0), [Signal("gain")])["gain"])
         12.5
         """
-        block, found = _table(self.points), {}
-        for name in names:
-            values = [at, *(sample[each] for each in (*self.places, *self.values(name)))]
+        block, found, shown = _table(self.points), {}, "at point {} of the schedule"
+        points = sample.parameters(
+            *(
+                signals.gain(place, self.signal, float(k), f"{self.signal.name} {shown.format(k)}")
+                for k, place in enumerate(self.places, start=1)
+            )
+        )
+        for parameter in scheduled:
+            name, matrix = parameter.name, parameter.matrix or parameter.part
+            table = (
+                replace(
+                    parameter,
+                    name=place,
+                    matrix=matrix,
+                    description=f"{parameter.description}, {shown.format(k)}",
+                )
+                for k, place in enumerate(self.values(name), start=1)
+            )
+            values = [at, *points, *sample.parameters(*table)]
             given = {port.name: value for port, value in zip(block.inputs, values, strict=True)}
             found[name] = sample.call(block, path(name, "table"), **given)["value"]
             sample.name(name, {"used": found[name]})
@@ -207,30 +195,19 @@ def scheduled_law(law: StepLaw, schedule: Schedule, names: Sequence[str]) -> Ste
     1401-1425, doi 10.1016/S0005-1098(00)00058-3.
     """
     known = {parameter.name: parameter for parameter in law.parameters}
+    scheduled = [known.pop(name) for name in names]
 
-    def equations(symbols: Symbols) -> Equations:
-        sample = Sample(symbols)
-        found = schedule.interpolated(sample, schedule.followed(sample), names)
-        inner = inner_equations(law, {**symbols, **found})
-        return Equations(
-            {**inner.next_state, **sample.next_state},
-            inner.outputs,
-            {**sample.named, **inner.intermediates},
-        )
+    def equations(sample: Sample) -> None:
+        found = schedule.interpolated(sample, schedule.followed(sample), scheduled)
+        sample.parameters(*known.values())
+        sample.memory(*law.state)
+        inner = inner_equations(law, {**sample.symbols, **found})
+        sample.next_state |= inner.next_state
+        sample.outputs |= inner.outputs
+        sample.named |= inner.intermediates
 
-    return step_law(
-        f"scheduled_{law.name}",
-        inputs=law.inputs,
-        parameters=[
-            *schedule.parameters(),
-            *(p for p in law.parameters if p.name not in names),
-            *schedule.tables(known[name] for name in names),
-        ],
-        state=[*law.state, *schedule.state()],
-        outputs=law.outputs,
-        equations=equations,
-        description=(*law.description, schedule.words),
-    )
+    words = (*law.description, schedule.words)
+    return written_law(f"scheduled_{law.name}", equations, law.inputs, law.outputs, words)
 
 
 def scheduled_lqi_law(
@@ -256,30 +233,19 @@ def scheduled_lqi_law(
     1401-1425, doi 10.1016/S0005-1098(00)00058-3.
     """
     state = LinearState(measured, manipulated, controlled, None)
-    outputs = output_parameters(state.manipulated, anti_windup)
     scheduled = [*state.feedback.signals(), *state.integral_gain.signals()]
-    scheduled += [each for each in outputs if each.part == "tracking_time"]
-    kept = state.feedback.last()
+    if anti_windup == "back_calculation":
+        scheduled += [signals.TRACKING_TIME.of(u) for u in state.manipulated]
 
     def gains(sample: Sample, reading: Reading, _: Sequence[ca.SX]) -> dict[str, ca.SX]:
-        at = schedule.followed(sample)
-        found = schedule.interpolated(sample, at, [parameter.name for parameter in scheduled])
+        found = schedule.interpolated(sample, schedule.followed(sample), scheduled)
         # The gains change with what is known, so that the integral can take the change up.
         known = ca.logic_and(reading.numbers, reading.sensors)
-        for gain in kept:
-            found[gain.name] = ca.if_else(known, found[gain.name], sample[gain.name])
+        kept = state.feedback.last()
+        for gain, last in zip(kept, sample.memory(*kept), strict=True):
+            found[gain.name] = ca.if_else(known, found[gain.name], last)
             sample.next_state[gain.name] = found[gain.name]
-        sample.symbols = {**found, **sample.symbols}
+        sample.symbols = ChainMap(sample.symbols, found)
         return found
 
-    plain = [each for each in outputs if each not in scheduled]
-    tables = schedule.tables(scheduled)
-    return varying_lqi(
-        "scheduled_lqi",
-        state,
-        anti_windup,
-        [*schedule.parameters(), *state.parameters(), *plain, *tables],
-        state=[*schedule.state(), *kept],
-        gains=gains,
-        words=[schedule.words],
-    )
+    return varying_lqi("scheduled_lqi", state, anti_windup, gains=gains, words=[schedule.words])

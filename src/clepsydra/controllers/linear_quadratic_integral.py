@@ -89,28 +89,14 @@ def lqi_law_of(source: StateSource, anti_windup: AntiWindup = "back_calculation"
     Raises InputError: the anti-windup is unknown or clamping.
     """
     name = "linear_quadratic_integral" if source.from_rest else "nonlinear_lqi"
-    gains = [*source.feedback.signals(), *source.integral_gain.signals()]
-    outputs = output_parameters(source.manipulated, anti_windup)
-    return varying_lqi(name, source, anti_windup, [*source.parameters(), *gains, *outputs])
-
-
-def output_parameters(manipulated: Sequence[Signal], anti_windup: AntiWindup) -> list[Signal]:
-    """Return bias, limits and, for back-calculation, tracking_time of each output."""
-    found = []
-    for u in manipulated:
-        found += [signals.at_rest(u, "bias"), *signals.limit_parameters(u)]
-        if anti_windup == "back_calculation":
-            found.append(signals.TRACKING_TIME.of(u))
-    return found
+    return varying_lqi(name, source, anti_windup)
 
 
 def varying_lqi(
     name: str,
     source: StateSource,
     anti_windup: AntiWindup,
-    parameters: Sequence[Signal],
     *,
-    state: Sequence[Signal] = (),
     gains: Callable[[Sample, Reading, Sequence[ca.SX]], Symbols] | None = None,
     words: Sequence[str] = (),
 ) -> StepLaw:
@@ -121,10 +107,9 @@ def varying_lqi(
     This is the velocity form of a scheduled controller, whose linear model at each point is the
     one that was designed there, and which needs no table of the outputs at rest.
 
-    `name`: an identifier; `parameters`, `state`: all parameters, and what the gains keep; `gains`:
-    writes the gains of a sample, from what is read and what is known of the state, and returns F
-    and G by name, where F of the last one is the law's state by that name; without it they are the
-    law's parameters; `words`: for the reader of the law.
+    `name`: an identifier; `gains`: writes the gains of a sample, from what is read and what is
+    known of the state, and returns F and G by name, where F of the last one is the law's state by
+    that name; without it they are the law's parameters; `words`: for the reader of the law.
 
     Raises InputError: the anti-windup is unknown or clamping.
 
@@ -145,6 +130,8 @@ def varying_lqi(
         )
 
     def applied(sample: Sample, reading: Reading, known: Sequence[ca.SX]) -> list[ca.SX]:
+        if gains is None:
+            sample.parameters(*source.feedback.signals(), *source.integral_gain.signals())
         now = sample.symbols if gains is None else gains(sample, reading, known)
         deviations = source.deviations(sample, known)
         errors = {
@@ -157,13 +144,14 @@ def varying_lqi(
         former = source.feedback.times(sample.symbols, deviations)
         found = []
         for u, back, before, rate in zip(source.manipulated, fed_back, former, rates, strict=True):
+            (bias,) = sample.parameters(signals.at_rest(u, "bias"))
             sample.name(u, {"fed_back": back, "integral_rate": rate})
             found.append(
                 output_stage(
                     sample,
                     u,
                     reading,
-                    proportional=sample[path(u, "bias")] - back,
+                    proportional=bias - back,
                     increment=sample["time_step"] * rate,
                     anti_windup=anti_windup,
                     taken_up=None if gains is None else back - before,
@@ -172,4 +160,4 @@ def varying_lqi(
         return found
 
     description = (f"Anti-windup: {IN_WORDS[anti_windup]}.", *words)
-    return source.law(name, applied, parameters, state, description)
+    return source.law(name, applied, description)

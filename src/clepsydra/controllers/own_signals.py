@@ -98,22 +98,13 @@ class OwnSignals:
     def end(self) -> StepLaw:
         """What comes after the user's part; what that asks, and when it counts, are parameters."""
         moved = [replace(signal, name=signal.owner) for signal in self.outputs]
-        asked = [path(output, "asked") for output in moved]
 
         def equations(sample: Sample) -> None:
-            for output, name in zip(moved, asked, strict=True):
-                final_element(sample, output, Asked(*(sample[n] for n in (name, *_COUNTS))))
+            for output in moved:
+                told = sample.parameters(*map(Signal, (path(output, "asked"), *_COUNTS)))
+                final_element(sample, output, Asked(*told))
 
-        limits = (limit for output in moved for limit in signals.limit_parameters(output))
-        return control_law(
-            "end",
-            equations,
-            measured=(),
-            controlled=(),
-            manipulated=moved,
-            parameters=[*map(Signal, (*asked, *_COUNTS)), *limits],
-            state=[*map(signals.last_output, moved)],
-        )
+        return control_law("end", equations, measured=(), controlled=(), manipulated=moved)
 
     @cached_property
     def whole(self) -> dict[str, Any]:
@@ -122,7 +113,7 @@ class OwnSignals:
         added = [*good, *self.end.inputs]
         known = {signal.name for signal in (*added, *self.end.state)}
         own = {parameter.name for parameter in self.parameters}
-        limits = self.end.parameters[len(self.outputs) + len(_COUNTS) :]
+        limits = (p for p in self.end.parameters if p.part in ("low_limit", "high_limit"))
         return {
             "inputs": (*(signal for signal in self.inputs if signal.name not in known), *added),
             "parameters": (*self.parameters, *(p for p in limits if p.name not in own)),

@@ -14,6 +14,7 @@ from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import (
     LAST_OUTPUT,
     OUTPUT_PORTS,
+    declare_output,
     give_output,
     output_end,
     output_results,
@@ -22,7 +23,6 @@ from clepsydra.controllers.blocks.ports import ASKED, Asked, truth
 from clepsydra.controllers.blocks.sample import Reading, Sample, control_law
 from clepsydra.controllers.blocks.validity import all_of, is_time_step
 from clepsydra.program.block import Block
-from clepsydra.program.entries import Entry
 from clepsydra.program.step_law import Equations, StepLaw, Symbols
 
 
@@ -79,14 +79,6 @@ class IncrementalLoop:
         counted = zip(patterns, astuple(self.shape), strict=True)
         return [each for pattern, count in counted for each in row(pattern, count)]
 
-    def parameters(self) -> list[Signal]:
-        """Return the gains and the limits."""
-        return [*self.gains(), *signals.limit_parameters(self.moved)]
-
-    def states(self) -> Sequence[Entry]:
-        """Return what is remembered of measurement, setpoint and output."""
-        return [*self.memory(), signals.last_output(self.moved)]
-
     def step(self, sample: Sample) -> None:
         """Write one sample."""
         y = [self.measured.name]
@@ -95,6 +87,9 @@ class IncrementalLoop:
     def act(self, sample: Sample, reading: Reading) -> None:
         """Write what follows from what the loop acts on: one block for all loops of a shape."""
         y, u = self.measured, self.moved
+        sample.parameters(*self.gains())
+        sample.memory(*self.memory())
+        declare_output(sample, u)
         found = sample.call(
             increments(self.shape),
             path(u, "loop"),
@@ -255,7 +250,5 @@ def law_of_loops(name: str, loops: Sequence[IncrementalLoop], *description: str)
         measured=measured,
         controlled=measured,
         manipulated=[loop.moved for loop in loops],
-        parameters=[parameter for loop in loops for parameter in loop.parameters()],
-        state=[state for loop in loops for state in loop.states()],
         description=description,
     )

@@ -19,9 +19,9 @@ from clepsydra.controllers.blocks.sampled_matrices import (
     upper_triangle,
 )
 from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step, time_step_of
-from clepsydra.controllers.linear_quadratic_integral import output_parameters, varying_lqi
+from clepsydra.controllers.linear_quadratic_integral import varying_lqi
 from clepsydra.controllers.observers.state_source import ProcessState
-from clepsydra.controllers.process_model import evaluated
+from clepsydra.controllers.process_model import evaluated, models_in
 from clepsydra.linear.process_equations import NEARLY_EMPTY, ProcessEquations
 from clepsydra.program.step_law import StepLaw
 
@@ -71,6 +71,8 @@ def recomputed_lqi_law(
     linear = [equations.A, equations.B, ca.jacobian(readings, equations.state)]
 
     def gains(sample: Sample, reading: Reading, known: Sequence[ca.SX]) -> dict[str, ca.SX]:
+        sample.memory(*source.feedback.last(), *source.integral_gain.last())
+        sample.parameters(*models_in(equations, linear))
         inputs = _filtered(sample, source.manipulated)
         moved = ca.vertcat(*inputs.values())
         here = equations.bounded(ca.vertcat(*known[: len(source.fed_back)]), NEARLY_EMPTY)
@@ -83,40 +85,19 @@ def recomputed_lqi_law(
         sample.named["gains_recomputed"] = holds
         return kept
 
-    words = "cost to go, in scaled states and errors"
-    state = [
-        *source.feedback.last(),
-        *source.integral_gain.last(),
-        *(Signal(name, description=words, matrix="cost") for name in cost_names(equations)),
-        *(signals.like(u, path(u, "filtered"), f"{u.name}, filtered") for u in source.manipulated),
-    ]
-    outputs = output_parameters(source.manipulated, anti_windup)
-    parameters = [*_weights(source), *source.parameters(linear), *outputs]
-    return varying_lqi("recomputed_lqi", source, anti_windup, parameters, state=state, gains=gains)
-
-
-def _weights(source: ProcessState) -> list[Signal]:
-    found = []
-    for part, of, words in (
-        ("largest_error", source.controlled, "largest acceptable error of"),
-        ("largest_move", source.manipulated, "largest acceptable move of"),
-        ("size", source.fed_back, "size in which numbers are scaled, of"),
-    ):
-        found += [signals.size(path(x, part), x, f"{words} {x.name}") for x in of]
-    for y in source.controlled:
-        words = f"time for which a largest error of {y.name} may last"
-        found.append(signals.duration(path(y, "horizon"), words))
-    words = "time constant in which the model follows the inputs"
-    return [*found, signals.duration("input_filter_time", words)]
+    return varying_lqi("recomputed_lqi", source, anti_windup, gains=gains)
 
 
 def _filtered(sample: Sample, manipulated: Sequence[Signal]) -> dict[str, ca.SX]:
     """Return the inputs that were applied, filtered."""
     step = ca.if_else(is_time_step(sample["time_step"]), sample["time_step"], 0)
-    share = step / (ca.fmax(sample["input_filter_time"], signals.SHORTEST_TIME) + step)
+    words = "time constant in which the model follows the inputs"
+    (time,) = sample.parameters(signals.duration("input_filter_time", words))
+    share = step / (ca.fmax(time, signals.SHORTEST_TIME) + step)
     found = {}
     for u in manipulated:
-        last, applied = sample.of(u, "filtered", "last_output")
+        filtered = signals.like(u, path(u, "filtered"), f"{u.name}, filtered")
+        last, applied = sample.memory(filtered, signals.last_output(u))
         moved = last + share * (applied - last)
         found[path(u, "filtered")] = ca.if_else(is_number(moved), moved, last)
     return found
@@ -129,9 +110,19 @@ def _recomputed(
     A, B, C = model
     (n, m), q = B.shape, C.shape[0]
     time, _ = time_step_of(sample.symbols)
-    sizes = column(sample.symbols, "size", source.fed_back)
-    moves = column(sample.symbols, "largest_move", source.manipulated)
-    errors = column(sample.symbols, "largest_error", source.controlled)
+    errors, moves, sizes = (
+        ca.vertcat(
+            *sample.parameters(*(signals.size(path(x, p), x, f"{words} {x.name}") for x in of))
+        )
+        for p, of, words in (
+            ("largest_error", source.controlled, "largest acceptable error of"),
+            ("largest_move", source.manipulated, "largest acceptable move of"),
+            ("size", source.fed_back, "size in which numbers are scaled, of"),
+        )
+    )
+    for y in source.controlled:
+        words = f"time for which a largest error of {y.name} may last"
+        sample.parameters(signals.duration(path(y, "horizon"), words))
     horizons = column(sample.symbols, "horizon", source.controlled)
     # In units of what weighs one, all numbers are near one.
     A = ca.diag(1 / sizes) @ A @ ca.diag(sizes)
@@ -146,8 +137,9 @@ def _recomputed(
     cost = ca.diagcat(of_a_second[:n, :n], ca.SX.eye(q), of_a_second[n:, n:])
     cost[:n, n + q :] = of_a_second[:n, n:]
     cost[n + q :, :n] = of_a_second[n:, :n]
-    names = cost_names(source.equations)
-    to_go, definite = from_upper_triangle([sample[name] for name in names], n + q), []
+    names, words = cost_names(source.equations), "cost to go, in scaled states and errors"
+    last = sample.memory(*(Signal(name, description=words, matrix="cost") for name in names))
+    to_go, definite = from_upper_triangle(last, n + q), []
     for _ in range(steps):
         step = riccati_step(held, moved, cost, to_go)
         to_go = ca.triu2symm(ca.triu(step.cost))

@@ -125,16 +125,14 @@ def last_output(signal: Signal) -> Signal:
     return LAST_OUTPUT.of(signal, signal.initial, output=signal)
 
 
-def output_state(signal: Signal) -> list[Signal]:
-    """Return integral and last_output."""
-    return [INTEGRAL.of(signal, output=signal), last_output(signal)]
-
-
-def output_signals(signal: Signal) -> list[Signal]:
-    """Return out and status."""
-    out = OUT.of(signal, output=signal)
-    words = signal.description or out.description
-    return [replace(out, description=words), replace(STATUS, name=path(signal, "status"))]
+def output_results(manipulated: Sequence[Signal]) -> tuple[Signal, ...]:
+    """Return out and status of each output."""
+    found: list[Signal] = []
+    for u in manipulated:
+        out = OUT.of(u, output=u)
+        found.append(replace(out, description=u.description or out.description))
+        found.append(replace(STATUS, name=path(u, "status")))
+    return tuple(found)
 
 
 def per(quantity: Signal, *others: Signal | str) -> Signal:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal, elements, path
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.sample import Reading, Sample
 from clepsydra.controllers.blocks.validity import is_number
@@ -20,7 +20,6 @@ from clepsydra.controllers.polynomial_controller import (
     shifted,
 )
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.entries import Entry
 from clepsydra.program.step_law import StepLaw
 
 FAMILY = "Smith predictor"
@@ -118,71 +117,50 @@ def smith_predictor_law(
 class _PredictedLoop(IncrementalLoop):
     model: PredictorShape = field(kw_only=True)
 
-    def parameters(self) -> list[Signal]:
-        y, u, model = self.measured, self.moved, self.model
-        coefficient, words = signals.coefficient, f"of the model of {y.name}"
-        feedback = coefficient(path(y, "model_feedback"), "1", f"a{{1}} {words}")
-        share = coefficient(path(y, "model_share"), "1", f"b{{1}} / B(1) {words}")
-        gain = f"what {u.name} adds in a sample"
-        found = [
-            *super().parameters(),
-            coefficient(path(y, "model_gain"), signals.per(y, u), gain),
-            *row(feedback, model.order),
-            *row(share, model.tail),
-            signals.at_rest(u, "bias"),
-        ]
-        if model.error_feedback:
-            words = f"what the predicted error of {y.name} adds to the model's input"
-            name, per = path(y, "error_feedback"), signals.per(u, y)
-            found += [signals.gain(name, per, 0.0, words), signals.at_rest(y, "reference")]
-        return found
-
-    def states(self) -> Sequence[Entry]:
-        y, model = self.measured, self.model
-
-        def of_model(part: str, when: str) -> Signal:
-            words = f"model of {y.name} without delay, {when}"
-            return Signal(path(y, part), y.unit, description=words)
-
-        found: list[Entry] = [
-            of_model("model.1", "now"),
-            *row(of_model("model", "{0} samples ago"), model.order)[1:],
-        ]
-        if model.delay:
-            oldest = of_model("delayed_model", f"{model.delay} samples ago")
-            found.append(DelayRing(oldest, model.delay))
-        found += row(of_model("past_model", "{1} samples ago"), model.tail - 1, model.delay + 1)
-        if model.error_feedback:
-            words = f"last error of the model of {y.name}"
-            found.append(Signal(path(y, "model_error"), y.unit, description=words))
-        return [*found, *super().states()]
+    def _past(self, part: str, when: str) -> Signal:
+        words = f"model of {self.measured.name} without delay, {when}"
+        return Signal(path(self.measured, part), self.measured.unit, description=words)
 
     def step(self, sample: Sample) -> None:
         """Predict, let the primary controller act, and move the model on."""
         y, u, s, model = self.measured, self.moved, sample.symbols, self.model
+        coefficient, words = signals.coefficient, f"of the model of {y.name}"
         reading = Reading.of(sample, [y.name], [y.name])
-        measurement, now = reading.measurements[y.name], s[path(y, "model.1")]
-        ring = path(y, "delayed_model")
-        delayed = s[ring] if model.delay else now
-        past = [s[name] for name in elements(path(y, "past_model"), model.tail - 1)]
-        output = sum(products(s, path(y, "model_share"), [delayed, *past]), ca.SX(0))
+        older = row(self._past("model", "{0} samples ago"), model.order)[1:]
+        values = sample.memory(self._past("model.1", "now"), *older)
+        measurement, now = reading.measurements[y.name], values[0]
+        ring = self._past("delayed_model", f"{model.delay} samples ago")
+        (delayed,) = sample.memory(DelayRing(ring, model.delay)) if model.delay else (now,)
+        before = row(self._past("past_model", "{1} samples ago"), model.tail - 1, model.delay + 1)
+        share = coefficient(path(y, "model_share"), "1", f"b{{1}} / B(1) {words}")
+        sample.parameters(*row(share, model.tail))
+        output = sum(products(s, share.name, [delayed, *sample.memory(*before)]), ca.SX(0))
         prediction = measurement + (now - output)
         sample.name(y, {"model_output": output, "prediction": prediction})
         known = ca.logic_and(reading.known, is_number(prediction))
         self.act(sample, replace(reading, measurements={y.name: prediction}, known=known))
-        moved = sample.outputs[path(u, "out")] - s[path(u, "bias")]
+        (bias,) = sample.parameters(signals.at_rest(u, "bias"))
+        moved = sample.outputs[path(u, "out")] - bias
         if model.error_feedback:
-            gain, reference, error = sample.of(y, "error_feedback", "reference", "model_error")
+            adds = f"what the predicted error of {y.name} adds to the model's input"
+            gain, reference = sample.parameters(
+                signals.gain(path(y, "error_feedback"), signals.per(u, y), 0.0, adds),
+                signals.at_rest(y, "reference"),
+            )
+            last = f"last error of the model of {y.name}"
+            (error,) = sample.memory(Signal(path(y, "model_error"), y.unit, description=last))
             surprise = measurement - reference - output
             error = ca.if_else(ca.logic_and(reading.known, is_number(surprise)), surprise, error)
             sample.next_state[path(y, "model_error")] = error
             moved = moved + gain * error
-        values = [s[name] for name in elements(path(y, "model"), model.order)]
-        fed_back = sum(products(s, path(y, "model_feedback"), values))
-        following = s[path(y, "model_gain")] * moved - fed_back
+        feedback = coefficient(path(y, "model_feedback"), "1", f"a{{1}} {words}")
+        sample.parameters(*row(feedback, model.order))
+        per, adds = signals.per(y, u), f"what {u.name} adds in a sample"
+        (model_gain,) = sample.parameters(coefficient(path(y, "model_gain"), per, adds))
+        following = model_gain * moved - sum(products(s, feedback.name, values))
         # In step with the ring, which goes on in every scan.
         goes_on = is_number(following)
         sample.next_state |= shifted(s, path(y, "model"), model.order, following, goes_on)
         sample.next_state |= shifted(s, path(y, "past_model"), model.tail - 1, delayed, goes_on)
         if model.delay:
-            sample.next_state[ring] = now
+            sample.next_state[ring.name] = now

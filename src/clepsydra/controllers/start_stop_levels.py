@@ -116,28 +116,12 @@ def start_stop_law(
     [100.0, 0.0]
     """
     (level,), pumps = signals.process_signals(measured), signals.process_signals(manipulated)
-    stages = elements("stage", len(pumps))
-    parameters = [
-        _value(level, path(stage, what), 0.0, f"{level.name} at which stage {number} {words}")
-        for number, stage in enumerate(stages, start=1)
-        for what, words in (("start_level", "begins"), ("stop_level", "ends"))
-    ]
-    on = [truth(path(stage, "on"), f"stage {j} on") for j, stage in enumerate(stages, start=1)]
-    duty = replace(_DUTY.of(""), high=float(len(pumps)))
-    rested = [_RESTED.of(pump, pump=pump) for pump in pumps]
     return control_law(
         "start_stop_levels",
-        lambda sample: _equations(sample, level, pumps, stages),
+        lambda sample: _equations(sample, level, pumps),
         measured=[level],
         controlled=[],
         manipulated=pumps,
-        parameters=[
-            *parameters,
-            _switch("alternation", "1 where the duty pump changes after each run"),
-            _REST.of(""),
-            *(parameter for pump in pumps for parameter in _pump_parameters(pump)),
-        ],
-        state=[*on, duty, *rested, *map(signals.last_output, pumps)],
         description=_DESCRIPTION,
     )
 
@@ -206,28 +190,39 @@ def _switch(name: str, description: str) -> Signal:
     return Signal(name, kind="integer", low=0.0, high=1.0, initial=1.0, description=description)
 
 
-def _equations(
-    sample: Sample, level: Signal, pumps: Sequence[Signal], stages: Sequence[str]
-) -> None:
+def _equations(sample: Sample, level: Signal, pumps: Sequence[Signal]) -> None:
     reading = Reading.of(sample, [level.name], [])
     time_step_good = is_time_step(sample["time_step"])
     usable = ca.logic_and(reading.known, time_step_good)
     passed = ca.if_else(time_step_good, sample["time_step"], 0)
     height = reading.measurements[level.name]
-    on = {path(stage, "on"): _stage(sample, stage, height, usable) for stage in stages}
+    on = {}
+    for number, stage in enumerate(elements("stage", len(pumps)), start=1):
+        (now,) = sample.memory(truth(path(stage, "on"), f"stage {number} on"))
+        start, stop = sample.parameters(
+            *(
+                _value(level, path(stage, at), 0.0, f"{level.name} at which stage {number} {words}")
+                for at, words in (("start_level", "begins"), ("stop_level", "ends"))
+            )
+        )
+        on[path(stage, "on")] = ca.if_else(usable, _stage(start, stop, now, height), now)
     demand = sum(on.values(), ca.SX(0))
+    alternates = _switch("alternation", "1 where the duty pump changes after each run")
+    alternation, shortest_rest = sample.parameters(alternates, _REST.of(""))
+    (duty,) = sample.memory(replace(_DUTY.of(""), high=float(len(pumps))))
     stands, runs, ready = [], [], []
     for pump in pumps:
-        stands.append(limit(*sample.of(pump, "stopped_value", "low_limit", "high_limit")))
-        mode, in_service, rested = sample.of(pump, "mode", "in_service", "rested")
-        runs.append(sample[path(pump, "last_output")] != stands[-1])
-        has_leave = ca.logic_and(mode == Mode.AUTOMATIC, in_service == 1)
-        has_rested = rested >= sample["shortest_rest"]
+        _, stopped, *limits, in_service = sample.parameters(*_pump_parameters(pump))
+        rested, last = sample.memory(_RESTED.of(pump, pump=pump), signals.last_output(pump))
+        stands.append(limit(stopped, *limits))
+        runs.append(last != stands[-1])
+        has_leave = ca.logic_and(sample[path(pump, "mode")] == Mode.AUTOMATIC, in_service == 1)
+        has_rested = rested >= shortest_rest
         ready.append(ca.logic_and(has_leave, ca.logic_or(runs[-1], has_rested)))
-    wanted, next_duty = pump_order(sample["duty"], runs, ready, demand)
+    wanted, next_duty = pump_order(duty, runs, ready, demand)
     ends = ca.logic_and(sum(sample[name] for name in on) > 0, demand == 0)
-    rotates = ca.logic_and(ends, sample["alternation"] == 1)
-    sample.next_state |= {**on, "duty": ca.if_else(rotates, next_duty, sample["duty"])}
+    rotates = ca.logic_and(ends, alternation == 1)
+    sample.next_state |= {**on, "duty": ca.if_else(rotates, next_duty, duty)}
     sample.named["demand"] = demand
     for i, pump in enumerate(pumps):
         running, stopped = sample.of(pump, "running_value", "stopped_value")
@@ -239,11 +234,9 @@ def _equations(
         sample.name(pump, {"runs": runs[i], "ready": ready[i], "wanted": wanted[i]})
 
 
-def _stage(sample: Sample, stage: str, level: ca.SX, usable: ca.SX) -> ca.SX:
-    """Return whether a stage is on after this sample."""
-    start, stop, now = sample.of(stage, "start_level", "stop_level", "on")
+def _stage(start: ca.SX, stop: ca.SX, now: ca.SX, level: ca.SX) -> ca.SX:
+    """Return whether a stage is on at a level that is known."""
     empties = start > stop
     begins = ca.if_else(empties, level >= start, level <= start)
     ends = ca.if_else(empties, level <= stop, level >= stop)
-    on = ca.if_else(ends, 0, ca.if_else(begins, 1, now))
-    return ca.if_else(usable, on, now)
+    return ca.if_else(ends, 0, ca.if_else(begins, 1, now))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import casadi as ca
 
@@ -79,25 +79,18 @@ def state_feedback_law(
             for y, setpoint in reading.setpoints.items()
         }
         sample.named |= wishes
+        sample.parameters(*state.feedback.signals(), *ahead.signals())
         fed_back = state.feedback.times(sample.symbols, state.deviations(sample, known))
         fed_forward = ahead.times(sample.symbols, list(wishes.values()))
+        at_rest = sample.parameters(*(signals.at_rest(u, "bias") for u in state.manipulated))
         return [
-            fading_output(sample, u, reading, sample[path(u, "bias")] - back + forward)
-            for u, back, forward in zip(state.manipulated, fed_back, fed_forward, strict=True)
+            fading_output(sample, u, reading, bias - back + forward)
+            for u, bias, back, forward in zip(
+                state.manipulated, at_rest, fed_back, fed_forward, strict=True
+            )
         ]
 
-    parameters = [*state.parameters(), *state.feedback.signals(), *ahead.signals()]
-    parameters += fading_parameters(state.manipulated)
-    return state.law("state_feedback", applied, parameters)
-
-
-def fading_parameters(manipulated: Iterable[Signal]) -> list[Signal]:
-    """Return bias, fading_time and limits of each output."""
-    found = []
-    for u in manipulated:
-        found += [signals.at_rest(u, "bias"), signals.FADING_TIME.of(u, output=u)]
-        found += signals.limit_parameters(u)
-    return found
+    return state.law("state_feedback", applied)
 
 
 def fading_output(sample: Sample, u: Signal, reading: Reading, asked: ca.SX) -> ca.SX:
@@ -108,7 +101,8 @@ def fading_output(sample: Sample, u: Signal, reading: Reading, asked: ca.SX) -> 
     `asked`: what the law asks for, with the bias.
     """
     time_step, _ = time_step_of(sample.symbols)
-    integral, time = sample.of(u, "integral", "fading_time")
+    (integral,) = sample.memory(signals.INTEGRAL.of(u, output=u))
+    (time,) = sample.parameters(signals.FADING_TIME.of(u, output=u))
     return output_stage(
         sample,
         u,

@@ -64,12 +64,6 @@ class VirtualInput:
         return signals.of_units(*(rate_unit(unit, self.degree) for unit in (y.unit, y.shown_unit)))
 
     @property
-    def smallest_effect(self) -> Signal:
-        """The parameter below which no effect of its input is divided by."""
-        y = self.measurement
-        return _SMALLEST_EFFECT.of(y, measurement=y, moved=self.moved, quantity=self.quantity)
-
-    @property
     def _adjusted(self) -> list[Signal]:
         """Kp, b and m_k, of which a change makes no bump."""
         y, degree = self.measurement, self.degree
@@ -84,26 +78,17 @@ class VirtualInput:
         ]
 
     def parameters(self) -> list[Signal]:
-        """Return gains, setpoint weight, damping and what the anti-windup needs."""
+        """Return gains, setpoint weight, damping, and what windup and the solution need."""
         y, (gain, *adjusted) = self.measurement, self._adjusted
         rate = Signal("", rate_unit("1", self.degree + 1))
-        found = [gain, _INTEGRAL_GAIN.of(y, measurement=y, rate=rate), *adjusted]
+        smallest = _SMALLEST_EFFECT.of(y, measurement=y, moved=self.moved, quantity=self.quantity)
+        found = [gain, _INTEGRAL_GAIN.of(y, measurement=y, rate=rate), *adjusted, smallest]
         if self.anti_windup == "back_calculation":
             found.append(signals.TRACKING_TIME.of(y))
         if self.anti_windup == "variable_structure":
             alpha = _RATE if self.alpha_on == "virtual" else _FEEDBACK
             found.append(alpha.of(y, moved=self.moved, quantity=self.quantity))
         return found
-
-    def state(self) -> list[Signal]:
-        """Return the integral, whether it was in force, and the gains of the last sample."""
-        y = self.measurement
-        words = f"integral part of what {y.name} shall do"
-        return [
-            Signal(path(y, "virtual_integral"), self.quantity.unit, description=words),
-            _WAS_IN_FORCE.of(y, moved=self.moved),
-            *(replace(each, name=_last(each.name)) for each in self._adjusted),
-        ]
 
     def asked(
         self, sample: Sample, setpoint: ca.SX, derivatives: list[ca.SX], standing: ca.SX
@@ -113,12 +98,17 @@ class VirtualInput:
         `derivatives`: y, dy/dt, …, of the r degrees below r; `standing`: L + E u with the inputs of
         the last sample: where automatic takes over.
         """
-        names = [signal.name for signal in self._adjusted]
-        now, former = (
-            _nonintegral([sample[name] for name in each], setpoint, derivatives)
-            for each in (names, map(_last, names))
+        y, words = self.measurement, f"integral part of what {self.measurement.name} shall do"
+        sample.parameters(*self.parameters())
+        integral, in_force, *last = sample.memory(
+            Signal(path(y, "virtual_integral"), self.quantity.unit, description=words),
+            _WAS_IN_FORCE.of(y, moved=self.moved),
+            *(replace(each, name=_last(each.name)) for each in self._adjusted),
         )
-        integral, in_force = sample.of(self.measurement, "virtual_integral", "was_in_force")
+        now, former = (
+            _nonintegral(gains, setpoint, derivatives)
+            for gains in (sample.parameters(*self._adjusted), last)
+        )
         return now, ca.if_else(in_force, integral + (former - now), standing - now)
 
     def integrate(self, sample: Sample, told: Symbols) -> None:

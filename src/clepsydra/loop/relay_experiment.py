@@ -12,6 +12,7 @@ from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
+from clepsydra.controllers.blocks.sample import Sample, written_law
 from clepsydra.controllers.blocks.status import STATUS_BITS
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.applicability import told_by
@@ -22,7 +23,7 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import scenario_of_changes
-from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
+from clepsydra.program.step_law import StepLaw
 
 #: The relay takes this share of the way from the operating point to the nearer limit.
 SHARE = 0.2
@@ -66,33 +67,26 @@ def relay_law(measured: Signal, manipulated: Signal) -> StepLaw:
         They lend their units and ranges.
     """
 
-    def equations(symbols: Symbols) -> Equations:
-        error = symbols[path(measured, "sp")] - symbols[path(measured, "pv")]
-        hysteresis = symbols["hysteresis"]
-        kept = ca.if_else(error < -hysteresis, 0, symbols["raised"])
-        raised = ca.if_else(error > hysteresis, 1, kept)
-        output = symbols["bias"] + symbols["amplitude"] * (2 * raised - 1)
-        automatic = ca.SX(STATUS_BITS["automatic"].value)
-        results = {path(manipulated, "out"): output, path(manipulated, "status"): automatic}
-        return Equations({"raised": raised}, results)
-
-    return step_law(
-        "relay",
-        inputs=[
-            *signals.setpoint_inputs([measured]),
-            signals.measurement_inputs([measured])[0],
-        ],
-        parameters=[
+    def equations(sample: Sample) -> None:
+        setpoint, measurement = sample.of(measured, "sp", "pv")
+        bias, amplitude, hysteresis = sample.parameters(
             signals.gain("bias", manipulated.unit, 0.0, "middle of the relay"),
             signals.gain("amplitude", manipulated.unit, 1.0, "half the height of the relay"),
             signals.gain(
                 "hysteresis", measured.unit, 0.0, "from the setpoint to a switching level"
             ),
-        ],
-        state=[Signal("raised", low=0.0, high=1.0, description="the relay is up")],
-        outputs=signals.output_signals(manipulated),
-        equations=equations,
-    )
+        )
+        up = Signal("raised", low=0.0, high=1.0, description="the relay is up")
+        (last,) = sample.memory(up)
+        error = setpoint - measurement
+        kept = ca.if_else(error < -hysteresis, 0, last)
+        raised = ca.if_else(error > hysteresis, 1, kept)
+        sample.next_state["raised"] = raised
+        sample.outputs[path(manipulated, "out")] = bias + amplitude * (2 * raised - 1)
+        sample.outputs[path(manipulated, "status")] = ca.SX(STATUS_BITS["automatic"].value)
+
+    inputs = *signals.setpoint_inputs([measured]), signals.measurement_inputs([measured])[0]
+    return written_law("relay", equations, inputs, signals.output_results([manipulated]))
 
 
 @told_by("relay experiment")

@@ -14,7 +14,7 @@ from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.counted_loop import recover_loop
 from clepsydra.program.operation import LIBRARY
 from clepsydra.program.program import Program
-from clepsydra.program.step_law import Equations, StepLaw, Symbols, function_of
+from clepsydra.program.step_law import Equations, StepLaw, function_of
 
 _CODES = {getattr(ca, f"OP_{name.upper()}"): name for name in LIBRARY}
 _CODES |= {
@@ -242,7 +242,7 @@ def structured_program_of(law: StepLaw) -> Program:
 def _structured(
     whole: StepLaw | Block,
     parameters: tuple[Signal, ...],
-    equations: Callable[[Symbols], Equations],
+    equations: Callable[[dict[str, ca.SX]], Equations],
 ) -> tuple[Program, Equations]:
     """Read the equations of a law or a block, in which calls are kept; return these too."""
     groups = (whole.state, whole.inputs, parameters)

@@ -98,7 +98,7 @@ class StepLaw:
     function: ca.Function
     description: tuple[str, ...] = ()
     blocks: tuple[Any, ...] = ()
-    equations: Callable[[Symbols], Equations] | None = field(default=None, repr=False)
+    equations: Callable[[dict[str, ca.SX]], Equations] | None = field(default=None, repr=False)
 
     @cached_property
     def jacobians(self) -> Callable[..., Sequence[np.ndarray]]:
@@ -119,7 +119,7 @@ def step_law(
     parameters: Iterable[Signal],
     state: Iterable[Signal | DelayRing],
     outputs: Iterable[Signal],
-    equations: Callable[[Symbols], Equations],
+    equations: Callable[[dict[str, ca.SX]], Equations],
     description: Iterable[str] = (),
     blocks: Iterable[Any] = (),
 ) -> StepLaw:
@@ -168,7 +168,7 @@ def function_of(
     name: str,
     arguments: Sequence[Sequence[Signal | DelayRing]],
     outputs: Sequence[Signal],
-    equations: Callable[[Symbols], Equations],
+    equations: Callable[[dict[str, ca.SX]], Equations],
 ) -> tuple[ca.Function, Equations]:
     """Return equations as an SX function, and as they were written.
 
@@ -179,6 +179,7 @@ def function_of(
         State, inputs, parameters.
     outputs : sequence of Signal
     equations : callable
+        It may add to the arguments as it is called, and their symbols to those that it is given.
 
     Raises
     ------
@@ -192,21 +193,16 @@ def function_of(
     >>> float(function([], [3.0], [])[1])
     1.5
     """
+    symbols = {entry.name: ca.SX.sym(entry.name) for group in arguments for entry in group}
+    written = equations(symbols)
     groups = [[entry.name for entry in group] for group in arguments]
     names = [entry for group in groups for entry in group]
     if len(set(names)) != len(names):
         clash = sorted({entry for entry in names if names.count(entry) > 1})
         raise ValueError(f"step law {name}: the names {clash} stand for more than one signal")
-    vectors = [ca.SX.sym(prefix, len(group)) for prefix, group in zip("xup", groups, strict=True)]
-    symbols = {
-        entry: vector[index]
-        for vector, group in zip(vectors, groups, strict=True)
-        for index, entry in enumerate(group)
-    }
-    written = equations(symbols)
     function = ca.Function(
         name,
-        vectors,
+        [ca.vertcat(ca.SX(0, 1), *(symbols[entry] for entry in group)) for group in groups],
         [
             _stack(name, "next state", groups[0], written.next_state),
             _stack(name, "outputs", [signal.name for signal in outputs], written.outputs),

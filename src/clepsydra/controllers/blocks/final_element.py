@@ -50,9 +50,8 @@ def final_element(
 ) -> Applied:
     """Write one output of a law: an instance of `output_element` and its status word.
 
-    `sample`: of a law with last_output, mode, manual, tracking, low_limit, high_limit and
-    rate_limit (where limited) of the process input, and time_step; `moved`: the process input;
-    `asked`: in automatic.
+    `sample`: of a law that gets its last_output, low_limit, high_limit and rate_limit (where
+    limited) by this; `moved`: the process input; `asked`: in automatic.
 
     Examples
     --------
@@ -65,11 +64,18 @@ def final_element(
     >>> float(applied.applied), float(ca.evalf(sample.outputs["pump.status"]))
     (10.0, 9.0)
     """
+    declare_output(sample, moved, rate_limited=rate_limited)
     block = output_element(rate_limited)
     found = sample.call(block, path(moved, "output"), moved, **asked.ports())
     sample.next_state[path(moved, "last_output")] = found["manipulated"]
     give_output(sample, moved, found)
     return Applied(found["manipulated"], found["controls"], found["follows"])
+
+
+def declare_output(sample: Sample, moved: Signal, *, rate_limited: bool = False) -> None:
+    """Let a law have the limits and the last value of an output."""
+    sample.parameters(*signals.limit_parameters(moved, rate_limited=rate_limited))
+    sample.memory(signals.last_output(moved))
 
 
 def give_output(sample: Sample, moved: Signal, found: Symbols) -> None:
@@ -189,13 +195,16 @@ def output_stage(
 ) -> ca.SX:
     """Write the output stage of one output, an instance of `output_stage_block`; return the output.
 
-    `sample`: of a law with integral, last_output, mode, manual, tracking, low_limit, high_limit and
-    tracking_time (back-calculation) of the process input, and time_step; `moved`: the process
-    input; `reading`: of the signals that it comes from; `proportional`: the part of the output that
-    does not come from the integral, in its unit; `increment`: what the integral gains in this
-    sample in automatic, in the unit of the output; `taken_up`: what the integral takes up of a
-    change of gains, where the signals are valid.
+    `sample`: of a law that gets its integral, last_output, low_limit, high_limit and tracking_time
+    (back-calculation) by this; `moved`: the process input; `reading`: of the signals that it comes
+    from; `proportional`: the part of the output that does not come from the integral, in its unit;
+    `increment`: what the integral gains in this sample in automatic, in the unit of the output;
+    `taken_up`: what the integral takes up of a change of gains, where the signals are valid.
     """
+    sample.memory(signals.INTEGRAL.of(moved, output=moved))
+    declare_output(sample, moved)
+    if anti_windup == "back_calculation":
+        sample.parameters(signals.TRACKING_TIME.of(moved))
     given = {"proportional": proportional, "increment": increment}
     if taken_up is not None:
         given["taken_up"] = taken_up

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 
@@ -12,14 +13,18 @@ from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.validity import all_of, is_number, value_or_zero
 from clepsydra.program.block import Block
-from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
+from clepsydra.program.entries import Entry
+from clepsydra.program.step_law import Equations, StepLaw, Symbols, function_of
 
 
 class Sample:
     """The signals of a law in one sample, and what has been computed of its results so far.
 
-    `symbols`: the signals of the law by their paths.
+    A law has the parameters and the state that its equations ask for, each declared where it is
+    read, and those of its blocks that nobody wires.
+
+    `symbols`: the signals of the law by their paths; `parameters`, `state`: for what it asks for
+    that is not among them, as long as a law is written for the first time.
 
     Examples
     --------
@@ -30,8 +35,14 @@ class Sample:
     {'y': SX(6)}
     """
 
-    def __init__(self, symbols: Symbols) -> None:
+    def __init__(
+        self,
+        symbols: MutableMapping[str, ca.SX],
+        parameters: list[Signal] | None = None,
+        state: list[Entry] | None = None,
+    ) -> None:
         self.symbols = symbols
+        self._parameters, self._state = parameters, state
         self.next_state: dict[str, ca.SX] = {}
         self.outputs: dict[str, ca.SX] = {}
         self.named: dict[str, ca.SX] = {}
@@ -39,6 +50,20 @@ class Sample:
     def __getitem__(self, name: str) -> ca.SX:
         """Return a signal of the law."""
         return self.symbols[name]
+
+    def parameters(self, *signals: Signal) -> list[ca.SX]:
+        """Return parameters of the law."""
+        return [self._asked(signal, self._parameters) for signal in signals]
+
+    def memory(self, *entries: Entry) -> list[ca.SX]:
+        """Return parts of the state of the law."""
+        return [self._asked(entry, self._state) for entry in entries]
+
+    def _asked(self, entry: Entry, declared: list[Any] | None) -> ca.SX:
+        if declared is not None and entry.name not in self.symbols:
+            declared.append(entry)
+            self.symbols[entry.name] = ca.SX.sym(entry.name)
+        return self.symbols[entry.name]
 
     def of(self, owner: Signal | str, *parts: str) -> list[ca.SX]:
         """Return parts of something."""
@@ -53,10 +78,11 @@ class Sample:
         the signal of the port's own name; what it names belongs to the first owner.
         """
         given = {
-            name: inputs[name] if name in inputs else self[self._named(name, owners)]
-            for name in (port.name for port in block.inputs)
+            port.name: inputs[port.name] if port.name in inputs else self._wired(port, owners)
+            for port in block.inputs
         }
         names = {entry.name: self._named(entry.name, owners) for entry in block.state}
+        self.memory(*(entry for entry in block.state if names[entry.name] == entry.name))
         found = block(instance, given, {own: self.state(name) for own, name in names.items()})
         self.next_state |= {name: found.next_state[own] for own, name in names.items()}
         self.name(owners[0] if owners else "", found.intermediates)
@@ -73,6 +99,10 @@ class Sample:
     def equations(self) -> Equations:
         """Return what the sample has come to."""
         return Equations(self.next_state, self.outputs, self.named)
+
+    def _wired(self, port: Signal, owners: Iterable[Signal | str]) -> ca.SX:
+        name = self._named(port.name, owners)
+        return self[name] if name in self.symbols else self.parameters(port)[0]
 
     def _named(self, name: str, owners: Iterable[Signal | str]) -> str:
         return next((own for o in owners if (own := path(o, name)) in self.symbols), name)
@@ -137,8 +167,6 @@ def control_law(
     measured: Sequence[Signal],
     controlled: Sequence[Signal],
     manipulated: Sequence[Signal],
-    parameters: Sequence[Signal],
-    state: Sequence[Signal | DelayRing],
     description: tuple[str, ...] = (),
 ) -> StepLaw:
     """Write the step law of a control system.
@@ -147,22 +175,36 @@ def control_law(
     `manipulated`: the process signals, for sp of each controlled one, pv and good of each measured
     one, mode, manual, tracking, out and status of each manipulated one, and time_step.
     """
+    inputs = (
+        *signals.setpoint_inputs(controlled),
+        *signals.measurement_inputs(measured),
+        *signals.output_inputs(manipulated),
+    )
+    outputs = signals.output_results(manipulated)
+    return written_law(name, equations, inputs, outputs, description)
 
-    def written(symbols: Symbols) -> Equations:
-        sample = Sample(symbols)
+
+def written_law(
+    name: str,
+    equations: Callable[[Sample], None],
+    inputs: tuple[Signal, ...],
+    outputs: tuple[Signal, ...],
+    description: tuple[str, ...] = (),
+    blocks: Sequence[Any] = (),
+) -> StepLaw:
+    """Write a step law, whose parameters and state are those that its equations ask for.
+
+    `name`: an identifier; `equations`: writes one `Sample`; `blocks`: as in `StepLaw`.
+    """
+    parameters: list[Signal] = []
+    state: list[Entry] = []
+
+    def written(symbols: dict[str, ca.SX]) -> Equations:
+        sample = Sample(symbols, parameters, state)
         equations(sample)
         return sample.equations()
 
-    return step_law(
-        name,
-        inputs=[
-            *signals.setpoint_inputs(controlled),
-            *signals.measurement_inputs(measured),
-            *signals.output_inputs(manipulated),
-        ],
-        parameters=parameters,
-        state=state,
-        outputs=[result for u in manipulated for result in signals.output_signals(u)],
-        equations=written,
-        description=description,
-    )
+    function, found = function_of(name, (state, inputs, parameters), outputs, written)
+    named = tuple(map(Signal, found.intermediates))
+    every = (inputs, tuple(parameters), tuple(state), outputs, named)
+    return StepLaw(name, *every, function, description, tuple(blocks), written)

@@ -7,8 +7,6 @@ from collections.abc import Sequence
 import casadi as ca
 
 from clepsydra.base.signal import path
-from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.final_element import give_output
 from clepsydra.controllers.blocks.sample import Sample, control_law
 from clepsydra.controllers.blocks.validity import all_of
 from clepsydra.controllers.fuzzy.inference import rule_base
@@ -64,23 +62,20 @@ def fuzzy_law(
         for loop in loops:
             crisp, sensors = dict[str, dict[str, ca.SX]](), dict[str, ca.SX]()
             for variable, (own, each) in zip(system.inputs, following_inputs, strict=False):
-                block, measurement = each.block, each.measurement
-                crisp[variable.name] = sample.call(block, path(own, "input"), own, measurement)
-                sensors[variable.name] = sample[path(measurement, "good")]
+                crisp[variable.name] = each.read(sample, own)
+                sensors[variable.name] = sample[path(each.measurement, "good")]
             scaled = {variable: found["scaled"] for variable, found in crisp.items()}
             # Not by the sample: the degrees of sets and rules are no names of the law.
             inferred = rules(path(loop, "rules") if loop else "rules", scaled, {}).outputs
             for variable, output in zip(system.outputs, following_outputs, strict=False):
                 used = [each.name for each in system.used_by(variable.name)]
-                wish = {
-                    "centroid": inferred[path(variable.name, "centroid")],
-                    "fires": inferred[path(variable.name, "fires")],
-                    "numbers": all_of([crisp[each]["numbers"] for each in used]),
-                    "sensors": all_of([sensors[each] for each in used]),
-                }
-                instance = path(output.moved, "output")
-                found = sample.call(output.block, instance, output.moved, **wish)
-                give_output(sample, output.moved, found)
+                output.move(
+                    sample,
+                    centroid=inferred[path(variable.name, "centroid")],
+                    fires=inferred[path(variable.name, "fires")],
+                    numbers=all_of([crisp[each]["numbers"] for each in used]),
+                    sensors=all_of([sensors[each] for each in used]),
+                )
 
     return control_law(
         name,
@@ -88,14 +83,5 @@ def fuzzy_law(
         measured=list(measured.values()),
         controlled=[signal for name, signal in measured.items() if name in followed],
         manipulated=moved,
-        parameters=[
-            *(signal for own, each in read for signal in each.parameters(own)),
-            *(signal for each in outputs for signal in each.parameters()),
-        ],
-        state=[
-            *(signal for own, each in read for signal in each.state(own)),
-            *(signal for each in outputs for signal in each.state()),
-            *map(signals.last_output, moved),
-        ],
         description=tuple(f"{rule.name}: {rule}" for rule in system.rules),
     )

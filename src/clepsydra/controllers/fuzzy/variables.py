@@ -16,11 +16,14 @@ from clepsydra.controllers.blocks.filters import filtered_derivative, gap_error
 from clepsydra.controllers.blocks.final_element import (
     LAST_OUTPUT,
     OUTPUT_WORDS,
+    declare_output,
+    give_output,
     output_end,
     output_ports,
     output_results,
 )
 from clepsydra.controllers.blocks.ports import GOOD, PV, SP, Asked, truth, words_for
+from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.validity import all_of, is_number, time_step_of, value_or_zero
 from clepsydra.controllers.fuzzy.inference import CRISP
 from clepsydra.program.block import Block
@@ -68,19 +71,15 @@ class FuzzyOutput:
         units = self.moved if self.is_position else signals.per(self.moved, "s")
         return replace(units, name=self.moved.name)
 
-    def parameters(self) -> list[Signal]:
-        """Return output_gain, fading_time of a position, limits and rate_limit."""
-        own = [key.of(self.moved, output=self.crisp) for key in _output_keys(self.is_position)]
-        return own + signals.limit_parameters(self.moved, rate_limited=self.rate_limited)
-
-    def state(self) -> list[Signal]:
-        """Return offset, of a position."""
-        return [_OFFSET.of(self.moved, output=self.moved)] if self.is_position else []
-
-    @property
-    def block(self) -> Block:
-        """From the centroid to what is applied."""
-        return _output_block(self.is_position, self.rate_limited)
+    def move(self, sample: Sample, **wish: ca.SX) -> None:
+        """Write from the centroid to what is applied."""
+        u, keys = self.moved, _output_keys(self.is_position)
+        sample.parameters(*(key.of(u, output=self.crisp) for key in keys))
+        if self.is_position:
+            sample.memory(_OFFSET.of(u, output=u))
+        declare_output(sample, u, rate_limited=self.rate_limited)
+        block = _output_block(self.is_position, self.rate_limited)
+        give_output(sample, u, sample.call(block, path(u, "output"), u, **wish))
 
 
 def _output_keys(is_position: bool) -> tuple[Key, ...]:
@@ -161,20 +160,16 @@ class FuzzyInput:
         words = f"{name}, {self.quantity.replace('_', ' ')} of {self.measurement.name}"
         return Signal(words, units.unit, units.display_unit)
 
-    def parameters(self, name: str) -> list[Signal]:
-        """Return gain, dead_zone and, of a rate, filter_time of a linguistic variable."""
-        return [key.of(name, input=self.crisp(name)) for key in _input_keys(self.is_rate)]
-
-    def state(self, name: str) -> list[Signal]:
-        """Return filtered, of a rate."""
-        words = f"filtered {self.quantity.removesuffix('_rate')} behind {name}"
-        kept = Signal(path(name, "filtered"), self.measurement.unit, description=words)
-        return [kept] if self.is_rate else []
-
-    @property
-    def block(self) -> Block:
-        """From pv, good and sp to scaled, and to numbers, whether that may be used."""
-        return _input_block(self.quantity)
+    def read(self, sample: Sample, name: str) -> dict[str, ca.SX]:
+        """Return scaled of a linguistic variable, and numbers, whether that may be used."""
+        keys = _input_keys(self.is_rate)
+        sample.parameters(*(key.of(name, input=self.crisp(name)) for key in keys))
+        if self.is_rate:
+            words = f"filtered {self.quantity.removesuffix('_rate')} behind {name}"
+            unit = self.measurement.unit
+            sample.memory(Signal(path(name, "filtered"), unit, description=words))
+        block = _input_block(self.quantity)
+        return sample.call(block, path(name, "input"), name, self.measurement)
 
 
 def _input_keys(is_rate: bool) -> tuple[Key, ...]:

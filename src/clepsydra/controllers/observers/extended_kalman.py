@@ -97,7 +97,7 @@ class ExtendedKalman(ProcessState, Observer):
         self._linear += [equations.by_constant(loads)] if loads else []
         shown = [each for pair in self._shown_by for each in pair]
         computed = [equations.rates, *shown, *self._linear]
-        ProcessState.__init__(self, equations, measurements, computed)
+        ProcessState.__init__(self, equations, measurements)
         self._noisy = self.manipulated, [equations.point.process.signal(name) for name in loads]
         model = [*models_in(equations, computed), *self._noises()]
         Observer.__init__(self, self.state(), self.measured, self.manipulated, model)
@@ -114,10 +114,6 @@ class ExtendedKalman(ProcessState, Observer):
                 name = path(each, part)
                 found.append(signals.size(name, unit, f"white noise of {each.name}: {words}"))
         return found
-
-    def parameters(self, expressions: Sequence[ca.SX] = ()) -> list[Signal]:
-        """Return model.*, references, sensor_noise, input_noise and load_noise."""
-        return [*super().parameters(expressions), *self._noises()]
 
     def state(self) -> list[Signal]:
         """Return estimate of each state, and covariance on and above the diagonal."""

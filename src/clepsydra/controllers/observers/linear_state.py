@@ -85,11 +85,8 @@ class CurrentObserver(Observer):
                 ("correction", x, y, "not as estimated", structure.corrected),
             )
         ]
-        super().__init__(x, y, u, self.parameters())
-
-    def parameters(self) -> list[Signal]:
-        """Return the numbers of transition, input_effect, observation and correction."""
-        return [number for matrix in self.matrices for number in matrix.signals()]
+        numbers = [number for matrix in self.matrices for number in matrix.signals()]
+        super().__init__(x, y, u, numbers)
 
     def state(self) -> list[Signal]:
         """Return estimates, the deviations from the operating point expected next."""
@@ -129,18 +126,11 @@ class LinearState(StateSource):
         fed_back = structure.estimated if structure else shown
         super().__init__(shown, [known[name] for name in controlled], moved, fed_back)
 
-    def parameters(self) -> list[Signal]:
-        """Return reference of each measurement, and the matrices of the observer."""
-        references = [signals.at_rest(y, "reference") for y in self.measured]
-        return references + (self.observer.parameters() if self.observer else [])
-
-    def state(self) -> list[Signal]:
-        """Return the estimates."""
-        return self.observer.state() if self.observer else []
-
     def known(self, sample: Sample, reading: Reading) -> list[ca.SX]:
         """Return the deviations of the state from the operating point."""
-        found = [reading.measurements[y.name] - sample[path(y, "reference")] for y in self.measured]
+        at_rest = sample.parameters(*(signals.at_rest(y, "reference") for y in self.measured))
+        shown = reading.measurements.values()
+        found = [value - reference for value, reference in zip(shown, at_rest, strict=True)]
         return self.observer.correct(sample, found, reading.known) if self.observer else found
 
     def move_on(self, sample: Sample, known: Sequence[ca.SX], applied: Sequence[ca.SX]) -> None:

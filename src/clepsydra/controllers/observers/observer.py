@@ -107,6 +107,7 @@ class Observer(ABC):
         inputs = (*(each.port for each in state), *self._shown, KNOWN, *self._model)
         words = ("The estimate with the measurements: x + M (y - h(x)).",)
         block = Block(f"{self._kind}_correction", inputs, (), results, equations, words)
+        sample.memory(*state)
         given = at_ports([*self._shown, KNOWN], [*measured, known])
         found = sample.call(with_used_inputs(block), block.name, **given)
         sample.name("", {port.name: found[port.name] for port in self._surprises})
@@ -172,11 +173,7 @@ class ModelObserver(Observer):
         #: What it computes with: whoever writes the law gives it the constants in them.
         self.expressions = equations.rates, ca.vertcat(*map(equations.reading, measurements))
         models = models_in(equations, self.expressions)
-        super().__init__(x, y, u, [*models, *self.parameters()])
-
-    def parameters(self) -> list[Signal]:
-        """Return the numbers of correction."""
-        return self.correction.signals()
+        super().__init__(x, y, u, [*models, *self.correction.signals()])
 
     def state(self) -> list[Signal]:
         """Return estimate of each estimated state, expected in the next sample."""

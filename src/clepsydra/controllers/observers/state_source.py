@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 import casadi as ca
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal, path
+from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.matrix import Matrix
 from clepsydra.controllers.blocks.sample import Reading, Sample, control_law
@@ -47,14 +47,6 @@ class StateSource(ABC):
         self.integral_gain = Matrix("integral_gain", manipulated, controlled, words, per=("s",))
 
     @abstractmethod
-    def parameters(self) -> list[Signal]:
-        """Return what it computes with, the references of the operating point among them."""
-
-    def state(self) -> list[Signal]:
-        """Return what it keeps from sample to sample."""
-        return []
-
-    @abstractmethod
     def known(self, sample: Sample, reading: Reading) -> list[ca.SX]:
         """Return the state in this sample, always numbers, and what `move_on` needs beyond it."""
 
@@ -62,8 +54,8 @@ class StateSource(ABC):
         """Return the deviations of a known state from the operating point."""
         found = list(known[: len(self.fed_back)])
         if not self.from_rest:
-            pairs = zip(self.fed_back, found, strict=True)
-            found = [value - sample[path(x, "reference")] for x, value in pairs]
+            at_rest = sample.parameters(*(signals.at_rest(x, "reference") for x in self.fed_back))
+            found = [value - reference for value, reference in zip(found, at_rest, strict=True)]
         for x, value in zip(self.fed_back, found, strict=True):
             sample.name(x, {"deviation": value})
         return found
@@ -76,11 +68,9 @@ class StateSource(ABC):
         self,
         name: str,
         applied: Callable[[Sample, Reading, Sequence[ca.SX]], Sequence[ca.SX]],
-        parameters: Sequence[Signal],
-        state: Sequence[Signal] = (),
         description: tuple[str, ...] = (),
     ) -> StepLaw:
-        """Write the step law of these signals, with integral and last_output of each output.
+        """Write the step law of these signals.
 
         `applied` writes the outputs from what is read and what is known of the state.
         """
@@ -97,35 +87,18 @@ class StateSource(ABC):
             measured=self.measured,
             controlled=self.controlled,
             manipulated=self.manipulated,
-            parameters=parameters,
-            state=[
-                *(each for u in self.manipulated for each in signals.output_state(u)),
-                *self.state(),
-                *state,
-            ],
             description=description,
         )
 
 
 class ProcessState(StateSource):
-    """The state x of the `ProcessEquations`.
+    """The state x of the `ProcessEquations`; `measurements`: what the law reads."""
 
-    `measurements`: what the law reads; `expressions`: what it computes with.
-    """
-
-    def __init__(
-        self, equations: ProcessEquations, measurements: Sequence[str], expressions: Sequence[ca.SX]
-    ) -> None:
+    def __init__(self, equations: ProcessEquations, measurements: Sequence[str]) -> None:
         self.equations, self.measurements = equations, tuple(measurements)
-        self.expressions = expressions
         of = measurements, equations.outputs, equations.inputs, equations.states
         signal = equations.point.process.signal
         super().__init__(*([signal(name) for name in names] for names in of))
-
-    def parameters(self, expressions: Sequence[ca.SX] = ()) -> list[Signal]:
-        """Return model.* of what it and some expressions depend on, and reference of each state."""
-        references = [signals.at_rest(x, "reference") for x in self.fed_back]
-        return [*models_in(self.equations, [*self.expressions, *expressions]), *references]
 
 
 def sensors_of_states(equations: ProcessEquations) -> dict[str, str]:
@@ -170,14 +143,9 @@ class ShownStates:
             self.expressions.append(ca.substitute(reading, equations.state, zero))
             self.expressions.append(ca.jacobian(reading, equations.state[place]))
 
-    def parameters(self) -> list[Signal]:
-        """Return what it computes with beside model.*: nothing."""
-        return []
-
-    state = parameters
-
     def correct(self, sample: Sample, measured: Iterable[ca.SX], known: ca.SX) -> list[ca.SX]:
         """Return the states that the measurements show [p], see `Observer.correct`."""
+        sample.parameters(*models_in(self.equations, self.expressions))
         at = evaluated(self.equations, self.expressions, sample.symbols)
         return [
             (value - zero) / ca.if_else(slope == 0, 1, slope)
@@ -206,7 +174,7 @@ class MeasuredState(ProcessState):
         self._shown = ShownStates(equations, {name: found[name] for name in equations.states})
         # The controlled outputs come first, then what shows the other states.
         measurements = dict.fromkeys((*equations.outputs, *self._shown.measurements))
-        super().__init__(equations, [*measurements], self._shown.expressions)
+        super().__init__(equations, [*measurements])
 
     def known(self, sample: Sample, reading: Reading) -> list[ca.SX]:
         """Return what the sensors show."""

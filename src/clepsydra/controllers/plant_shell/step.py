@@ -50,7 +50,7 @@ class ShellScan(Sample):
     def __init__(
         self,
         members: Members,
-        symbols: Symbols,
+        symbols: dict[str, ca.SX],
         state: Sequence[Signal | DelayRing],
         initial: Mapping[str, float],
     ) -> None:
@@ -152,7 +152,7 @@ class ShellScan(Sample):
 
         def equations(symbols: Symbols) -> Equations:
             assert law.equations is not None
-            found = law.equations(symbols)
+            found = law.equations({**symbols})
             results = {signal.name: found.outputs[signal.name] for signal in outputs}
             for name, (u, bit) in told.items():
                 read = found.intermediates.get(name)

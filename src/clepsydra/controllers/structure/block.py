@@ -33,16 +33,8 @@ class PlainBlock(Protocol):
         """Its parameters."""
         return []
 
-    def state(self) -> list[Signal]:
-        """Its state."""
-        return []
-
     def inputs(self) -> list[Signal]:
         """Inputs that it has beside measurements, setpoints and what belongs to outputs."""
-        return []
-
-    def outputs(self) -> list[Signal]:
-        """What it gives to the plant."""
         return []
 
     def limits(self: Block, sample: Sample, after: Sequence[Limits]) -> tuple[Limits, ...]:

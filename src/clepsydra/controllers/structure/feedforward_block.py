@@ -13,7 +13,7 @@ from clepsydra.controllers.blocks.filters import filtered_derivative
 from clepsydra.controllers.blocks.ports import Applied, Asked, Limits, instance, truth
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.validity import is_number, time_step_of, value_or_zero
-from clepsydra.controllers.signals import amount, signed
+from clepsydra.controllers.signals import amount, last_output, signed
 from clepsydra.controllers.structure.block import Opened, PlainBlock
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
@@ -43,10 +43,6 @@ class FeedforwardTerm:
             _REFERENCE.of(self.owner, self.signal.initial, **roles),
             *(key.of(self.owner, **roles) for key in _DYNAMICS if self.dynamic),
         ]
-
-    def state(self) -> list[Signal]:
-        """The signal it went to at last, lagged where dynamic."""
-        return [Signal(path(self.owner, "lagged_signal"), self.signal.unit)]
 
 
 _WAY = "from {signal} to {output}"
@@ -84,20 +80,19 @@ class FeedforwardBlock(PlainBlock):
         """Those of all terms."""
         return [parameter for term in self.terms for parameter in term.parameters()]
 
-    def state(self) -> list[Signal]:
-        """Those of all terms."""
-        return [state for term in self.terms for state in term.state()]
-
     def open(self, sample: Sample, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Add the terms."""
         (source,) = asked
         added, sensors = ca.SX(0), source.sensors
         for term in self.terms:
             block, name = _feedforward(term.dynamic, term.measured), instance(term.owner)
-            parts = ("pv", "good") if term.measured else ("last_output",)
-            given = dict(zip(("signal", "sensor"), sample.of(term.signal, *parts), strict=False))
+            sample.memory(Signal(path(term.owner, "lagged_signal"), term.signal.unit))
             if term.measured:
-                sensors = ca.logic_and(sensors, given["sensor"])
+                read = sample.of(term.signal, "pv", "good")
+                sensors = ca.logic_and(sensors, read[1])
+            else:
+                read = sample.memory(last_output(term.signal))
+            given = dict(zip(("signal", "sensor"), read, strict=False))
             added = added + sample.call(block, name, term.owner, **given)["added"]
         value = source.asked + added
 

@@ -8,12 +8,12 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.ports import Applied, Asked, Limits
-from clepsydra.controllers.blocks.sample import Sample
+from clepsydra.controllers.blocks.sample import Sample, written_law
 from clepsydra.controllers.structure.block import Block, Opened
 from clepsydra.controllers.structure.output_block import OutputBlock
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.controllers.structure.selector_block import SelectorBlock
-from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
+from clepsydra.program.step_law import StepLaw
 
 
 def in_order(place: str, sources: Mapping[str, Collection[str]]) -> list[str]:
@@ -79,27 +79,20 @@ def structure_law(
     loops = _plain_loops(blocks)
     joined = [block for block in ordered if not any(block in pair for pair in loops)]
 
-    def equations(symbols: Symbols) -> Equations:
-        sample = Sample(symbols)
+    def equations(sample: Sample) -> None:
+        for block in blocks:
+            sample.parameters(*block.parameters())
         for loop, output in loops:
             loop.closed(sample, output.signal, rate_limited=output.rate_limited)
         _join(sample, joined)
-        return sample.equations()
 
-    return step_law(
-        name,
-        inputs=[
-            *(signals.SP.of(owner, measurement=signal) for owner, signal in setpoints.items()),
-            *signals.measurement_inputs(measured),
-            *(signal for block in blocks for signal in block.inputs()),
-            *signals.output_inputs(outputs),
-        ],
-        parameters=[signal for block in blocks for signal in block.parameters()],
-        state=[signal for block in blocks for signal in block.state()],
-        outputs=[signal for block in blocks for signal in block.outputs()],
-        equations=equations,
-        blocks=blocks,
+    inputs = (
+        *(signals.SP.of(owner, measurement=signal) for owner, signal in setpoints.items()),
+        *signals.measurement_inputs(measured),
+        *(signal for block in blocks for signal in block.inputs()),
+        *signals.output_inputs(outputs),
     )
+    return written_law(name, equations, inputs, signals.output_results(outputs), blocks=blocks)
 
 
 def _in_order(name: str, blocks: Sequence[Block]) -> list[Block]:

@@ -44,14 +44,6 @@ class OutputBlock(PlainBlock):
         """Limits and, where it has one, the rate limit."""
         return signals.limit_parameters(self.signal, rate_limited=self.rate_limited)
 
-    def state(self) -> list[Signal]:
-        """The last output."""
-        return [signals.last_output(self.signal)]
-
-    def outputs(self) -> list[Signal]:
-        """Manipulated variable and status word."""
-        return signals.output_signals(self.signal)
-
     def limits(self, sample: Sample, after: Sequence[Limits]) -> tuple[Limits, ...]:
         """Its own."""
         return (Limits(*sample.of(self.signal, "low_limit", "high_limit")),)

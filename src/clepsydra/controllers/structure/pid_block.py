@@ -32,6 +32,7 @@ from clepsydra.controllers.blocks.ports import (
 )
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.pid_form import PidForm
+from clepsydra.controllers.signals import last_output
 from clepsydra.controllers.structure.block import Opened
 from clepsydra.controllers.structure.pid_loop import PidLoop
 from clepsydra.program.block import Block
@@ -132,6 +133,7 @@ class PidBlock(PidLoop):
 
     def closed(self, sample: Sample, output: Signal, *, rate_limited: bool) -> None:
         """Run the whole sample of a loop that moves an output with nothing between."""
+        sample.memory(*self.state(), last_output(output))
         block, name = loop_with_output(self.kind, rate_limited), path(output, "loop")
         found = sample.call(block, name, self.owner, output, **self._signals(sample))
         self._show(sample, found)
@@ -143,11 +145,12 @@ class PidBlock(PidLoop):
 
     def open(self, sample: Sample, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Compute what it asks for, and keep how its memory goes on."""
+        sample.memory(*self.state())
         asking, telling = loop_in_two_calls(self.kind)
         own = self._signals(sample)
         own |= {"low_limit": limits[0].low, "high_limit": limits[0].high}
         if self.direct:
-            (own["last_applied"],) = sample.of(self.moved, "last_output")
+            (own["last_applied"],) = sample.memory(last_output(self.moved))
         for outer in asked:
             own |= outer.ports("remote_")
         name = instance(self.name)

@@ -120,7 +120,7 @@ def _rescheduled(
     """Return a controller of fixed gains whose law has tables over the volume instead."""
     schedule, known = _schedule(model), {parameter.name for parameter in law.parameters}
     values = {name: value for name, value in plain.values.items() if name in known}
-    places = [parameter.name for parameter in schedule.parameters()]
+    places = [*schedule.places, "schedule.filter_time"]
     values |= zip(places, (*VOLUMES, period), strict=True)
     for name, table in tables.items():
         values |= zip(schedule.values(name), table, strict=True)
