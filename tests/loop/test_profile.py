@@ -1,5 +1,6 @@
 """Profiles of inputs: what words and files mean on the grid of the samples, and what is refused."""
 
+from dataclasses import replace
 from time import process_time
 
 import numpy as np
@@ -52,6 +53,13 @@ def test_a_ramp_begins_at_the_value_before_and_ends_exactly_on_its_own(process):
 def test_several_changes_and_units(process):
     values = profile(process, "pump_1=3200mV", "pump_1=4V@0.5min..60s", "pump_1=2V@100s")
     assert (values[0], values[29], values[45], values[60], values[100]) == (3.2, 3.2, 3.6, 4, 2)
+
+
+def test_a_pure_number_out_of_range_is_told_without_a_unit(process):
+    share = replace(process.inputs[0], unit="1", display_unit="", low=0.0, high=1.0)
+    plain = replace(process, inputs=(share, process.inputs[1]))
+    with refused(place="--input", value="1.5", expected="from 0 to 1, the range of pump_1"):
+        read_assignment("pump_1=1.5", plain, "--input")
 
 
 def test_steps_fall_on_their_sample_in_spite_of_rounding(process):

@@ -11,9 +11,10 @@ import numpy as np
 from clepsydra.base.arguments import known_signal
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.base.units import from_si, to_si, with_percent_hint
+from clepsydra.base.units import to_si, with_percent_hint
 from clepsydra.base.words import TIME_UNITS, time_text
 from clepsydra.process.process import Process
+from clepsydra.process.signal_values import beyond_range
 
 _EXAMPLE = "write as in pump_1=3.2V, pump_1=3.5V@60s or pump_1=4V@60s..120s"
 _PRETTY = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
@@ -102,18 +103,10 @@ def outside_signal(name: str, process: Process, place: str) -> Signal:
 
 def check_range(signal: Signal, value: float, place: str, written: object = None) -> None:
     """Refuse a value [SI] outside a signal's range, which was written like that."""
-    if signal.low <= value <= signal.high:
-        return
-    shown, low, high = (
-        f"{from_si(number, signal.unit, signal.shown_unit):.6g}"
-        for number in (value, signal.low, signal.high)
-    )
-    raise InputError(
-        place,
-        f"{shown} {signal.shown_unit}",
-        f"a value from {low} to {high} {signal.shown_unit}, the range of {signal.name}",
-        with_percent_hint("stay inside the range", written, signal.unit),
-    )
+    beyond = beyond_range(signal, value, "a value")
+    if beyond is not None:
+        remedy = with_percent_hint("stay inside the range", written, signal.unit)
+        raise InputError(place, *beyond, remedy)
 
 
 def profiles_of(

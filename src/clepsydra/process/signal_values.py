@@ -127,17 +127,31 @@ def read_in_range(
 
 def check_in_range(table: TableReader, key: str, signal: Signal, value: float, what: str) -> None:
     """Refuse a value [SI] outside the range of its signal."""
+    beyond = beyond_range(signal, value, what)
+    if beyond is not None:
+        asked, (found, expected) = table.written(key), beyond
+        raise table.refused(
+            key,
+            f"{asked}, to {found}" if key == "by" else asked,
+            expected,
+            with_percent_hint("stay inside the range", table.raw(key), signal.unit),
+        )
+
+
+def beyond_range(signal: Signal, value: float, what: str) -> tuple[str, str] | None:
+    """Return a value [SI] beyond the range of its signal and what is expected; None inside.
+
+    Examples
+    --------
+    >>> beyond_range(Signal("level", "1", "%", low=0.0, high=1.0), 1.2, "a setpoint")
+    ('120 %', 'a setpoint from 0 to 100 %, the range of level')
+    """
     if signal.low <= value <= signal.high:
-        return
+        return None
     unit = signal.shown_unit
     low, high, found = (
         f"{from_si(each, signal.unit, unit):.6g}" for each in (signal.low, signal.high, value)
     )
     shown = "" if unit == "1" else f" {unit}"
-    asked = table.written(key)
-    raise table.refused(
-        key,
-        f"{asked}, to {found}{shown}" if key == "by" else asked,
-        f"{what} from {low} to {high}{shown}, the range of {signal.name}",
-        with_percent_hint("stay inside the range", table.raw(key), signal.unit),
-    )
+    expected = f"{what} from {low} to {high}{shown}, the range of {signal.name}"
+    return f"{found}{shown}", expected
