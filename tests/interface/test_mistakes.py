@@ -15,6 +15,10 @@ MISTAKES = {
         lambda plant, pi: cl.design.simc("quadruple-tnak"),
         ("process", "quadruple-tnak", "quadruple-tank", "'quadruple-tank' was meant"),
     ),
+    "name as process": (
+        lambda plant, pi: cl.Plant("quadruple-tank"),
+        ("plant", "quadruple-tank", "a process", "cl.load"),
+    ),
     "package as function": (
         lambda plant, pi: cl.designs(plant),
         ("clepsydra", "designs", "design, disturbance", "'design' was meant"),

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import ClepsydraError
@@ -23,9 +22,6 @@ from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
-
-if TYPE_CHECKING:
-    pass
 
 
 class Plant(Answered):
@@ -54,6 +50,7 @@ class Plant(Answered):
         outputs: Mapping[str, Quantity] | None = None,
         disturbances: Mapping[str, Quantity] | None = None,
     ) -> None:
+        require_type(process, Process, "plant", "a process", 'write cl.load("quadruple-tank")')
         self.process = process
         self._inputs = self._read("inputs", inputs, process.inputs)
         self._outputs = self._read("outputs", outputs, process.measurements)
