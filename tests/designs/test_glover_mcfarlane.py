@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from refusals import refused
 from scipy.linalg import solve_continuous_are, solve_discrete_lyapunov
-from scipy.signal import cont2discrete
 
 import clepsydra as cl
 from clepsydra import NotApplicable, PidForm, Signal, python_law
@@ -16,11 +15,7 @@ from clepsydra.base.signal import effect, elements, path
 from clepsydra.designs.glover_mcfarlane import REDUCTION_COST, design_glover_mcfarlane
 from clepsydra.designs.loop_shaping.coprime_factors import coprime_factors
 from clepsydra.designs.loop_shaping.order_reduction import reduced_plant
-from clepsydra.designs.loop_shaping.precompensator import (
-    Precompensator,
-    precompensator_of,
-    sampled_precompensator,
-)
+from clepsydra.designs.loop_shaping.precompensator import Precompensator, precompensator_of
 from clepsydra.designs.loop_shaping.robust_controller import robust_controller
 from clepsydra.designs.loop_shaping.shaped_plant import shaped_plant
 from clepsydra.designs.lqi import design_lqi
@@ -262,12 +257,14 @@ def test_largest_gain_is_found_beside_a_gain_at_half_the_sampling_frequency():
     assert loop.maximum_sensitivity == pytest.approx(swept.max(), rel=1e-3)
 
 
-def test_a_sampled_precompensator_is_tustins():
+def test_tustins_rule_takes_frequencies_to_their_tangent():
     A = np.array([[0.0, 1.0], [-0.2, -0.7]])
     B, C, D = np.array([[1.0], [0.5]]), np.array([[0.3, 1.0]]), np.array([[2.0]])
-    found = sampled_precompensator("lead", (A, B, C, D), 0.5, ("level",), ("pump",))
-    a, b, c, d, _ = cont2discrete((A, B, C, D), 0.5, method="bilinear")
-    assert np.allclose(response(found.system), response(SampledSystem(a, b, c, d)))
+    angles, period = np.linspace(0.1, 3.0, 30), 0.5
+    found = SampledSystem.by_tustins_rule((A, B, C, D), period).response(angles)
+    s = 2.0j / period * np.tan(angles / 2.0)
+    continuous = C @ np.linalg.solve(s[:, None, None] * np.eye(2) - A, B) + D
+    assert np.allclose(found, continuous, rtol=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -34,6 +34,7 @@ FAMILY = "given regulator"
 ActsOn = Literal["setpoint_minus_measurement", "measurement_minus_setpoint"]
 #: Whether its states are told what was applied, or wind up.
 RegulatorAntiWindup = Literal["conditioning", "none"]
+_SINGULAR = 1e12
 
 
 def regulator_controller(
@@ -191,8 +192,11 @@ def _sampled(given: GivenRegulator, process: Process) -> SampledSystem:
             remedy = "give the process that sampling_period, or the regulator in continuous time"
             raise InputError(place, f"{given.period:g} s", expected, remedy)
         return SampledSystem(*matrices)
-    remedy = "sample faster, or give a regulator that is sampled already"
-    return SampledSystem.by_tustins_rule(matrices, period, f"{given.place}, A", remedy)
+    if np.linalg.cond(np.eye(len(given.A)) - 0.5 * period * given.A) > _SINGULAR:
+        shown = f"a pole at {2.0 / period:.3g} rad/s"
+        remedy = "sample faster, or give a regulator that is sampled already"
+        raise InputError(f"{given.place}, A", shown, "no pole at 2/T", remedy)
+    return SampledSystem.by_tustins_rule(matrices, period)
 
 
 def _scales(

@@ -10,10 +10,11 @@ from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.linear_step_law import StepLawDerivatives
 from clepsydra.designs.sampled.sampled_loop import inputs_at_rest
-from clepsydra.designs.sampled.sampled_system import SINGULAR, SampledSystem
+from clepsydra.designs.sampled.sampled_system import SampledSystem
 from clepsydra.linear.linear_model import LinearModel
 
 _SAME = 1e-9
+_SINGULAR = 1e12
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,58 +64,12 @@ class Precompensator:
     def inverse_direct(self) -> np.ndarray | None:
         """D⁻¹; None where there is none, or where the inverse of W₁ is unstable."""
         D = self.system.D
-        if D.shape[0] != D.shape[1] or np.linalg.cond(D) > SINGULAR:
+        if D.shape[0] != D.shape[1] or np.linalg.cond(D) > _SINGULAR:
             return None
         inverse = np.linalg.inv(D)
         unwound = self.system.A - self.system.B @ inverse @ self.system.C
         runs_away = np.max(np.abs(np.linalg.eigvals(unwound)), initial=0.0) > 1.0 - _SAME
         return None if runs_away else inverse
-
-
-def sampled_precompensator(
-    name: str,
-    matrices: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray],
-    period: float,
-    outputs: tuple[str, ...],
-    inputs: tuple[str, ...],
-) -> Precompensator:
-    """Return a continuous controller of the errors as it is sampled by the trapezoidal rule.
-
-    s = 2/T (z − 1)/(z + 1), Tustin's rule: an integral stays one, and phase is lost only as the
-    frequency comes near π/T.
-
-    Parameters
-    ----------
-    matrices : tuple of ndarray
-        A [n, n], B [n, q], C [m, n] and D [m, q], from the errors to the inputs.
-    period : float
-        T [s]
-
-    Raises
-    ------
-    InputError
-        The matrices do not fit together or the signals, or a pole stands at 2/T.
-
-    Examples
-    --------
-    PI control with K = 2 and Ti = 10 s each second: the integral gains K T/Ti.
-
-    >>> integral = (np.zeros((1, 1)), np.array([[0.2]]), np.eye(1), 2.0 * np.eye(1))
-    >>> found = sampled_precompensator("PI", integral, 1.0, ("level",), ("pump",))
-    >>> float((found.system.C @ found.system.B)[0, 0]), float(found.system.D[0, 0])
-    (0.2, 2.1)
-    """
-    A, B, C, D = (np.atleast_2d(np.asarray(matrix, float)) for matrix in matrices)
-    n, q, m = len(A), len(outputs), len(inputs)
-    shapes = [matrix.shape for matrix in (A, B, C, D)]
-    if shapes != [(n, n), (n, q), (m, n), (m, q)]:
-        given = ", ".join(f"{rows} × {columns}" for rows, columns in shapes)
-        expected = f"A {n} × {n}, B {n} × {q}, C {m} × {n} and D {m} × {q}"
-        remedy = "give the four matrices of one state space"
-        raise InputError("precompensator", given, expected, remedy)
-    remedy = "slow it down or sample faster"
-    system = SampledSystem.by_tustins_rule((A, B, C, D), period, "precompensator", remedy)
-    return Precompensator(name, system, outputs, inputs)
 
 
 def precompensator_of(controller: Controller, model: LinearModel) -> Precompensator:

@@ -24,9 +24,9 @@ from clepsydra.designs.glover_mcfarlane import design_glover_mcfarlane
 from clepsydra.designs.loop_shaping.precompensator import (
     Precompensator,
     precompensator_of,
-    sampled_precompensator,
 )
 from clepsydra.designs.phase_margin import design_phase_margin
+from clepsydra.designs.sampled.sampled_system import SampledSystem
 from clepsydra.linear.response import transfer_at
 from clepsydra.papers.four_tank_laboratory.set_ups import MINIMUM, PHASE_MARGIN, SetUp, course_model
 from clepsydra.process.process import Process
@@ -106,13 +106,9 @@ def dynamic_decoupling(set_up: SetUp) -> Precompensator:
     direct = np.diag(ratios * leads * lag)
     straight = np.diag(ratios) + one[::-1]
     C = np.hstack([direct, straight - direct])
-    return sampled_precompensator(
-        "PI with dynamic decoupling",
-        (A, B, C, direct @ gains),
-        model.point.process.sampling_period if model.point else math.nan,
-        model.outputs,
-        model.inputs,
-    )
+    period = model.point.process.sampling_period if model.point else math.nan
+    system = SampledSystem.by_tustins_rule((A, B, C, direct @ gains), period)
+    return Precompensator("PI with dynamic decoupling", system, model.outputs, model.inputs)
 
 
 def at_the_simulator(controller: Controller, process: Process) -> Controller:
