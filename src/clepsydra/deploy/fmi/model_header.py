@@ -7,12 +7,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from clepsydra.deploy.c99.statements import C99
 from clepsydra.deploy.fmi.model import FmuModel, FmuVariable
 from clepsydra.deploy.printing.decimal_text import decimal
+from clepsydra.deploy.printing.lines import indented
 from clepsydra.program.program import Program
 
 _ROLES = {
     "input": "ROLE_INPUT", "parameter": "ROLE_PARAMETER", "local": "ROLE_START",
     "output": "ROLE_START",
 }  # fmt: skip
+#: Functions of which some models have no use.
+_MOVING = ("model_advance", "model_switch", "model_update")
 _KINDS = {"real": "KIND_REAL", "integer": "KIND_INTEGER", "boolean": "KIND_BOOLEAN"}
 
 
@@ -42,22 +45,17 @@ def model_header(model: FmuModel, version: str) -> str:
         f"static const size_t model_variable_count = {len(model.variables) + 1};",
         "",
         *_references(model),
-        *_start(model),
+        _start(model),
         model.functions,
-        *_without_effect(model),
+        *(
+            _function(name, ["(void)memory;"])
+            for name in _MOVING
+            if f"{name}(" not in model.functions
+        ),
         "#endif",
         "",
     ]
     return "\n".join(lines)
-
-
-def _without_effect(model: FmuModel) -> list[str]:
-    """Write the functions that this model has no use for."""
-    names = ("model_advance", "model_switch", "model_update")
-    lines = []
-    for name in (name for name in names if f"{name}(" not in model.functions):
-        lines += [f"static void {name}(model_memory *memory)", "{", "  (void)memory;", "}", ""]
-    return lines
 
 
 def _row(number: int, variable: FmuVariable) -> str:
@@ -96,30 +94,30 @@ def _references(model: FmuModel) -> list[str]:
     ]
 
 
-def _start(model: FmuModel) -> list[str]:
-    name = model.name
-    lines = [
-        "static void model_start(model_memory *memory)",
-        "{",
-        f"  {name}_default_parameters(&memory->parameters);",
-        f"  {name}_initialise(&memory->state);",
+def _start(model: FmuModel) -> str:
+    name, in_c = model.name, C99(model.name, "double")
+    body = [
+        f"{name}_default_parameters(&memory->parameters);",
+        f"{name}_initialise(&memory->state);",
     ]
-    in_c = C99(name, "double")
     for variable in model.variables:
         if variable.settable and variable.member.startswith("inputs."):
-            lines.append(f"  memory->{variable.member} = {in_c.initial(variable.signal)};")
-    return [*lines, "}", ""]
+            body.append(f"memory->{variable.member} = {in_c.initial(variable.signal)};")
+    return _function("model_start", body)
+
+
+def _function(name: str, body: Sequence[str], comment: str = "") -> str:
+    above = [f"/* {comment} */"] if comment else []
+    head = [*above, f"static void {name}(model_memory *memory)", "{"]
+    return "\n".join([*head, *indented(body), "}", ""])
 
 
 def call_step(function: str, comment: str, program: Program, *, keeps_state: bool = False) -> str:
     """Return a C function that runs the step of the model, on a copy of its state if that stays."""
-    name, state = program.name, "&memory->state"
-    lines = [f"/* {comment} */", f"static void {function}(model_memory *memory)", "{"]
-    if keeps_state:
-        lines.append(f"  {name}_state state = memory->state;")
-        state = "&state"
-    call = f"  {name}_step(&memory->parameters, {state}, &memory->inputs, &memory->outputs);"
-    return "\n".join([*lines, call, "}", ""])
+    name, state = program.name, "&state" if keeps_state else "&memory->state"
+    body = [f"{name}_state state = memory->state;"] if keeps_state else []
+    body.append(f"{name}_step(&memory->parameters, {state}, &memory->inputs, &memory->outputs);")
+    return _function(function, body, comment)
 
 
 def call_beside(function: str, comment: str, program: Program, members: Mapping[str, str]) -> str:
@@ -137,14 +135,12 @@ def call_beside(function: str, comment: str, program: Program, members: Mapping[
 
     """
     name = program.name
-    lines = [f"/* {comment} */", f"static void {function}(model_memory *memory)", "{"]
-    lines += [f"  {name}_{part} {part};" for part in ("parameters", "inputs", "state", "outputs")]
-    lines += [f"  {name}_default_parameters(&parameters);", f"  {name}_initialise(&state);"]
+    body = [f"{name}_{part} {part};" for part in ("parameters", "inputs", "state", "outputs")]
+    body += [f"{name}_default_parameters(&parameters);", f"{name}_initialise(&state);"]
     for part, signals in (("parameters", program.parameters), ("inputs", program.inputs)):
         for signal in signals:
-            member = f"{part}.{signal.identifier}"
-            lines.append(f"  {member} = memory->{members[signal.name]};")
-    lines.append(f"  {name}_step(&parameters, &state, &inputs, &outputs);")
+            body.append(f"{part}.{signal.identifier} = memory->{members[signal.name]};")
+    body.append(f"{name}_step(&parameters, &state, &inputs, &outputs);")
     for signal in program.outputs:
-        lines.append(f"  memory->{members[signal.name]} = outputs.{signal.identifier};")
-    return "\n".join([*lines, "}", ""])
+        body.append(f"memory->{members[signal.name]} = outputs.{signal.identifier};")
+    return _function(function, body, comment)

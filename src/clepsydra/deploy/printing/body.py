@@ -214,7 +214,7 @@ class Body:
             instance, _, port = each.expression.text.rpartition(".")
             k = at.get(f"{instance}.", -1)
             later = [*self._statements[k + 1 :], *(other for other in moves if other != each)]
-            if k < 0 or any(each.name in touched(s) for s in later):
+            if k < 0 or each.name.endswith("]") or any(each.name in touched(s) for s in later):
                 continue
             call = self._statements[k]
             assert isinstance(call, BlockCall)

@@ -45,7 +45,7 @@ def in_own_type(
         return None
     truths = [each.known_as("boolean") for each in numbers]
     if code == "select" and None not in truths:
-        return Expression("select", (operands[0], *filter(None, truths))).to("real")
+        return _logical(operands[0], *filter(None, truths)).to("real")
     whole = tuple(filter(None, parts))
     if len(whole) != len(parts):
         return None
@@ -70,3 +70,14 @@ def _may_be_negative_zero(code: str, bounds: Sequence[WholeRange | None]) -> boo
         return any(bound is None or bound.low < 0.0 for bound in bounds)
     zero = (bound is None or bound.low <= 0.0 <= bound.high for bound in bounds)
     return code == "negate" and any(zero)
+
+
+def _logical(condition: Expression, first: Expression, second: Expression) -> Expression:
+    """Return a choice of truth values, as logic where one of them is known."""
+    for place, value, other in ((1, first, second), (0, second, first)):
+        if value.code == "constant":
+            truth, opposite = bool(value.number), Expression("not", (condition,)).simplified()
+            # Where the known one is FALSE the other one counts under the opposite condition.
+            holds = condition if truth == bool(place) else opposite
+            return Expression("or" if truth else "and", (holds, other)).simplified()
+    return Expression("select", (condition, first, second))
