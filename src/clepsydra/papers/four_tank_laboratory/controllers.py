@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from typing import Literal
 
 import numpy as np
 
-from clepsydra.base.signal import elements, path
-from clepsydra.controllers.conditioned_linear import (
-    FAMILY,
-    ConditionedMatrices,
-    conditioned_linear_law,
-)
+from clepsydra.base.signal import path
+from clepsydra.controllers.conditioned_linear import ConditionedMatrices, conditioned_linear_law
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import remembered_parameters
 from clepsydra.controllers.pid import multiloop_pid_law
@@ -111,17 +107,21 @@ def dynamic_decoupling(set_up: SetUp) -> Precompensator:
     return Precompensator("PI with dynamic decoupling", system, model.outputs, model.inputs)
 
 
-def at_the_simulator(controller: Controller, process: Process) -> Controller:
-    """Return a controller with the same numbers at the simulator: from rest at zero, unwarned.
+def at_the_simulator(set_up: SetUp, kind: Kind, process: Process) -> Controller:
+    """Return a design with the same numbers at the simulator: from rest at zero, unwarned.
 
     The simulator hands the error to the controller and the output of the controller to the
     pumps, both in the unit of the process, with no operating point, no anti-windup and zeros in
     every state. A gain of 1 V/V becomes 1 %/%, three times as much.
     """
+    controller = DESIGNS[kind](set_up)
     measured = [process.signal(name) for name in controller.measurements]
     manipulated = [process.signal(name) for name in controller.manipulated]
-    if controller.family == FAMILY:
-        matrices = matrices_of(controller).unconditioned()
+    if kind == "robust":
+        A, B, C, D = precompensator_of(controller, course_model(set_up)).system
+        # Before its memory stand the outputs at rest. The law takes y - r, not the error.
+        A, B, C = A[len(C) :, len(C) :], -B[len(C) :], C[:, len(C) :]
+        matrices = ConditionedMatrices(A, B, np.zeros_like(C.T), C, -D)
         law = conditioned_linear_law(measured, manipulated, matrices)
         values = matrices.values(measured, manipulated)
         for signal in manipulated:
@@ -134,23 +134,3 @@ def at_the_simulator(controller: Controller, process: Process) -> Controller:
     remembered = remembered_parameters(law, values)
     state = {entry.name: 0.0 for entry in law.state if entry.name not in remembered}
     return replace(controller, law=law, values=values, initial_state=state)
-
-
-def matrices_of(controller: Controller) -> ConditionedMatrices:
-    """Return the matrices of a controller of the conditioned linear law."""
-    known = {entry.name for entry in controller.law.state}
-    memory = [name for name in elements("memory", len(known)) if name in known]
-    outputs, errors = controller.manipulated, controller.measurements
-    effects = {
-        "transition": (memory, memory),
-        "error_effect": (memory, errors),
-        "output_effect": (memory, outputs),
-        "memory_gain": (outputs, memory),
-        "error_gain": (outputs, errors),
-    }
-
-    def matrix(what: str, to: Sequence[str], by: Sequence[str]) -> np.ndarray:
-        names = [[path(path(row, what), column) for column in by] for row in to]
-        return np.array([[controller.values.get(name, 0.0) for name in row] for row in names])
-
-    return ConditionedMatrices(*(matrix(what, *names) for what, names in effects.items()))

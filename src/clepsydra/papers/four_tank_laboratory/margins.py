@@ -17,7 +17,6 @@ from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.controllers import (
-    DESIGNS,
     Kind,
     at_the_simulator,
     shaping_of,
@@ -50,7 +49,7 @@ def run() -> Found:
 @cache
 def response(set_up: SetUp, kind: Kind, units: Units) -> LoopResponse:
     """Return what a loop does to a sine, as designed or in the simulator's percent."""
-    controller = at_the_simulator(DESIGNS[kind](set_up), plant(set_up, units))
+    controller = at_the_simulator(set_up, kind, plant(set_up, units))
     return loop_response(controller, course_model(set_up, units))
 
 

@@ -16,10 +16,8 @@ from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.loop import Loop
 from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.controllers import (
-    DESIGNS,
     Kind,
     at_the_simulator,
-    decentralised,
 )
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     AREA,
@@ -111,8 +109,9 @@ def by_hand(
         given |= {f"pump_{number}.mode": 0.0, f"pump_{number}.manual": float(value)}
     closed = {f"outlet_{tank}.area": 0.0 for tank in _TANKS}
     straight = {"splitter_1.tank_1": 1.0, "splitter_2.tank_2": 1.0}
+    law = at_the_simulator(set_up, "decentralised", process)
     return _simulated(
-        decentralised(set_up), process, round(duration / process.sampling_period), given,
+        law, process, round(duration / process.sampling_period), given,
         closed | straight if plugged else {}, seed=7, seeds=SEEDS_BY_HAND, noise=noise, every=every,
     )  # fmt: skip
 
@@ -140,14 +139,14 @@ def runs(
         given[f"level_{tank}.setpoint"] = np.full(samples, target)
         pour = given[f"pour_{tank}"] = np.zeros(samples)
         pour[tank * each : tank * each + second] = POURED
-    designed = DESIGNS[kind](set_up)
+    law = at_the_simulator(set_up, kind, process)
     return _simulated(
-        designed, process, samples, given, {}, seed=4, seeds=SEEDS, noise=noise, every=every
+        law, process, samples, given, {}, seed=4, seeds=SEEDS, noise=noise, every=every
     )
 
 
 def _simulated(
-    designed: Controller,
+    controller: Controller,
     process: Process,
     samples: int,
     given: Mapping[str, float | np.ndarray],
@@ -158,12 +157,12 @@ def _simulated(
     noise: Noise,
     every: int,
 ) -> Runs:
-    """Run a controller that was designed in volts from empty tanks, a lane for each seed.
+    """Run a controller from empty tanks, a lane for each seed.
 
     `given` are inputs at each sample and those that stay, `parameters` stand in the place of the
     plant's, the noise of both pumps is drawn from `seed`, and one sample in `every` is kept.
     """
-    loop = Loop(at_the_simulator(designed, process), linearise(find_equilibrium(process)))
+    loop = Loop(controller, linearise(find_equilibrium(process)))
     noises = [f"pump_{number}.noise" for number in _PUMPS]
     drawn = np.random.default_rng(seed)
     columns = drawn.standard_normal((2, 1 if noise == "none" else seeds, samples))

@@ -31,7 +31,6 @@ from clepsydra.papers.four_tank_laboratory.readings import (
 )
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     FULL_LEVEL,
-    MINIMUM,
     NON_MINIMUM,
     OF_THE_COURSE,
     PHASE_MARGIN,
@@ -55,20 +54,12 @@ _NEARLY_ALL = 1 + round(_CENTRAL[1] * (SEEDS - 1)) - round(_CENTRAL[0] * (SEEDS 
 
 
 _TABLES: dict[Kind, str] = {"decentralised": "Table 5", "robust": "Table 6"}
-_FIGURES = {
-    ("decentralised", MINIMUM): "Fig. 7",
-    ("decentralised", NON_MINIMUM): "Fig. 8",
-    ("robust", MINIMUM): "Fig. 9",
-    ("robust", NON_MINIMUM): "Fig. 10",
+#: The name and the first of the two figures of a kind.
+_FIGURES: dict[Kind, tuple[str, int]] = {
+    "decentralised": ("Decentralised PI", 7),
+    "robust": ("Glover-McFarlane", 9),
 }
 GLOVER = "Glover-McFarlane with γ = 1.1 γ_min"
-#: What our controllers are, since the report's are not printed.
-_CONTROLLERS = {
-    ("decentralised", MINIMUM): "PI control with",
-    ("decentralised", NON_MINIMUM): "PI control with",
-    ("robust", MINIMUM): f"{GLOVER} around PI control with",
-    ("robust", NON_MINIMUM): f"{GLOVER} around a dynamic decoupling with",
-}
 UNITS = {"rise": "s", "overshoot": "%", "recovery": "s"}
 #: How the scores are read.
 _HOW = {
@@ -166,8 +157,10 @@ def _row(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...], line: Pr
     reach = most - median if printed > median else median - least
     always = all(holding.values()) and decides
     of_both = ", of the tank that is farther off" if len(tanks) == 2 else ""
+    around = GLOVER + " around " if kind == "robust" else ""
+    shaping = "a dynamic decoupling" if around and set_up is NON_MINIMUM else "PI control"
     words = (
-        f"The controller is not printed; ours is {_CONTROLLERS[kind, set_up]} "
+        f"The controller is not printed; ours is {around}{shaping} with "
         f"{math.degrees(PHASE_MARGIN):.0f}° at {set_up.crossover:g} rad/s, as the course's "
         f"exercise asks, designed in volts ({SENSOR_GAIN:g} V/cm) and run {UNCONVERTED}: "
         f"empty tanks, {USUAL}, pours of 6.25 cm, with {OF_THE_COURSE}. "
@@ -198,15 +191,15 @@ def _row(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...], line: Pr
 
 def table_figures(kind: Kind) -> Iterator[Figure]:
     """Return the runs of Figs. 7 and 8, or 9 and 10: levels and pumps of one seed."""
-    name = "Decentralised PI" if kind == "decentralised" else "Glover-McFarlane"
-    for set_up in SET_UPS:
+    name, first = _FIGURES[kind]
+    for number, set_up in enumerate(SET_UPS, first):
         found = runs(set_up, kind, "percent")
         time = found.time
         target = Curve("reference", time[[0, -1]], np.full(2, 100.0 * TARGET), "dashed")
         levels = {f"tank {i}": 100.0 * (found.levels[i - 1, 0] / FULL_LEVEL) for i in _TANKS}
         pumps = {f"pump {pump}": 100.0 * found.pumps[pump - 1] for pump in _TANKS}
         yield Figure(
-            _FIGURES[kind, set_up],
+            f"Fig. {number}",
             f"{name}, both references 60 %, then pours into tank 1 and tank 2, {set_up.phase}",
             (
                 Panel("", "level [% of 25 cm]", [target, *curves(time, levels)]),
