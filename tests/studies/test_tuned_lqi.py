@@ -21,10 +21,10 @@ from clepsydra.studies.tuning.parameters import TunedParameter
 from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.tuning.tune import Search, tune
 from clepsydra.studies.tuning.weight_space import (
-    WeightedDesign,
-    lqi_by_bryson,
+    WeighedLqi,
     lqi_of_weights,
     usual_wear,
+    weighed_lqi,
     weight_space,
 )
 
@@ -50,7 +50,7 @@ def step_of_level(samples: int = 300) -> Scenario:
 
 def quadratic(model: LinearModel, **matrices: np.ndarray):
     """Return weights as those that Bryson's rule makes, with other matrices."""
-    return dataclasses.replace(lqi_by_bryson(model).weights, **matrices)
+    return dataclasses.replace(weighed_lqi(model).weights, **matrices)
 
 
 def weights_by_numbers(model: LinearModel, numbers: tuple[float, float, float] = NUMBERS):
@@ -59,7 +59,7 @@ def weights_by_numbers(model: LinearModel, numbers: tuple[float, float, float] =
 
 
 def tuned_weights(
-    start: WeightedDesign, scenario, objective, *, parameters=None, limits=None, **options
+    start: WeighedLqi, scenario, objective, *, parameters=None, limits=None, **options
 ) -> TuningResult:
     """Tune weights on the process with all its measurements."""
     goal = Goal(
@@ -73,7 +73,7 @@ def tuned_weights(
 
 def weights_found(model: LinearModel, tuned: dict[str, float]) -> dict[str, dict[str, float]]:
     """Return the weights of a tuning by the names of what they weigh."""
-    numbers = weight_space(lqi_by_bryson(model)).numbers | tuned
+    numbers = weight_space(weighed_lqi(model)).numbers | tuned
     found: dict[str, dict[str, float]] = {"states": {}, "inputs": {}, "integrals": {}}
     for name, value in numbers.items():
         kind, _, weighed = name.partition(".")
@@ -86,7 +86,7 @@ def test_the_objective_falls_the_limits_hold_and_the_gains_are_those_of_the_weig
     plant = cl.load("quadruple-tank")
     model, whole = plant.linear, plant.measured
     scenario = default_scenario(model)
-    start = lqi_by_bryson(model)
+    start = weighed_lqi(model)
     limits = Limits(2.0, total_variation=usual_wear(start.controller, whole, scenario))
     errors = minimax(*(f"iae[{y}]" for y in model.outputs))
     found = tuned_weights(start, scenario, errors, limits=limits, generations=5)
@@ -195,7 +195,7 @@ def test_no_pair_of_weights_on_a_grid_is_better(vessel):
     scenario = step_of_level()
     # Where wear counts as well there is a best within the bounds.
     objective = weighted_sum({"ise[level]": 1.0, "total_variation[feed]": 50.0})
-    start = lqi_by_bryson(vessel)
+    start = weighed_lqi(vessel)
     found = tuned_weights(start, scenario, objective, generations=8)
     assert found.binding == ()
     design = weight_space(start)
@@ -219,7 +219,7 @@ def test_no_pair_of_weights_on_a_grid_is_better(vessel):
 
 
 def test_only_ratios_of_weights_count():
-    design = weight_space(lqi_by_bryson(cl.load("quadruple-tank").linear))
+    design = weight_space(weighed_lqi(cl.load("quadruple-tank").linear))
     once = design.law_values(design.numbers)
     again = design.law_values({name: 7.0 * value for name, value in design.numbers.items()})
     assert once.keys() == again.keys() and len(once) == 14
@@ -244,7 +244,7 @@ def test_what_stands_beside_the_diagonal_keeps_its_correlation(vessel):
 
 def test_the_start_is_the_designed_controller_but_for_its_rounding(vessel):
     for start in (
-        lqi_by_bryson(vessel),
+        weighed_lqi(vessel),
         lqi_of_weights(vessel, weights_by_numbers(vessel)),
     ):
         space = weight_space(start)
@@ -278,7 +278,7 @@ def test_a_bound_on_cheap_moves_is_said_to_have_chosen(vessel):
 
 def tuned_vessel(vessel: LinearModel, **options):
     objective = weighted_sum({"ise[level]": 1.0, "total_variation[feed]": 50.0})
-    return tuned_weights(lqi_by_bryson(vessel), step_of_level(), objective, **options)
+    return tuned_weights(weighed_lqi(vessel), step_of_level(), objective, **options)
 
 
 @pytest.mark.thorough
@@ -325,4 +325,4 @@ def test_a_state_file_of_other_weights_is_refused(vessel, tmp_path):
 )
 def test_wrong_bounds_are_refused_in_words(vessel, parameters, said):
     with pytest.raises(InputError, match=said):
-        weight_space(lqi_by_bryson(vessel), parameters)
+        weight_space(weighed_lqi(vessel), parameters)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
+
+import numpy as np
 
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
@@ -12,10 +14,10 @@ from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.sampled.sampling_period import check_sampling_period
 from clepsydra.designs.states.bryson_rule import DEVIATIONS, acceptable_deviations
-from clepsydra.designs.states.linear_quadratic import ANTI_WINDUP
+from clepsydra.designs.states.linear_quadratic import ANTI_WINDUP, LqiGains
 from clepsydra.designs.states.measured_states import measurements_of_states, without_idle_states
 from clepsydra.designs.states.quadratic_weights import QuadraticWeights
-from clepsydra.designs.states.robust_lqi import StateLqi, check_lqi
+from clepsydra.designs.states.robust_lqi import StateLqi, check_lqi, tracking_times
 from clepsydra.designs.states.state_controllers import sensitivity_peak
 from clepsydra.linear.linear_model import LinearModel
 
@@ -89,14 +91,19 @@ class WeighedLqi(NamedTuple):
     ----------
     model : LinearModel
         Whose states and inputs are weighed.
+    weights : QuadraticWeights
+        With those of the integrals.
     horizon : float
-        T [s]
+        T, about how long a response takes [s].
+    tracking_times : callable
+        (feedback [m, measurements], gains) → one for each input [s].
     """
 
     controller: Controller
     model: LinearModel
     weights: QuadraticWeights
     horizon: float
+    tracking_times: Callable[[np.ndarray, LqiGains], list[float]]
 
 
 def weighed_lqi(
@@ -139,4 +146,10 @@ def weighed_lqi(
         )
     found = lqi.robust(model)
     controller, _, asked = found.design
-    return WeighedLqi(lqi.described(found, controller), model, asked.weights(model), asked.horizon)
+
+    def times(feedback: np.ndarray, gains: LqiGains) -> list[float]:
+        read = controller.measurements
+        return tracking_times(model, read, feedback, gains.integral, asked.horizon)
+
+    described, weights = lqi.described(found, controller), asked.weights(model)
+    return WeighedLqi(described, model, weights, asked.horizon, times)

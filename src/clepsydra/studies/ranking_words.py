@@ -62,8 +62,7 @@ def _standing(candidate: Candidate) -> str:
     if candidate.standing is Standing.STABLE:
         return f"Stable with thin margins ({peaks})"
     if candidate.standing is Standing.OUTSIDE:
-        left = departures(candidate.run.process, candidate.scores)
-        words = "; ".join(each.words for each in left)
+        words = "; ".join(departures(candidate.run.process, candidate.scores))
         return f"Leaves its band: {words} ({peaks})"
     harm = [each.brief for each in harms(candidate.run)]
     more = [f"{len(harm) - _NAMED_HARMS} more"] if len(harm) > _NAMED_HARMS else []

@@ -11,7 +11,7 @@ from clepsydra.studies.tuning.objective import Goal, minimax
 from clepsydra.studies.tuning.parameters import TunedParameter
 from clepsydra.studies.tuning.search_space import SearchSpace
 from clepsydra.studies.tuning.tune import Search, tune
-from clepsydra.studies.tuning.weight_space import lqi_by_bryson, weight_space
+from clepsydra.studies.tuning.weight_space import weighed_lqi, weight_space
 
 LOWEST = 0.7
 
@@ -79,7 +79,7 @@ def test_the_numbers_of_the_space_are_checked(setting):
 
 
 def test_gains_of_weights_change_smoothly_by_the_steps_that_a_search_takes():
-    design = weight_space(lqi_by_bryson(cl.load("three-tanks").linear))
+    design = weight_space(weighed_lqi(cl.load("three-tanks").linear))
     weight = design.numbers["inputs.feed"]
     gains = [
         design.law_values({**design.numbers, "inputs.feed": weight * (1.0 + 1e-6 * i)})

@@ -11,6 +11,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.arguments.weights import OfModel
 from clepsydra.designs.design import DESIGNS
+from clepsydra.designs.lqi import WeighedLqi
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.process import told
@@ -26,7 +27,7 @@ from clepsydra.studies.file.scheme import Scheme
 from clepsydra.studies.file.start_stop_table import StartStopTable
 from clepsydra.studies.file.tuning_reader import Tuning, WeightedStart, read_tuning
 from clepsydra.studies.file.written import Written
-from clepsydra.studies.tuning.weight_space import WEIGHTED_DESIGNS, WeightedDesign
+from clepsydra.studies.tuning.weight_space import WEIGHTED_DESIGNS
 
 _LONGEST_NAME = 60
 _WAYS = 'write design = "simc", or a loop as in [controllers.NAME.loops.NAME]'
@@ -121,7 +122,7 @@ def _designed(rows: TableReader, name: str, process: Process) -> ControllerReque
 
     weighted = WEIGHTED_DESIGNS.get(known)
 
-    def start(controller: Controller, model: LinearModel) -> WeightedDesign:
+    def start(controller: Controller, model: LinearModel) -> WeighedLqi:
         assert weighted is not None
         designed = model.select(outputs=process.controlled)
         return weighted(designed, **given(designed))._replace(controller=controller)

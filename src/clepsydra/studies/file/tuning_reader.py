@@ -11,6 +11,7 @@ from clepsydra.base.quantity import quantity
 from clepsydra.base.signal import path
 from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.controller import Controller
+from clepsydra.designs.lqi import WeighedLqi
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.scenario import Scenario
@@ -30,10 +31,10 @@ from clepsydra.studies.tuning.parameters import TunedParameter, gains_and_times
 from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.tuning.search_space import SearchSpace
 from clepsydra.studies.tuning.tune import Search, tune
-from clepsydra.studies.tuning.weight_space import KINDS, WeightedDesign, usual_wear, weight_space
+from clepsydra.studies.tuning.weight_space import KINDS, usual_wear, weight_space
 
 #: Takes the controller that was designed, and the model with all measurements.
-WeightedStart = Callable[[Controller, LinearModel], WeightedDesign]
+WeightedStart = Callable[[Controller, LinearModel], WeighedLqi]
 METHODS = ("minimax", "weighted")
 _WEIGHT_REMEDY = (
     'write as in inputs.pump = [1e-3, 1e3] or states."tank.level" = [1e-3, 1e3], in quotes where '

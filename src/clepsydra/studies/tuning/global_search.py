@@ -43,8 +43,26 @@ def search_globally(problem: TuningProblem, *, generations: int, seed: int) -> N
     generator = np.random.Generator(np.random.PCG64(seed))
     population = qmc.LatinHypercube(width, rng=generator).random(members)
     population[0] = start
+    kept = np.full(members, np.inf)
+
+    def standings(columns: np.ndarray) -> np.ndarray:
+        """Return one number for each candidate, given as columns [p, members].
+
+        Each member of a generation is compared with the one in its place before it.
+        """
+        nonlocal kept
+        points = np.ascontiguousarray(columns.T)
+        evaluated = problem.evaluate(points)
+        found = _standing(evaluated.objective, evaluated.violation)
+        for place in np.flatnonzero((found <= kept) & np.isfinite(evaluated.objective)):
+            excess = _excess(problem, points[place])
+            violation = max(float(evaluated.violation[place]), excess)
+            found[place] = _standing(evaluated.objective[[place]], np.array([violation]))[0]
+        kept = np.minimum(kept, found)
+        return found
+
     differential_evolution(
-        _Generations(problem),
+        standings,
         bounds=[(0.0, 1.0)] * width,
         init=population,
         maxiter=generations,
@@ -54,32 +72,6 @@ def search_globally(problem: TuningProblem, *, generations: int, seed: int) -> N
         vectorized=True,
         updating="deferred",
     )
-
-
-class _Generations:
-    """What differential evolution minimises: one number for each candidate of a generation."""
-
-    def __init__(self, problem: TuningProblem) -> None:
-        self._problem = problem
-        self._kept: np.ndarray | None = None
-
-    def __call__(self, columns: np.ndarray) -> np.ndarray:
-        """Return the standing of each candidate, given as columns [p, members].
-
-        Each member of a generation is compared with the one in its place before it.
-        """
-        problem = self._problem
-        points = np.ascontiguousarray(columns.T)
-        found = problem.evaluate(points)
-        kept = np.full(len(points), np.inf) if self._kept is None else self._kept
-        standings = _standing(found.objective, found.violation)
-        for place in np.flatnonzero((standings <= kept) & np.isfinite(found.objective)):
-            excess = _excess(problem, points[place])
-            violation = max(float(found.violation[place]), excess)
-            standings[place] = _standing(found.objective[[place]], np.array([violation]))[0]
-        problem.consider(points, found)
-        self._kept = np.minimum(kept, standings)
-        return standings
 
 
 def _excess(problem: TuningProblem, point: np.ndarray) -> float:

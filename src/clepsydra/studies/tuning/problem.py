@@ -129,8 +129,7 @@ class TuningProblem:
         self._usual = int(rows[0, -1]) & ~int(meaningless)
         self.objective.check_start(self.start_scores)
         self.start = self._judged(own, rows)
-        first = self.space.start[None, :]
-        self.consider(first, self.evaluate(first))
+        self.evaluate(self.space.start[None, :])
 
     @property
     def evaluations(self) -> int:
@@ -165,7 +164,9 @@ class TuningProblem:
         rows = self._rows(points)
         for point in points[:proper]:
             self.proper.setdefault(point.tobytes(), point.copy())
-        return self._evaluation(rows)
+        found = self._evaluation(rows)
+        self._consider(points[:proper], found)
+        return found
 
     def _evaluation(self, rows: np.ndarray) -> Evaluation:
         scores = {name: rows[:, place] for place, name in enumerate(self.names)}
@@ -219,9 +220,9 @@ class TuningProblem:
             self.memory.sensitivities[key] = peak
         return self.memory.sensitivities[key]
 
-    def consider(self, points: np.ndarray, found: Evaluation) -> None:
-        """Keep the best of some candidates if it beats the best so far and keeps all limits."""
-        for place in np.argsort(found.objective, kind="stable"):
+    def _consider(self, points: np.ndarray, found: Evaluation) -> None:
+        """Keep the best of the first candidates if it beats the best and keeps all limits."""
+        for place in np.argsort(found.objective[: len(points)], kind="stable"):
             value = float(found.objective[place])
             if not np.isfinite(value) or (self.best and value >= self.best.objective):
                 return

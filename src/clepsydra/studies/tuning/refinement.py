@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from clepsydra.studies.tuning.problem import Evaluation, TuningProblem
+from clepsydra.studies.tuning.problem import TuningProblem
 
 #: Step of the differences, a share of the way between the bounds. Scores are smooth down to
 #: rounding, about 1e-13 of their value.
@@ -106,7 +106,6 @@ class _Neighbourhood:
         steps = np.where(point + _DIFFERENCE <= 1.0, _DIFFERENCE, -_DIFFERENCE)
         points = np.vstack([point, point + np.diag(steps)])
         found = self._problem.evaluate(points, proper=1)
-        self._problem.consider(points[:1], _first(found))
         columns = [found.margins]
         if math.isfinite(self._limit):
             # 1/S instead of S, since it goes to zero, not to infinity, where a loop gets unstable.
@@ -131,7 +130,3 @@ class _Neighbourhood:
             margins[0],
             ((margins[1:] - margins[0]) / steps[:, None]).T,
         )
-
-
-def _first(found: Evaluation) -> Evaluation:
-    return Evaluation(found.objective[:1], found.parts[:1], found.margins[:1])

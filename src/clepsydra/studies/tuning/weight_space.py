@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
@@ -17,13 +16,12 @@ from clepsydra.base.signal import path
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.designed_values import applicable_values
-from clepsydra.designs.lqi import weighed_lqi
+from clepsydra.designs.lqi import WeighedLqi, weighed_lqi
 from clepsydra.designs.lqi_by_weights import design_lqi_by_weights
 from clepsydra.designs.states.bryson_rule import acceptable_deviations
 from clepsydra.designs.states.linear_quadratic import LqiGains, lqi_gains, slowest_time_constant
 from clepsydra.designs.states.measured_states import with_outputs
 from clepsydra.designs.states.quadratic_weights import QuadraticWeights
-from clepsydra.designs.states.robust_lqi import tracking_times
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.scenario import Scenario
@@ -40,28 +38,6 @@ _BINDS = 1e-2
 _WEAR = 2.0
 
 
-class WeightedDesign(NamedTuple):
-    """An LQI controller with the weights that made it.
-
-    Parameters
-    ----------
-    model : LinearModel
-        Whose states, inputs and outputs are weighed.
-    weights : QuadraticWeights
-        With those of the integrals.
-    horizon : float
-        About how long a response takes [s].
-    tracking_times : callable
-        (feedback [m, measurements], gains) → one for each input [s].
-    """
-
-    controller: Controller
-    model: LinearModel
-    weights: QuadraticWeights
-    horizon: float
-    tracking_times: Callable[[np.ndarray, LqiGains], list[float]]
-
-
 @dataclass(frozen=True, eq=False)
 class WeightSpace(SearchSpace):
     """Weights of squares of states, inputs and integrals by "states.tank_1.level" and so on.
@@ -71,7 +47,7 @@ class WeightSpace(SearchSpace):
     weight of zero is no number to tune, and stays.
     """
 
-    weighted: WeightedDesign
+    weighted: WeighedLqi
 
     @cached_property
     def numbers(self) -> dict[str, float]:
@@ -161,7 +137,7 @@ class WeightSpace(SearchSpace):
 
 
 def weight_space(
-    start: WeightedDesign, parameters: Sequence[TunedParameter] | None = None
+    start: WeighedLqi, parameters: Sequence[TunedParameter] | None = None
 ) -> WeightSpace:
     """Return the space of some weights of a design, or of all but the first integral's.
 
@@ -175,7 +151,7 @@ def weight_space(
     Examples
     --------
     >>> import clepsydra as cl
-    >>> space = weight_space(lqi_by_bryson(cl.load("three-tanks").linear))
+    >>> space = weight_space(weighed_lqi(cl.load("three-tanks").linear))
     >>> [parameter.name for parameter in space.parameters]
     ['states.tank_3.level', 'inputs.feed']
     """
@@ -202,29 +178,12 @@ def usual_wear(controller: Controller, model: LinearModel, scenario: Scenario) -
     return {name: _WEAR * value for name, value in wear if value > 0.0}
 
 
-def lqi_by_bryson(
-    model: LinearModel,
-    *,
-    maximum_errors: Mapping[str, float] | None = None,
-    maximum_moves: Mapping[str, float] | None = None,
-    anti_windup: AntiWindup = "back_calculation",
-) -> WeightedDesign:
-    """Return LQI by Bryson's rule with its weights; all as for `designs.lqi.design_lqi`."""
-    found = weighed_lqi(model, maximum_errors, maximum_moves, anti_windup)
-
-    def times(feedback: np.ndarray, gains: LqiGains) -> list[float]:
-        read = found.controller.measurements
-        return tracking_times(found.model, read, feedback, gains.integral, found.horizon)
-
-    return WeightedDesign(found.controller, found.model, found.weights, found.horizon, times)
-
-
 def lqi_of_weights(
     model: LinearModel,
     weights: QuadraticWeights,
     *,
     anti_windup: AntiWindup = "back_calculation",
-) -> WeightedDesign:
+) -> WeighedLqi:
     """Return LQI by given weights; all as for `designs.lqi_by_weights.design_lqi_by_weights`."""
     controller = design_lqi_by_weights(model, weights, anti_windup=anti_windup)
     horizon = acceptable_deviations(model, None, None).horizon
@@ -234,11 +193,11 @@ def lqi_of_weights(
         slowest = max(slowest_time_constant(gains.eigenvalues, period), period)
         return [slowest] * len(model.inputs)
 
-    return WeightedDesign(controller, model, weights, horizon, times)
+    return WeighedLqi(controller, model, weights, horizon, times)
 
 
 #: By the names of the designs in a study file; arguments as those of the designs.
-WEIGHTED_DESIGNS: dict[str, Callable[..., WeightedDesign]] = {
-    "lqi": lqi_by_bryson,
+WEIGHTED_DESIGNS: dict[str, Callable[..., WeighedLqi]] = {
+    "lqi": weighed_lqi,
     "lqi_by_weights": lqi_of_weights,
 }
