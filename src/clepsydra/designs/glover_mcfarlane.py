@@ -197,7 +197,7 @@ def _reduced(
     factors = full
     if order < len(full.X):
         try:
-            factors = coprime_factors(reduced_plant(full, order).plant)
+            factors = coprime_factors(reduced_plant(full, order))
         except NotApplicable:  # a plant so small that a mode of it is lost
             return robust_controller(full, relaxation), math.inf
     controller = robust_controller(factors, relaxation)

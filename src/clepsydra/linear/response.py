@@ -78,28 +78,8 @@ def transfer_at(model: LinearModel, points: np.ndarray) -> np.ndarray:
     delays = model.delays
     if delays is None:
         return evaluate_transfer(model.A, model.B, model.C, model.D, points)
-    inner = _solved(*characteristic_matrices(model, points), points)
-    return np.asarray(np.hstack([model.C, delays.to_outputs]) @ inner + model.D)
-
-
-def characteristic_matrices(
-    model: LinearModel, points: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return M(s) and N(s) of M [x; z] = N u, the model's equations at each complex s.
-
-    M = [[s I - A, -to_states], [-e^(-sτ) from_states, I - e^(-sτ) through]] and
-    N = [[B], [e^(-sτ) from_inputs]]. The roots of det M are the poles.
-
-    Parameters
-    ----------
-    points : ndarray [l]
-        Values of s [rad/s].
-
-    Returns
-    -------
-    M : ndarray [l, n + r, n + r], complex
-    N : ndarray [l, n + r, m], complex
-    """
+    # [[s I - A, -to_states], [-e^(-sτ) from_states, I - e^(-sτ) through]] [x; z] = [[B], [e^(-sτ)
+    # from_inputs]] u: the roots of the determinant are the poles.
     at, open_loop = model.ports, np.delete(model.matrix, model.ports.y, axis=0)
     n, r = len(model.A), len(model.times)
     late = np.ones((len(points), n + r, 1), complex)
@@ -107,7 +87,8 @@ def characteristic_matrices(
     matrix = -late * np.delete(open_loop, slice(at.u.start, at.d.stop), axis=1)
     matrix[:, :n, :n] += points[:, None, None] * np.eye(n)
     matrix[:, n:, n:] += np.eye(r)
-    return matrix, late * open_loop[:, at.u]
+    inner = _solved(matrix, late * open_loop[:, at.u], points)
+    return np.asarray(np.hstack([model.C, delays.to_outputs]) @ inner + model.D)
 
 
 def evaluate_transfer(
