@@ -213,13 +213,12 @@ def random_graph(random):
             links.append(Link(f"feed_{number}", "pump", (basins[0],), (junction.name,)))
     meters = [random.choice([*tanks, *(link.name for link in links)]) for _ in range(4)]
     return FlowGraph(
-        tuple(tanks), tuple(basins), tuple(links), tuple(junctions),
+        tuple(tanks), tuple(links), tuple(junctions),
         tuple(Instrument(f"meter_{n}", "L", seat, str(101 + n)) for n, seat in enumerate(meters)),
     )  # fmt: skip
 
 
 def test_a_signal_reaches_whatever_has_an_input():
-    tanks, basins = ("upper", "lower"), ("basin",)
     links = (
         Link("pump", "pump", ("basin",), ("split",)),
         Link("fall", "orifice", ("upper",), ("lower",), by_weight=True),
@@ -227,7 +226,7 @@ def test_a_signal_reaches_whatever_has_an_input():
     )
     split = Link("split", "splitter", (), ("upper", "lower"), shares=(0.5, 0.5))
     meter = Instrument("meter", "L", "lower", "101")
-    graph = FlowGraph(tanks, basins, links, (split,), (meter,), ("heater",))
+    graph = FlowGraph(("upper", "lower"), links, (split,), (meter,), ("heater",))
     for end in ("pump", "fall", "split", "upper", "basin", "heater"):
         routes = route(graph, {}, [ControlFunction("loop", "", "meter", ("meter",), (end,))])
         check_geometry(routes)

@@ -83,7 +83,7 @@ def time_cell(time: float) -> str:
     return f"{number_text(time / length)} {unit}"
 
 
-def setting_time(time: float, digits: int = 4) -> str:
+def setting_time(time: float) -> str:
     """Return a time [s] that an engineer enters: in seconds, and from minutes on in these too.
 
     Examples
@@ -91,7 +91,7 @@ def setting_time(time: float, digits: int = 4) -> str:
     >>> setting_time(30.0), setting_time(90519.0)
     ('30.00 s', '90520 s = 25.1 h')
     """
-    words, shown = f"{number_text(time, digits)} s", time_cell(time)
+    words, shown = f"{number_text(time, 4)} s", time_cell(time)
     return words if shown.endswith(" s") or not math.isfinite(time) else f"{words} = {shown}"
 
 

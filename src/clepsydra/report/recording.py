@@ -33,8 +33,6 @@ class Recording:
         Of the last sample [s].
     values : mapping
         Name to trajectory [samples] in SI.
-    controlled : tuple of str
-        Measurements with a setpoint.
     noise : mapping
         Measurement to its noise [samples], where it has some.
     segments : tuple of Segment
@@ -57,7 +55,6 @@ class Recording:
     time: np.ndarray
     end: float
     values: Mapping[str, np.ndarray]
-    controlled: tuple[str, ...] = ()
     noise: Mapping[str, np.ndarray] = field(default_factory=dict)
     segments: tuple[Segment, ...] = ()
     marks: tuple[EventMark, ...] = ()
@@ -86,7 +83,6 @@ def recording_of(run: Run | Simulation) -> Recording:
         float(run.time[-1]) + scenario.sampling_period,
         # What a controller asks of a forced flow is its command; a picture shows what flows.
         {**run.values, **forced_flows(process, run.time, run.values)},
-        process.controlled,
         {signal.name: column for signal, column in columns if np.any(column)},
         scenario.segments,
         event_marks(events_of(process, run.values)) if recorded else (),

@@ -60,7 +60,7 @@ class FlowGraph:
 
     Parameters
     ----------
-    vessels, reservoirs : tuple of str
+    vessels : tuple of str
     links, junctions : tuple of Link
     instruments : tuple of Instrument
     loose : tuple of str
@@ -71,12 +71,11 @@ class FlowGraph:
     Examples
     --------
     >>> upper = Link("a", "orifice", ("upper",), ("lower",), by_weight=True)
-    >>> FlowGraph(("upper", "lower"), ("basin",), (upper,), (), ()).layers()
+    >>> FlowGraph(("upper", "lower"), (upper,), (), ()).layers()
     {'upper': 1, 'lower': 0}
     """
 
     vessels: tuple[str, ...]
-    reservoirs: tuple[str, ...]
     links: tuple[Link, ...]
     junctions: tuple[Link, ...]
     instruments: tuple[Instrument, ...]
@@ -158,18 +157,15 @@ def flow_graph(process: Process) -> FlowGraph:
     {'tank_1': 0, 'tank_2': 0, 'tank_3': 1, 'tank_4': 1}
     """
     vessels: list[str] = []
-    reservoirs: list[str] = []
     links: list[Link] = []
     junctions: list[Link] = []
     instruments: list[Instrument] = []
     loose: list[str] = []
     held = {e.name for e in process.elements if e.receives and not e.endless and not e.passes_on}
-    for element in process.elements:
+    for element in (each for each in process.elements if not each.endless):
         flowing = [c for c in element.connections() if c.carries_flow]
         if element.name in held:
             vessels.append(element.name)
-        elif element.endless:
-            reservoirs.append(element.name)
         elif element.passes_on:
             junctions.append(_link(element, held))
         elif element.measurements():
@@ -193,7 +189,7 @@ def flow_graph(process: Process) -> FlowGraph:
         for signal in (*element.measurements(), *element.inputs(), *element.disturbances())
     }
     return FlowGraph(
-        tuple(vessels), tuple(reservoirs), tuple(links), tuple(junctions), tuple(instruments),
+        tuple(vessels), tuple(links), tuple(junctions), tuple(instruments),
         tuple(loose), owners,
     )  # fmt: skip
 

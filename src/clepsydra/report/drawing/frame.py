@@ -47,7 +47,7 @@ class Frame:
     Examples
     --------
     >>> fall = Link("outlet", "orifice", ("tank",), ("basin",), by_weight=True)
-    >>> frame = Frame(FlowGraph(("tank",), ("basin",), (fall,), (), ()), {}, 0)
+    >>> frame = Frame(FlowGraph(("tank",), (fall,), (), ()), {}, 0)
     >>> frame.tops, [body.name for body in frame.standing["tank"]]
     ({(0, 0): 10}, ['tank', 'outlet'])
     """
