@@ -17,6 +17,7 @@ from clepsydra.designs.arguments.numbers import ALPHA
 from clepsydra.designs.arguments.of_process import MEASUREMENTS
 from clepsydra.designs.loops.closed_loop_time import CLOSED_LOOP_TIME
 from clepsydra.designs.request import positive_number
+from clepsydra.designs.sampled.sampled_process import held_over
 from clepsydra.designs.sampled.setpoint_response import settled_after
 
 #: Instants of a response in the time constant of its fastest mode.
@@ -100,8 +101,6 @@ def settling_time(settings: VirtualSettings, degree: int) -> float:
     >>> round(settling_time(settings_for(10.0, 1), 1))
     39
     """
-    from scipy.linalg import expm
-
     order = degree + 1
     polynomial = np.array(
         [settings.integral_gain, settings.gain, *settings.damping], float
@@ -110,12 +109,11 @@ def settling_time(settings: VirtualSettings, degree: int) -> float:
     A[-1] = -polynomial
     numerator = np.zeros(order)
     numerator[:2] = settings.integral_gain, settings.setpoint_weight * settings.gain
-    driven = np.zeros(order)
-    driven[-1] = 1.0
+    driven = np.eye(order)[:, -1:]
     # Equal poles are known to a few digits only, and the time is a whole number of periods.
     period = rounded(_FINE / float(np.max(np.abs(np.linalg.eigvals(A)))), 2)
-    step = expm(np.block([[A, driven[:, None]], [np.zeros((1, order + 1))]]) * period)
-    return settled_after(step[:-1, :-1], step[:-1, -1], numerator, period)
+    held, moved = held_over(A, driven, period)
+    return settled_after(held, moved[:, 0], numerator, period)
 
 
 def checked_settings(

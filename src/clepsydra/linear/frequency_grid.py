@@ -27,36 +27,28 @@ _PADE_ORDER = 4
 _AT_ORIGIN = 1e4
 
 
-def frequency_grid(*models: LinearModel) -> np.ndarray:
-    """Return frequencies that show all that some models do, from slow to fast.
+def frequency_grid(model: LinearModel) -> np.ndarray:
+    """Return frequencies that show all that a model does, from slow to fast.
 
     Sixty a decade, from a hundredth of the slowest pole, zero or inverse dead time to a hundred
     times the fastest; more around each resonance; and with dead time enough to follow its
     phase, up to 4000 of these. No pole stands on the grid.
-
-    Parameters
-    ----------
-    *models : LinearModel
-        A plant, or a loop and what closing it gives.
 
     Returns
     -------
     ndarray [l]
         Rising [rad/s], above zero.
     """
-    roots = np.concatenate([_roots(model) for model in models])
-    times = [float(model.delays.times.sum()) for model in models if model.delays is not None]
-    rates = np.concatenate([np.abs(roots), 1.0 / np.array(times)])
-    if not rates.size:
-        rates = np.ones(1)
-    low, high = rates.min() / _BEYOND, rates.max() * _BEYOND
+    roots, late = _roots(model), float(model.times.sum())
+    rates = [*np.abs(roots), *([1.0 / late] if late else [])] or [1.0]
+    low, high = min(rates) / _BEYOND, max(rates) * _BEYOND
     count = int(np.ceil(_PER_DECADE * np.log10(high / low))) + 1
     parts = [np.geomspace(low, high, count)]
     ringing = roots[(roots.imag > 0.0) & (np.abs(roots.real) < 0.3 * np.abs(roots))]
     widths = np.maximum(np.abs(ringing.real), 1e-6 * ringing.imag)
     parts.append((ringing.imag[:, None] + widths[:, None] * _AROUND).ravel())
-    if times:
-        step = _TURN / max(times)
+    if late:
+        step = _TURN / late
         # Below this frequency the logarithmic grid is the finer one.
         start = step * _PER_DECADE / np.log(10.0)
         parts.append(start + step * np.arange(min(_MOST, max(0.0, (high - start) / step))))

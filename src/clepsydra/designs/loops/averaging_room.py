@@ -64,7 +64,6 @@ class Load(NamedTuple):
     """
 
     signal: str
-    unit: str
     size: float
     rate: float
 
@@ -104,8 +103,7 @@ def load_steps(model: LinearModel, output: str, others: Sequence[str] = ()) -> l
             if others:
                 moves = _moves_at_rest(model, name)
                 slope += sum(moves[u] * _slope(model, output, u) for u in others)
-            unit = process.signal(name).unit
-            loads += [Load(name, unit, size, slope * size) for size in sizes if slope]
+            loads += [Load(name, size, slope * size) for size in sizes if slope]
     if not loads:
         raise NotApplicable(
             f"the process names no load step that moves {output}; give an arrest time"
