@@ -10,6 +10,7 @@ from clepsydra.papers.four_tank_laboratory.controllers import (
     at_the_simulator,
     decentralised,
     dynamic_decoupling,
+    robust,
 )
 from clepsydra.papers.four_tank_laboratory.margins import response
 from clepsydra.papers.four_tank_laboratory.set_ups import (
@@ -369,6 +370,12 @@ def test_the_simulator_takes_the_same_numbers_in_percent(set_up):
         for each in (in_percent, in_volts)
     )
     assert numbers == others and any(".error_gain." in name for name in numbers)
+    # Its own memory, and nothing of the outputs at rest.
+    memories = [
+        {each.name for each in controller.law.state if each.name.startswith("memory")}
+        for controller in (in_percent, robust(set_up))
+    ]
+    assert memories[0] == memories[1]
     assert not any(".output_effect." in name for name in numbers)  # no anti-windup
     assert in_percent.values["pump_1.high_limit"] == 1.0
     assert in_volts.values["pump_1.high_limit"] == 15.0

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import multiprocessing
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
+from contextlib import ExitStack
 from dataclasses import dataclass
 
 from clepsydra.papers.document import Document, Findings, documents, load_document
@@ -106,7 +106,15 @@ def audit(
     loaded = [load_document(key) for key in dict.fromkeys(keys or documents())]
     tasks = [(document.key, name) for document in loaded for name in document.experiments]
     found: dict[_Task, Findings] = {}
-    with _results(tasks, min(workers, len(tasks))) as results:
+    with ExitStack() as stack:
+        results: Iterable[tuple[_Task, Findings]] = map(_run, tasks)
+        if (workers := min(workers, len(tasks))) > 1:
+            # Forked processes would share locks of threads that are not there.
+            spawn = multiprocessing.get_context("spawn")
+            pool = ProcessPoolExecutor(workers, mp_context=spawn)
+            stack.callback(pool.shutdown, cancel_futures=True)
+            futures = [pool.submit(_run, task) for task in tasks]
+            results = (future.result() for future in as_completed(futures))
         for task, findings in results:
             found[task] = findings
             if progress is not None:
@@ -124,18 +132,3 @@ def audit(
 
 def _run(task: _Task) -> tuple[_Task, Findings]:
     return task, load_document(task[0]).findings(task[1])
-
-
-@contextmanager
-def _results(tasks: Sequence[_Task], workers: int) -> Iterator[Iterator[tuple[_Task, Findings]]]:
-    if workers <= 1:
-        yield map(_run, tasks)
-        return
-    # Forked processes would share locks of threads that are not there.
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(workers, mp_context=context)
-    try:
-        futures = [pool.submit(_run, task) for task in tasks]
-        yield (future.result() for future in as_completed(futures))
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)

@@ -119,8 +119,9 @@ def at_the_simulator(set_up: SetUp, kind: Kind, process: Process) -> Controller:
     manipulated = [process.signal(name) for name in controller.manipulated]
     if kind == "robust":
         A, B, C, D = precompensator_of(controller, course_model(set_up)).system
-        # Before its memory stand the outputs at rest. The law takes y - r, not the error.
-        A, B, C = A[len(C) :, len(C) :], -B[len(C) :], C[:, len(C) :]
+        # The outputs at rest, which no error moves, are zero there. The law takes y - r.
+        memory = B.any(axis=1)
+        A, B, C = A[np.ix_(memory, memory)], -B[memory], C[:, memory]
         matrices = ConditionedMatrices(A, B, np.zeros_like(C.T), C, -D)
         law = conditioned_linear_law(measured, manipulated, matrices)
         values = matrices.values(measured, manipulated)

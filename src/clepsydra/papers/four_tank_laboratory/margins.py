@@ -14,7 +14,7 @@ from clepsydra.designs.loop_shaping.coprime_factors import coprime_factors
 from clepsydra.designs.loop_shaping.robust_controller import robust_controller
 from clepsydra.designs.loop_shaping.shaped_plant import shaped_plant
 from clepsydra.papers.document import Found
-from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.figure import Curve, CurveKind, Figure, Panel
 from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.controllers import (
     Kind,
@@ -36,7 +36,7 @@ from clepsydra.papers.row import Row
 from clepsydra.studies.warnings.loop_response import LoopResponse, loop_response
 
 #: As designed, and as the simulator has it.
-_UNITS: tuple[Units, ...] = ("volts", "percent")
+_UNITS: dict[Units, CurveKind] = {"volts": "line", "percent": "dashed"}
 _NAMES: dict[Kind, str] = {"decentralised": "PI", "robust": "Glover-McFarlane"}
 
 
@@ -85,18 +85,12 @@ def _norm(set_up: SetUp) -> tuple[float, float, float, float]:
 
 
 def _figure(set_up: SetUp) -> Figure:
-    sizes = {
-        f"{name}, {units}": (units, response(set_up, kind, units))
-        for kind, name in _NAMES.items()
-        for units in _UNITS
-    }
     shown = [
-        Curve(
-            name, each.frequencies, np.linalg.norm(each.at_output, 2, axis=(1, 2)),
-            "line" if units == "volts" else "dashed",
-        )
-        for name, (units, each) in sizes.items()
-    ]  # fmt: skip
+        Curve(f"{name}, {units}", each.frequencies, np.linalg.norm(each.at_output, 2, (1, 2)), look)
+        for kind, name in _NAMES.items()
+        for units, look in _UNITS.items()
+        for each in [response(set_up, kind, units)]
+    ]
     label = "largest singular value of S"
     return Figure(
         "",
