@@ -21,13 +21,12 @@ from clepsydra.linear.analysis_words import (
 from clepsydra.linear.controllability import Reach, reach_of, words_about_reach
 from clepsydra.linear.dead_time import dead_times
 from clepsydra.linear.directionality import Directionality, directionality, few_frequencies
-from clepsydra.linear.directions import ZeroDirection, zero_directions
+from clepsydra.linear.directions import ZeroDirection, blocking_zeros
 from clepsydra.linear.equilibrium import find_equilibria
 from clepsydra.linear.equilibrium_request import Given
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.linear.poles import origin_radius
 from clepsydra.linear.ranges import in_known_ranges
 from clepsydra.linear.relative_gain_array import niederlinski_index, relative_gains, suggest_pairing
 from clepsydra.linear.roots import Roots, roots_of
@@ -98,7 +97,7 @@ class Analysis:
     @cached_property
     def right_half_plane_zeros(self) -> list[ZeroDirection]:
         """The zeros that limit control, with their directions in ranges where these are known."""
-        return _blocking_zeros(self.model, roots_of(self.model))
+        return blocking_zeros(self.model)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the analysis as values for JSON, in SI.
@@ -199,7 +198,7 @@ def analyse(
             *words_on_interaction(model, relative, pairing, index),
             *words_on_dead_time(model, late, roots.note),
             *words_on_zeros(roots.zeros_of, roots.zeros, _rationally_minimum(roots)),
-            *words_on_zero_directions(model, _blocking_zeros(model, roots)),
+            *words_on_zero_directions(model, blocking_zeros(model)),
             *words_on_gain(model, gain),
             *words_about_reach(model),
         ),
@@ -218,16 +217,3 @@ def _comparable(model: LinearModel) -> LinearModel:
 def _rationally_minimum(roots: Roots) -> bool:
     """Return whether the process is minimum phase but for its dead time."""
     return roots.minimum_phase or (bool(roots.note) and minimum_phase(roots.zeros_of))
-
-
-def _blocking_zeros(model: LinearModel, roots: Roots) -> list[ZeroDirection]:
-    radius = origin_radius(roots.zeros_of.A)
-    if not np.any(roots.zeros.real > radius):
-        return []
-    found = zero_directions(in_known_ranges(roots.zeros_of) or roots.zeros_of)
-    farthest = np.abs(roots.zeros).max() * (1.0 + 1e-6)
-    return [
-        each
-        for each in found
-        if each.zero.real > radius and each.zero.imag >= 0.0 and abs(each.zero) <= farthest
-    ]

@@ -7,6 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.poles import origin_radius
+from clepsydra.linear.ranges import in_known_ranges
+from clepsydra.linear.roots import roots_of
 from clepsydra.linear.zeros import normal_rank, reduced_system, zeros
 
 # Far above what null vectors of a small matrix are rounded by, far below what anyone reads.
@@ -31,6 +34,30 @@ class ZeroDirection(NamedTuple):
     zero: complex
     input_direction: np.ndarray
     output_direction: np.ndarray
+
+
+def blocking_zeros(model: LinearModel) -> list[ZeroDirection]:
+    """Return the zeros in the right half-plane with directions in shares of the ranges if known.
+
+    Of a conjugate pair it is the one above.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> model = cl.load("quadruple-tank-nonminimum-phase").linear
+    >>> [round(found.zero.real, 4) for found in blocking_zeros(model)]
+    [0.0128]
+    """
+    roots = roots_of(model)
+    radius = origin_radius(roots.zeros_of.A)
+    if not np.any(roots.zeros.real > radius):
+        return []
+    farthest = np.abs(roots.zeros).max() * (1.0 + 1e-6)
+    return [
+        found
+        for found in zero_directions(in_known_ranges(roots.zeros_of) or roots.zeros_of)
+        if found.zero.real > radius and found.zero.imag >= 0.0 and abs(found.zero) <= farthest
+    ]
 
 
 def zero_directions(model: LinearModel) -> list[ZeroDirection]:

@@ -16,6 +16,7 @@ from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.linear.poles import origin_radius, time_constants
 from clepsydra.linear.zeros import zeros
+from clepsydra.loop.moves_at_rest import moves_at_rest
 from clepsydra.loop.residence_times import residence_times, width_of_range
 from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.process.averaging import check_at_rest
@@ -242,19 +243,29 @@ def _setpoint_step(
     output = process.signal(name)
     span = _span(process, output)
     values, smallest = point.as_dict(), SMALLEST_STEP_SHARE * span
-    level_moves, input_moves = _moves_at_rest(process, model, column)
+    wanted = np.zeros(len(model.states) + len(model.outputs))
+    wanted[len(model.states) + column] = 1.0
+    moves = moves_at_rest(model, wanted)
+    if moves is None:
+        raise InputError(
+            f"{process.name}, setpoint step of {name}",
+            f"inputs {', '.join(model.inputs)}",
+            f"inputs that can hold a new value of {name} with the other outputs unchanged",
+            "control fewer measurements",
+        )
     rooms = [_room(values[name], *_inner(output), 1.0)]
     if name in process.bands:
         value, ends = values[name], process.bands[name]
         near, far = _room(value, *_near(value, *ends), 1.0), _room(value, *ends, 1.0)
         up, down = (max(near[way], min(2.0 * smallest, far[way])) for way in (0, 1))
         rooms.append((up, down))
-    for state, move in zip(model.states, level_moves, strict=True):
+    for state in model.states:
         signal, value = process.signal(state), values[state]
-        rooms.append(_room(value, *_near(value, signal.low, signal.high), move))
+        rooms.append(_room(value, *_near(value, signal.low, signal.high), moves[state]))
     kicks: list[tuple[float, float]] = []
-    for actuator, move in zip(model.inputs, input_moves, strict=True):
+    for actuator in model.inputs:
         value, (low, high) = values[actuator], _inner(process.signal(actuator))
+        move = moves[actuator]
         rooms.append(_room(value, low, high, move))
         kicks.append(_room(value, low, high, KICK * move))
         if low <= value <= high:  # one that rests shut may be asked to shut
@@ -263,9 +274,9 @@ def _setpoint_step(
         min(*(room[way] for room in rooms), max(smallest, min(kick[way] for kick in kicks)))
         for way in (0, 1)
     )
-    wanted = STEP_SHARE * span
-    upward = up >= min(wanted, down)
-    size = _one_digit_below(min(wanted, up if upward else down))
+    largest = STEP_SHARE * span
+    upward = up >= min(largest, down)
+    size = _one_digit_below(min(largest, up if upward else down))
     if size < smallest:
         raise InputError(
             f"{process.name}, setpoint step of {name}",
@@ -274,37 +285,6 @@ def _setpoint_step(
             "move the operating point away from the limits",
         )
     return size if upward else -size
-
-
-def _moves_at_rest(
-    process: Process, model: LinearModel, column: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return how far levels and inputs move, at rest, for a unit of one output alone.
-
-    0 = A Δx + B Δu and Δy = C Δx + D Δu are solved together, so that a process that
-    integrates, and has no static gain, needs no other route. Of several solutions it is the
-    smallest in shares of the ranges.
-    """
-    states = len(model.states)
-    matrix = np.block([[model.A, model.B], [model.C, model.D]])
-    scale = np.array([width_of_range(process.signal(name)) for name in model.states + model.inputs])
-    wanted = np.zeros(len(matrix))
-    wanted[states + column] = 1.0
-    matrix = matrix * scale
-    rows = np.max(np.abs(matrix), axis=1)
-    rows[rows == 0.0] = 1.0
-    shares = np.linalg.lstsq(matrix / rows[:, None], wanted / rows, rcond=None)[0]
-    missed = np.abs(matrix @ shares - wanted) / rows
-    if np.max(missed) > 1e-6 * np.max(wanted / rows):
-        name = model.outputs[column]
-        raise InputError(
-            f"{process.name}, setpoint step of {name}",
-            f"inputs {', '.join(model.inputs)}",
-            f"inputs that can hold a new value of {name} with the other outputs unchanged",
-            "control fewer measurements",
-        )
-    moves = shares * scale
-    return moves[:states], moves[states:]
 
 
 def _slowest(process: Process, model: LinearModel) -> float:

@@ -158,7 +158,7 @@ class _Study:
         if wanted.tune is not None:
             tuning = self._tuned(now, partial(wanted.tune.run, controller, self.model, scenario))
             controller = replace(tuning.controller, name=wanted.name)
-        self.trials.append(trial_of(controller, analysis, self.model, scenario, tuning))
+        self.trials.append(trial_of(controller, self.model, scenario, tuning))
 
     def _tuned(self, now: StudyProgress, run: Callable[[Search], TuningResult]) -> TuningResult:
         def tell(progress: Progress) -> None:

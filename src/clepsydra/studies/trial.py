@@ -9,7 +9,6 @@ from clepsydra.base.errors import ClepsydraError
 from clepsydra.base.remark import Remark
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
-from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.loop import Loop
@@ -31,7 +30,6 @@ _REFINEMENT = 4
 
 def trial_of(
     controller: Controller,
-    analysis: Analysis,
     model: LinearModel,
     scenario: Scenario,
     tuning: TuningResult | None = None,
@@ -41,7 +39,7 @@ def trial_of(
     Parameters
     ----------
     model : LinearModel
-        Of the same operating point, with all measurements.
+        With all measurements, at the operating point where the scenario begins.
     tuning : TuningResult, optional
         How the controller was tuned.
     """
@@ -50,7 +48,7 @@ def trial_of(
     if not switches:
         with suppress(ClepsydraError):  # the warnings say why there is none
             response = loop_response(controller, model)
-    before = warnings_before(analysis, model, controller, scenario, response)
+    before = warnings_before(model, controller, scenario, response)
     loop = Loop(controller, model)
     # Halving the step of a loop of switches moves a switch by a sample, and converges to nothing.
     run = loop.run(scenario) if switches else loop.run_checked(scenario, _REFINEMENT)

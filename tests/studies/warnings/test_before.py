@@ -16,8 +16,8 @@ from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.scenario import Segment
 from clepsydra.process.catalogue_names import catalogue_names
 from clepsydra.program.step_law import Equations, step_law
-from clepsydra.studies.warnings.bandwidth import bandwidth_warnings, blocking_zeros
-from clepsydra.studies.warnings.before import caveats_before, warnings_before
+from clepsydra.studies.warnings.bandwidth import bandwidth_warnings
+from clepsydra.studies.warnings.before import blocking_zeros, caveats_before, warnings_before
 from clepsydra.studies.warnings.loop_response import loop_response
 from clepsydra.studies.warnings.margins import margin_warnings
 from clepsydra.studies.warnings.sampling import sampling_warnings
@@ -30,7 +30,7 @@ def told(analysis, controller, scenario):
     """All that is said before a simulation, but that no load changes, as none does in most."""
     model = linearise(analysis.operating_point)
     caveats = [each.words for each in caveats_before(model, controller, scenario)]
-    warned = warnings_before(analysis, model, controller, scenario)
+    warned = warnings_before(model, controller, scenario)
     return (*(words for words in caveats if not words.startswith("No load changes")), *warned)
 
 
@@ -69,7 +69,7 @@ def test_all_warnings_of_a_controller_take_less_than_a_tenth_of_a_second(quadrup
     spent = []
     for _ in range(5):
         begin = time.process_time()
-        warnings_before(analysis, analysis.model, controller, scenario)
+        warnings_before(analysis.model, controller, scenario)
         spent.append(time.process_time() - begin)
     assert min(spent) < 0.1
 

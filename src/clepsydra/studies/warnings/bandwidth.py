@@ -10,51 +10,15 @@ import numpy as np
 from clepsydra.base.remark import Remark
 from clepsydra.base.words import listed, time_text
 from clepsydra.linear.dead_time import dead_times
-from clepsydra.linear.directions import ZeroDirection, zero_directions
+from clepsydra.linear.directions import ZeroDirection
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.poles import origin_radius
-from clepsydra.linear.ranges import in_known_ranges
 from clepsydra.linear.response import frequency_response
-from clepsydra.linear.roots import roots_of
 from clepsydra.studies.warnings.loop_response import LoopResponse
 
 #: Where the sensitivity in a direction reaches this from below, the bandwidth ends.
 _BANDWIDTH = math.sqrt(0.5)
 #: An output with at least this share of a direction is named.
 _NAMED = 0.3
-
-
-def blocking_zeros(model: LinearModel) -> list[ZeroDirection]:
-    """Return the zeros in the right half-plane with directions in shares of the ranges.
-
-    Parameters
-    ----------
-    model : LinearModel
-        From the manipulated variables of a controller to its controlled measurements.
-
-    Returns
-    -------
-    list of ZeroDirection
-        Of a conjugate pair the one above; none where a signal has no range.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> model = cl.load("quadruple-tank-nonminimum-phase").linear
-    >>> [round(found.zero.real, 4) for found in blocking_zeros(model)]
-    [0.0128]
-    """
-    roots = roots_of(model)
-    radius = origin_radius(roots.zeros_of.A)
-    shares = in_known_ranges(roots.zeros_of)
-    if shares is None or not np.any(roots.zeros.real > radius):
-        return []
-    farthest = np.abs(roots.zeros).max() * (1.0 + 1e-6)
-    return [
-        found
-        for found in zero_directions(shares)
-        if found.zero.real > radius and found.zero.imag >= 0.0 and abs(found.zero) <= farthest
-    ]
 
 
 def largest_bandwidth(zero: complex) -> float:

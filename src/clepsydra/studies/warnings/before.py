@@ -7,11 +7,11 @@ import numpy as np
 from clepsydra.base.errors import ClepsydraError
 from clepsydra.base.remark import Remark
 from clepsydra.controllers.controller import Controller
-from clepsydra.linear.analysis import Analysis
+from clepsydra.linear.directions import blocking_zeros
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.scenario import Scenario
-from clepsydra.studies.warnings.bandwidth import bandwidth_warnings, blocking_zeros
+from clepsydra.studies.warnings.bandwidth import bandwidth_warnings
 from clepsydra.studies.warnings.caveat import Caveat
 from clepsydra.studies.warnings.forbidden_levels import level_words
 from clepsydra.studies.warnings.loop_response import LoopResponse, loop_response
@@ -29,7 +29,6 @@ _NO_LOAD = Remark(
 
 
 def warnings_before(
-    analysis: Analysis,
     model: LinearModel,
     controller: Controller,
     scenario: Scenario,
@@ -41,8 +40,8 @@ def warnings_before(
     sampling, wind-up. A law that does not answer to small deviations, as a switch or a gap without
     gain, has no linear loop, so that stability to sampling are left out.
 
-    The model is that of the operating point of the analysis, with all measurements that the
-    controller reads; the scenario begins there. The response is given where it is known already.
+    The model has all measurements that the controller reads; the scenario begins at its operating
+    point. The response is given where it is known already.
 
     Raises
     ------
@@ -56,7 +55,7 @@ def warnings_before(
     >>> plant = cl.load("quadruple-tank")
     >>> fast = cl.design.simc(plant).with_values({"level_1": {"K": 300.0}})
     >>> scenario = default_scenario(plant.linear)
-    >>> print(warnings_before(plant.analysis, plant.linear, fast, scenario)[0].partition(":")[0])
+    >>> print(warnings_before(plant.linear, fast, scenario)[0].partition(":")[0])
     The closed loop of level_1 and level_2 is unstable by its linear model
     """
     point = operating_point_of(model)
@@ -68,7 +67,7 @@ def warnings_before(
             seen = "Stability, margins and bandwidth could not be checked"
             words.append(Remark(seen, str(refusal).removesuffix(".")))
     if response is not None and _answers(response):
-        words += _of_the_loop(analysis, model, controller, response)
+        words += _of_the_loop(model, controller, response)
     words += wind_up_warnings(controller, point, response, scenario)
     return tuple(words)
 
@@ -105,14 +104,10 @@ def _answers(response: LoopResponse) -> bool:
 
 
 def _of_the_loop(
-    analysis: Analysis, model: LinearModel, controller: Controller, response: LoopResponse
+    model: LinearModel, controller: Controller, response: LoopResponse
 ) -> list[Remark]:
     square = model.select(response.outputs, response.inputs)
-    of_all = analysis.model
-    if response.outputs == of_all.outputs and set(response.inputs) == set(of_all.inputs):
-        zeros = analysis.right_half_plane_zeros
-    else:
-        zeros = blocking_zeros(square)
+    zeros = blocking_zeros(square)
     return [
         *stability_warnings(controller, model, response, [found.zero for found in zeros]),
         *unit_warnings(controller, model, response),

@@ -15,13 +15,12 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.linear.signal_words import shown
+from clepsydra.loop.moves_at_rest import moves_at_rest
 from clepsydra.loop.scenario import Scenario, Segment
 
 #: An input that rests within this share of its range of a limit has no room, which the operating
 #: point has a warning of.
 _NO_ROOM = 0.02
-#: What is missed of the outputs wanted, as a share, where the inputs cannot hold them at all.
-_MISSED = 1e-6
 
 
 @dataclass(frozen=True)
@@ -73,11 +72,6 @@ def resting_after(controller: Controller, model: LinearModel, scenario: Scenario
     process, at = point.process, point.as_dict()
     outputs = tuple(dict.fromkeys(controller.setpoints))
     resting = at_rest(model.select(outputs, controller.manipulated))
-    names = (*model.states, *resting.inputs)
-    spans = np.array([process.signal(name).span for name in names])
-    sizes = np.where(np.isfinite(spans), spans, 1.0)
-    matrix = np.block([[resting.A, resting.B], [resting.C, resting.D]]) * sizes
-    rows = np.maximum(np.max(np.abs(matrix), axis=1), np.finfo(float).tiny)
     places = [process.controlled.index(name) for name in outputs]
     start = np.array([at[name] for name in outputs])
     found = []
@@ -89,13 +83,9 @@ def resting_after(controller: Controller, model: LinearModel, scenario: Scenario
         if segment.kind == "load" and _passes(resting, point, scenario, segment, loads):
             continue
         wanted = np.concatenate([-resting.E @ loads, scenario.setpoints[sample, places] - start])
-        shares = np.linalg.lstsq(matrix / rows[:, None], wanted / rows, rcond=None)[0]
-        missed = np.max(np.abs(matrix @ shares - wanted) / rows)
-        if missed <= _MISSED * np.max(np.abs(wanted / rows), initial=np.finfo(float).tiny):
-            moved = dict(zip(names, shares * sizes, strict=True))
-            found.append(
-                Rest(segment, {name: float(at[name] + move) for name, move in moved.items()})
-            )
+        moved = moves_at_rest(resting, wanted)
+        if moved is not None:
+            found.append(Rest(segment, {name: at[name] + move for name, move in moved.items()}))
     return found
 
 
