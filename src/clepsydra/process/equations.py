@@ -109,17 +109,6 @@ def join(
     return _Join(elements, gravity, components, manipulated).result()
 
 
-@dataclass(frozen=True)
-class _Evaluated:
-    """All equations at one set of symbols."""
-
-    rates: ca.SX
-    sent: ca.SX
-    totals: ca.SX
-    symbols: dict[str, ca.SX]
-    flows: tuple[Flow, ...]
-
-
 class _Join:
     def __init__(
         self,
@@ -174,14 +163,14 @@ class _Join:
         in_contents = held | _named(self.contents, c)
         shown = _merged(e.to_states(in_contents) for e in self.elements)
         to_state = _stacked(self.state, shown)
-        moving = self._evaluate(
+        rates, sent, totals, symbols, flows = self._evaluate(
             in_contents | shown | _named(self.memories, m), _named(self.delays, z)
         )
         at_first = {s.name: ca.SX(s.initial) for s in self.memories}
-        steady = self._evaluate(held | states | at_first, None)
-        events = [event for e in self.elements for event in e.events(moving.symbols)]
+        dynamics, *_ = self._evaluate(held | states | at_first, None)
+        events = [event for e in self.elements for event in e.events(symbols)]
         updates = _named(self.memories, m)
-        updates |= _merged(e.updates(moving.symbols) for e in self.elements)
+        updates |= _merged(e.updates(symbols) for e in self.elements)
         arguments, names = [c, z, m, u, d, p], ["c", "z", "m", "u", "d", "p"]
         fired = ca.SX.sym("fired", len(events))
         stored = self._stored(in_contents | shown)
@@ -193,7 +182,7 @@ class _Join:
             events=tuple(MotionEvent(e.name, e.words, e.harm, e.ends) for e in events),
             to_contents=ca.Function("to_contents", [x, p], [to_contents], ["x", "p"], ["c"]),
             to_state=ca.Function("to_state", [c, p], [to_state], ["c", "p"], ["x"]),
-            rates=ca.Function("rates", arguments, [moving.rates, moving.sent, moving.totals],
+            rates=ca.Function("rates", arguments, [rates, sent, totals],
                               names, ["dc", "w", "dt"]),
             guards=ca.Function(
                 "guards", arguments, [ca.vertcat(*(ca.SX(e.guard) for e in events))], names, ["g"]
@@ -203,15 +192,14 @@ class _Join:
             stored=ca.Function("stored", [c, p], [stored], ["c", "p"], ["stored"]),
             stored_names=tuple(name for name, _ in self.conserved),
             flows=ca.Function(
-                "flows", arguments, [ca.vertcat(*(f.rate for f in moving.flows))], names, ["q"]
+                "flows", arguments, [ca.vertcat(*(f.rate for f in flows))], names, ["q"]
             ),
             flow_paths=tuple(
-                FlowPath(flow.element, flow.source, flow.destination) for flow in moving.flows
+                FlowPath(flow.element, flow.source, flow.destination) for flow in flows
             ),
         )  # fmt: skip
         # dc/dt = ∂c/∂x dx/dt; a content depends on its own state and on states before it, as V C on
         # h and C.
-        dynamics = steady.rates
         if [s.name for s in self.state] != [s.name for s in self.contents]:
             dynamics = ca.solve(ca.jacobian(to_contents, x), dynamics)
         readings = _merged(e.readings(in_states) for e in self.elements)
@@ -236,8 +224,11 @@ class _Join:
 
     def _evaluate(
         self, given: Mapping[str, ca.SX], delayed: Mapping[str, ca.SX] | None
-    ) -> _Evaluated:
-        """Return all equations; what enters a delay leaves it at once where none are given."""
+    ) -> tuple[ca.SX, ca.SX, ca.SX, dict[str, ca.SX], list[Flow]]:
+        """Return rates of contents, what enters the delays, rates of totals, symbols and flows.
+
+        What enters a delay leaves it at once where none are given.
+        """
         symbols = {**given, **(delayed or {})}
         flows, sent = self._flows(symbols, pass_at_once=delayed is None)
         received: dict[str, list[Flow]] = {element.name: [] for element in self.elements}
@@ -263,12 +254,12 @@ class _Join:
             ended = element.ended(symbols)
             if ended is not None:
                 rates = {name: ca.if_else(ended, 0, rate) for name, rate in rates.items()}
-        return _Evaluated(
+        return (
             ca.cse(_stacked(self.contents, rates)),
             _stacked(self.delays, sent),
             _stacked(self.totals, rates),
             symbols,
-            tuple(flows),
+            flows,
         )
 
     def _check_rate(self, element: Element, name: str) -> None:
