@@ -21,7 +21,7 @@ from clepsydra.controllers.blocks.status import Mode
 from clepsydra.controllers.blocks.validity import any_of, time_step_of
 from clepsydra.controllers.observers.observer import ModelObserver
 from clepsydra.controllers.observers.state_source import ShownStates, sensors_of_states
-from clepsydra.controllers.process_model import evaluated, model_parameter, used_in
+from clepsydra.controllers.process_model import evaluated, models_in
 from clepsydra.controllers.virtual_input import (
     ANTI_WINDUPS,
     AlphaOn,
@@ -88,13 +88,7 @@ class LinearisedProcess:
         self.source = observer or ShownStates(equations, {name: sensors[name] for name in needed})
         # What the law reads: the outputs, then what shows the other states.
         self.measurements = tuple(dict.fromkeys((*equations.outputs, *self.source.measurements)))
-        # The constants of the process that it computes with.
-        self.constants = used_in(equations, [found, *self.source.expressions])
         self._expressions = found
-
-    def values(self) -> dict[str, float]:
-        """Return the values of model.*."""
-        return {model_parameter(each).name: each.value for each in self.constants}
 
     def evaluated(self, sample: Sample, shown: dict[str, ca.SX], known: ca.SX) -> Evaluated:
         """Return derivatives and effects in this sample.
@@ -102,7 +96,7 @@ class LinearisedProcess:
         `shown`: what the `measurements` show, as numbers; `known`: whether they may be used.
         """
         equations, source = self.linearised.equations, self.source
-        sample.parameters(*map(model_parameter, self.constants))
+        sample.parameters(*models_in(equations, [self._expressions]))
         state = ca.SX(equations.point.state)
         found = source.correct(sample, [shown[y] for y in source.measurements], known)
         for name, value in zip(source.states, found, strict=True):

@@ -354,8 +354,8 @@ def _notes(
             f"An observer runs the equations of the process for {names}; its gain holds for a "
             f"sampling period of {process.sampling_period:g} s and no other."
         )
-    used = [each.signal.name for each in LinearisedProcess(linearised, observer).constants]
-    loads = [signal.name for signal in process.disturbances if signal.name in used]
+    disturbing = (signal.name for signal in process.disturbances)
+    loads = [name for name in disturbing if path("model", name) in controller.values]
     if loads:
         notes.append(f"Takes {', '.join(loads)} as constant; the integrals make up for the rest.")
     return tuple(notes)

@@ -21,7 +21,7 @@ class Sample:
     """The signals of a law in one sample, and what has been computed of its results so far.
 
     A law has the parameters and the state that its equations ask for, each declared where it is
-    read, and those of its blocks that nobody wires.
+    read.
 
     `symbols`: the signals of the law by their paths; `parameters`, `state`: for what it asks for
     that is not among them, as long as a law is written for the first time.
@@ -78,11 +78,10 @@ class Sample:
         the signal of the port's own name; what it names belongs to the first owner.
         """
         given = {
-            port.name: inputs[port.name] if port.name in inputs else self._wired(port, owners)
-            for port in block.inputs
+            name: inputs[name] if name in inputs else self[self._named(name, owners)]
+            for name in (port.name for port in block.inputs)
         }
         names = {entry.name: self._named(entry.name, owners) for entry in block.state}
-        self.memory(*(entry for entry in block.state if names[entry.name] == entry.name))
         found = block(instance, given, {own: self.state(name) for own, name in names.items()})
         self.next_state |= {name: found.next_state[own] for own, name in names.items()}
         self.name(owners[0] if owners else "", found.intermediates)
@@ -99,10 +98,6 @@ class Sample:
     def equations(self) -> Equations:
         """Return what the sample has come to."""
         return Equations(self.next_state, self.outputs, self.named)
-
-    def _wired(self, port: Signal, owners: Iterable[Signal | str]) -> ca.SX:
-        name = self._named(port.name, owners)
-        return self[name] if name in self.symbols else self.parameters(port)[0]
 
     def _named(self, name: str, owners: Iterable[Signal | str]) -> str:
         return next((own for o in owners if (own := path(o, name)) in self.symbols), name)

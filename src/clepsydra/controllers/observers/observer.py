@@ -107,6 +107,7 @@ class Observer(ABC):
         inputs = (*(each.port for each in state), *self._shown, KNOWN, *self._model)
         words = ("The estimate with the measurements: x + M (y - h(x)).",)
         block = Block(f"{self._kind}_correction", inputs, (), results, equations, words)
+        sample.parameters(*self._model)
         sample.memory(*state)
         given = at_ports([*self._shown, KNOWN], [*measured, known])
         found = sample.call(with_used_inputs(block), block.name, **given)
