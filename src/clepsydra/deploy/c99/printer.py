@@ -225,7 +225,7 @@ class _Source:
 
 def _declared(lines: list[str], kinds: dict[str, str]) -> list[str]:
     """Return statements that declare each of their own variables where it is first assigned."""
-    times = Counter(found[2] for line in lines if (found := _ASSIGNED.match(line)))
+    times = Counter(name for line in lines for name in re.findall(r"(?<![\w.>])(\w+) = ", line))
     written = []
     for line in lines:
         found = _ASSIGNED.match(line)

@@ -25,12 +25,13 @@ def folded(line: str, longest: int = LINE) -> list[str]:
       total_inflow := first_inflow + second_inflow * (first_share + second_share)
           + third_inflow * third_share;
     """
-    indent = " " * (len(line) - len(line.lstrip()) + 4)
+    bare = line.lstrip()
+    start = line[: len(line) - len(bare)]
+    wrapper = textwrap.TextWrapper(
+        longest, start, f"{start}    ", break_long_words=False, break_on_hyphens=False
+    )
     for pattern in (f"{_TIGHT}|{_OPERATOR}", _OPERATOR):
-        text = re.sub(pattern, lambda found: found[0].replace(" ", _KEPT), line)
-        rows = textwrap.wrap(
-            text, longest, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
-        )
+        rows = wrapper.wrap(re.sub(pattern, lambda found: found[0].replace(" ", _KEPT), bare))
         if all(len(row) <= longest for row in rows):
             break
     return [row.replace(_KEPT, " ") for row in rows]

@@ -50,8 +50,6 @@ class Language(Notation, ABC):
     repeated_end: str
     #: The place behind a place in a ring of a length.
     advanced: str
-    #: Whether a short branch stands beside its condition.
-    dense = False
     #: What stands before the name of a state.
     states = ""
     #: How a call hands an output to a variable; empty where it cannot.
@@ -145,7 +143,7 @@ class Language(Notation, ABC):
         for condition, inside in branches:
             opening = self.another if lines else self.opened
             head = opening.format(condition) if condition else self.otherwise
-            beside = self.dense and len(inside) == 1 and not inside[0].startswith(self.opened[:2])
+            beside = len(inside) == 1 and not inside[0].startswith(self.opened[:2])
             whole = f"{head} {inside[0]}" if beside else ""
             if inside:
                 lines += [whole] if 0 < len(whole) <= LINE else [head, *indented(inside)]

@@ -71,7 +71,7 @@ class StructuredText(Language):
     language = "Structured Text"
     operators: ClassVar = {**OPERATORS, "equal": "=", "not_equal": "<>", "and": "AND", "or": "OR"}
     negation = "NOT "
-    computes = dense = True
+    computes = True
     comment = "(* {} *)"
     assignment = "{} := {};"
     opened = "IF {} THEN"
