@@ -19,6 +19,7 @@ from clepsydra.designs.lqr import design_lqr
 from clepsydra.designs.pole_placement import design_pole_placement
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.designs.sampled.sampled_process import sampled_process, sampled_states
+from clepsydra.designs.states.estimation import Estimation, input_noise
 from clepsydra.designs.states.measured_states import with_outputs, without_idle_states
 from clepsydra.designs.states.observed_process import observed_process
 from clepsydra.designs.states.quadratic_weights import QuadraticWeights, diagonal_weights
@@ -319,6 +320,26 @@ def test_each_number_on_its_way_is_what_it_is_called():
                 assert state[place] == pytest.approx(tank[-1 - round(age)], rel=1e-9)
             elif name == "feed":
                 assert state[place] == pytest.approx(pump[-round(age)], abs=1e-12)
+
+
+def test_the_noise_of_the_inputs_is_that_of_a_simulated_loop():
+    """Of an observer so fast that a variance is a difference of far larger numbers."""
+    model = model_of("laboratory-four-tanks")
+    measurements = ["level_1", "level_2"]
+    poles = {"poles": [0.98, 0.97, 0.96, 0.95], "observer_poles": np.linspace(0.2, 0.3, 6)}
+    controller = design_pole_placement(model, measurements=measurements, **poles)
+    held, moved, shown, correction, feedback = observer_of(controller)
+    sensor = 0.005 * 30e-2 * 4.0
+    made = np.random.default_rng(1).normal(0.0, sensor, (20_000, 2))
+    state, estimate, inputs = np.zeros(6), np.zeros(6), []
+    for noise in made:
+        corrected = estimate + correction @ (shown @ (state - estimate) + noise)
+        inputs.append(-feedback @ corrected)
+        state = held @ state + moved @ inputs[-1]
+        estimate = held @ corrected + moved @ inputs[-1]
+    estimation = Estimation((), held, moved, shown, correction)
+    found = input_noise(estimation, feedback, sensor**2 * np.eye(2))
+    assert found == pytest.approx(np.std(inputs, axis=0), rel=0.05)
 
 
 def test_given_poles_are_taken_as_they_are():

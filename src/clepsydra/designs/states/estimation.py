@@ -123,21 +123,16 @@ def input_noise(estimation: Estimation, feedback: np.ndarray, noise: np.ndarray)
     >>> round(float(input_noise(whole, 0.5 * one, one)[0] ** 2), 6)
     0.333333
     """
-    from scipy.linalg import solve_discrete_lyapunov
+    from scipy.linalg import block_diag, solve_discrete_lyapunov
 
     _, held, moved, shown, correction = estimation
     N = len(held)
-    # x̂c = x̂ + M (C x + v − C x̂), u = −F x̂c. The states of the process, then the estimate.
+    # Of the states x and the error e = x − x̂: x̂ + M (C (x − x̂) + v) = x − (I − M C) e + M v.
     kept = np.eye(N) - correction @ shown
-    of_state = np.hstack([correction @ shown, kept])
-    u_of_state, u_of_noise = -feedback @ of_state, -feedback @ correction
-    A = np.vstack(
-        [
-            np.hstack([held, np.zeros((N, N))]) + moved @ u_of_state,
-            held @ of_state + moved @ u_of_state,
-        ]
-    )
-    B = np.vstack([moved @ u_of_noise, held @ correction + moved @ u_of_noise])
+    u_of_state, u_of_noise = np.hstack([-feedback, feedback @ kept]), -feedback @ correction
+    A = block_diag(held, held @ kept)
+    A[:N] += moved @ u_of_state
+    B = np.vstack([moved @ u_of_noise, -held @ correction])
     free = np.any(moved != 0.0, axis=1) | np.any(np.abs(held - np.eye(N)) > 0.0, axis=1)
     kept_rows = np.concatenate([free, np.ones(N, bool)])
     # A constant load of the process itself is no part of the noise: it stands at zero.
