@@ -27,7 +27,7 @@ NAMES = [
 @pytest.mark.parametrize("name", NAMES)
 def test_the_text_has_nothing_that_it_does_not_take(name):
     """No NOT of a bracketed AND or OR, no repetition in an array, no literal before what it is
-    compared with, no SEL as a condition; and nothing is asked twice."""
+    compared with, no SEL as a condition, no output to an array; and nothing is asked twice."""
     need_grammar()
     ready = family(name)[1]
     root = parse(print_structured_text(ready.program, origin=ready.origin, dialect="matiec"))
@@ -35,6 +35,7 @@ def test_the_text_has_nothing_that_it_does_not_take(name):
         text = " ".join(content(node).split()) if node.type != "source_file" else ""
         assert node.type != "array_repetition", text
         assert not re.match(r"(MIN|MAX)\(-?\d|(IF|ELSIF) SEL\(", text), text
+        assert not re.search(r"=> \w+\[", text), text
         if node.type == "unary_expression" and text.startswith("NOT ("):
             assert not re.search(r"\b(AND|OR)\b", text), text
         if node.type == "binary_expression":
