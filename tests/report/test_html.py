@@ -11,6 +11,7 @@ from clepsydra.process.reader import load_process
 from clepsydra.report import html
 from clepsydra.report.html import address_text, report_text
 from clepsydra.report.page import STILL_WORDS
+from clepsydra.studies.recommendation import Remark
 
 VOID = {"meta", "br", "link", "img", "hr", "input"}
 
@@ -246,7 +247,7 @@ def test_the_times_of_the_scenario_have_one_unit(text):
 def test_numbers_in_words_of_a_design_have_the_minus_of_the_tables(result):
     told = replace(
         result,
-        warnings=("slope -0.5 %/% (-3 V), as in --input 'pump_1=-1 V'.",),
+        warnings=(Remark("slope -0.5 %/% (-3 V), as in --input 'pump_1=-1 V'"),),
         not_applicable=(("PI-2, own", "its gain is -2 V/V"),),
     )
     words = words_of(report_text(told))

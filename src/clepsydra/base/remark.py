@@ -22,12 +22,27 @@ class Remark(str):
     pump_1 winds up; choose another form.
     """
 
-    brief: str
-    advice: str
+    seen: str
+    means: str
+    remedy: str
 
     def __new__(cls, seen: str, means: str = "", remedy: str = "") -> Self:
-        """Join the parts; `brief` is what is seen, `advice` with what to do."""
+        """Join the parts."""
         ending = f"; {remedy}." if remedy else "."
         said = super().__new__(cls, (f"{seen}: {means}" if means else seen) + ending)
-        said.brief, said.advice = f"{seen}.", seen + ending
+        said.seen, said.means, said.remedy = seen, means, remedy
         return said
+
+    def __getnewargs__(self) -> tuple[str, ...]:  # type: ignore[override]
+        """Return what a copy is made of, in place of the text that any other string is made of."""
+        return self.seen, self.means, self.remedy
+
+    @property
+    def brief(self) -> str:
+        """What is seen."""
+        return f"{self.seen}."
+
+    @property
+    def advice(self) -> str:
+        """What is seen, with what to do."""
+        return f"{self.seen}; {self.remedy}." if self.remedy else self.brief

@@ -88,8 +88,8 @@ def ranking_glance(shown: Sequence[Candidate]) -> Table:
             "" if factor == 1.0 else f"{factor:.3g}×",
             standing if several else "",
             *(figure.cell(process, each) for figure in figures),
-            f"{each.relative_error:.2f}",
-            "–" if math.isnan(each.maximum_sensitivity) else f"{each.maximum_sensitivity:.2f}",
+            number_text(each.relative_error),
+            number_text(each.maximum_sensitivity),
         )
         for each, standing, factor in zip(shown, standings, slowed, strict=True)
     ]
@@ -302,7 +302,7 @@ def _how_good(process: Process, compared: Sequence[Candidate]) -> Section:
             worst = {found[0] for each in compared if (found := figure.worst(process, each))}
             of = f" ({worst.pop()})" if len(worst) == 1 and len(process.controlled) > 1 else ""
             rows.append((f"{figure.title}{of}", *cells))
-    rows.append(("relative error", *(f"{each.relative_error:.2f}" for each in compared)))
+    rows.append(("relative error", *(number_text(each.relative_error) for each in compared)))
     head = ("", *(each.controller.title for each in compared))
     return Section("How good", (Table("", head, tuple(rows)),))
 
@@ -310,7 +310,7 @@ def _how_good(process: Process, compared: Sequence[Candidate]) -> Section:
 def _how_sure(process: Process, first: Candidate) -> Section:
     rows = [("standing", standing_word(first), "")]
     if not math.isnan(peak := first.maximum_sensitivity):
-        rows.append(("max|S|", f"{peak:.2f}", f"limit {SENSITIVITY_LIMIT:g}"))
+        rows.append(("max|S|", number_text(peak), f"limit {SENSITIVITY_LIMIT:g}"))
     if first.response is not None:
         margins = [tuple(each.values()) for each in margin_table(first.response).values()]
         gain, phase, _, delay, _ = map(min, zip(*margins, strict=True))
