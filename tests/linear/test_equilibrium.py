@@ -273,7 +273,7 @@ def test_equations_without_a_derivative_are_refused_in_words(make_process):
         ({"inputs": {"pmp_1": 1.0}}, r"perhaps 'pump_1' was meant"),
         (
             {"inputs": {"pump_1": 11.0}},
-            r"inputs\.pump_1: got '11 V', expected a value from 0 V to 10 V",
+            r"inputs\.pump_1: got '11 V', expected a value from 0 to 10 V",
         ),
         ({"inputs": {"pump_1": -1e-9}}, r"inputs\.pump_1: got '-1e-09 V'"),
         ({"inputs": {"pump_1": math.nan}}, r"inputs\.pump_1: got nan"),

@@ -126,7 +126,7 @@ def test_a_value_out_of_range_is_told_in_the_unit_of_its_signal(tmp_path):
     with refused(
         place="operating point, outputs.level",
         value="160 cm",
-        expected="a value from 0 cm to 150 cm",
+        expected="a value from 0 to 150 cm",
         remedy="choose a value inside the range of level",
     ):
         _ = beyond.point

@@ -67,7 +67,7 @@ def test_an_error_that_is_larger_is_watched_where_no_level_is_off_by_a_hundredth
     rig = cl.load("three-tanks")
     found = cl.study(rig, [companion(rig, 6.0, 200.0, 10.0, 3, 1.0)])
     said = found.best.warnings[-1]
-    assert re.search(rf"{re.escape(SENTENCE)} its error would be 1\.\d+ times that: ", said)
+    assert re.search(rf"{re.escape(SENTENCE)} its error would be 1\.\d+ times that; ", said)
 
 
 def test_a_number_that_single_precision_has_not_is_told(plant):

@@ -11,8 +11,8 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
-from clepsydra.linear.signal_words import range_of, shown
 from clepsydra.process.process import Process
+from clepsydra.process.signal_values import beyond_range
 
 #: Values of signals by their names [SI].
 Given = Mapping[str, float] | None
@@ -111,8 +111,7 @@ def _checked(
             unit = "" if signal.unit == "1" else f" {signal.unit}"
             span = f"a number from {signal.low:g} to {signal.high:g}{unit}"
             raise InputError(place, value, span, "give a finite number in SI units")
-        if not signal.low <= value <= signal.high:
-            remedy = f"choose a value inside the range of {name}"
-            raise InputError(place, shown(signal, value, 10), f"a value {range_of(signal)}", remedy)
+        if beyond := beyond_range(signal, value, "a value"):
+            raise InputError(place, *beyond, f"choose a value inside the range of {name}")
         checked[name] = float(value)
     return checked
