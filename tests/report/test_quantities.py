@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from clepsydra import Signal
+from clepsydra.base.units import unit_text
 from clepsydra.report.quantities import (
     number_text,
     quantity_text,
@@ -13,7 +14,6 @@ from clepsydra.report.quantities import (
     setting_time,
     short_text,
     time_cell,
-    unit_text,
 )
 
 

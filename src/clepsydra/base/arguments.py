@@ -55,8 +55,8 @@ perhaps 'pump' was meant.
     raise InputError(place, str(name)[:60], expected, suggestion(name, known, remedy))
 
 
-def known_signal(place: str, name: object, signals: Iterable[Signal], words: str) -> Signal:
-    """Return a signal by its name, or refuse the name as `require_known` does."""
+def require_signal(place: str, name: object, signals: Iterable[Signal], words: str) -> Signal:
+    """Return a signal by its name; refuse one that there is not as `require_known` does."""
     known = {signal.name: signal for signal in signals}
     require_known(place, name, known, words)
     return known[str(name)]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from clepsydra.base.arguments import known_signal
+from clepsydra.base.arguments import require_signal
 from clepsydra.base.csv_table import read_csv
 from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.signal import Signal
@@ -73,7 +73,7 @@ class Record:
 
     def signal(self, name: str, place: str) -> Signal:
         """Return one of the signals; an unknown name is an InputError."""
-        return known_signal(place, name, self.signals, f"a column of {self.place}")
+        return require_signal(place, name, self.signals, f"a column of {self.place}")
 
     def column(self, name: str) -> str:
         """Return the place of a column, for messages."""

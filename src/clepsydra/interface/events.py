@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from clepsydra.base.arguments import known_signal, require_type, sequence_of
+from clepsydra.base.arguments import require_signal, require_type, sequence_of
 from clepsydra.base.errors import InputError
 from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.signal import Signal
@@ -241,7 +241,7 @@ def _signal(event: Event, plant: Plant, controlled: bool) -> Signal:
     place = event.place
     if event.kind == "disturbance":
         words = f"a disturbance of {process.name}"
-        return known_signal(place, event.signal, process.disturbances, words)
+        return require_signal(place, event.signal, process.disturbances, words)
     setpoints = {name: process.signal(name) for name in process.controlled}
     inputs = {signal.name: signal for signal in process.inputs}
     if not controlled and event.signal in setpoints:
@@ -261,7 +261,7 @@ def _signal(event: Event, plant: Plant, controlled: bool) -> Signal:
     movable = {**(setpoints if controlled else inputs), **loads}
     words = "a controlled measurement" if controlled else "an input"
     words += f" or a disturbance of {process.name}"
-    return known_signal(place, event.signal, movable.values(), words)
+    return require_signal(place, event.signal, movable.values(), words)
 
 
 def _value(event: Event, signal: Signal, before: float | None) -> float:

@@ -8,7 +8,7 @@ from typing import TypeVar
 from clepsydra.base.errors import UnknownKey
 from clepsydra.base.section import Section, Table
 from clepsydra.base.suggestion import suggestion, symbol_of
-from clepsydra.base.units import from_si
+from clepsydra.base.units import from_si, unit_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.pid_block import PidBlock
@@ -17,7 +17,9 @@ from clepsydra.designs.loops.pid_settings import Action
 from clepsydra.interface.shown import Answered
 from clepsydra.process.joined_unit import BESIDE
 from clepsydra.report.facts import gain_unit
-from clepsydra.report.quantities import number_text, unit_text
+from clepsydra.report.quantities import (
+    number_text,
+)
 from clepsydra.studies.file.law_parameters import GAINS, key_of, loops_of
 
 T = TypeVar("T")

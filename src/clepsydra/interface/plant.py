@@ -168,7 +168,10 @@ class Plant(Answered):
 
     def answer(self) -> Section:
         """Return its signals with ranges and values at rest."""
-        from clepsydra.report.quantities import quantity_text, unit_text
+        from clepsydra.base.units import unit_text
+        from clepsydra.report.quantities import (
+            quantity_text,
+        )
 
         process = self.process
         notes: tuple[str, ...] = ()

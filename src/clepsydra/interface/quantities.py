@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from numbers import Real
 from typing import Any
 
-from clepsydra.base.arguments import known_signal, require_type
+from clepsydra.base.arguments import require_signal, require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import to_si
@@ -113,8 +113,10 @@ def read_time(place: str, key: str, value: object) -> float:
 def read_values(
     place: str, given: Mapping[str, object], signals: Sequence[Signal], words: str
 ) -> dict[str, float]:
-    """Return values of signals by name [SI]; the words say what they are, as for `known_signal`."""
+    """Return values of signals by name [SI]; the words say what they are, for a refusal."""
     return {
-        name: read_signal(place, name, value, known_signal(place, name, signals, words), "a value")
+        name: read_signal(
+            place, name, value, require_signal(place, name, signals, words), "a value"
+        )
         for name, value in given.items()
     }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from clepsydra.base.arguments import known_signal
+from clepsydra.base.arguments import require_signal
 from clepsydra.base.keywords import keywords_checked
 from clepsydra.interface.quantities import Quantity, read_signal, read_time
 from clepsydra.interface.subject import Subject, plant_of
@@ -61,8 +61,8 @@ def relay_experiment(
     plant = plant_of(plant)
     process = plant.process
     outputs = [process.signal(name) for name in process.controlled]
-    y = known_signal(_PLACE, measured, outputs, "a controlled measurement")
-    u = known_signal(_PLACE, manipulated, process.inputs, "an input")
+    y = require_signal(_PLACE, measured, outputs, "a controlled measurement")
+    u = require_signal(_PLACE, manipulated, process.inputs, "an input")
 
     def change(key: str, value: Quantity, of: inner.Signal) -> float:
         return read_signal(_PLACE, key, value, of, "a change", change=True)

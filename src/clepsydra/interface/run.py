@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from clepsydra.base.section import Line, Section
-from clepsydra.base.units import from_si
+from clepsydra.base.units import from_si, unit_text
 from clepsydra.base.words import time_text
 from clepsydra.interface.scores import Scores
 from clepsydra.interface.shown import Answered
@@ -18,7 +18,6 @@ from clepsydra.loop import run as inner
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.open_loop_plan import Plan
 from clepsydra.loop.profile import Change
-from clepsydra.report.quantities import unit_text
 from clepsydra.studies.trial import scores_of
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from clepsydra.base.arguments import known_signal, require_type
+from clepsydra.base.arguments import require_signal, require_type
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity, arguments, with_unit
@@ -65,7 +65,7 @@ def plant_shell(
         )  # fmt: skip
         found[name] = {}
         for key, value in (given or {}).items():
-            signal = known_signal(name, key, signals, "one of these")
+            signal = require_signal(name, key, signals, "one of these")
             shown = {"value": signal.shown_unit, "time": "s", "rate": _a_second(signal.shown_unit)}
             table = arguments(name, {key: with_unit(value, shown[kind])})
             if kind == "value":

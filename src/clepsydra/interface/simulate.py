@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import overload
 
-from clepsydra.base.arguments import known_signal, require_type
+from clepsydra.base.arguments import require_signal, require_type
 from clepsydra.base.keywords import keywords_checked
 from clepsydra.interface.controller import AnyController, of_plant
 from clepsydra.interface.events import Events, changes_of
@@ -127,7 +127,7 @@ def _states(given: Mapping[str, Quantity], plant: Plant) -> dict[str, float]:
     return {
         name: read_state(
             name,
-            with_unit(value, known_signal("state", name, own, words).shown_unit),
+            with_unit(value, require_signal("state", name, own, words).shown_unit),
             plant.process,
             "state",
         )

@@ -8,7 +8,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from clepsydra.base.arguments import check_choice, known_signal
+from clepsydra.base.arguments import check_choice, require_signal
 from clepsydra.base.errors import InputError
 from clepsydra.base.units import to_si
 from clepsydra.base.words import listed, time_text
@@ -134,7 +134,7 @@ def read_state(name: str, value: object, process: Process, place: str) -> float:
     >>> read_state("tank_1.level", "5 cm", load_process("quadruple-tank"), "--state")
     0.05
     """
-    signal = known_signal(place, name, process.state, f"a state of {process.name}")
+    signal = require_signal(place, name, process.state, f"a state of {process.name}")
     where = f"{place}, {name}"
     number = to_si(value, signal.unit, where)
     check_range(signal, number, where)

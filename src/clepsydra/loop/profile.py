@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clepsydra.base.arguments import known_signal
+from clepsydra.base.arguments import require_signal
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import to_si, with_percent_hint
@@ -98,7 +98,7 @@ def read_assignment(text: str, process: Process, place: str) -> Change:
 def outside_signal(name: str, process: Process, place: str) -> Signal:
     """Return an input or a disturbance by its name, or refuse the name."""
     outside = (*process.inputs, *process.disturbances)
-    return known_signal(place, name, outside, f"an input or a disturbance of {process.name}")
+    return require_signal(place, name, outside, f"an input or a disturbance of {process.name}")
 
 
 def check_range(signal: Signal, value: float, place: str, written: object = None) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
+from clepsydra.base.units import unit_text
 from clepsydra.base.words import time_text, time_unit
 from clepsydra.designs.gain_units import gain_factor
 from clepsydra.linear.analysis import Analysis
@@ -20,7 +21,10 @@ from clepsydra.linear.roots import PADE_ORDER
 from clepsydra.linear.step_response import step_response
 from clepsydra.report.colours import INK, LIMIT, MUTED, PALETTE, signal_colours
 from clepsydra.report.facts import gain_unit
-from clepsydra.report.quantities import display_factor, short_text, unit_text
+from clepsydra.report.quantities import (
+    display_factor,
+    short_text,
+)
 from clepsydra.report.response_axes import (
     channel_picture,
     in_shares,

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from clepsydra.base.section import Table
 from clepsydra.base.signal import Signal
+from clepsydra.base.units import unit_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.gain_units import gain_factor
 from clepsydra.process.process import Process
@@ -15,7 +16,6 @@ from clepsydra.report.quantities import (
     number_text,
     quantity_text,
     sensor_scale,
-    unit_text,
 )
 
 DIGITS = 4

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from clepsydra.base.units import unit_text
 from clepsydra.base.words import listed
 from clepsydra.process.averaging import band_text
 from clepsydra.process.process import Process
@@ -18,7 +19,6 @@ from clepsydra.report.quantities import (
     settled,
     shown_signal,
     time_cell,
-    unit_text,
 )
 from clepsydra.scores.band import TIME_OUTSIDE
 from clepsydra.scores.score import SCORES

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from clepsydra.base.section import Line, Mark, Picture, Section, Table, marked
+from clepsydra.base.units import unit_text
 from clepsydra.base.words import time_text
 from clepsydra.identification.estimate import Estimate
 from clepsydra.identification.fitted_model import FittedModel
@@ -23,7 +24,9 @@ from clepsydra.report.identification_picture import (
     correlations_figure,
 )
 from clepsydra.report.page import page_text, svg_text
-from clepsydra.report.quantities import number_text, unit_text
+from clepsydra.report.quantities import (
+    number_text,
+)
 
 #: Of the answer: parameters of a process, and warnings.
 _FITTED, _WATCHED = 6, 2

@@ -9,9 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clepsydra.base.signal import Signal
+from clepsydra.base.units import unit_text
 from clepsydra.base.words import time_unit
 from clepsydra.report.colours import INK, MUTED, PALETTE
-from clepsydra.report.quantities import display_factor, unit_text
+from clepsydra.report.quantities import (
+    display_factor,
+)
 from clepsydra.report.response_axes import picture
 
 if TYPE_CHECKING:

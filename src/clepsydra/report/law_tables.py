@@ -8,6 +8,7 @@ import numpy as np
 
 from clepsydra.base.section import Table
 from clepsydra.base.signal import Signal, path
+from clepsydra.base.units import unit_text
 from clepsydra.base.words import time_text
 from clepsydra.controllers.blocks.status import STATUS_BITS, read_status
 from clepsydra.controllers.controller import Controller
@@ -22,7 +23,6 @@ from clepsydra.report.quantities import (
     quantity_text,
     setting_time,
     settled_gains,
-    unit_text,
 )
 
 _OBSERVER = (

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from clepsydra.base.signal import Signal
+from clepsydra.base.units import unit_text
 from clepsydra.loop.inner_setpoints import inner_loops, inner_setpoints
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Segment
@@ -24,7 +25,6 @@ from clepsydra.report.quantities import (
     display_factor,
     sensor_scale,
     shown_signal,
-    unit_text,
 )
 from clepsydra.report.score_tables import standing_word
 from clepsydra.scores.plant_flows import forced_flows

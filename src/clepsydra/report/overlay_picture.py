@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from clepsydra.base.units import unit_text
 from clepsydra.base.words import time_unit
 from clepsydra.report.colours import INK, MUTED, PALETTE
 from clepsydra.report.overlay import EventWindow, ShownSignal, event_title, shown_span
-from clepsydra.report.quantities import unit_text
 from clepsydra.report.trends import STYLE
 from clepsydra.studies.result import Candidate
 

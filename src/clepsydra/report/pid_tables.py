@@ -7,6 +7,7 @@ from itertools import compress
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.section import Table
+from clepsydra.base.units import unit_text
 from clepsydra.controllers.blocks.anti_windup import IN_WORDS
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
@@ -42,7 +43,6 @@ from clepsydra.report.quantities import (
     quantity_text,
     setting_time,
     time_cell,
-    unit_text,
 )
 
 _ALGORITHMS = {

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from clepsydra.base.signal import Signal
-from clepsydra.base.units import from_si
-from clepsydra.base.units import unit_text as unit_text
+from clepsydra.base.units import from_si, unit_text
 from clepsydra.base.words import time_unit
 from clepsydra.process.elements.sensor import Sensor
 from clepsydra.process.process import Process

@@ -7,6 +7,7 @@ import re
 from collections.abc import Sequence
 
 from clepsydra.base.section import Line, Mark, Table, marked
+from clepsydra.base.units import unit_text
 from clepsydra.designs.slowing_down import SLOWED_WORDS
 from clepsydra.process.process import Process
 from clepsydra.report.facts import DIGITS
@@ -19,7 +20,6 @@ from clepsydra.report.quantities import (
     number_text,
     quantity_text,
     settled,
-    unit_text,
 )
 from clepsydra.scores.score import SCORES, Of, Score, in_sentence
 from clepsydra.scores.score_key import score_key

@@ -9,7 +9,7 @@ import numpy as np
 
 from clepsydra.base.section import Line, Mark, Picture, Section, Table, marked
 from clepsydra.base.signal import Signal
-from clepsydra.base.units import from_si
+from clepsydra.base.units import from_si, unit_text
 from clepsydra.base.words import listed, time_text
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.open_loop_plan import TOLERANCE, Plan
@@ -19,7 +19,11 @@ from clepsydra.report.drawing.plant import process_drawing
 from clepsydra.report.facts import facts_table
 from clepsydra.report.html import address_text, integration_words, versions_text
 from clepsydra.report.page import page_text, svg_text
-from clepsydra.report.quantities import number_text, quantity_text, short_text, unit_text
+from clepsydra.report.quantities import (
+    number_text,
+    quantity_text,
+    short_text,
+)
 from clepsydra.report.recording import event_marks
 from clepsydra.report.trends import plot
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from clepsydra.base.signal import Signal
+from clepsydra.base.units import unit_text
 from clepsydra.base.words import time_text, time_unit
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.run import Run
@@ -21,7 +22,6 @@ from clepsydra.report.quantities import (
     percent_scale,
     sensor_scale,
     short_text,
-    unit_text,
 )
 from clepsydra.report.recording import Panel, Recording, all_panels, recording_of
 from clepsydra.scores.effort import at_limit

@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from clepsydra.base.signal import Signal
-from clepsydra.base.units import from_si
+from clepsydra.base.units import from_si, unit_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.element import Element
@@ -20,7 +20,11 @@ from clepsydra.report.drawing.flow_graph import FlowGraph, flow_graph
 from clepsydra.report.drawing.outline import TANK_WIDTH, Outline, outline_of
 from clepsydra.report.drawing.routing import Routes, route
 from clepsydra.report.drawing.shapes import TINTS, shortened, wrapped
-from clepsydra.report.quantities import percent_text, quantity_text, short_text, unit_text
+from clepsydra.report.quantities import (
+    percent_text,
+    quantity_text,
+    short_text,
+)
 
 #: Room for a line beside a pump, a flow or a splitter, at an instrument, and in a tank [px].
 _BESIDE, _AT, INSIDE = 170.0, 104.0, TANK_WIDTH - 6.0
