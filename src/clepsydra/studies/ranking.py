@@ -26,11 +26,13 @@ from clepsydra.studies.recommendation import as_good_as_first, recommend, rival_
 from clepsydra.studies.result import ACCEPTED, Candidate, Standing, TriedController
 from clepsydra.studies.warnings.harm import harms
 from clepsydra.studies.warnings.margins import LARGEST_PEAK
+from clepsydra.studies.warnings.strokes import STROKES, driven_to_and_fro
 
 _GROUPS = (
     "safe, robust and quiet controllers first (levels stay in their tanks, nothing runs dry, "
     "no pump trips, no load drives a level out of its band, max|S| at most 2.0, also of inner "
-    "loops, measurement noise throws no manipulated variable about by more than 5 % of its range), "
+    "loops, measurement noise throws no manipulated variable about by more than 5 % of its range, "
+    f"and no step sends one from end to end more than {STROKES} times), "
     "then nervous ones, which are not "
     "quiet, then stable ones, then those that leave a band, then the rest. Among these "
 )
@@ -82,7 +84,8 @@ class Trial(TriedController):
         peak = max(self.maximum_sensitivity, inner[1] if inner else 0.0)
         if peak > LARGEST_PEAK:
             return Standing.STABLE
-        return Standing.ROBUST if self.noise_movement <= QUIET else Standing.NERVOUS
+        quiet = self.noise_movement <= QUIET and not driven_to_and_fro(self.run)
+        return Standing.ROBUST if quiet else Standing.NERVOUS
 
     @property
     def noise_movement(self) -> float:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 
+from clepsydra.base.words import listed
 from clepsydra.scores.score import in_sentence
 from clepsydra.studies.departure import departures
 from clepsydra.studies.result import Candidate, Standing
 from clepsydra.studies.warnings.harm import harms
+from clepsydra.studies.warnings.strokes import driven_to_and_fro
 
 #: Controllers whose mean differs by less are as good as each other, and their wear decides.
 TIE = 1.02
@@ -58,6 +60,9 @@ def _standing(candidate: Candidate) -> str:
     if candidate.standing is Standing.ROBUST:
         return f"Robust ({peaks})"
     if candidate.standing is Standing.NERVOUS:
+        driven = [each.input for each in driven_to_and_fro(candidate.run)]
+        if driven:
+            return f"Robust ({peaks}), but a step drives {listed(driven)} to and fro"
         return f"Robust ({peaks}), but noise moves its outputs too much"
     if candidate.standing is Standing.STABLE:
         return f"Stable with thin margins ({peaks})"

@@ -17,13 +17,11 @@ from clepsydra.scores.effort import at_limit
 from clepsydra.scores.score_key import by_signal
 from clepsydra.studies.warnings.caveat import Caveat
 from clepsydra.studies.warnings.harm import emptied, harms
+from clepsydra.studies.warnings.strokes import driven_to_and_fro
 from clepsydra.studies.warnings.wind_up import ANTI_WINDUP, winds_up
 
 #: Share of a run at a limit above which the reader is told, and above which it is most of it.
 _SATURATED, _MOSTLY = 0.05, 0.5
-#: Ways across the whole range in one segment above which an input is driven to and fro: what
-#: reaches a setpoint soonest needs two, and one more brings it to rest.
-_STROKES = 3
 #: Error estimate above which the reader is told, share of the state's range; and above which it is
 #: seen in figures of three digits.
 _ERROR, _SEEN = 1e-6, 1e-3
@@ -43,7 +41,7 @@ def run_warnings(run: Run) -> tuple[Remark, ...]:
     >>> import clepsydra as cl
     >>> plant = cl.load("quadruple-tank")
     >>> fast = cl.design.simc(plant).with_values({"level_1": {"K": 50.0}})
-    >>> print(*run_warnings(cl.simulate(plant, fast)))
+    >>> print(run_warnings(cl.simulate(plant, fast))[0])
     pump_1 stands at a limit for 35 % of the time, mostly at 0 V: nothing is corrected meanwhile; \
 ask for less, or give it another size.
     """
@@ -157,29 +155,14 @@ def _saturated(run: Run) -> Iterator[Remark]:
 
 
 def _driven_to_and_fro(run: Run) -> Iterator[Remark]:
-    """Return which inputs a controller drives from end to end again and again after a step.
-
-    That noise does so the standing of a nervous controller says.
-    """
-    for name in run.controller.manipulated:
-        for event in run.scenario.segments:
-            strokes = _strokes(run, name, event)
-            if event.kind != "noise" and strokes > _STROKES:
-                seen = (
-                    f"{name} goes from one end of its range to the other {strokes} times after "
-                    f"the {event.kind} step of {event.signal}"
-                )
-                yield Remark(seen, "that wears it out", "make the loop slower")
-                break
-
-
-def _strokes(run: Run, name: str, segment: Segment) -> int:
-    """Return how often an input goes from one limit to the other within a segment."""
-    period = run.scenario.sampling_period
-    values = run.values[name][round(segment.start / period) : round(segment.stop / period)]
-    low, high = run.limits(name)
-    ends = at_limit(values, -np.inf, high).astype(int) - at_limit(values, low, np.inf)
-    return int(np.count_nonzero(np.diff(ends[ends != 0])))
+    """Return which inputs a controller sends from end to end again and again after a step."""
+    for each in driven_to_and_fro(run):
+        yield Remark(
+            f"{each.input} goes from one end of its range to the other {each.times} times after "
+            f"the {each.segment.kind} step of {each.segment.signal}",
+            "that wears it out",
+            "make the loop slower",
+        )
 
 
 def _inner_setpoints_at_limits(run: Run) -> Iterator[Remark]:
