@@ -11,10 +11,15 @@ from collections import defaultdict
 from contextlib import contextmanager
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 # Read when NumPy is loaded. The workers take all cores already, and the threads of the linear
 # algebra would only spin beside them: a study then costs half as much again.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+# A deadline for an example, or for drawing it, would be a clock that fails a test.
+settings.register_profile("no clock", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("no clock")
 
 #: Cases of a function marked `sampled` that stay in the fast tier.
 SAMPLE = 3

@@ -12,7 +12,7 @@ from tools import need
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from benchmarks import page, with_clepsydra, with_python_control
+from benchmarks import page, ratios, with_clepsydra, with_python_control
 from benchmarks.case import (
     HIGH_LIMIT,
     RECORDED,
@@ -24,7 +24,7 @@ from benchmarks.case import (
 )
 from benchmarks.cplusplus import VECTOR_COUNTS, CPlusPlus, recording_arrays
 from benchmarks.experiments import AGREEMENT
-from benchmarks.measure import Timings, Way, interleave
+from benchmarks.measure import Spread, Timings, Way, interleave
 
 ONE_RUN = make_case(1, 400)
 BATCH = make_case(53, 400)
@@ -125,3 +125,14 @@ def test_the_page_keeps_everything_outside_its_marks(tmp_path: Path) -> None:
     path.write_text("no marks", encoding="utf-8")
     with pytest.raises(ValueError, match="lacks the marks"):
         page.write("new", path)
+
+
+def test_each_ratio_is_of_two_calls_that_do_something() -> None:
+    found = ratios.measure(1)
+    assert all(each.seen.median > 0.0 for each in found)
+    assert len({each.name for each in found}) == len(found)
+
+
+def test_a_ratio_above_what_is_wanted_is_told() -> None:
+    row = ratios.Ratio("this", "that", 2.0, Spread(3.0, 1.0, 4.0)).row()
+    assert row == "| this | that | 2 | 3 [1, 4] | no |"

@@ -93,7 +93,7 @@ def opened(chromium):
             java_script_enabled=script, offline=True, accept_downloads=False,
         )  # fmt: skip
         contexts.append(context)
-        context.set_default_timeout(10_000)
+        context.set_default_timeout(120_000)
         context.grant_permissions(["clipboard-read", "clipboard-write"])
         page = context.new_page()
         page.on("console", lambda said: said.type in ("error", "warning") and wrong.append(said))

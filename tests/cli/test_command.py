@@ -56,7 +56,7 @@ def process(code: str, *arguments: str, folder: Path, **environment: str):
         capture_output=True,
         text=True,
         encoding="utf-8",
-        timeout=60,
+        timeout=600,
     )
 
 

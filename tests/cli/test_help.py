@@ -41,7 +41,7 @@ for arguments in json.loads(sys.argv[1]):
 def test_they_load_nothing_numeric(tmp_path):
     done = subprocess.run(
         [sys.executable, "-c", CODE, json.dumps(LIGHT)],
-        cwd=tmp_path, capture_output=True, text=True, encoding="utf-8", timeout=60,
+        cwd=tmp_path, capture_output=True, text=True, encoding="utf-8", timeout=600,
         env={**os.environ, "PYTHONPATH": str(Path(cl.__file__).parents[1])},
     )  # fmt: skip
     found = [json.loads(line) for line in done.stdout.splitlines()]

@@ -28,7 +28,7 @@ def start(folder: Path, *arguments: str, code: str = COMMAND, **options) -> subp
 
 
 def end(process: subprocess.Popen) -> tuple[int, str]:
-    _, errors = process.communicate(timeout=120)
+    _, errors = process.communicate(timeout=600)
     return process.returncode, errors
 
 
@@ -53,7 +53,7 @@ def test_a_signal_ends_it_with_its_status_and_leaves_nothing(tmp_path, number, s
         "from clepsydra.cli import main, analyse\n"
         "def writes(*_, **__):\n"
         "    with files.whole_file(Path('result.txt')) as part:\n"
-        "        part.write_text('half'); time.sleep(60)\n"
+        "        part.write_text('half'); time.sleep(600)\n"
         "import clepsydra.process.reader as reader; reader.load_process = writes\n"
         "main()\n"
     )
@@ -119,7 +119,7 @@ def test_a_user_without_home_and_entry_simulates(tmp_path):
         env={"PATH": os.environ["PATH"], "PYTHONPATH": PATHS},
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=600,
     )
     assert (done.returncode, done.stderr) == (0, "")
     assert {path.suffix for path in tmp_path.iterdir()} == {".html", ".parquet"}

@@ -88,7 +88,7 @@ def test_python_runs_the_package(tmp_path):
     source = str(Path(cl.__file__).parents[1])
     done = subprocess.run(
         [sys.executable, "-m", "clepsydra", "--version"],
-        cwd=tmp_path, env={"PYTHONPATH": source}, capture_output=True, text=True, timeout=60,
+        cwd=tmp_path, env={"PYTHONPATH": source}, capture_output=True, text=True, timeout=600,
     )  # fmt: skip
     assert (done.returncode, done.stdout.strip()) == (0, f"clepsydra {cl.__version__}")
 

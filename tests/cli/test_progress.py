@@ -25,7 +25,7 @@ def run(folder, errors, *arguments):
     (folder / "two.toml").write_text(STUDY)
     done = subprocess.run(
         [sys.executable, "-c", COMMAND, *arguments],
-        cwd=folder, stdout=subprocess.PIPE, stderr=errors, text=True, timeout=60,
+        cwd=folder, stdout=subprocess.PIPE, stderr=errors, text=True, timeout=600,
         env={**os.environ, "PYTHONPATH": PATHS, "TERM": "xterm", "COLUMNS": "100"},
     )  # fmt: skip
     assert done.returncode == 0

@@ -336,7 +336,7 @@ def test_processes_that_start_together_share_a_fresh_folder(folder):
         )
 
     def answer(process: subprocess.Popen) -> list[str]:
-        output, errors = process.communicate(timeout=60)
+        output, errors = process.communicate(timeout=600)
         assert process.returncode == 0, errors
         assert errors == ""
         return output.split()
