@@ -1,11 +1,20 @@
 """Where numbers come from, as heads and comments say it."""
 
+import re
 import textwrap
 
+import casadi
 import pytest
+from families import family
 
 from clepsydra import Signal
-from clepsydra.deploy.printing.heading import comment, heading, number_comment, table_comment
+from clepsydra.deploy.printing.heading import (
+    comment,
+    heading,
+    number_comment,
+    table_comment,
+    written_with,
+)
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Block, Program
@@ -72,3 +81,14 @@ def test_nothing_leaves_a_comment():
         *heading(NOTHING, "C99", (), Origin(hostile, hostile, hostile, 1.0)),
     ):
         assert not any(mark in text for mark in ("/*", "*/", "(*", "*)", "\n"))
+
+
+def test_the_versions_that_decide_a_digest_stand_beside_it(monkeypatch):
+    line = heading(NOTHING, "C99", ())[1]
+    assert re.fullmatch(rf"Printed by {re.escape(written_with())}; program digest \w{{16}}\.", line)
+    monkeypatch.setattr(casadi.CasadiMeta, "version", lambda: "3.7.0")
+    assert heading(NOTHING, "C99", ())[1] != line
+
+
+def test_the_json_of_an_export_names_them_too():
+    assert family("PI, SIMC")[1].facts["written_with"] == written_with()

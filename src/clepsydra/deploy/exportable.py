@@ -12,7 +12,7 @@ from clepsydra.controllers.plant_shell.edge import at_port, in_shown_units
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import shell_sources, with_plant_shell
 from clepsydra.controllers.signals import owners
-from clepsydra.deploy.printing.heading import digest
+from clepsydra.deploy.printing.heading import digest, written_with
 from clepsydra.deploy.printing.identifiers import identifier_of
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.tagged import TaggedLaw
@@ -63,6 +63,7 @@ class Exportable:
         return {
             "name": self.program.name,
             "digest": digest(self.program),
+            "written_with": written_with(),
             "controller": self.controller.name,
             "process": self.process.address,
             "sampling_period": self.process.sampling_period,

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from html import escape
 
-from clepsydra import __version__
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
 from clepsydra.deploy.fmi.model import FmuModel, FmuVariable
+from clepsydra.deploy.printing.heading import written_with
 
 _STYLE = (
     "body{font-family:sans-serif;max-width:60em;margin:2em auto;padding:0 1em;line-height:1.4}"
@@ -28,7 +28,7 @@ def documentation_page(model: FmuModel) -> str:
         f"<h1>{escape(model.title)}</h1>",
         *(f"<p>{escape(line)}</p>" for line in model.origin.lines()),
         f"<p>{escape(_stepping(model))}</p>",
-        f"<p>Written by Clepsydra {escape(__version__)}; digest {model.digest}. The folder sources "
+        f"<p>Written by {escape(written_with())}; digest {model.digest}. The folder sources "
         "has the C that the binary was built from.</p>",
     ]
     for causality, title in _GROUPS:

@@ -6,6 +6,8 @@ import hashlib
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 
+import casadi as ca
+
 from clepsydra import __version__
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.signals import LARGEST_PARAMETER
@@ -26,7 +28,8 @@ def digest(program: Program) -> str:
     """Return a short digest of a program: signals, words, values, names and every operation.
 
     One version of Clepsydra prints programs with the same digest as the same statements, so they
-    also compute the same numbers from the same start.
+    also compute the same numbers from the same start. One law has one digest as long as CasADi
+    stays the same: its versions simplify by other rules, so `written_with` stands beside it.
 
     Examples
     --------
@@ -38,6 +41,17 @@ def digest(program: Program) -> str:
     (16, False)
     """
     return hashlib.sha256(repr(program).encode()).hexdigest()[:16]
+
+
+def written_with() -> str:
+    """Return what decides, beside the law, which statements are printed: both with their version.
+
+    Examples
+    --------
+    >>> written_with().split()[::3]
+    ['Clepsydra', 'CasADi']
+    """
+    return f"Clepsydra {__version__} with CasADi {ca.CasadiMeta.version()}"
 
 
 def heading(
@@ -64,7 +78,7 @@ def heading(
     """
     return [
         f"{program.name}: one sample of a step law, in {language}.",
-        f"Printed by Clepsydra {__version__}; program digest {digest(program)}.",
+        f"Printed by {written_with()}; program digest {digest(program)}.",
         *_wrapped(origin.lines() if origin else ()),
         "Do not edit: print it again from the law instead.",
         *notes,

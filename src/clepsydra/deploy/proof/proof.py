@@ -11,12 +11,11 @@ from numbers import Integral
 from pathlib import Path
 from typing import NamedTuple
 
-from clepsydra import __version__
 from clepsydra.base.errors import ClepsydraError, InputError
 from clepsydra.base.files import whole_file
 from clepsydra.base.markdown import markdown
 from clepsydra.deploy.compiler import find_compiler
-from clepsydra.deploy.printing.heading import digest
+from clepsydra.deploy.printing.heading import digest, written_with
 from clepsydra.deploy.proof.answer import proof_answer
 from clepsydra.deploy.proof.coverage import Coverage
 from clepsydra.deploy.proof.item import ProofItem
@@ -125,7 +124,7 @@ def prove(
 
     def so_far(*, interrupted: bool = False) -> Proof:
         """Return the proof so far, and write it where it is to be written."""
-        told, seconds = (f"clepsydra {__version__}", *versions), time.monotonic() - begun
+        told, seconds = (written_with(), *versions), time.monotonic() - begun
         proof = Proof(tuple(rows), dict(coverage), told, scans, seed, seconds, interrupted)
         if folder is not None:
             _write(proof, folder, stem)
@@ -168,7 +167,7 @@ def _done(run: Run, job: Job, memory: Mapping[tuple[object, ...], ProofRow]) -> 
     begun, own = time.monotonic(), job.in_si if run.in_si else job
     blank = ProofRow(
         job.item.name, run.name, run.precision, run.against, digest(own.program), job.scans,
-        job.seed, version=f"clepsydra {__version__}, {run.version}",
+        job.seed, version=f"{written_with()}, {run.version}",
     )  # fmt: skip
     try:
         printed = run.printed(own)
