@@ -2,6 +2,7 @@
 
 import functools
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,7 +13,7 @@ import clepsydra as cl
 from clepsydra import InputError, NotApplicable
 from clepsydra.designs.kalman import Noise, kalman_gain, process_noise
 from clepsydra.designs.states.bryson_rule import bryson_weights
-from clepsydra.designs.states.linear_quadratic import lqr_gains
+from clepsydra.designs.states.linear_quadratic import lqr_gains, scaled_cost
 from clepsydra.designs.states.observed_process import observed_process
 from clepsydra.designs.states.quadratic_weights import (
     QuadraticWeights,
@@ -20,6 +21,7 @@ from clepsydra.designs.states.quadratic_weights import (
     diagonal_weights,
 )
 from clepsydra.designs.states.riccati import optimal_regulator, riccati_residual
+from clepsydra.linear.linear_model import InternalDelays, LinearModel
 
 CATALOGUE = ["quadruple-tank", "three-tanks", "eight-tanks", "wet-well", "equalisation-tank"]
 
@@ -190,3 +192,34 @@ def test_what_scipy_cannot_reorder_is_not_applicable(monkeypatch):
     one = np.eye(1)
     with pytest.raises(NotApplicable, match="too ill-conditioned to be solved"):
         optimal_regulator(one, one, one, 0 * one, one)
+
+
+@pytest.mark.parametrize("count", [3, 9])
+def test_numbers_of_160_decades_are_refused_without_a_warning(count):
+    """Warnings are errors here: SciPy's own balancing overflows, and casts what is no number."""
+    small = 1e-160
+    held, moved = np.eye(count, k=1) * small, np.zeros((count, 1))
+    held[0, 0], moved[-1, 0] = 0.9, 1.0 / small
+    with pytest.raises(NotApplicable, match="Riccati"):
+        optimal_regulator(held, moved, np.eye(count), 0.0 * moved, np.eye(1))
+
+
+def test_what_is_on_its_way_is_as_large_as_where_it_comes_from():
+    """The pump of 0.2 m³/s moves the level of 2 m² by 1 m in 10 s, wherever the pipe ends."""
+    one, none = np.eye(1), np.zeros((1, 1))
+    tank = LinearModel(-0.01 * one, 0.5 * one, none[:, :0], one, none, ("x",), ("u",), (), ("y",))
+    late = InternalDelays(np.array([12.0]), 0.5 * one, none, one, none[:, :0], none, none)
+    behind = replace(tank, B=none, delays=late)
+    weights = QuadraticWeights(one, 25.0 * one)
+    _, sizes, moves = scaled_cost(tank, weights, 1.0, 10.0)
+    _, with_pipe, _ = scaled_cost(behind, weights, 1.0, 10.0)
+    assert (sizes.tolist(), moves.tolist()) == ([1.0], [0.2])
+    assert with_pipe.tolist() == [1.0] + [0.2] * (len(with_pipe) - 1)
+    assert len(with_pipe) == 14  # the level, and 13 samples of the pump
+
+
+def test_inputs_that_move_nothing_leave_sizes_of_one():
+    one, none = np.eye(1), np.zeros((1, 1))
+    tank = LinearModel(-0.01 * one, none, none[:, :0], one, none, ("x",), ("u",), (), ("y",))
+    _, sizes, _ = scaled_cost(tank, QuadraticWeights(one, one), 1.0, 10.0)
+    assert sizes.tolist() == [1.0]

@@ -11,7 +11,7 @@ from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.arguments.argument import word
 from clepsydra.designs.sampled.sampled_cost import SampledCost, sampled_cost
-from clepsydra.designs.sampled.sampled_process import sampled_process
+from clepsydra.designs.sampled.sampled_process import sampled_process, sampled_states
 from clepsydra.designs.states.quadratic_weights import QuadraticWeights
 from clepsydra.designs.states.riccati import Regulator, optimal_regulator
 from clepsydra.linear.dead_time import at_rest
@@ -176,7 +176,9 @@ def scaled_cost(
         return SampledCost(cost.held, cost.moved, *of_a_second), sizes, moves
     held, moved = sampled_process(model, period)
     n, N = len(model.states), len(held)
-    sizes = np.concatenate([sizes, np.ones(N - n)])
+    # What is on its way is as large as where it came from.
+    of_signals = dict(zip(model.states + model.inputs, [*sizes, *moves], strict=True))
+    sizes = np.array([of_signals[name] for name, _ in sampled_states(model, period)])
     whole = np.zeros((N, N))
     whole[:n, :n] = Q
     scaled = SampledCost(
@@ -251,8 +253,12 @@ def slowest_time_constant(eigenvalues: np.ndarray, period: float) -> float:
 
 
 def _state_sizes(model: LinearModel, moves: np.ndarray, horizon: float) -> np.ndarray:
-    """Return how far the largest moves drive each state in one horizon, never zero."""
+    """Return how far the largest moves drive each state in one horizon, never zero.
+
+    Dead times only put that off: what a pump feeds through a pipe is driven by the pump.
+    """
+    model = at_rest(model)
     driven = horizon * np.abs(model.B) @ moves
     fed = horizon * np.abs(model.A - np.diag(np.diag(model.A))) @ driven
     sizes = driven + fed
-    return np.where(sizes > 0.0, sizes, max(float(sizes.max(initial=0.0)), np.finfo(float).tiny))
+    return np.where(sizes > 0.0, sizes, float(sizes.max(initial=0.0)) or 1.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import NamedTuple
 
 import numpy as np
@@ -61,12 +62,15 @@ def optimal_regulator(
     >>> round(float(found.cost[0, 0]), 6), round(float(found.gain[0, 0]), 6)
     (1.618034, 0.618034)
     """
-    from scipy.linalg import solve_discrete_are
+    from scipy.linalg import LinAlgWarning, solve_discrete_are
 
     if not all(np.all(np.isfinite(matrix)) for matrix in (held, moved, Q, N, R)):
         raise NotApplicable("the cost of a sample is beyond what numbers can hold")
     try:
-        P = solve_discrete_are(held, moved, Q, R, s=N)
+        # What SciPy warns of is found in the solution itself, whose residual is judged below.
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore", LinAlgWarning)
+            P = solve_discrete_are(held, moved, Q, R, s=N)
     except np.linalg.LinAlgError as error:
         raise NotApplicable(
             "the Riccati equation has no stabilising solution: a mode is out of reach"
