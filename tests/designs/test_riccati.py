@@ -3,6 +3,7 @@
 import functools
 import math
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -21,9 +22,9 @@ from clepsydra.designs.states.quadratic_weights import (
     diagonal_weights,
 )
 from clepsydra.designs.states.riccati import optimal_regulator, riccati_residual
-from clepsydra.linear.linear_model import InternalDelays, LinearModel
 
 CATALOGUE = ["quadruple-tank", "three-tanks", "eight-tanks", "wet-well", "equalisation-tank"]
+BEHIND_A_PIPE = Path(__file__).parents[2] / "docs/examples/three-tanks-behind-a-pipe.toml"
 
 
 @functools.cache
@@ -205,21 +206,19 @@ def test_numbers_of_160_decades_are_refused_without_a_warning(count):
 
 
 def test_what_is_on_its_way_is_as_large_as_where_it_comes_from():
-    """The pump of 0.2 m³/s moves the level of 2 m² by 1 m in 10 s, wherever the pipe ends."""
-    one, none = np.eye(1), np.zeros((1, 1))
-    tank = LinearModel(-0.01 * one, 0.5 * one, none[:, :0], one, none, ("x",), ("u",), (), ("y",))
-    late = InternalDelays(np.array([12.0]), 0.5 * one, none, one, none[:, :0], none, none)
-    behind = replace(tank, B=none, delays=late)
-    weights = QuadraticWeights(one, 25.0 * one)
-    _, sizes, moves = scaled_cost(tank, weights, 1.0, 10.0)
-    _, with_pipe, _ = scaled_cost(behind, weights, 1.0, 10.0)
-    assert (sizes.tolist(), moves.tolist()) == ([1.0], [0.2])
-    assert with_pipe.tolist() == [1.0] + [0.2] * (len(with_pipe) - 1)
-    assert len(with_pipe) == 14  # the level, and 13 samples of the pump
+    """A pump of 0.012 m³/s moved by 0.2 fills 0.8 m² by 0.3 m in 100 s, wherever its pipe ends."""
+    model = cl.load(BEHIND_A_PIPE).linear
+    weights = QuadraticWeights(np.eye(3), 25.0 * np.eye(1))
+    _, sizes, moves = scaled_cost(model, weights, 4.0, 100.0)
+    assert moves.tolist() == [0.2]
+    assert sizes[0] == pytest.approx(0.3, rel=1e-12)
+    assert sizes[1] == pytest.approx(100.0 * model.A[1, 0] * 0.3, rel=1e-12)
+    assert sizes[2] == max(sizes[:2])  # nothing reaches it in two steps
+    assert set(sizes[3:]) == {0.2} and len(sizes) == 3 + 13
 
 
 def test_inputs_that_move_nothing_leave_sizes_of_one():
-    one, none = np.eye(1), np.zeros((1, 1))
-    tank = LinearModel(-0.01 * one, none, none[:, :0], one, none, ("x",), ("u",), (), ("y",))
-    _, sizes, _ = scaled_cost(tank, QuadraticWeights(one, one), 1.0, 10.0)
-    assert sizes.tolist() == [1.0]
+    cut_off = replace(cl.load(BEHIND_A_PIPE).linear, delays=None)
+    weights = QuadraticWeights(np.eye(3), np.eye(1))
+    _, sizes, _ = scaled_cost(cut_off, weights, 4.0, 100.0)
+    assert sizes.tolist() == [1.0] * 3
