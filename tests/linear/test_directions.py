@@ -100,6 +100,13 @@ def test_condition_number_of_a_singular_model():
     assert condition_numbers(model, 0.1)[0] == np.inf
 
 
+def test_condition_number_where_nothing_answers():
+    # Both singular values are zero: no direction answers, so none is a finite multiple.
+    nothing = rational(-np.eye(1), [[0.0, 0.0]], [[1.0], [3.0]], np.zeros((2, 2)))
+    np.testing.assert_array_equal(singular_values(nothing, 0.1), [[0.0, 0.0]])
+    np.testing.assert_array_equal(condition_numbers(nothing, [0.1, 1.0]), [np.inf, np.inf])
+
+
 def test_in_ranges(minimum):
     model = plant(minimum)
     share = in_known_ranges(model)

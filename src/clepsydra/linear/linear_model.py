@@ -12,6 +12,7 @@ import numpy as np
 
 from clepsydra.base.arguments import require_known
 from clepsydra.base.errors import InputError
+from clepsydra.linear.balance import unbalanced
 
 if TYPE_CHECKING:
     import control
@@ -352,7 +353,7 @@ def led_back(matrix: np.ndarray, columns: slice, rows: slice, gain: np.ndarray) 
     """Return M of a model whose rows are led back to some of its columns by a gain.
 
     The lower linear fractional transformation, with all rows and columns kept:
-    M + M[:, u] K (I - M[y, u] K)⁻¹ M[y].
+    M + M[:, u] K (I - M[y, u] K)⁻¹ M[y]. What leaves and comes back may balance to nothing.
 
     Examples
     --------
@@ -364,4 +365,5 @@ def led_back(matrix: np.ndarray, columns: slice, rows: slice, gain: np.ndarray) 
     """
     shown = matrix[rows]
     solved = np.linalg.solve(np.eye(len(shown)) - shown[:, columns] @ gain, shown)
-    return np.asarray(matrix + matrix[:, columns] @ gain @ solved)
+    back = matrix[:, columns] @ gain
+    return unbalanced(matrix + back @ solved, np.abs(matrix) + np.abs(back) @ np.abs(solved))

@@ -9,6 +9,7 @@ import numpy as np
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
+from clepsydra.linear.balance import unbalanced
 from clepsydra.linear.linear_model import InternalDelays, LinearModel, Ports
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
@@ -160,7 +161,9 @@ def _with_delays(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, InternalDelays]:
     """Return A, B, E with the delayed quantities held, and what leaves and enters the delays.
 
-    The contents c = c(x) are integrated, dc/dt = f(c, z, …); at rest Δẋ = (∂c/∂x)⁻¹ Δċ.
+    The contents c = c(x) are integrated, dc/dt = f(c, z, …); at rest Δẋ = (∂c/∂x)⁻¹ Δċ. A
+    concentration is an amount in a volume: by way of both, a level that rises by itself changes
+    no concentration, also not of what is sent.
     """
     process, motion = point.process, point.process.motion
     parameters = process.parameter_values
@@ -168,8 +171,12 @@ def _with_delays(
     held = motion.at_rest(point.state, point.inputs, point.disturbances, parameters)
     matrix = _slopes(motion.rates, held, "cudz")
     at = Ports.of(len(slopes), len(point.inputs), len(point.disturbances), 0, len(motion.delays))
+    back, terms = np.linalg.inv(slopes), np.abs(matrix)
     matrix[at.x] = np.linalg.solve(slopes, matrix[at.x])
     matrix[:, at.x] = matrix[:, at.x] @ slopes
+    terms[at.x] = np.abs(back) @ terms[at.x]
+    terms[:, at.x] = terms[:, at.x] @ np.abs(slopes)
+    matrix = unbalanced(matrix, terms)
     rates, sent = matrix[at.x], matrix[at.w]
     delays = InternalDelays(
         np.array([delay.time for delay in motion.delays]),

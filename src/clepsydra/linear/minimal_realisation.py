@@ -38,7 +38,7 @@ def scaled_system(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) ->
     A, B, C, D : ndarray [n, n], [n, m], [q, n], [q, m]
     """
     A, B, C, D = (np.array(matrix, float) for matrix in (A, B, C, D))
-    rate = float(_power_of_two(float(np.linalg.norm(A, 2)))) if A.any() else 1.0
+    rate = _speed(A)
     A, B = A / rate, B / rate
     input_sizes, output_sizes = np.ones(B.shape[1]), np.ones(len(C))
     for _ in range(_SWEEPS):
@@ -60,7 +60,9 @@ def scaled_system(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) ->
         outputs = _power_of_two(np.linalg.norm(np.hstack([C, D]), axis=1))
         C, D = C / outputs[:, None], D / outputs[:, None]
         input_sizes, output_sizes = input_sizes * inputs, output_sizes * outputs
-        changed |= bool(np.any(inputs != 1.0) or np.any(outputs != 1.0))
+        faster = _speed(A)
+        rate, A, B = rate * faster, A / faster, B / faster
+        changed |= bool(faster != 1.0 or np.any(inputs != 1.0) or np.any(outputs != 1.0))
         if not changed:
             break
     return ScaledSystem(A, B, C, D, rate, input_sizes, output_sizes)
@@ -71,9 +73,10 @@ def minimal_realisation(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Return a state space of the same transfer function without idle states.
 
-    States that the inputs do not move are left out, then those that the outputs do not show,
-    both by orthogonal changes of basis of the scaled system. The states that remain are mixed
-    and have no names.
+    States that the inputs do not move are left out, then those that the outputs do not show:
+    first those to which nothing leads, or from which, so that their units do not matter, then
+    what is out of reach by orthogonal changes of basis of the scaled system. The states that
+    remain are mixed and have no names.
 
     Parameters
     ----------
@@ -97,7 +100,9 @@ def minimal_realisation(
     >>> minimal_realisation(A, B, np.array([[1.0, 1.0]]), np.zeros((1, 1)))[0]
     array([[-0.5]])
     """
-    scaled = scaled_system(A, B, C, D)
+    A, B, C = (np.asarray(matrix, float) for matrix in (A, B, C))
+    kept = np.flatnonzero(_led_to(A, B) & _led_to(A.T, C.T))
+    scaled = scaled_system(A[np.ix_(kept, kept)], B[kept], C[:, kept], D)
     moved = reachable_basis(scaled.A, scaled.B)
     a, b, c = moved.T @ scaled.A @ moved, moved.T @ scaled.B, scaled.C @ moved
     shown = reachable_basis(a.T, c.T)
@@ -130,6 +135,21 @@ def reachable_basis(A: np.ndarray, B: np.ndarray) -> np.ndarray:
         basis = np.hstack([basis, fresh])
         fresh, size = A @ fresh, float(np.linalg.norm(A, 2))
     return basis
+
+
+def _led_to(A: np.ndarray, B: np.ndarray) -> np.ndarray:
+    """Return which states some input acts on, at once or by way of others."""
+    acts, found = A != 0.0, np.any(B != 0.0, axis=1)
+    fresh = found
+    while np.any(fresh):
+        fresh = np.any(acts[:, fresh], axis=1) & ~found
+        found = found | fresh
+    return found
+
+
+def _speed(A: np.ndarray) -> float:
+    """Return the size of A as a power of two, one where it is zero."""
+    return float(_power_of_two(float(np.linalg.norm(A, 2)))) if A.any() else 1.0
 
 
 def _power_of_two(sizes: np.ndarray | float) -> np.ndarray:

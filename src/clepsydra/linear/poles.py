@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from clepsydra.linear.coupled_states import balanced_groups, fastest_rate
 from clepsydra.linear.linear_model import LinearModel, refuse_delays
 
 # A root closer to the origin than this share of the fastest rate stands at the origin.
 ORIGIN = 1e-10
-# A singular value below this share of the largest is rounding.
+# A singular value below this share of the fastest rate is rounding.
 _SINGULAR = 1e-12
 
 
@@ -46,33 +47,41 @@ def integrators(A: np.ndarray, size: float | None = None) -> int:
     """Return how many poles stand at the origin, from singular values.
 
     Eigenvalues are less sure: rounding splits two integrators in series into ±√ε, a stable and
-    an unstable pole. Here the null space of A is taken out, then that of what remains, until
-    what remains is regular.
+    an unstable pole. Here the null space is taken out, then that of what remains, until what
+    remains is regular; of each group of states that act on each other by itself, in units in
+    which their couplings compare, since what acts one way only is no rate of a mode.
 
     Parameters
     ----------
     A : ndarray [n, n]
         [1/s]
     size : float, optional
-        The rate [1/s] beside which rounding is judged, for an A that is part of a larger
-        model; the largest singular value of A where left out.
+        For an A whose states compare already, as of a minimal realisation: the rate [1/s] beside
+        which rounding is judged.
 
     Examples
     --------
     >>> integrators(np.array([[1.0, -1.0], [1.0, -1.0]]))
     2
     """
-    if size is None:
-        size = float(np.linalg.norm(A, 2)) if A.size else 0.0
-    remaining = np.asarray(A, float)
+    if size is not None:
+        return _nullity(A, _SINGULAR * size)
+    groups = balanced_groups(A)
+    size = max((float(np.linalg.norm(group, 2)) for group in groups), default=0.0)
+    return sum(_nullity(group, _SINGULAR * size) for group in groups)
+
+
+def _nullity(remaining: np.ndarray, nothing: float) -> int:
+    """Return how many eigenvalues are zero, by singular values that are no more than nothing."""
+    n = len(remaining)
     while len(remaining):
         _, sizes, directions = np.linalg.svd(remaining)
-        rank = int(np.sum(sizes > _SINGULAR * size))
+        rank = int(np.sum(sizes > nothing))
         if rank == len(remaining):
             break
         regular = directions[:rank]
         remaining = regular @ remaining @ regular.T
-    return len(A) - len(remaining)
+    return n - len(remaining)
 
 
 def time_constants(model: LinearModel) -> np.ndarray:
@@ -112,4 +121,4 @@ def origin_radius(A: np.ndarray) -> float:
     >>> origin_radius(np.array([[-0.02]]))
     2e-12
     """
-    return ORIGIN * float(np.linalg.norm(A, 2)) if A.size else 0.0
+    return ORIGIN * fastest_rate(A)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from clepsydra.linear.coupled_states import fastest_rate
 from clepsydra.linear.dead_time import same_at_the_origin
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.minimal_realisation import minimal_realisation
@@ -35,7 +36,7 @@ def static_gain(model: LinearModel) -> np.ndarray:
     [[2.0], [inf]]
     """
     model = same_at_the_origin(model)
-    size = float(np.linalg.norm(model.A, 2)) if model.states else 0.0
+    size = fastest_rate(model.A)
     if not integrators(model.A):
         return np.asarray(model.D - model.C @ np.linalg.solve(model.A, model.B))
     gain = np.zeros((len(model.outputs), len(model.inputs)))
@@ -46,6 +47,7 @@ def static_gain(model: LinearModel) -> np.ndarray:
 
 
 def _element_gain(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, size: float) -> float:
+    size = max(size, float(np.linalg.norm(A, 2)) if A.size else 0.0)
     if not integrators(A, size):
         return float((D - C @ np.linalg.solve(A, B))[0, 0])
     # Near the origin G is R / s^k, with k the number of integrators: its sign there is that of
