@@ -3,12 +3,14 @@
 What several workers need and one is to make, they make under a lock in a folder of all of them.
 """
 
+import errno
 import fcntl
 import hashlib
 import os
 import tempfile
 from collections import defaultdict
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -64,3 +66,31 @@ def alone(tmp_path_factory):
             yield folder
 
     return locked
+
+
+@pytest.fixture
+def forbidden(monkeypatch):
+    """Return a function: makes a folder that the user may not enter, not even who may do all."""
+    folders: list[Path] = []
+
+    def below(path):
+        above = Path(path).absolute().parents if isinstance(path, (str, os.PathLike)) else ()
+        return any(folder in above for folder in folders)
+
+    def refusing(asked):
+        def ask(path, *rest, **options):
+            if below(path):
+                raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), os.fspath(path))
+            return asked(path, *rest, **options)
+
+        return ask
+
+    for name in ("stat", "lstat", "open", "mkdir", "scandir", "listdir", "unlink", "rename"):
+        monkeypatch.setattr(os, name, refusing(getattr(os, name)))
+
+    def forbid(folder):
+        folder.mkdir()
+        folders.append(folder)
+        return folder
+
+    return forbid

@@ -79,6 +79,22 @@ def test_full_standard_output_is_a_message(tmp_path, arguments):
     assert errors.count("\n") == 1
 
 
+def test_an_internal_error_has_a_status_of_its_own(tmp_path):
+    """One that no user can mend is neither a proof that fails nor a mistake in an input."""
+    for error in ("KeyError('own')", "OSError(5, 'own', 'file')"):
+        code = (
+            "from clepsydra.cli import main\n"
+            "def fails(*_, **__): raise " + error + "\n"
+            "import clepsydra.process.reader as reader; reader.load_process = fails\n"
+            "main()\n"
+        )
+        status, errors = end(start(tmp_path, "analyse", "quadruple-tank", code=code))
+        assert status == 70
+        *reported, last = errors.splitlines()
+        assert reported[0].startswith("Traceback") and "own" in reported[-1]
+        assert last.startswith("clepsydra: an internal error") and "report" in last
+
+
 def test_a_reader_that_closes_its_pipe_ends_it_like_any_other_program(tmp_path):
     process = start(tmp_path, "processes", stdout=subprocess.PIPE)
     process.stdout.close()

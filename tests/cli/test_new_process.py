@@ -65,3 +65,10 @@ def test_an_outlet_may_be_plugged(command, tmp_path):
     assert (status, errors) == (0, "")
     level = json.loads(output)["signals"]["tank_1.level"]["end"]
     assert level == pytest.approx(0.7 * 3.33 * 3.0 / 28.0 * 20.0 / 100.0, rel=1e-12)
+
+
+def test_a_link_that_leads_nowhere_is_not_written_over(command, tmp_path):
+    (tmp_path / "mine.toml").symlink_to("nowhere")
+    status, output, errors = command("new", "mine")
+    assert (status, output) == (2, "")
+    assert errors.startswith("clepsydra: NAME: got 'mine', expected a name for which there is no")

@@ -11,11 +11,13 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from clepsydra.base.errors import InputError, reason_of
+from clepsydra.base.standing import Standing, standing_at
 
 #: The ending of a file that is not whole yet.
 PART = ".part"
 #: A part of a file that is older was left by a process that was killed [s].
 _ABANDONED = 3600.0
+_WRITABLE, _REMEDY = "a file that can be written", "choose another folder, or make room"
 
 
 @contextmanager
@@ -54,6 +56,31 @@ def whole_file(path: Path) -> Iterator[Path]:
     except BaseException:
         part.unlink(missing_ok=True)
         raise
+
+
+def make_folder(folder: Path, place: str) -> None:
+    """Make a folder where it is missing, and those above it.
+
+    Raises
+    ------
+    InputError
+        A file stands in its place, or it cannot be made.
+
+    Examples
+    --------
+    >>> make_folder(Path("/dev/null/results"), "--output")
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: --output: got '/dev/null/results', expected a folder, or a \
+place for one; choose another (not a directory).
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        raise InputError(
+            place, str(folder), "a folder, or a place for one",
+            f"choose another ({reason_of(error)})",
+        ) from None  # fmt: skip
 
 
 def require_writable(folder: Path, place: str) -> None:
@@ -125,7 +152,7 @@ def write_together(folder: Path, files: Mapping[str, bytes]) -> list[Path]:
     """
     paths = [folder / name for name in files]
     for path in paths:
-        if path.is_dir():
+        if standing_at(path, "output", _WRITABLE, _REMEDY) is Standing.FOLDER:
             raise _unwritable(path, IsADirectoryError(0, "a folder has that name"))
     with _put_back(folder, paths), ExitStack() as stack:
         parts = [stack.enter_context(whole_file(path)) for path in paths]
@@ -157,9 +184,4 @@ def _put_back(folder: Path, paths: Sequence[Path]) -> Iterator[None]:
 
 
 def _unwritable(path: Path, error: OSError | ValueError) -> InputError:
-    return InputError(
-        "output",
-        str(path),
-        "a file that can be written",
-        f"choose another folder, or make room ({reason_of(error)})",
-    )
+    return InputError("output", str(path), _WRITABLE, f"{_REMEDY} ({reason_of(error)})")

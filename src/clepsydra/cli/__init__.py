@@ -9,20 +9,22 @@ import logging
 import os
 import signal
 import sys
+import traceback
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
-_FAILED, _INTERRUPTED = 2, 130
+#: That of an internal error is the number that sysexits.h has for it.
+_FAILED, _INTERNAL, _INTERRUPTED = 2, 70, 130
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit.
 
     The status is 0 where all is done, 1 where a proof does not hold, 2 where an input or the
-    usage is wrong or the output cannot be written, 130 where it was interrupted, and 128 and the
-    signal's number where a signal ended it.
+    usage is wrong or the output cannot be written, 70 where Clepsydra itself is at fault, 130 where
+    it was interrupted, and 128 and the signal's number where a signal ended it.
     """
     # The matrices are small: more threads of the linear algebra only wait for each other.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -47,12 +49,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
         _end("interrupted; nothing was left half-written", _INTERRUPTED)
     except OSError as error:
         if error.filename is not None:  # a file, which is a fault of ours
-            raise
+            _end_by_fault()
         sys.stdout = None  # what it still holds cannot be written at the end either
         reason = error.strerror or str(error)
         _end(
             f"standard output cannot be written: {reason}; make room or send it elsewhere", _FAILED
         )
+    except Exception:
+        _end_by_fault()
 
 
 def _keep_fonts_without_a_home() -> None:
@@ -88,6 +92,16 @@ def _run(arguments: Sequence[str]) -> None:
 def _end(message: str, status: int) -> NoReturn:
     print(f"clepsydra: {message}", file=sys.stderr)
     sys.exit(status)
+
+
+def _end_by_fault() -> NoReturn:
+    """End by an error that no user should see: with all that a report of it needs."""
+    traceback.print_exc()
+    _end(
+        "an internal error: this is a fault of Clepsydra and not of what you gave it; please "
+        "report the lines above, with what you ran",
+        _INTERNAL,
+    )
 
 
 def _say_warnings_in_words() -> None:

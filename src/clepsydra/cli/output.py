@@ -10,8 +10,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from clepsydra.base.errors import InputError, reason_of
-from clepsydra.base.files import require_writable
+from clepsydra.base.errors import InputError
+from clepsydra.base.files import make_folder, require_writable
+from clepsydra.base.standing import Standing, standing_at
 
 
 def results_folder(folder: Path | None, *, as_json: bool = False) -> Path | None:
@@ -22,7 +23,7 @@ def results_folder(folder: Path | None, *, as_json: bool = False) -> Path | None
     if folder is None and as_json:
         return None
     place = folder or Path()
-    make_folder(place)
+    make_folder(place, "--output")
     require_writable(place, "--output")
     return place
 
@@ -34,31 +35,21 @@ def written_files(place: Path | None, stem: str, **endings: str) -> dict[str, Pa
     return {what: output_file(place / f"{stem}.{ending}") for what, ending in endings.items()}
 
 
-def make_folder(folder: Path) -> None:
-    """Make a folder where it is missing."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except (OSError, ValueError) as error:
-        raise InputError(
-            "--output", str(folder), "a folder, or a place for one",
-            f"choose another ({reason_of(error)})",
-        ) from None  # fmt: skip
-
-
 def output_file(path: Path) -> Path:
     """Return the path of a file to be written, its folder made; refuse that of a folder."""
-    make_folder(path.parent)
-    if path.is_dir():
-        raise InputError("--output", str(path), "the name of a file", "move that folder away")
+    make_folder(path.parent, "--output")
+    expected = "the name of a file"
+    if standing_at(path, "--output", expected, "choose another") is Standing.FOLDER:
+        raise InputError("--output", str(path), expected, "move that folder away")
     return path
 
 
 def check_ending(path: Path, *endings: str) -> None:
     """Refuse the path of a file to be written that ends otherwise, or that of a folder."""
-    if path.suffix.lower() not in endings or path.is_dir():
-        raise InputError(
-            "--output", str(path), f"the name of a file that ends in {endings[0]}", "rename it"
-        )
+    expected, remedy = f"the name of a file that ends in {endings[0]}", "rename it"
+    standing = standing_at(path, "--output", expected, "choose another")
+    if path.suffix.lower() not in endings or standing is Standing.FOLDER:
+        raise InputError("--output", str(path), expected, remedy)
 
 
 @contextmanager

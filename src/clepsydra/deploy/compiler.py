@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from clepsydra.base.errors import ClepsydraError, InputError
+from clepsydra.base.standing import Standing, standing_at
 
 #: Printed C must pass these; no multiplication may be fused into an addition.
 STRICT = (
@@ -73,7 +74,9 @@ class Compiler:
         command = [*self.command, *self.flags, "-shared", *position, "-o", str(target)]
         command += [*map(str, sources), *mathematics]
         done = _run(command)
-        if done.returncode != 0 or not target.is_file():
+        if done.returncode != 0 or (
+            standing_at(target, "compiler", "a shared library") is not Standing.FILE
+        ):
             said = (done.stderr or done.stdout).strip().splitlines()
             more = [f"… and {len(said) - _LONGEST} lines more"] if len(said) > _LONGEST else []
             raise CompilationError(

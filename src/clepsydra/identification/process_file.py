@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,11 @@ _VARIANT = "identified"
 _SAME = 1e-6
 
 
+def _folder_of(path: Path) -> str:
+    """Return the folder of a file, links followed, also those that lead to each other."""
+    return os.path.realpath(path.parent)
+
+
 def write_fitted_process(fit: ProcessFit, path: Path) -> None:
     """Write the process file with the fitted parameters in force.
 
@@ -41,7 +47,7 @@ def write_fitted_process(fit: ProcessFit, path: Path) -> None:
         raise InputError("fitted process file", str(path), "a file that ends in .toml", "rename it")
     text = fitted_process_text(fit)
     own = parse(text.encode(), str(path)).tables.get("elements")
-    if own and fit.process.path and path.resolve().parent != fit.process.path.resolve().parent:
+    if own and fit.process.path and _folder_of(path) != _folder_of(fit.process.path):
         raise InputError(
             "fitted process file", str(path),
             f"a file beside {fit.process.path}, whose elements are in {own}",

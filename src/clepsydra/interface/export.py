@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.files import write_together
+from clepsydra.base.files import make_folder, write_together
 from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.section import Line, Mark, Section, marked
 from clepsydra.deploy.printing.identifiers import identifier_of as identifier_of
@@ -140,7 +140,7 @@ def export(
             "export, controller", "none", 'a controller, or to="fmu"', "give a controller"
         )
     place = Path(folder)
-    place.mkdir(parents=True, exist_ok=True)
+    make_folder(place, "export, folder")
     what = plant.process.title if controller is None else f"{own.title} on {plant.process.title}"
     said = found.answer or Section("", (Line(f"{what}: {target.words}.", Mark.ANSWER),))
     files = tuple(write_together(place, found.files))

@@ -7,7 +7,8 @@ from importlib import resources
 from pathlib import Path
 
 from clepsydra.base.arguments import require_known
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import InputError, reason_of
+from clepsydra.base.standing import Standing, standing_at
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
 from clepsydra.process.flat_variant import flat_text
 from clepsydra.process.process_name import check_process_name
@@ -50,6 +51,7 @@ def new_process(name: str, *, copy_of: str | None = None, folder: str | Path = "
     check_process_name(name, "name")
     text = _template("new_process") if copy_of is None else _catalogue(copy_of)
     path = Path(folder, f"{name}.toml")
+    _check_free(path, name)
     _write(path, name, _renamed(text, name))
     return path
 
@@ -91,10 +93,13 @@ def new_study(name: str, process: str = STUDIED, *, folder: str | Path = ".") ->
 
 
 def _check_free(path: Path, name: str) -> None:
-    if path.exists():
-        raise InputError(
-            "name", name, f"a name for which there is no {path} yet", "choose another name"
-        )
+    place, expected, remedy = _wanted(path)
+    if standing_at(path, place, expected, remedy, name) is not Standing.NOTHING:
+        raise InputError(place, name, expected, remedy)
+
+
+def _wanted(path: Path) -> tuple[str, str, str]:
+    return "name", f"a name for which there is no {path} yet", "choose another name"
 
 
 def _write(path: Path, name: str, text: str) -> None:
@@ -103,13 +108,11 @@ def _write(path: Path, name: str, text: str) -> None:
         with path.open("x", encoding="utf-8", newline="\n") as file:
             file.write(text)
     except FileExistsError:
-        _check_free(path, name)
-        raise
+        place, expected, remedy = _wanted(path)
+        raise InputError(place, name, expected, remedy) from None
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(
-            "name", str(path), "a file that can be written", f"change the folder ({reason})"
-        ) from None
+        remedy = f"change the folder ({reason_of(error)})"
+        raise InputError("name", str(path), "a file that can be written", remedy) from None
 
 
 def _template(name: str) -> str:

@@ -16,6 +16,7 @@ from typing import Any
 from clepsydra.base.errors import ClepsydraError, Finding, InputError
 from clepsydra.base.input_file import read_input
 from clepsydra.base.signal import Signal
+from clepsydra.base.standing import Standing, standing_at
 from clepsydra.base.user_code import line_of, run_user_code, shortened, words_of
 from clepsydra.process.declared import undeclared
 from clepsydra.process.element import Connection, Element
@@ -118,14 +119,10 @@ def _file(general: TableReader, path: Path, written: str) -> Path:
     if not file.is_relative_to(folder):
         expected = "a Python file in the folder of the process file"
         raise general.refused("elements", written[:60], expected, "move it beside the process file")
-    try:
-        there = file.is_file()
-    except OSError:  # a name that is too long
-        there = False
-    if not there:
-        raise general.refused(
-            "elements", written[:60], "a Python file that exists", "check the name"
-        )
+    place, value = general.place("elements"), written[:60]
+    expected, remedy = "a Python file that exists", "check the name"
+    if standing_at(file, place, expected, remedy, value) is not Standing.FILE:
+        raise InputError(place, value, expected, remedy)
     return file
 
 

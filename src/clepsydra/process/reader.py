@@ -12,6 +12,7 @@ from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.input_file import read_input
 from clepsydra.base.quantity import Quantity
 from clepsydra.base.signal import Signal
+from clepsydra.base.standing import Standing, standing_at
 from clepsydra.base.suggestion import suggestion
 from clepsydra.process import told
 from clepsydra.process.averaging import read_averaging, read_bands
@@ -108,7 +109,7 @@ def load_process(name_or_path: str | Path, variant: str | Sequence[str] | None =
         name_or_path,
         (str, Path),
         "process",
-        f"a name of the catalogue ({', '.join(catalogue_names())}) or the path of a .toml file",
+        _expected(),
         "give it as text or as a Path",
     )
     asked = variants_asked(variant)
@@ -128,7 +129,7 @@ def load_process(name_or_path: str | Path, variant: str | Sequence[str] | None =
         raise InputError(
             "process",
             name_or_path[:60],
-            f"a name of the catalogue ({', '.join(names)}) or the path of a .toml file",
+            _expected(),
             suggestion(
                 name_or_path,
                 [*names, *map(str, Path().glob("*.toml"))],
@@ -147,7 +148,14 @@ def _means_a_path(text: str) -> bool:
 
 
 def _exists(text: str) -> bool:
-    return len(text) < 256 and "\0" not in text and bool(text) and Path(text).exists()
+    if not text:
+        return False
+    standing = standing_at(Path(text), "process", _expected(), value=text[:60])
+    return standing is not Standing.NOTHING
+
+
+def _expected() -> str:
+    return f"a name of the catalogue ({', '.join(catalogue_names())}) or the path of a .toml file"
 
 
 def _process(document: Document, path: Path | None, asked: tuple[str, ...] | None) -> Process:

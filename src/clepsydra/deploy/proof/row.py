@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.input_file import read_input
+from clepsydra.base.standing import Standing, standing_at
 from clepsydra.deploy.proof.coverage import Coverage
 from clepsydra.deploy.proof.scans import FEWEST
 
@@ -20,6 +21,7 @@ Verdict = Literal[
 HOLDING: tuple[Verdict, ...] = ("equal", "within the bound", "reported", "diverges")
 #: A row takes a kilobyte, and no study has a hundred thousand.
 _LARGEST = 100_000_000
+_WRITTEN = "what an earlier proof wrote"
 
 
 @dataclass(frozen=True)
@@ -236,14 +238,14 @@ def read_memory(path: Path) -> dict[tuple[object, ...], ProofRow]:
     InputError
         The file cannot be read, or is something else than a proof.
     """
-    if not path.exists():
+    if standing_at(path, f"proof, {path}", _WRITTEN) is Standing.NOTHING:
         return {}
-    content = read_input(path, "what an earlier proof wrote", _LARGEST)
+    content = read_input(path, _WRITTEN, _LARGEST)
     try:
         said = json.loads(content)
         rows = [row_of(entry) for entry in said["rows"]]
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
         raise InputError(
-            f"proof, {path}", "something else", "what an earlier proof wrote", "move that file away"
+            f"proof, {path}", "something else", _WRITTEN, "move that file away"
         ) from None
     return {row.key: row for row in rows if row.holds and row.verdict != "refused" and row.text}

@@ -9,6 +9,7 @@ from typing import Any
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
+from clepsydra.base.standing import Standing, standing_at
 from clepsydra.process import told
 from clepsydra.process.declared import OWN, Part, keys_of, part, table_schema
 from clepsydra.process.gains import read_gain
@@ -50,8 +51,9 @@ def file_beside(
 
     def read(table: TableReader, key: str, known: Mapping[str, Any]) -> Any:
         written, folder = table.text(key, expected, remedy), known["folder"]
-        if not written.endswith(ending) or not (folder / written).is_file():
-            wanted = f"{expected} that exists, from {folder}/"
+        wanted, place = f"{expected} that exists, from {folder}/", table.place(key)
+        standing = standing_at(folder / written, place, wanted, "check the path", written[:60])
+        if not written.endswith(ending) or standing is not Standing.FILE:
             raise table.refused(key, written[:60], wanted, remedy)
         try:
             return load(folder / written)

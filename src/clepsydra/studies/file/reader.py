@@ -10,6 +10,7 @@ from typing import Any
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.input_file import check_path, read_input
+from clepsydra.base.standing import Standing, standing_at
 from clepsydra.base.suggestion import suggestion
 from clepsydra.linear.analysis import analyse
 from clepsydra.process import told
@@ -38,14 +39,11 @@ def _process(table: TableReader, key: str, known: Mapping[str, Any]) -> Process:
     names, folder = catalogue_names(), known["folder"]
     if name in names:
         return load_process(name, variants)
-    if not (folder / name).is_file():
-        raise table.refused(
-            key,
-            written[:60],
-            f"{expected} ({', '.join(names)})",
-            suggestion(name, names, check_path(folder / name, _PATH)),
-        )
-    return load_process(folder / name, variants)
+    wanted, path = f"{expected} ({', '.join(names)})", folder / name
+    if standing_at(path, table.place(key), wanted, _PATH, written[:60]) is not Standing.FILE:
+        remedy = suggestion(name, names, check_path(path, _PATH))
+        raise table.refused(key, written[:60], wanted, remedy)
+    return load_process(path, variants)
 
 
 def _seed(table: TableReader, key: str, known: Mapping[str, Any]) -> int:
@@ -188,12 +186,11 @@ def is_study_file(text: str) -> bool:
 
     A file that cannot be read or parsed is none: whoever reads it as a process says what is wrong.
     """
-    path = Path(text)
     try:
-        if not text.lower().endswith(".toml") or not path.is_file():
-            return False
-        return kind_of(parse(_content(path), text, "study")) == "study"
-    except (InputError, OSError, ValueError):
+        return text.lower().endswith(".toml") and (
+            kind_of(parse(_content(Path(text)), text, "study")) == "study"
+        )
+    except InputError:
         return False
 
 

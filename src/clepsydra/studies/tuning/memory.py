@@ -13,6 +13,7 @@ from typing import Any
 from clepsydra.base.errors import InputError
 from clepsydra.base.files import whole_file
 from clepsydra.base.input_file import read_input
+from clepsydra.base.standing import Standing, standing_at
 
 #: A file is written no more often than this, and at the end [s].
 _PAUSE = 2.0
@@ -73,9 +74,9 @@ class Memory:
             The file cannot be read, is none of a tuning, was changed since, or is of another
             problem.
         """
-        if not path.exists():
-            return
         place = f"tuning, {path}"
+        if standing_at(path, place, _WRITTEN) is Standing.NOTHING:
+            return
         content = read_input(path, _WRITTEN, _LARGEST)
         try:
             said = json.loads(content)
