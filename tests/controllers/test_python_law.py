@@ -190,6 +190,28 @@ def test_modes_limits_and_a_failed_sensor(driven) -> None:
     assert pi.scan(**(usual | {"level.sp": 50.0}))["pump.out"] == 10.0
 
 
+def test_a_study_and_a_drawing_show_it_as_one_controller(plant, tmp_path) -> None:
+    """Nothing looks into the function: both loops of it are one, and it cannot go to a plant."""
+    law = loaded(
+        "inputs = ['level_1.sp', 'level_1.pv', 'level_2.sp', 'level_2.pv']\n"
+        "outputs = ['pump_1.out', 'pump_2.out']\n"
+        "def step(state, inputs, parameters, time_step):\n"
+        "    error = inputs['level_1.sp'] - inputs['level_1.pv']\n"
+        "    return {}, {'pump_1.out': 3.0 + error, 'pump_2.out': 3.0}\n"
+    )
+    levels = ["level_1", "level_2"]
+    mine = cl.design.own(
+        plant, law, measurements=levels, setpoints=levels, manipulated=["pump_1", "pump_2"]
+    )
+    study = cl.study(plant, [mine], [cl.step("level_1", "0.5 V")], duration="3 min")
+    lines = [part.text for part in study.answer().parts if hasattr(part, "text")]
+    assert any("A law in Python is not exported" in line for line in lines)
+    assert not any("clepsydra export" in line for line in lines)
+    cl.draw(plant, tmp_path / "mine.svg", mine)
+    drawn = (tmp_path / "mine.svg").read_text("utf-8")
+    assert "UIC-101: moves pump_1 and pump_2" in drawn and "UIC-102" not in drawn
+
+
 def test_a_class_keeps_its_tables_and_the_run_can_be_replayed(plant) -> None:
     law = loaded(
         "from clepsydra import Signal\n"

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from pages import blocks
+from shown_elements import PAGE, SECTIONS, examples, plant_with, title
 
 from clepsydra import Element, InputError
 from clepsydra.linear.equilibrium import find_equilibrium
@@ -14,11 +15,6 @@ from clepsydra.process.kinds import kinds
 from clepsydra.process.reader import load_process
 
 ROOT = Path(__file__).parents[2]
-PAGE = "".join(
-    (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
-    for name in ("process-files", "variants", "switches")
-)
-SECTIONS = dict(re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", PAGE, re.MULTILINE | re.DOTALL))
 BLOCKS = [
     block.text
     for page in ("process-files", "variants")
@@ -27,85 +23,12 @@ BLOCKS = [
 WHOLE = [block for block in BLOCKS if "name" in tomllib.loads(block)]
 PARTS = [block for block in BLOCKS if block not in WHOLE]
 
-#: A small plant into which the examples are put; an example takes the place of tables that it has.
-PLANT = """
-[components.salt]
-range = ["0 g/l", "50 g/l"]
-
-[reservoirs.basin]
-
-[tanks.tank_1]
-area = "28 cm^2"
-height = "20 cm"
-
-[tanks.tank_2]
-area = "28 cm^2"
-height = "20 cm"
-
-[orifices.outlet_1]
-source = "tank_1"
-destination = "basin"
-area = "0.071 cm^2"
-
-[orifices.outlet_2]
-source = "tank_2"
-destination = "channel_1"
-area = "0.071 cm^2"
-
-[delays.channel_1]
-destination = "basin"
-time = "10 s"
-
-[pumps.pump_1]
-source = "basin"
-destination = "tank_1"
-gain = "3.33 cm^3/(s V)"
-range = ["0 V", "10 V"]
-nominal = "2 V"
-
-[pumps.pump_2]
-source = "basin"
-destination = "splitter_1"
-gain = "3.33 cm^3/(s V)"
-range = ["0 V", "10 V"]
-nominal = "1 V"
-
-[splitters.splitter_1]
-fractions = { tank_1 = 0.5, tank_2 = 0.5 }
-
-[flows.feed]
-destination = "tank_1"
-range = ["0 cm^3/s", "5 cm^3/s"]
-nominal = "0 cm^3/s"
-concentration = { salt = "10 g/l" }
-
-[sensors.level_1]
-tank = "tank_1"
-range = ["0 cm", "20 cm"]
-"""
-
-
-def tables(text: str) -> dict[str, str]:
-    """Return the tables of a TOML text, each by its name."""
-    return {part.split("]")[0]: f"[{part}" for part in re.split(r"^\[", text, flags=re.M)[1:]}
-
 
 def load(part: str, folder: Path) -> dict[str, Element]:
     """Put an example into the plant, read it, and return its elements by name."""
-    own = tables(part)
-    controlled = re.findall(r"^\[sensors\.(\w+)\]", part, re.M) or ["level_1"]
-    kept = [text for name, text in tables(PLANT).items() if name not in own]
     path = folder / "plant.toml"
-    path.write_text(
-        f'name = "plant"\nsampling_period = "1 s"\ncontrolled = ["{controlled[0]}"]\n'
-        + "\n".join([*kept, *own.values()]),
-        encoding="utf-8",
-    )
+    path.write_text(plant_with(part), encoding="utf-8")
     return {element.name: element for element in load_process(path).elements}
-
-
-def title(kind: type[Element]) -> str:
-    return kind.kind[0].upper() + kind.kind[1:]
 
 
 def rows(section: str) -> dict[str, str]:
@@ -113,10 +36,6 @@ def rows(section: str) -> dict[str, str]:
     found = re.findall(r"^\| `(\w+)` \|.*\| (.+?) \|$", SECTIONS[section], re.MULTILINE)
     assert len(found) == len(dict(found)), section
     return dict(found)
-
-
-def examples(section: str) -> list[str]:
-    return re.findall(r"^```toml\n(.*?)^```", SECTIONS[section], re.MULTILINE | re.DOTALL)
 
 
 def with_key(part: str, table: str, line: str) -> str:

@@ -34,6 +34,11 @@ class PythonLaw(StepLaw):
     it is not compiled, exported or run as a batch.
     """
 
+    def depends(self, result: int, argument: int) -> np.ndarray:
+        """Return that each result may depend on all of an argument: no one sees into a function."""
+        results, arguments = (self.state, self.outputs)[result], (self.state, self.inputs)[argument]
+        return np.ones((len(results), len(arguments)), dtype=bool)
+
     def jacobians(
         self, state: Sequence[float], inputs: Sequence[float], parameters: Sequence[float]
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

@@ -111,6 +111,36 @@ class StepLaw:
             [ca.jacobian(of, by) for of in (next_state, outputs) for by in symbols[:2]],
         )
 
+    def depends(self, result: int, argument: int) -> np.ndarray:
+        """Return where a result depends on an argument in the same sample.
+
+        Parameters
+        ----------
+        result : int
+            0 for the next state, 1 for the outputs.
+        argument : int
+            0 for the state, 1 for the inputs.
+
+        Returns
+        -------
+        numpy.ndarray of bool
+            A row each signal of the result, a column each of the argument.
+
+        Examples
+        --------
+        >>> law = step_law(
+        ...     "delayed", inputs=[Signal("level")], parameters=[], state=[Signal("kept")],
+        ...     outputs=[Signal("before")],
+        ...     equations=lambda s: Equations({"kept": s["level"]}, {"before": s["kept"]}),
+        ... )
+        >>> law.depends(0, 1).item(), law.depends(1, 1).item()
+        (True, False)
+        """
+        sparsity = self.function.jac_sparsity(result, argument)
+        found = np.zeros((sparsity.size1(), sparsity.size2()), dtype=bool)
+        found[sparsity.row(), sparsity.get_col()] = True
+        return found
+
 
 def step_law(
     name: str,

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from clepsydra.base.section import Line, Mark, Section, Table, marked
 from clepsydra.base.words import listed, time_text
+from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT
 from clepsydra.process.process import Process
 from clepsydra.report.analysis_tables import margin_table
@@ -206,10 +207,18 @@ def _reasons(result: StudyResult) -> list[Line | Table | Section]:
     return [*parts, _EMPTY, *ranking_notes(result)]
 
 
+#: What a plant cannot run as it is, and what would do.
+_NOT_EXPORTED = "A law in Python is not exported; one of expressions is, by step_law."
+
+
 def _commands(result: StudyResult, advice: Recommendation) -> tuple[Line, ...]:
     subject = str(result.path or result.process.address)
     subject = f'"{subject}"' if " " in subject else subject
-    controller = f'--controller "{advice.simplest.controller.name}"'
+    chosen = advice.simplest.controller
+    controller = f'--controller "{chosen.name}"'
+    if isinstance(chosen.law, PythonLaw):
+        drawn = f"Next: clepsydra draw {subject} {controller}"
+        return (Line(_NOT_EXPORTED), *marked(Mark.COMMAND, (drawn,)))
     exported = f"Next: clepsydra export {subject} {controller} --to st"
     return marked(Mark.COMMAND, (exported, f"      clepsydra verify {subject} {controller}"))
 

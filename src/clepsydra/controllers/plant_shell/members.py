@@ -39,10 +39,10 @@ def needed_by_outputs(law: StepLaw, parts: Iterable[str]) -> dict[str, tuple[str
     """
     columns = _places(s if s.part in parts else None for s in law.inputs)
     rows = {u: _places(law.outputs)[u] for u in owners(law.outputs, "out")}
-    direct, moved, kept = (_structure(law, *each) for each in ((1, 1), (0, 1), (0, 0)))
+    direct, moved, kept = (law.depends(*each) for each in ((1, 1), (0, 1), (0, 0)))
     while not np.array_equal(wider := moved | kept @ moved, moved):
         moved = wider
-    ever = direct | _structure(law, 1, 0) @ moved
+    ever = direct | law.depends(1, 0) @ moved
 
     def needs(output: str, owner: str, where: np.ndarray) -> bool:
         return bool(where[np.ix_(rows[output], columns[owner])].any())
@@ -59,14 +59,6 @@ def _places(signals: Iterable[Signal | None]) -> dict[str, list[int]]:
     for place, signal in enumerate(signals):
         if signal is not None:
             found.setdefault(signal.owner, []).append(place)
-    return found
-
-
-def _structure(law: StepLaw, result: int, argument: int) -> np.ndarray:
-    """Return where a result of the law's function depends on an argument."""
-    sparsity = law.function.jac_sparsity(result, argument)
-    found = np.zeros((sparsity.size1(), sparsity.size2()), dtype=bool)
-    found[sparsity.row(), sparsity.get_col()] = True
     return found
 
 

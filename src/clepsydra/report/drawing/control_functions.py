@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-import numpy as np
-
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.signals import owners
 from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock
@@ -46,7 +44,7 @@ def control_functions(controller: Controller) -> tuple[ControlFunction, ...]:
     """Return the functions of a controller, and which signals run between them.
 
     Of a scheme they are its blocks. Of any other law they follow from its equations: what moves an
-    output, in this sample or by way of the state, belongs together.
+    output, in this sample or by way of the state, belongs together; a law in Python is one whole.
 
     Examples
     --------
@@ -122,12 +120,8 @@ def _of_equations(
 
 def _dependence(law: StepLaw) -> Callable[[str, str], bool]:
     """Return whether an input of a law acts on the value of an output, be it through the state."""
-    state, inputs = (
-        (law.function.jac_sparsity(0, i), law.function.jac_sparsity(1, i)) for i in (0, 1)
-    )
-    (next_state, result), (from_input, at_once) = (
-        tuple(np.array(pattern) != 0 for pattern in pair) for pair in (state, inputs)
-    )
+    next_state, from_input = law.depends(0, 0), law.depends(0, 1)
+    result, at_once = law.depends(1, 0), law.depends(1, 1)
     reached = from_input
     for _ in law.state:
         reached = reached | (next_state @ reached)
