@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from clepsydra.base.signal import Signal
 from clepsydra.program.entries import signal_of
-from clepsydra.program.owned_state import own_state
+from clepsydra.program.owned_state import RESTART, own_state
 from clepsydra.program.program import Call, Program, read_by, written_by
 
 #: Truth values that more boxes read than these are connected by name, not by a wire; and how many
@@ -89,7 +89,8 @@ def diagram(program: Program, settings: Iterable[str] = ()) -> list[Box]:
     """Return the boxes of a program whose calls own their state, in the order of its statements.
 
     Ports that get a constant and outputs that nothing reads are left out; ports that get only
-    parameters are counted.
+    parameters are counted. A block that reads nothing but parameters gives parameters, and is left
+    out as well.
 
     Parameters
     ----------
@@ -142,10 +143,20 @@ class _Reader:
     def _call(self, call: Call) -> None:
         block, number = call.program, len(self.boxes)
         states = len(block.state)
+        given = list(zip(block.inputs, call.arguments[states:], strict=True))
+        judged = [
+            source
+            for signal, value in given
+            if signal.name != RESTART
+            for source in self.sources[value]
+        ]
+        if judged and all(map(_is_setting, judged)):
+            self.sources |= {target: judged for target in call.targets}
+            return
         box = Box(call.identifier, block.name, kept=len(own_state(block)))
-        for signal, value in zip(block.inputs, call.arguments[states:], strict=True):
+        for signal, value in given:
             found = self.sources[value]
-            if all(isinstance(source, tuple) and source[1] for source in found):
+            if all(map(_is_setting, found)):
                 box.settings += bool(found)
                 continue
             port = _port(signal, number, computed=value not in self.direct)
@@ -210,6 +221,10 @@ class _Reader:
         owners = [box for box in self.boxes for port in box.outputs if port.name == source.name]
         box = self.boxes[source.box].title
         return source.name if len(owners) == 1 else f"{box}.{source.name}"
+
+
+def _is_setting(source: _Source) -> bool:
+    return isinstance(source, tuple) and source[1]
 
 
 def _port(signal: Signal, box: int, *, computed: bool = False) -> Port:
