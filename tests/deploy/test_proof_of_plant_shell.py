@@ -17,8 +17,8 @@ from clepsydra.studies.designs import DESIGNS
 
 SCANS = 10_000
 HELD = 20
-#: The status word of the shell has fifteen bits.
-STATUS_BITS = [2**place for place in range(15)]
+#: The status word of the shell has eighteen bits.
+STATUS_BITS = [2**place for place in range(18)]
 DEAD_TIME = Path(__file__).parents[1] / "dead-time.toml"
 
 

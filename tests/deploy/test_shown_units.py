@@ -1,6 +1,7 @@
 """Exported controllers have the units of the process file at their ports, and SI inside."""
 
 import re
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -173,6 +174,8 @@ def test_the_test_project_speaks_the_units_of_the_process_file():
 
 def test_a_process_in_si_is_exported_as_if_there_were_no_edge():
     exported = ready("quadruple-tank")
-    assert digest(exported.program) == digest(exported.program_in_si)
+    # An importer of the FMU starts the loop at rest, a PLC its outputs at their fail-safe values.
+    outputs = exported.program_in_si.outputs
+    assert digest(replace(exported.program, outputs=outputs)) == digest(exported.program_in_si)
     source = files_of(exported, "c")[f"{exported.program.name}.c"].decode()
     assert not re.search(r"_si\b", source)

@@ -37,6 +37,8 @@ class Key:
     kind : {"real", "integer", "boolean"}
     digits : int
         Significant digits that a design gives to it.
+    below : str
+        The key of the same owner that it has to be below, if there is one.
 
     Examples
     --------
@@ -58,6 +60,7 @@ class Key:
     like: str = ""
     kind: Kind = "real"
     digits: int = field(default=6, repr=False)
+    below: str = field(default="", repr=False)
 
     def of(self, owner: Signal | str, default: float | None = None, /, **roles: Signal) -> Signal:
         """Return the quantity of an owner, empty for none, with the signals that play the roles.
@@ -82,6 +85,7 @@ class Key:
             self.kind,
             self.words.format(**{role: signal.name for role, signal in roles.items()}),
             self.digits,
+            below=self.below,
         )
 
     @property

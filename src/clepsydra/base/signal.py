@@ -39,6 +39,8 @@ class Signal:
     record : str
         Of an output: the type of the structure that it is a member of, if of one; its owner is the
         structure, its part the member.
+    below : str
+        Of a parameter: the part of the same owner that it has to be below, if there is one.
 
     Examples
     --------
@@ -58,6 +60,7 @@ class Signal:
     digits: int = field(default=6, repr=False, compare=False)
     matrix: str = field(default="", repr=False, compare=False)
     record: str = field(default="", repr=False)
+    below: str = field(default="", repr=False, compare=False)
 
     @property
     def span(self) -> float:

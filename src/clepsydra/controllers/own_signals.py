@@ -112,11 +112,14 @@ class OwnSignals:
         good = (Signal(n, low=0.0, high=1.0, initial=1.0, kind="boolean") for n in self.sensors)
         added = [*good, *self.end.inputs]
         known = {signal.name for signal in (*added, *self.end.state)}
-        own = {parameter.name for parameter in self.parameters}
-        limits = (p for p in self.end.parameters if p.part in ("low_limit", "high_limit"))
+        limits = {p.name: p for p in self.end.parameters if p.part in ("low_limit", "high_limit")}
+        # Limits that the user declares himself are limits of the output all the same.
+        own = [replace(p, below=limits[p.name].below) if p.name in limits else p
+               for p in self.parameters]  # fmt: skip
+        added_limits = (p for name, p in limits.items() if name not in {p.name for p in own})
         return {
             "inputs": (*(signal for signal in self.inputs if signal.name not in known), *added),
-            "parameters": (*self.parameters, *(p for p in limits if p.name not in own)),
+            "parameters": (*own, *added_limits),
             "state": (*self.state, *self.end.state),
             "outputs": self.end.outputs,
         }

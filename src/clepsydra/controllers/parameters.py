@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import path
-from clepsydra.controllers.signals import owners
 from clepsydra.program.entries import Entry, signal_of
 from clepsydra.program.step_law import StepLaw
 
@@ -39,8 +38,8 @@ def check_parameters(law: StepLaw, values: Mapping[str, float], place: str) -> N
             expected = f"a number from {low:g} to {high:g}{unit}"
             name = f"{place}, {parameter.name}"
             raise InputError(name, value, expected, "give a value in this range")
-    for owner in owners(law.parameters, "low_limit"):
-        lowest, highest = path(owner, "low_limit"), path(owner, "high_limit")
+    for parameter in (each for each in law.parameters if each.below):
+        lowest, highest = parameter.name, path(parameter.owner, parameter.below)
         if not values[lowest] < values[highest]:
             expected, remedy = f"a value below {highest}", "exchange the limits or widen them"
             raise InputError(f"{place}, {lowest}", values[lowest], expected, remedy)

@@ -79,6 +79,14 @@ def _moved(name: str, words: str) -> Key:
 #: What an operator sees of a loop in any form, of one that has terms, and of its derivative.
 FACEPLATE: tuple[Key, ...] = (
     _measured("faceplate.pv", "{measurement} as the loop uses it"),
+    Key(
+        "faceplate.pv_bad",
+        "1",
+        "pv is not measured: it is the last good {measurement}",
+        0.0,
+        1.0,
+        kind="boolean",
+    ),
     _measured("faceplate.sp", "setpoint that {measurement} follows"),
     Key("faceplate.error", "{measurement}", "setpoint less measurement, {measurement}"),
     _moved("op", "what stands at {output}"),

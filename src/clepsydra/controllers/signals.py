@@ -37,9 +37,9 @@ INTEGRAL = Key("integral", "{output}", "integral part of {output}")
 TIME_STEP = Key("time_step", "s", "time since the last sample", 0.0, default=1.0)
 
 
-def signed(name: str, unit: str, words: str, default: float = 0.0) -> Key:
+def signed(name: str, unit: str, words: str, default: float = 0.0, *, below: str = "") -> Key:
     """Return the key of a parameter that may have either sign: a gain, a bias, a limit."""
-    return Key(name, unit, words, -LARGEST_PARAMETER, LARGEST_PARAMETER, default)
+    return Key(name, unit, words, -LARGEST_PARAMETER, LARGEST_PARAMETER, default, below=below)
 
 
 def amount(name: str, unit: str, words: str, default: float = 0.0, *, low: float = 0.0) -> Key:
@@ -47,7 +47,7 @@ def amount(name: str, unit: str, words: str, default: float = 0.0, *, low: float
     return Key(name, unit, words, low, LARGEST_PARAMETER, default)
 
 
-LOW_LIMIT = signed("low_limit", "{output}", "low limit of {output}")
+LOW_LIMIT = signed("low_limit", "{output}", "low limit of {output}", below="high_limit")
 HIGH_LIMIT = signed("high_limit", "{output}", "high limit of {output}")
 #: The largest number that it may have is none.
 _RATE = "largest rate of change of {output}"

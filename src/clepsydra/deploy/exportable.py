@@ -11,6 +11,7 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.plant_shell.edge import at_port, in_shown_units
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import shell_sources, with_plant_shell
+from clepsydra.controllers.plant_shell.status import FAIL_SAFE
 from clepsydra.controllers.signals import owners
 from clepsydra.deploy.printing.heading import digest, written_with
 from clepsydra.deploy.printing.identifiers import identifier_of
@@ -111,7 +112,7 @@ def exportable(
         at_edge.program(),
         name=in_si.name,
         inputs=tuple(_as_written(at_port(signal)) for signal in in_si.inputs),
-        outputs=tuple(map(at_port, in_si.outputs)),
+        outputs=tuple(at_port(_before_first_call(s, shelled)) for s in in_si.outputs),
     )
     sources = _sources(controller, program) | shell_sources(shelled)
     origin = Origin(
@@ -185,6 +186,13 @@ def _at_rest(controller: Controller, point: OperatingPoint) -> Program:
     )
     started = with_defaults(program, setpoints)
     return replace(started, inputs=tuple(map(_as_written, started.inputs)), outputs=outputs)
+
+
+def _before_first_call(signal: Signal, shelled: Controller) -> Signal:
+    """Return an output that stands at its fail-safe value until the block is called."""
+    if signal.part != "out":
+        return signal
+    return replace(signal, initial=shelled.values[path(signal.owner, FAIL_SAFE.name)])
 
 
 def _as_written(signal: Signal) -> Signal:

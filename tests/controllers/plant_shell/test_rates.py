@@ -88,13 +88,14 @@ def test_a_first_setpoint_that_is_not_a_number_asks_for_what_is_there():
     assert followed(loop) == 6.25
 
 
-def test_a_wrong_time_step_stops_the_ramp_only():
+@pytest.mark.parametrize("wrong", [math.nan, 0.0, -1.0])
+def test_without_a_time_step_the_ramp_goes_on_by_a_sampling_period(wrong):
     loop = shelled_loop(1.0, RAMP)
     loop.scans(2)
-    loop.scan(level_1_sp=8.0, time_step=math.nan)
-    assert followed(loop) == 5.0
-    loop.scan(time_step=1.0)
+    loop.scan(level_1_sp=8.0, time_step=wrong)
     assert followed(loop) == 5.5
+    loop.scan(time_step=1.0)
+    assert followed(loop) == 6.0
 
 
 def test_an_output_moves_at_its_rate_and_the_status_word_says_so():

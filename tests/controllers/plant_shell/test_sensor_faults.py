@@ -100,24 +100,60 @@ def test_the_range_is_that_of_the_signal():
 
 def test_a_fault_of_another_kind_is_still_the_same_fault():
     loop = shelled_loop(1.0)
+    loop.scan()
     told = [failed(loop.scan(**fault)) for fault in FAULTS]
     assert told == [False] * 4 + [True]
 
 
-def test_a_good_scan_in_between_begins_anew():
+def test_good_time_makes_up_for_half_as_much_bad_time():
+    """4 s bad, 3 s good: 2.5 s are left of the delay of 4 s, and 1.5 s more are over it."""
     loop = shelled_loop(1.0)
-    loop.scans(4, level_1_good=0)
-    assert not failed(loop.scans(1, **GOOD))
+    loop.scan()
     assert not failed(loop.scans(4, level_1_good=0))
+    assert not failed(loop.scans(3, **GOOD))
+    assert not failed(loop.scans(2, level_1_good=0))
+    assert loop.state["level_1.fault_time"] == 4.0 - 1.5 + 1.0
     assert failed(loop.scan())
 
 
-def test_a_range_of_no_width_is_a_fault_and_divides_nothing():
-    loop = shelled_loop(1.0)
-    loop.values["level_1.range_high"] = loop.values["level_1.range_low"]
-    outputs = loop.scan()
-    assert all(math.isfinite(value) for value in loop.state.values())
-    assert "sensor_fault" in read_status(int(outputs["pump_1.status"]))
+@pytest.mark.parametrize(("good", "bad"), [(1, 4), (1, 1), (2, 2), (5, 3)])
+def test_a_sensor_that_comes_and_goes_fails_safe(good, bad):
+    """Bad for more than a third of the time; after g good and b bad scans b - g/2 s are left."""
+    loop = shelled_loop(1.0, SAFE)
+    loop.scan()
+    left, scans = 0.0, 0
+    while left < 4.0:
+        left, scans = left + bad - 0.5 * good, scans + good + bad
+    told = [
+        failed(loop.scan(**(GOOD if k % (good + bad) < good else FAULTS[0])))
+        for k in range(scans + 3 * (good + bad))
+    ]
+    assert told[-1] and not any(told[:4])
+
+
+def test_a_sensor_that_is_seldom_bad_never_fails_safe():
+    """For a third of the time at most: what a scan adds two good ones take away."""
+    loop = shelled_loop(1.0, SAFE)
+    for k in range(300):
+        outputs = loop.scan(**(FAULTS[0] if k % 3 == 2 else GOOD))
+        assert not failed(outputs)
+        assert loop.state["level_1.fault_time"] <= 1.0
+
+
+@pytest.mark.parametrize("time_step", [0.5, 1.0, 2.0])
+def test_the_delay_is_a_time_whatever_the_scans_are(time_step):
+    loop = shelled_loop(1.0, SAFE)
+    loop.scan()
+    told = [failed(loop.scan(level_1_good=0, time_step=time_step)) for _ in range(10)]
+    assert told.index(True) == 4.0 / time_step
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_sensor_that_was_never_good_is_not_ridden_through(fault):
+    loop = shelled_loop(1.0, PlantShell(fail_safe={"pump_1": 1.5}, sensor_delay={"level_1": 60.0}))
+    outputs = loop.scan(**fault)
+    assert failed(outputs) and outputs["pump_1.out"] == 1.5
+    assert not int(outputs["pump_1.status"]) & SHELL_STATUS_BITS["rides_through"].value
 
 
 @pytest.mark.parametrize("wrong", [math.nan, 0.0, -1.0])
@@ -126,8 +162,9 @@ def test_a_sampling_period_or_delay_that_is_none_does_not_wait_for_ever(wrong):
     loop.values["sampling_period"] = wrong
     assert failed(loop.scans(6, level_1_good=0))
     loop = shelled_loop(1.0)
+    loop.scan()
     loop.values["level_1.sensor_delay"] = wrong
-    assert failed(loop.scan(level_1_good=0))
+    assert failed(loop.scans(6, level_1_good=0))
 
 
 def test_where_the_range_is_not_known_no_current_is_told():
@@ -210,14 +247,6 @@ def test_it_fails_safe_without_a_time_step(wrong, options):
     outputs = loop.scans(5, level_1_good=0, time_step=wrong)
     assert outputs["pump_1.out"] == 1.5
     assert {"failed_safe", "invalid_time_step"} <= set(read_status(int(outputs["pump_1.status"])))
-
-
-@pytest.mark.parametrize("wrong", [math.nan, math.inf])
-def test_a_fail_safe_value_that_is_not_a_number_is_the_low_limit(wrong):
-    loop = shelled_loop(1.0, SAFE, pump_1_low_limit=0.75)
-    loop.scan()
-    loop.values["pump_1.fail_safe"] = wrong
-    assert loop.scans(5, level_1_good=0)["pump_1.out"] == 0.75
 
 
 LEVELS = ["level_1", "level_2", "level_3", "level_4"]

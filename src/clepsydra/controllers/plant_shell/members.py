@@ -14,7 +14,8 @@ from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.blocks.status import Mode
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.plant_shell.edge import at_port
-from clepsydra.controllers.plant_shell.scan import SAMPLING_PERIOD, SCAN_TOLERANCE
+from clepsydra.controllers.plant_shell.parameter_check import Judged, judged
+from clepsydra.controllers.plant_shell.scan import LONGEST_GAP, SAMPLING_PERIOD, SCAN_TOLERANCE
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.signal_check import RANGE, SENSOR_DELAY, SETPOINT_RATE
 from clepsydra.controllers.plant_shell.status import FAIL_SAFE, RATE_LIMIT, TAKE_UP_SCANS
@@ -65,6 +66,9 @@ def _places(signals: Iterable[Signal | None]) -> dict[str, list[int]]:
 _SETTING = "setting of the plant shell"
 #: Share of the sampling period by which a measured time step may differ from it.
 _TOLERANCE = 0.1
+#: Sampling periods between two scans that a law takes as they are. It is designed for a tenth or
+#: less of the time in which its loop settles; half of that is no time to integrate over at once.
+_GAP = 5.0
 
 
 class Members:
@@ -120,6 +124,7 @@ class Members:
         for key, value, source in (
             (SAMPLING_PERIOD, sampling_period, "sampling period that the controller runs with"),
             (SCAN_TOLERANCE, _TOLERANCE, "default: a tenth"),
+            (LONGEST_GAP, _GAP, "default: five sampling periods"),
             (TAKE_UP_SCANS, scans, "settling of what the law remembers, found by running it"),
         ):
             self.parameters.append(key.of("", float(value)))
@@ -132,6 +137,15 @@ class Members:
             output: [name for name in names if name in free]
             for output, names in needed_by_outputs(law, ("sp",)).items()
         }
+
+    @property
+    def checks(self) -> list[Judged]:
+        """What judges the parameters of law and shell."""
+        every = (*self.controller.law.parameters, *self.parameters)
+        low, high = (key.name for key in RANGE)
+        names = {parameter.name for parameter in self.parameters}
+        ends = [(path(y, low), path(y, high)) for y in self.sensors]
+        return [*judged(every, (pair for pair in ends if pair[0] in names))]
 
     def limited(self, output: Signal) -> bool:
         """Return whether the law has limits of an output."""

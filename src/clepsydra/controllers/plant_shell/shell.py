@@ -11,6 +11,7 @@ from clepsydra.base.signal import Signal, owned, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.plant_shell.members import Members
+from clepsydra.controllers.plant_shell.parameter_check import last_valid
 from clepsydra.controllers.plant_shell.scan import ASKED, WATCHDOG, scan_start
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.signal_check import RAMP, signal_check
@@ -121,6 +122,12 @@ def _shelled(bare: Controller, members: Members) -> ShelledController:
     begun = map(signal_of, scan_start(delays=False).state)
     added = [*(_of_process(*each) for each in states), *(s for s in last if s.name not in kept)]
     added += begun
+    values = bare.values | members.own_rates | {p.name: p.initial for p in members.parameters}
+    added += [
+        replace(last_valid(parameter), initial=values[parameter.name])
+        for check in members.checks
+        for parameter in check.state.values()
+    ]
     _check_clashes(bare, [*ASKED, *members.parameters, *added, WATCHDOG])
     state = [*law.state, *added]
     initial = {**bare.initial_state, **{signal.name: signal.initial for signal in added}}
@@ -142,7 +149,7 @@ def _shelled(bare: Controller, members: Members) -> ShelledController:
     whole = {entry.name: getattr(bare, entry.name) for entry in fields(Controller)}
     whole |= {
         "law": shelled,
-        "values": bare.values | members.own_rates | {p.name: p.initial for p in members.parameters},
+        "values": values,
         "initial_state": initial,
         "notes": (*bare.notes, *members.notes),
         "free_inputs": {**bare.free_inputs, **{signal.name: 0.0 for signal in ASKED}},
@@ -155,7 +162,8 @@ def _of_process(entry: Signal | DelayRing, signal: Signal) -> Signal:
     """Return the state of a block that belongs to a process signal, as a state of the law."""
     port = signal_of(entry)
     name, words = path(signal, port.name), f"{signal.name}: {port.description}"
-    if port.kind != "real":
+    # A time is not in the unit of the process signal.
+    if port.kind != "real" or port.unit != "1":
         return replace(port, name=name, description=words)
     initial = signal.initial if math.isfinite(signal.initial) else 0.0
     return replace(signal, name=name, initial=initial, description=words)

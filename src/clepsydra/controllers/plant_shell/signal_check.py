@@ -9,7 +9,7 @@ import casadi as ca
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.ports import GOOD, PV, SP, truth, words_for
 from clepsydra.controllers.blocks.validity import is_number, limit
-from clepsydra.controllers.plant_shell.scan import ANEW, ELAPSED, FIRST, SAMPLING_PERIOD, count
+from clepsydra.controllers.plant_shell.scan import ANEW, ELAPSED, FIRST, SAMPLING_PERIOD
 from clepsydra.controllers.signals import LARGEST_PARAMETER, amount, signed
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
@@ -32,13 +32,11 @@ _CURRENTS = [
     )
 ]
 
-#: A delay this share of a scan above a whole number of scans is that number.
+#: A delay this share of a sampling period above a fault's time is over.
 _ROUNDING = 1e-4
-_MARGIN = Signal("rounding", initial=_ROUNDING, description="of the delay, in scans")
-#: Scans are counted no further; single precision holds every whole number up to it.
-_LARGEST_COUNT = 1e7
-_COUNTED = "a fault is counted no further; single precision holds it exactly"
-_MOST_SCANS = Signal("most_scans", initial=_LARGEST_COUNT, kind="integer", description=_COUNTED)
+_MARGIN = Signal("rounding", initial=_ROUNDING, description="of the delay, in sampling periods")
+#: So fast good time makes up for bad: a sensor that is bad for more than a third of the time fails.
+_RECOVERY = Signal("recovery", initial=0.5, description="so fast good time makes up for bad time")
 
 
 @cache
@@ -48,9 +46,13 @@ def signal_check(*, ranged: bool) -> Block:
     The measurement is in its own unit, as the analogue input card scales it from 4 to 20 mA,
     also beyond the ends. The current that it stands for is judged as NAMUR NE 43 says: below 3.6
     and above 21 mA it tells a fault, from 3.8 to 20.5 mA it measures, between these it is
-    uncertain. A range of no width, which a mistake at run time may make, tells nothing and counts
-    as a fault. A fault first seen in scan k has failed in scan k + n, with n the delay in whole
-    scans, rounded up; a start forgets how long it has lasted.
+    uncertain.
+
+    The time of a fault goes up with the measured time while the sensor is bad, and down at half
+    that rate while it is good, so that a sensor that comes and goes fails too. What is seen in a
+    scan counts until the next one; a start forgets it. A fault is ridden through until its time
+    reaches the delay, if there was a good measurement before; it is counted to twice the delay, so
+    that a sound sensor is trusted again in a time of that size.
 
     `ranged`: whether the values at 4 and 20 mA are known, so that its current can be told.
 
@@ -63,10 +65,10 @@ def signal_check(*, ranged: bool) -> Block:
     --------
     5 mA in a range from 0 to 16:
 
-    >>> given = dict(measurement=1, sensor=1, sensor_delay=4, sampling_period=1, anew=0,
+    >>> given = dict(measurement=1, sensor=1, sensor_delay=4, sampling_period=1, anew=0, elapsed=1,
     ...              range_low=0, range_high=16)
     >>> symbols = {name: ca.DM(value) for name, value in given.items()}
-    >>> kept = {"good_measurement": ca.DM(0), "fault_scans": ca.DM(0)}
+    >>> kept = dict.fromkeys(["good_measurement", "fault_time", "was_bad", "was_good"], ca.DM(0))
     >>> found = signal_check(ranged=True)("level_1_check", symbols, kept)
     >>> float(found.intermediates["current"]), bool(found.outputs["good"])
     (5.0, True)
@@ -79,24 +81,27 @@ def signal_check(*, ranged: bool) -> Block:
             *(key.port for key in RANGE if ranged),
             SENSOR_DELAY.port,
             SAMPLING_PERIOD.port,
+            ELAPSED,
             ANEW,
         ),
         (
             Signal(
                 "good_measurement", description="the measurement when it was good the last time"
             ),
-            count("fault_scans", _LARGEST_COUNT, "scans since a fault was seen"),
+            Signal("fault_time", "s", description="for how long it has been bad"),
+            truth("was_bad", "it was bad in the last scan"),
+            truth("was_good", "there was a good measurement"),
         ),
         (
             PV,
             GOOD,
             truth("invalid", "the measurement is not a number"),
             truth("uncertain", "it is good, and its current close to that of a fault"),
-            truth("failed", "it has been faulty for longer than its delay"),
+            truth("failed", "it is bad, and has been for its delay or ever since the beginning"),
         ),
         lambda symbols: _checked(symbols, ranged=ranged),
         ("Transmitter of 4 to 20 mA, judged as NAMUR NE 43 says.",),
-        (*(_CURRENTS if ranged else ()), _MARGIN, _MOST_SCANS),
+        (*(_CURRENTS if ranged else ()), _MARGIN, _RECOVERY),
     )
 
 
@@ -107,48 +112,45 @@ def _checked(s: Symbols, *, ranged: bool) -> Equations:
     between: dict[str, ca.SX] = {}
     if ranged:
         low, high = s["range_low"], s["range_high"]
-        wide = high != low
-        width = ca.if_else(wide, high - low, 1)
-        # A range of no width tells no current.
-        current = ca.if_else(wide, 4.0 + 16.0 * (raw - low) / width, 0)
+        current = 4.0 + 16.0 * (raw - low) / (high - low)
         inside = ca.logic_and(current >= FAULT_BELOW, current <= FAULT_ABOVE)
         good = ca.logic_and(good, inside)
         measures = ca.logic_and(current >= UNCERTAIN_BELOW, current <= UNCERTAIN_ABOVE)
         uncertain = ca.logic_and(good, ca.logic_not(measures))
-        between = {"width": width, "current": current}
-    before = ca.if_else(s["anew"], 0, s["fault_scans"])
-    scans = ca.fmin(_LARGEST_COUNT - 1.0, ca.fmax(0, before)) + 1
-    scans = ca.if_else(good, 0, scans)
-    period = s["sampling_period"]
-    period = ca.if_else(period > 0, period, 1)
-    # At most the delay rounded up; one that is not a number, set at run time, is over at once.
-    waits = scans - 1 < s["sensor_delay"] / period - _ROUNDING
-    waits = ca.logic_and(waits, scans < _LARGEST_COUNT)
+        between = {"current": current}
+    bad, elapsed, delay = ca.logic_not(good), s["elapsed"], s["sensor_delay"]
+    before = s["fault_time"]
+    changed = ca.if_else(s["was_bad"], before + elapsed, before - _RECOVERY.initial * elapsed)
+    time = ca.if_else(s["anew"], 0, limit(changed, ca.SX(0), 2.0 * delay + elapsed))
+    waits = ca.logic_and(time < delay - _ROUNDING * s["sampling_period"], s["was_good"])
     value = ca.if_else(good, raw, s["good_measurement"])
-    state = {"good_measurement": value, "fault_scans": scans}
+    state = {
+        "good_measurement": value,
+        "fault_time": time,
+        "was_bad": bad,
+        "was_good": ca.logic_or(good, s["was_good"]),
+    }
     told = {
         "pv": value,
         "good": good,
         "invalid": ca.logic_not(number),
         "uncertain": uncertain,
-        "failed": ca.logic_and(ca.logic_not(good), ca.logic_not(waits)),
+        "failed": ca.logic_and(bad, ca.logic_not(waits)),
     }
-    between |= {"period": period, "waits": waits}
+    between |= {"waits": waits}
     return Equations(state, told, between, words_for(_WORDS, state, told, between))
 
 
 #: What a reader is told above the steps.
 _WORDS = {
     "invalid": "not-a-number and infinity are no measurement",
-    "width": "a range of no width, set by mistake, tells no current",
     "current": "current of the transmitter [mA]",
     "good": "usable: a number, no fault of the card, and a current that tells none",
     "good_measurement": "the last good value is held",
-    "fault_scans": "for how many scans there has been a fault",
-    "period": "a sampling period that is none counts as 1 s",
-    "waits": "a fault is ridden through for its delay, rounded up to whole scans",
+    "fault_time": "for how long the sensor has been bad, less half the time for which it was good",
+    "waits": "a fault is ridden through for its delay, if there was a good measurement before",
     "uncertain": "good, but close to a current of fault",
-    "failed": "the fault has outlasted its delay",
+    "failed": "the fault has lasted for its delay",
 }
 
 

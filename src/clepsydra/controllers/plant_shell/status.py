@@ -19,8 +19,16 @@ from clepsydra.controllers.blocks.status import (
     status_port,
     status_word,
 )
-from clepsydra.controllers.blocks.validity import is_number, limit
-from clepsydra.controllers.plant_shell.scan import ACKNOWLEDGED, ELAPSED, WARM, count
+from clepsydra.controllers.blocks.validity import limit
+from clepsydra.controllers.plant_shell.scan import (
+    ACKNOWLEDGED,
+    ELAPSED,
+    SCAN_LOST,
+    STATE_LOST,
+    STEP_INVALID,
+    WARM,
+    count,
+)
 from clepsydra.controllers.signals import LARGEST_PARAMETER
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
@@ -66,10 +74,11 @@ STATE = (
 def output_command(*, limited: bool, rate: Rate) -> Block:
     """Return the block that tells who moves an output.
 
-    Where a needed sensor has failed the output goes to its fail-safe value, and stays there until
-    good sensors are acknowledged, or the output is moved in manual while they are good; who
-    acknowledges bad sensors has to do it again. That holds in a mode that is none, too. An
-    operator who moves it in manual, or a controller that it tracks, always goes first.
+    Where a needed sensor has failed, or the time is not known, the output goes to its fail-safe
+    value, and stays there until good sensors are acknowledged, or the output is moved in manual
+    while they are good; who acknowledges bad sensors has to do it again. That holds in a mode that
+    is none, too. An operator who moves it in manual, or a controller that it tracks, always goes
+    first.
 
     Coming back, and after a warm start, the law follows the last output for as many scans as it
     needs to take it up at the present measurements (`plant_shell.take_up`); scans without good
@@ -89,7 +98,7 @@ def output_command(*, limited: bool, rate: Rate) -> Block:
             MODE,
             signals.TRACKING.port,
             truth("good", "all sensors are good that the output needs"),
-            truth("failed", "one of them has been faulty for longer than its delay"),
+            truth("failed", "one of them has failed, or the time is not known"),
             ACKNOWLEDGED,
             WARM,
             ELAPSED,
@@ -134,12 +143,11 @@ def _commanded(s: Symbols, limited: bool, rate: Rate) -> Equations:
     in_force = ca.logic_and(automatic, ca.logic_not(overruled))
     # One that is none stays none.
     bounded = ca.fmin(_NO_MODE, ca.fmax(-1, mode))
-    counts = ca.logic_and(good, s["elapsed"] > 0)
-    following = ca.if_else(counts, ca.fmax(0, left - 1), left)
+    following = ca.if_else(good, ca.fmax(0, left - 1), left)
     value, last = s["fail_safe"], s["last_output"]
     if limited:
         low, high = s["low_limit"], s["high_limit"]
-        value = limit(ca.if_else(is_number(value), value, low), low, high)
+        value = limit(value, low, high)
     followed = ca.if_else(follows, last, s["tracking"])
     reach, named = {}, {"by_hand": by_hand, "scans_left": left, "overruled": overruled}
     moves = ca.logic_not(ca.logic_or(safe, mode == Mode.TRACKING))
@@ -179,7 +187,7 @@ _WORDS = {
     "tracked": "where the output goes if the law does not move it",
     "rate_acts": "the rate limit acts in automatic and in manual",
     "lowest": "limits, narrowed by the rate limit",
-    "scans_to_follow": "a scan counts where its sensors and its time step are good",
+    "scans_to_follow": "a scan counts where its sensors are good",
 }
 
 #: Name to bit. The first eight mean what they mean without the shell (`blocks.status`); the
@@ -194,8 +202,9 @@ SHELL_STATUS_BITS: dict[str, StatusBit] = {
     ),
     "failed_safe": StatusBit(
         1024,
-        "a sensor failed for longer than its delay: but for manual and tracking the output stands "
-        "at its fail-safe value until it is acknowledged with good sensors",
+        "a sensor failed for longer than its delay, or the time step for more scans than the "
+        "longest gap: but for manual and tracking the output stands at its fail-safe value until "
+        "it is acknowledged with good sensors",
     ),
     "scan_time_off": StatusBit(
         2048, "the time step differs from the sampling period by more than its tolerance"
@@ -207,6 +216,19 @@ SHELL_STATUS_BITS: dict[str, StatusBit] = {
     ),
     "setpoint_limited": StatusBit(
         16384, "a setpoint lies outside its range and is held at the end of it"
+    ),
+    "scan_lost": StatusBit(
+        32768,
+        "a scan came after more than the longest gap: it counted as one sampling period, and the "
+        "law began again as in a warm start; until it is acknowledged",
+    ),
+    "invalid_parameter": StatusBit(
+        65536, "a parameter is not valid, and its last valid value is in force"
+    ),
+    "state_lost": StatusBit(
+        131072,
+        "a warm start found no kept state, and automatic began at the fail-safe value; until it is "
+        "acknowledged",
     ),
 }
 #: The same as a structure of truth values.
@@ -235,8 +257,11 @@ def output_end(told: tuple[str, ...], *, rated: bool) -> Block:
         (
             Signal("asked", description="what the law asks for"),
             MODE,
-            ELAPSED,
             truth("time_off", SHELL_STATUS_BITS["scan_time_off"].meaning),
+            STEP_INVALID,
+            SCAN_LOST,
+            STATE_LOST,
+            truth("invalid_parameter", SHELL_STATUS_BITS["invalid_parameter"].meaning),
             *TOLD,
             *(LIMITS if limited else ()),
             *(REACH if rated else ()),
@@ -256,20 +281,23 @@ def output_end(told: tuple[str, ...], *, rated: bool) -> Block:
 def _ended(s: Symbols, told: tuple[str, ...], rated: bool) -> Equations:
     # But for manual and tracking it stands at its fail-safe value.
     safe = ca.logic_and(s["latched"], ca.logic_not(moved_by_hand(s["mode"])))
-    out = ca.if_else(ca.logic_and(safe, is_number(s["tracked"])), s["tracked"], s["asked"])
+    out = ca.if_else(safe, s["tracked"], s["asked"])
     automatic, slowed = s["mode"] == Mode.AUTOMATIC, s.get("at_rate_limit", ca.SX(0))
     conditions = {
         "automatic": automatic,
         "tracking": s["mode"] == Mode.TRACKING,
         **{bit: s[bit] for bit in told},
         "invalid_input": ca.logic_or(s["invalid"], s["invalid_input"]),
-        "invalid_time_step": ca.logic_not(s["elapsed"] > 0),
+        "invalid_time_step": s["step_invalid"],
         "sensor_uncertain": s["uncertain"],
         "rides_through": s["waits"],
         "failed_safe": s["latched"],
         "scan_time_off": s["time_off"],
         "following": s["follows"],
         "setpoint_limited": s["limited"],
+        "scan_lost": s["scan_lost"],
+        "state_lost": s["state_lost"],
+        "invalid_parameter": s["invalid_parameter"],
     }
     if "low_limit" in s:
         at_low, at_high = out <= s["low_limit"], out >= s["high_limit"]

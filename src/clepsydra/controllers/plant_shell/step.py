@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import casadi as ca
@@ -11,8 +11,9 @@ from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.blocks.ports import truth
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.status import STATUS_BITS
-from clepsydra.controllers.blocks.validity import LARGEST_NUMBER, all_of, any_of
+from clepsydra.controllers.blocks.validity import LARGEST_NUMBER, all_of, any_of, limit
 from clepsydra.controllers.plant_shell.members import Members
+from clepsydra.controllers.plant_shell.parameter_check import Judged, last_valid
 from clepsydra.controllers.plant_shell.scan import scan_start
 from clepsydra.controllers.plant_shell.signal_check import RAMP, signal_check
 from clepsydra.controllers.plant_shell.status import (
@@ -54,14 +55,16 @@ class ShellScan(Sample):
         state: Sequence[Signal | DelayRing],
         initial: Mapping[str, float],
     ) -> None:
-        super().__init__(symbols)
+        super().__init__(dict(symbols))
         self.members, self.law, self.initial = members, members.controller.law, initial
         self.delays = {entry.name: entry.length for entry in state if isinstance(entry, DelayRing)}
-        start, longest = scan_start(delays=bool(self.delays)), max(self.delays.values(), default=1)
-        kept = {entry.name: symbols[entry.name] for entry in start.state}
-        begun = start("scan", {**symbols, "longest_delay": ca.SX(longest)}, kept)
-        self.next_state |= begun.next_state
-        self.symbols, given = {**symbols, **begun.outputs}, dict(symbols)
+        #: The last output of each to the value that it fails safe to.
+        self.safe: dict[str, ca.SX] = {}
+        self._begin()
+        given = dict(self.symbols)
+        # What the law integrates over is the time that the scan counts for.
+        given["time_step"] = self["elapsed"]
+        self.safe |= {path(u, "last_output"): self._fail_safe(u) for u in members.outputs}
         self.checks = {y.name: self._checked(y) for y in members.sensors}
         for y, check in self.checks.items():
             given |= {path(y, port): check[port] for port in ("pv", "good")}
@@ -85,22 +88,62 @@ class ShellScan(Sample):
             self._show(loop)
         self.outputs["watchdog"] = self["watchdog"]
 
+    def _begin(self) -> None:
+        """Judge the parameters, and how the scan begins."""
+        start = scan_start(delays=bool(self.delays))
+        longest = max(self.delays.values(), default=1)
+        of_scan = {port.name for port in start.inputs}
+        checks = self.members.checks
+        # What a scan begins by is judged before it is known whether it begins anew.
+        first = [check for check in checks if check.names <= of_scan]
+        invalid = [self._judge(check, self.symbols.__getitem__) for check in first]
+        kept = {entry.name: self.symbols[entry.name] for entry in start.state}
+        begun = start("scan", {**self.symbols, "longest_delay": ca.SX(longest)}, kept)
+        self.next_state |= begun.next_state
+        self.symbols.update(begun.outputs)
+        invalid += [self._judge(check, self.state) for check in checks if check not in first]
+        self.symbols["invalid_parameter"] = any_of(invalid)
+        self.named["invalid_parameter"] = self["invalid_parameter"]
+
     def state(self, name: str) -> ca.SX:
         """Return the value of a state that the scan goes on from: the initial one in a cold start.
 
         A ring cannot be overwritten in one scan: what is read of it counts as the initial value
-        until it was written after the start.
+        until it was written after the start. A warm start without kept state does not know where
+        the actuators stand, so the last outputs are the fail-safe values.
         """
         anew = self["cold"]
         if name in self.delays:
             anew = self["scans_before"] < self.delays[name]
-        return ca.if_else(anew, self.initial[name], self.symbols[name])
+        kept = ca.if_else(anew, self.initial[name], self.symbols[name])
+        if (safe := self.safe.get(name)) is not None:
+            kept = ca.if_else(self["without_state"], safe, kept)
+        return kept
 
     def _checked(self, y: Signal) -> dict[str, ca.SX]:
         block = signal_check(ranged=path(y, "range_low") in self.symbols)
         measurement, sensor = self.of(y, "pv", "good")
         name = path(y, "check")
         return self.call(block, name, y, measurement=measurement, sensor=sensor)
+
+    def _judge(self, check: Judged, state: Callable[[str], ca.SX]) -> ca.SX:
+        """Put parameters in force, or the last valid values; return whether they are not valid."""
+        names = {own: last_valid(parameter).name for own, parameter in check.state.items()}
+        lowest, highest = map(ca.SX, check.bounds)
+        found = check.block(
+            check.instance,
+            {port: self[p.name] for port, p in check.parameters.items()}
+            | {"lowest": lowest, "highest": highest},
+            {own: state(name) for own, name in names.items()},
+        )
+        self.next_state |= {name: found.next_state[own] for own, name in names.items()}
+        self.symbols.update((p.name, found.outputs[own]) for own, p in check.results.items())
+        return found.outputs["invalid"]
+
+    def _fail_safe(self, u: Signal) -> ca.SX:
+        if not self.members.limited(u):
+            return self[path(u, "fail_safe")]
+        return limit(*self.of(u, "fail_safe", "low_limit", "high_limit"))
 
     def _commanded(self, u: Signal) -> dict[str, ca.SX]:
         """Return who moves an output, as the outputs of `output_command`."""
@@ -113,7 +156,7 @@ class ShellScan(Sample):
             path(u, "command"),
             u,
             good=all_of([ca.SX(1), *(sensor["good"] for sensor in sensors)]),
-            failed=_any(sensors, "failed"),
+            failed=any_of([self["untimed"], *(sensor["failed"] for sensor in sensors)]),
             last_output=self.state(path(u, "last_output")),
         )
 

@@ -81,6 +81,7 @@ class PidLoop(PlainBlock):
         """Settings of the loop; of an inner one also the limits of its setpoint."""
         found = self._own(keys.PARAMETERS[name] for name in self.form.parameters)
         ends = signals.limit_parameters(self.measurement) if self.inner else []
+        ends = [replace(end, below=end.below and f"setpoint_{end.below}") for end in ends]
         return found + [self._renamed(end, f"setpoint_{end.part}") for end in ends]
 
     def state(self) -> list[Signal]:
@@ -201,6 +202,7 @@ class PidLoop(PlainBlock):
         """Return the values of `results`; s as for `told`."""
         seen = {
             "pv": s["pv"],
+            "pv_bad": ca.logic_not(ca.logic_and(s["good"], s["measurement_is_number"])),
             "sp": s["setpoint_used"],
             "error": s["error"],
             "op": applied.applied,

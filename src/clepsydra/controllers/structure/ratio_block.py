@@ -84,8 +84,8 @@ class RatioBlock(PlainBlock):
 _OF, _NAMES = "{output}/{wild}", "ratio of {output} to {wild}"
 _RATIO = signed("ratio", _OF, _NAMES, 1.0)
 _ENDS = tuple(
-    signed(f"{end}_ratio", _OF, f"{end} {_NAMES}", value)
-    for end, value in (("lowest", 0.0), ("highest", 10.0))
+    signed(f"{end}_ratio", _OF, f"{end} {_NAMES}", value, below=other)
+    for end, value, other in (("lowest", 0.0, "highest_ratio"), ("highest", 10.0, ""))
 )
 
 

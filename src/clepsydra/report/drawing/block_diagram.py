@@ -151,7 +151,7 @@ class _Reader:
             for source in self.sources[value]
         ]
         if judged and all(map(_is_setting, judged)):
-            self.sources |= {target: judged for target in call.targets}
+            self.sources |= dict.fromkeys(call.targets, judged)
             return
         box = Box(call.identifier, block.name, kept=len(own_state(block)))
         for signal, value in given:
