@@ -30,6 +30,28 @@ RING_PARTS = ("start", "mean", "end")
 
 
 @dataclass(frozen=True)
+class PartOfStep:
+    """A part of an integration step, as values of the block that moves over it.
+
+    Parameters
+    ----------
+    first, last : int
+        Fractions of the step between which it lies.
+    entered : tuple of int
+        Of what enters each delay: its integral from the start of the step, over its length.
+
+    Examples
+    --------
+    >>> PartOfStep(first=0, last=1, entered=()).last
+    1
+    """
+
+    first: int
+    last: int
+    entered: tuple[int, ...]
+
+
+@dataclass(frozen=True)
 class MotionBlock:
     """The motion of a process from one sample to the next, in equal integration steps.
 
@@ -122,15 +144,49 @@ class MotionBlock:
         size, rings = len(self.state), len(self.rings)
         inner = BlockBuilder(size + rings + len(outside))
         given = range(size + rings + len(outside))
-        following, written = self._step(inner, *_parts(given, size, rings))
+        held, ring, rest = _parts(given, size, rings)
+        following, written = self._step(inner, held, ring, rest)
         body = inner.finish([*following, *written])
         return builder.loop(
             "integration", body, self.substeps, (), state, outside, self.rings,
             adjustable=self.adjustable,
         )  # fmt: skip
 
+    def move_part(
+        self,
+        builder: BlockBuilder,
+        part: PartOfStep,
+        state: Sequence[int],
+        ring: Sequence[int],
+        outside: Sequence[int],
+    ) -> tuple[list[int], list[int]]:
+        """Append the motion over a part of an integration step, in which nothing is checked.
+
+        Parameters
+        ----------
+        builder : BlockBuilder
+        part : PartOfStep
+        state, outside : sequence of int
+            See `move`; the clock stays.
+        ring : sequence of int
+            Start, mean and end of what comes out of every delay during the whole step.
+
+        Returns
+        -------
+        state, written : list of int
+            The next state, and of what enters each delay its value at the start of the part, its
+            integral since the start of the step over the length of the step, and its value at the
+            end of the part.
+        """
+        return self._step(builder, list(state), list(ring), list(outside), part)
+
     def _step(
-        self, builder: BlockBuilder, state: list[int], ring: list[int], outside: list[int]
+        self,
+        builder: BlockBuilder,
+        state: list[int],
+        ring: list[int],
+        outside: list[int],
+        part: PartOfStep | None = None,
     ) -> tuple[list[int], list[int]]:
         """Append one step; return the next state and what is written to the rings."""
         motion = self.motion
@@ -139,10 +195,15 @@ class MotionBlock:
         events, memories = len(motion.events), len(motion.memories)
         sizes = integrated, memories, events, events, bool(events)
         integral, m, count, time, clock, status = _parts(state, *sizes)
-        integral += [builder.constant(0.0)] * len(motion.delays)
         invariants = [*ring, *outside]
         h, outside = self._held(builder, outside)
         zero, one = builder.constant(0.0), builder.constant(1.0)
+        if part:
+            zero, one = part.first, part.last
+            invariants += [zero, one]
+            integral += [builder.operation("multiply", mean, h) for mean in part.entered]
+        else:
+            integral += [zero] * len(motion.delays)
         after = inline(
             builder, step.advance, [h, zero, one, *integral, *ring, *m, *outside], fused=True
         )
@@ -152,16 +213,18 @@ class MotionBlock:
         too_long = inline(builder, check, whole, fused=True) if check else []
         if events:
             guards = inline(builder, step.guards, [one, *after, *ring, *m, *outside], fused=True)
-            happens = builder.operation("less_equal", zero, guards[0])
+            limit = builder.constant(0.0)
+            happens = builder.operation("less_equal", limit, guards[0])
             for guard in guards[1:]:
-                fires = builder.operation("less_equal", zero, guard)
+                fires = builder.operation("less_equal", limit, guard)
                 happens = builder.operation("or", happens, fires)
             carried = [*after, *count, *time, *m, *too_long]
             invariants = [*clock, *integral, *invariants]
-            body = self._located(step, check, len(carried), len(invariants))
+            body = self._located(step, check, len(carried), len(invariants), cut=part is not None)
             changed = builder.conditional("event", happens, body, carried, invariants)
             after, count, time, following, too_long = _parts(changed, *step.located)
-            clock = [builder.operation("add", *clock, one)]
+            if not part:
+                clock = [builder.operation("add", *clock, one)]
         written: list[int] = []
         if motion.delays:
             first = inline(builder, step.sent, [zero, *integral, *ring, *m, *outside], fused=True)
@@ -188,17 +251,25 @@ class MotionBlock:
         return builder.constant(self.step_length), outside
 
     def _located(
-        self, step: MotionStep, check: ca.Function | None, carried: int, invariants: int
+        self,
+        step: MotionStep,
+        check: ca.Function | None,
+        carried: int,
+        invariants: int,
+        *,
+        cut: bool,
     ) -> Block:
         """Return the block that repeats a step in which something happens."""
         inner = BlockBuilder(carried + invariants)
         _, count, time, m, _ = _parts(range(carried), *step.located)
         held = range(carried, carried + invariants)
         (clock,), integral, ring, outside = _parts(held, 1, step.size, step.ring.numel())
+        told = [outside.pop(-2), outside.pop()] if cut else []
         h, outside = self._held(inner, outside)
         now = inner.operation("multiply", clock, h)
-        arguments = [h, now, *integral, *ring, *count, *time, *m, *outside]
-        return inner.finish(inline(inner, located_step(step, check), arguments, fused=True))
+        arguments = [h, now, *integral, *ring, *count, *time, *m, *outside, *told]
+        located = located_step(step, check, cut=cut)
+        return inner.finish(inline(inner, located, arguments, fused=True))
 
 
 def _parts(values: Iterable[int], *sizes: int) -> list[list[int]]:

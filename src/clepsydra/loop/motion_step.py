@@ -113,8 +113,10 @@ class MotionStep:
         return ca.Function(name, arguments, [ca.densify(value)])
 
 
-def located_step(step: MotionStep, check: ca.Function | None = None) -> ca.Function:
-    """Return a whole integration step in which events are located.
+def located_step(
+    step: MotionStep, check: ca.Function | None = None, *, cut: bool = False
+) -> ca.Function:
+    """Return an integration step, or a part of one, in which events are located.
 
     From the start of the step, or from the last event, the step is tried to its end. Where a
     guard has become zero or positive the first moment at which one is so is bracketed by halving
@@ -127,13 +129,16 @@ def located_step(step: MotionStep, check: ca.Function | None = None) -> ca.Funct
     check : casadi.Function, optional
         What is asked of every part of the step between two events, as
         `clepsydra.loop.lane_status.step_check`.
+    cut : bool
+        Whether the fractions of the step between which it runs are told, rather than 0 and 1.
 
     Returns
     -------
     casadi.Function
         (h, clock, integral, ring, count [e], time [e], m, u, d, p) →
         (integral, count, time, m): how often each event has happened and when it did last [s];
-        then, if it was asked, whether the check holds of any part.
+        then, if it was asked, whether the check holds of any part. With `cut`, the two fractions
+        are the last arguments.
     """
     events = len(step.motion.events)
     h, clock = ca.SX.sym("h"), ca.SX.sym("clock")
@@ -141,18 +146,20 @@ def located_step(step: MotionStep, check: ca.Function | None = None) -> ca.Funct
     m, *outside = step.held
     fraction = ca.SX.sym("fraction")
     found = ca.SX.sym("found", 0 if check is None else 1)
+    begin, last = (ca.SX.sym("begin"), ca.SX.sym("last")) if cut else (0, 1)
+    told = [begin, last] if cut else []
     carried = ca.vertcat(fraction, step.integral, count, time, m, found)
-    invariants = ca.vertcat(h, clock, step.ring, *outside)
+    invariants = ca.vertcat(h, clock, step.ring, *outside, *told[1:])
 
     def checked(s0: ca.SX, s1: ca.SX | int, before: ca.SX, after: ca.SX, *held: ca.SX) -> ca.SX:
         return check(h, s0, s1, before, after, step.ring, *held) if check else ca.SX(0, 1)
 
     now = _largest(step.guards(fraction, step.integral, step.ring, *step.held))
-    end = step.advance(h, fraction, 1, step.integral, step.ring, *step.held)
-    at_end = _largest(step.guards(1, end, step.ring, *step.held))
+    end = step.advance(h, fraction, last, step.integral, step.ring, *step.held)
+    at_end = _largest(step.guards(last, end, step.ring, *step.held))
     happens = ca.logic_or(now >= 0, at_end >= 0)
-    first = _bracketed(step, h, fraction, now, at_end)
-    stop = ca.if_else(happens, ca.if_else(now >= 0, fraction, first), 1)
+    first = _bracketed(step, h, fraction, last, now, at_end)
+    stop = ca.if_else(happens, ca.if_else(now >= 0, fraction, first), last)
     reached = step.advance(h, fraction, stop, step.integral, step.ring, *step.held)
     fired = step.guards(stop, reached, step.ring, *step.held) >= 0
     z = step.delayed(step.ring, stop)
@@ -172,21 +179,23 @@ def located_step(step: MotionStep, check: ca.Function | None = None) -> ca.Funct
             )
         ],
     )
-    start = ca.vertcat(0, step.integral, count, time, m, ca.SX.zeros(found.numel()))
+    start = ca.vertcat(begin, step.integral, count, time, m, ca.SX.zeros(found.numel()))
     result = counted_loop("events", _MOST_EVENTS, turn, carried=start, invariants=invariants)
     ends = [*accumulate((1, *step.located, found.numel()), initial=0)]
     stop, reached, count_after, time_after, m_after, found_before = ca.vertsplit(result, ends)
     held = [m_after, *outside]
-    finished = step.advance(h, stop, 1, reached, step.ring, *held)
-    found_after = ca.fmax(found_before, checked(stop, 1, reached, finished, *held))
+    finished = step.advance(h, stop, last, reached, step.ring, *held)
+    found_after = ca.fmax(found_before, checked(stop, last, reached, finished, *held))
     return ca.Function(
         "located_step",
-        [h, clock, step.integral, step.ring, count, time, *step.held],
+        [h, clock, step.integral, step.ring, count, time, *step.held, *told],
         [finished, count_after, time_after, m_after, *([found_after] if check else [])],
     )
 
 
-def _bracketed(step: MotionStep, h: ca.SX, start: ca.SX, now: ca.SX, at_end: ca.SX) -> ca.SX:
+def _bracketed(
+    step: MotionStep, h: ca.SX, start: ca.SX, end: ca.SX | int, now: ca.SX, at_end: ca.SX
+) -> ca.SX:
     """Return the fraction, just past the first moment at which a guard is zero."""
     low, at_low = ca.SX.sym("low"), ca.SX.sym("at_low")
     high, at_high = ca.SX.sym("high"), ca.SX.sym("at_high")
@@ -214,7 +223,7 @@ def _bracketed(step: MotionStep, h: ca.SX, start: ca.SX, now: ca.SX, at_end: ca.
         "brackets",
         2 * _HALVINGS,
         turn,
-        carried=ca.vertcat(start, now, 1, at_end),
+        carried=ca.vertcat(start, now, end, at_end),
         tables=[[0.0, 1.0] * _HALVINGS],
         invariants=invariants,
     )

@@ -97,8 +97,6 @@ def _add_interface(root: Element, model: FmuModel, version: str, sources: Sequen
     attributes |= {f"canGetAndSet{state}": "true", f"canSerialize{state}": "true"}
     if not model.exchange:
         attributes["canHandleVariableCommunicationStepSize"] = "true"
-        if version == "3.0" and not model.scans:
-            attributes["fixedInternalStepSize"] = _number(model.step)
     elif version == "3.0":
         attributes["needsCompletedIntegratorStep"] = str(bool(model.followed)).lower()
     else:

@@ -93,7 +93,8 @@ class FmuModel:
     variables : tuple of FmuVariable
         The first one has value reference 1, for 0 is that of time.
     functions : str
-        C of ``model_show`` and ``model_advance``, or of ``model_switch`` and ``model_update``.
+        C of ``model_show`` and ``model_advance``, of ``model_part`` and ``model_complete`` for
+        parts of a step, or of ``model_switch`` and ``model_update``.
     step : float
         Length of a model step [s]; 0 for model exchange.
     scans : bool
@@ -105,6 +106,8 @@ class FmuModel:
         The variables that are event indicators.
     followed : tuple of str
         The memories that follow the motion at the end of every integrator step.
+    kept : tuple of str
+        The numbers that the memory has for parts of a step, see `fmi/part_of_step.py`.
 
     Raises
     ------
@@ -121,6 +124,7 @@ class FmuModel:
     origin: Origin
     indicators: tuple[str, ...] = ()
     followed: tuple[str, ...] = ()
+    kept: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         # The independent variable of the standard has a name too.

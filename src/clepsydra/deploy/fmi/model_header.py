@@ -14,8 +14,14 @@ _ROLES = {
     "input": "ROLE_INPUT", "parameter": "ROLE_PARAMETER", "local": "ROLE_START",
     "output": "ROLE_START",
 }  # fmt: skip
-#: Functions of which some models have no use.
-_MOVING = ("model_advance", "model_switch", "model_update")
+#: Functions of which some models have no use, and what they are given beside the memory.
+_MOVING = {
+    "model_advance": "",
+    "model_complete": "",
+    "model_part": "double first, double last",
+    "model_switch": "",
+    "model_update": "",
+}
 _KINDS = {"real": "KIND_REAL", "integer": "KIND_INTEGER", "boolean": "KIND_BOOLEAN"}
 
 
@@ -36,6 +42,7 @@ def model_header(model: FmuModel, version: str) -> str:
         "",
         "typedef struct {",
         *(f"  {name}_{part} {part};" for part in ("parameters", "inputs", "state", "outputs")),
+        *(f"  double {kept};" for kept in model.kept),
         "} model_memory;",
         "",
         "static const model_variable model_variables[] = {",
@@ -48,8 +55,8 @@ def model_header(model: FmuModel, version: str) -> str:
         _start(model),
         model.functions,
         *(
-            _function(name, ["(void)memory;"])
-            for name in _MOVING
+            _unused(name, given)
+            for name, given in _MOVING.items()
             if f"{name}(" not in model.functions
         ),
         "#endif",
@@ -103,12 +110,28 @@ def _start(model: FmuModel) -> str:
     for variable in model.variables:
         if variable.settable and variable.member.startswith("inputs."):
             body.append(f"memory->{variable.member} = {in_c.initial(variable.signal)};")
-    return _function("model_start", body)
+    return function_text("model_start", body)
 
 
-def _function(name: str, body: Sequence[str], comment: str = "") -> str:
+def _unused(name: str, given: str) -> str:
+    names = [each.split()[-1] for each in given.split(", ") if each]
+    return function_text(name, [f"(void){each};" for each in ("memory", *names)], given=given)
+
+
+def function_text(name: str, body: Sequence[str], comment: str = "", *, given: str = "") -> str:
+    """Return a C function over the memory of a model and what else it is given.
+
+    >>> print(function_text("model_rest", ["(void)memory;"], "Nothing moves."))
+    /* Nothing moves. */
+    static void model_rest(model_memory *memory)
+    {
+      (void)memory;
+    }
+    <BLANKLINE>
+    """
     above = [f"/* {comment} */"] if comment else []
-    head = [*above, f"static void {name}(model_memory *memory)", "{"]
+    arguments = ", ".join(filter(None, ("model_memory *memory", given)))
+    head = [*above, f"static void {name}({arguments})", "{"]
     return "\n".join([*head, *indented(body), "}", ""])
 
 
@@ -117,10 +140,18 @@ def call_step(function: str, comment: str, program: Program, *, keeps_state: boo
     name, state = program.name, "&state" if keeps_state else "&memory->state"
     body = [f"{name}_state state = memory->state;"] if keeps_state else []
     body.append(f"{name}_step(&memory->parameters, {state}, &memory->inputs, &memory->outputs);")
-    return _function(function, body, comment)
+    return function_text(function, body, comment)
 
 
-def call_beside(function: str, comment: str, program: Program, members: Mapping[str, str]) -> str:
+def call_beside(
+    function: str,
+    comment: str,
+    program: Program,
+    members: Mapping[str, str],
+    *,
+    given: str = "",
+    before: Sequence[str] = (),
+) -> str:
     """Return a C function that runs a program without state on members of the memory.
 
     Parameters
@@ -132,15 +163,18 @@ def call_beside(function: str, comment: str, program: Program, members: Mapping[
     program : Program
     members : mapping
         Name of an input, parameter or output to the member that it is, "inputs.pump_1".
-
+    given : str
+        What else the function is given, as C declares it.
+    before : sequence of str
+        Statements that come first.
     """
     name = program.name
     body = [f"{name}_{part} {part};" for part in ("parameters", "inputs", "state", "outputs")]
-    body += [f"{name}_default_parameters(&parameters);", f"{name}_initialise(&state);"]
+    body += [*before, f"{name}_default_parameters(&parameters);", f"{name}_initialise(&state);"]
     for part, signals in (("parameters", program.parameters), ("inputs", program.inputs)):
         for signal in signals:
             body.append(f"{part}.{signal.identifier} = memory->{members[signal.name]};")
     body.append(f"{name}_step(&parameters, &state, &inputs, &outputs);")
     for signal in program.outputs:
         body.append(f"memory->{members[signal.name]} = outputs.{signal.identifier};")
-    return _function(function, body, comment)
+    return function_text(function, body, comment, given=given)

@@ -48,8 +48,9 @@ def _stepping(model: FmuModel) -> str:
             "which it falls due; the outputs hold until the next one."
         )
     return (
-        f"It is integrated in steps of {model.step:.12g} s, of which a communication step must be "
-        "a multiple; inputs are held over a communication step."
+        f"It is integrated in steps of {model.step:.12g} s, and in a part of one where a "
+        "communication step begins or ends between two of them; inputs are held over a "
+        "communication step."
     )
 
 

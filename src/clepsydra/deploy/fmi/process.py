@@ -10,6 +10,7 @@ import casadi as ca
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.fmi.model import FmuModel, FmuVariable, output_dependencies, variables_of
 from clepsydra.deploy.fmi.model_header import call_beside, call_step
+from clepsydra.deploy.fmi.part_of_step import parts_of_step
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.process_program import HELD, process_program
 from clepsydra.linear.operating_point import OperatingPoint
@@ -23,8 +24,9 @@ from clepsydra.program.reader import inline
 def process_model(point: OperatingPoint, substeps: int, origin: Origin) -> FmuModel:
     """Return the model of a process that integrates itself, as the simulation does.
 
-    A communication step is a whole number of integration steps; inputs and disturbances are held
-    over it. The outputs are the states and the measurements without noise at its end.
+    A communication step may have any length: it is made of whole integration steps, and of a part
+    of one where it begins or ends between two of them. Inputs and disturbances are held over it.
+    The outputs are the states and the measurements without noise at its end.
 
     Parameters
     ----------
@@ -45,9 +47,9 @@ def process_model(point: OperatingPoint, substeps: int, origin: Origin) -> FmuMo
     """
     process = point.process
     step = process.sampling_period / substeps
-    program = process_program(
-        replace(point, process=replace(process, sampling_period=step)), substeps=1
-    )
+    stepping = replace(process, sampling_period=step)
+    program = process_program(replace(point, process=stepping), substeps=1)
+    parts = parts_of_step(stepping, program.name)
     reading = _reading(process, program)
     members = {s.name: f"parameters.{s.identifier}" for s in program.parameters}
     members |= {s.name: f"state.{s.identifier}" for s in map(signal_of, program.state)}
@@ -55,13 +57,14 @@ def process_model(point: OperatingPoint, substeps: int, origin: Origin) -> FmuMo
     show = call_beside("model_show", "The outputs of the present state.", reading, members)
     advance = call_step("model_advance", "One integration step.", program)
     return FmuModel(
-        programs=(program, reading),
+        programs=(program, reading, parts.program),
         variables=tuple(_variables(process, program, reading)),
-        functions="\n".join([show, advance]),
+        functions="\n".join([show, advance, parts.functions]),
         step=step,
         scans=False,
         title=process.title,
         origin=origin,
+        kept=parts.kept,
     )
 
 

@@ -52,7 +52,7 @@ def _process(point: OperatingPoint, options: Options) -> ExportedFiles:
     return ExportedFiles(
         files,
         {"name": model.name, "digest": digest(model.programs[0]), **options},
-        f"import {model.name}.fmu with a communication step that is a multiple of "
+        f"import {model.name}.fmu with a communication step of any length; inside, a step has "
         f"{model.step:g} s. {exchange}",
     )
 

@@ -41,6 +41,7 @@ typedef struct {
   double start;  /* [s] */
   double time;   /* [s] */
   double steps;  /* model steps made since the start, a whole number */
+  double part;   /* of the next one: the fraction that is made too */
   model_memory memory;
   double kept[sizeof model_memories / sizeof *model_memories]; /* see exchange.h */
 } instance_snapshot;
