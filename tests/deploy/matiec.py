@@ -17,6 +17,8 @@ from clepsydra.program.owned_state import state_paths, with_owned_state
 
 #: What makes its absence, or that of STruC++, a failure.
 SWITCH = "CLEPSYDRA_REQUIRE_ST_COMPILERS"
+#: What OpenPLC v3 calls it with, in webserver/scripts/compile_program.sh.
+OPENPLC = ("-f", "-l", "-p", "-r", "-R", "-a")
 _CTYPES = {"LREAL": "double", "REAL": "float", "DINT": "int32_t", "BOOL": "uint8_t"}
 
 
@@ -41,12 +43,20 @@ class Matiec:
         if self.library is None:
             without(f"the library of {self.program} is not beside it", SWITCH)
 
-    def translate(self, text: str, folder: Path) -> None:
+    def translate(self, text: str, folder: Path, options: tuple[str, ...] = ("-f",)) -> None:
         """Translate a text into C; what the compiler says fails the test."""
         folder.mkdir(parents=True, exist_ok=True)
         source = folder / "printed.st"
         source.write_text(text, encoding="utf-8")
-        command = [str(self.program), "-f", "-I", str(self.library), "-T", str(folder), str(source)]
+        command = [
+            str(self.program),
+            *options,
+            "-I",
+            str(self.library),
+            "-T",
+            str(folder),
+            str(source),
+        ]
         done = subprocess.run(command, capture_output=True, text=True)
         assert done.returncode == 0 and "error" not in done.stderr, done.stderr[:2000] + text
 

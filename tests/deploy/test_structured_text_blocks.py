@@ -1,8 +1,11 @@
 """Structured Text of a law of blocks: a function block each, printed once, with the same bits."""
 
+import re
+
 import casadi as ca
 import numpy as np
 import pytest
+from families import family
 from law_of_blocks import FILTER, law_of_blocks
 from plants import plant
 from structured_text_programs import plcopen_of
@@ -50,6 +53,19 @@ def test_function_blocks_compute_the_bits_of_the_kernel():
     run = Kernel(program_of(law)).run(SCANS, inputs=inputs)
     for column, name in enumerate(("y", "high")):
         np.testing.assert_array_equal(found[:, column], run.output(name)[0])
+
+
+@pytest.mark.parametrize("dialect", DIALECT_NAMES)
+def test_every_instance_of_a_block_is_declared_by_itself(dialect):
+    """Two of one block and one type of number share no line, though two numbers do."""
+    need_grammar()
+    text = print_structured_text(family("PI, gain scheduling")[1].program, dialect=dialect)
+    words = text.replace('"', "")
+    blocks = re.findall(r"^FUNCTION_BLOCK (\w+)", words, re.MULTILINE)
+    held = [re.findall(rf"^\s*(\w.*?) : {block}\b", words, re.MULTILINE) for block in blocks]
+    assert max(map(len, held)) > 1
+    assert not [names for found in held for names in found if "," in names]
+    assert re.search(r"^\s*\w+, \w+.* : L?REAL", words, re.MULTILINE)
 
 
 @pytest.mark.parametrize("dialect", DIALECT_NAMES)

@@ -3,13 +3,9 @@
 Skipped where the compiler is not: name iec2c by CLEPSYDRA_MATIEC, or put it on the path.
 """
 
-import ctypes
-import dataclasses
-import re
-
 import numpy as np
 import pytest
-from matiec import HEAD, CompiledByMatiec, Matiec
+from matiec import CompiledByMatiec, Matiec
 from structured_text_programs import every_kind, flow_of_pipe, pipe
 from test_operations import NASTY, NUMBERS, TRUTHS, every_operation, program_of_block
 from test_proof_of_structures import FORMS, program_under_test
@@ -20,15 +16,12 @@ from clepsydra.deploy.process_program import process_program
 from clepsydra.deploy.proof.engine_run import engine_run
 from clepsydra.deploy.proof.interpreted_text import InterpretedText
 from clepsydra.deploy.proof.scans import random_scans
-from clepsydra.deploy.proof.text.interpreter import StructuredText
-from clepsydra.deploy.structured_text.project import Project, print_test_project
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.process.reader import load_process
 from clepsydra.studies.designs import DESIGNS
 
 SCANS = 1000
-POINTER = ctypes.POINTER(ctypes.c_double)
 CONTROLLERS = [
     *(("quadruple-tank", name) for name in (
         "PI, SIMC", "PI, SIMC, dynamic decoupling", "PI, variable structure", "PID, phase margin",
@@ -116,66 +109,3 @@ def test_rings_of_loops(tmp_path):
     given = np.random.default_rng(2).normal(size=40)
     found = CompiledByMatiec(pipe(), tmp_path).run({"u": given})[:, 0]
     assert found.tolist() == flow_of_pipe(given.tolist())
-
-
-PROJECT = (
-    HEAD
-    + """#include "Config0.c"
-#include "Res0.c"
-void start(void) {{ config_init__(); }}
-void scan(const double *given, double *found)
-{{
-{writes}
-    config_run__(0);
-{reads}
-}}
-"""
-)
-
-
-@pytest.mark.parametrize("precision", ["double", "single"])
-def test_the_test_project_runs_as_it_is(precision, tmp_path):
-    """matiec takes controller, process, program and task, and runs what the interpreter runs."""
-    need("tree_sitter_iec61131_3_st")
-    matiec = Matiec()
-    analysis, controller, period = designed("quadruple-tank", "PI, SIMC")
-    project = Project(
-        dataclasses.replace(controller.program(), name="tank_pi"),
-        process_program(analysis.operating_point, 2),
-        controller.input_wires | controller.output_wires,
-        period,
-        precision=precision,
-        dialect="matiec",
-    )
-    text = print_test_project(project)
-    matiec.translate(text, tmp_path)
-    assert "common_ticktime__ = 1000000000ULL" in (tmp_path / "Config0.c").read_text()
-    given = ("level_1_sp", "pump_2_mode", "pump_2_manual", "inflow_1")
-    program = StructuredText(text).instance("tank_pi_test")
-    reals = "REAL" if precision == "single" else "LREAL"
-    declared = text[text.index("PROGRAM tank_pi_test") : text.index("END_PROGRAM")]
-    seen = re.findall(rf"^  (\w+) : (?:{reals}|DINT) :=", declared, re.MULTILINE)
-    place = "RES0__INSTANCE_OF_TANK_PI_TEST"
-    library = matiec.build(
-        PROJECT.format(
-            writes="\n".join(f"    {place}.{name.upper()}.value = given[{k}];"
-                             for k, name in enumerate(given)),
-            reads="\n".join(f"    found[{k}] = {place}.{name.upper()}.value;"
-                            for k, name in enumerate(seen)),
-        ), tmp_path, "project",
-    )  # fmt: skip
-    numbers, rows = np.zeros(len(given)), np.zeros(len(seen))
-    library.start()
-    random = np.random.default_rng(3)
-    real = np.float32 if precision == "single" else float
-    for scan in range(SCANS):
-        if scan % 100 == 0:
-            numbers[:] = (random.uniform(5, 7), random.integers(2), random.uniform(2, 4),
-                          random.uniform(0, 5))  # fmt: skip
-        program.state["pump_2_mode"] = int(numbers[1])
-        for k in (0, 2, 3):
-            program.state[given[k]] = real(numbers[k])
-        library.scan(numbers.ctypes.data_as(POINTER), rows.ctypes.data_as(POINTER))
-        program.run()
-        assert rows.tolist() == [float(program.state[name]) for name in seen]
-    assert program.state["watchdog"] == SCANS

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from plants import plant
+from schemes import SCHEMES
 from spoilt_programs import FMUS, items_of, quickly
 from tools import need_compiler, need_grammar, need_importer
 
@@ -64,25 +65,6 @@ PROVED = (
     "Smith predictor, PI", "Feedback linearisation", "Glover-McFarlane on PI, SIMC", "Fuzzy PI",
     "Start/stop levels",
 )  # fmt: skip
-
-LOOP = """
-[controllers.{name}.loops.{loop}]
-measurement = "{measurement}"
-output = "{output}"
-actions = "{actions}"
-action = "{action}"
-gain = "{gain}"
-integral_time = "{time}"
-"""
-
-
-def loop(name, loop, measurement, output, action, gain, time, actions="PI"):
-    return LOOP.format(
-        name=name, loop=loop, measurement=measurement, output=output, action=action, gain=gain,
-        time=time, actions=actions,
-    )  # fmt: skip
-
-
 OWN_LAW = """\
 from clepsydra import Signal
 from clepsydra.program.step_law import Equations, step_law
@@ -146,28 +128,7 @@ manipulated = ["pump_1"]
 """
 #: What only a study file has: name to the study.
 WRITTEN = {
-    "cascade": 'process = "wet-well:flow-meters"'
-    + loop("cascade", "level", "level", "flow.setpoint", "direct", "3 %/%", "10 min")
-    + loop("cascade", "flow", "duty_flow", "duty", "reverse", "0.3 %/%", "6 s"),
-    "selector": 'process = "equalisation-tank"'
-    + loop("selector", "level", "level", "highest", "direct", "0.5 %/%", "10 h")
-    + loop("selector", "flood", "level", "highest", "direct", "10 %/%", "30 min")
-    + 'setpoint = "85 %"\n[controllers.selector.selectors.highest]\nselect = "high"\n'
-    'output = "outflow"\n[controllers.selector.outputs.outflow]\nlow = "20 %"\n'
-    'rate_limit = "5 %/min"',
-    "split range": 'process = "equalisation-tank:relief"'
-    + loop('"split range"', "level", "level", "ways", "direct", "4 %/%", "2 h")
-    + '[controllers."split range".split_ranges.ways]\nparts = [\n'
-    '{ output = "outflow", from = "0 %", to = "60 %", at_from = "0 %", at_to = "100 %" },\n'
-    '{ output = "relief", from = "60 %", to = "100 %", at_from = "0 %", at_to = "100 %" }]',
-    "ratio": 'process = "equalisation-tank:dosing"\n[controllers.ratio.ratios.share]\n'
-    'measurement = "inflow_meter"\noutput = "acid_flow.setpoint"\nratio = 0.01\n'
-    + loop("ratio", "acid_flow", "acid_meter", "acid", "reverse", "0.2 %/%", "30 s")
-    + loop("ratio", "level", "level", "outflow", "direct", "2 %/%", "6 h"),
-    "feedforward": 'process = "wet-well:flow-meters"'
-    + loop("feedforward", "level", "level", "duty", "direct", "3 %/%", "10 min")
-    + '[controllers.feedforward.feedforward.inflow]\nmeasurement = "inflow_meter"\n'
-    'to = "level"\ngain = "1.5 %/(l/s)"\nlead = "2 s"\nlag = "10 s"',
+    **SCHEMES,
     "own": f'process = "quadruple-tank"{OWN}',
     "rules": 'process = "quadruple-tank"\n[controllers.rules]\nfuzzy = "rules.toml"',
 }  # fmt: skip
