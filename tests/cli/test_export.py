@@ -61,6 +61,47 @@ def test_the_main_program_of_the_page_runs_the_exported_c(command, tmp_path):
     assert [b - a for a, b in zip(second, third, strict=True)] == pytest.approx(growth, abs=2e-6)
 
 
+def test_several_targets_in_one_call(command, tmp_path):
+    """An option goes to the targets that have it, and the files are those of single calls."""
+    alone = []
+    for number, to in enumerate((("st", "--dialect", "matiec"), ("signals",), ("tuning",))):
+        status, out, _ = command("export", *PI, "--to", *to, "--json", "-o", f"alone_{number}")
+        assert status == 0
+        alone += [Path(name) for name in json.loads(out)["files"]]
+    together = ("--to", "st", "--to", "signals", "--to", "tuning", "--dialect", "matiec")
+    status, out, _ = command("export", *PI, *together, "--json", "-o", "together")
+    found = [Path(name) for name in json.loads(out)["files"]]
+    assert status == 0 and len(found) == 5
+    assert [path.name for path in found] == [path.name for path in alone]
+    pairs = zip(found, alone, strict=True)
+    assert all(one.read_bytes() == other.read_bytes() for one, other in pairs)
+    status, out, _ = command("export", *PI, *together, "-o", "together")
+    assert status == 0 and out.count("Written: ") == 5 and out.count("Next: ") == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--to", "st", "--to", "st"), "each target once"),
+        (("--to", "st", "--to", "sd"), "got 'sd', expected one of c, st, fmu"),
+        (("--to", "st", "--to", "c", "--fmi", "2.0"), "such an option with --to fmu only"),
+        (("--to", "st", "--to", "tuning", "--rate-limit", "pump_1=1 V/s"), "plant shell only"),
+    ],
+)
+def test_what_several_targets_cannot_have_is_refused(command, arguments, words):
+    status, _, error = command("export", *PI, *arguments)
+    assert status == 2 and words in " ".join(error.split())
+    assert not list(Path().glob("*.st"))
+
+
+def test_a_scheme_that_no_process_has_is_answered_with_names_and_where_it_is_written(command):
+    scheme = ("wet-well:flow-meters", "--controller", "Cascade with feedforward")
+    status, _, error = command("export", *scheme, "--to", "st")
+    said = " ".join(error.split())
+    assert status == 2 and "'PI, SIMC'" in said and "more of this study" in said
+    assert "a study file that writes it out: give that file instead of the process" in said
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize(
     ("dialect", "files"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Annotated
 
 import typer
 
@@ -17,7 +18,7 @@ from clepsydra.cli.options import (
     shell_options,
 )
 from clepsydra.cli.verb import verb
-from clepsydra.interface.targets import TARGETS, target_of
+from clepsydra.interface.targets import TARGETS, targets_of
 
 
 def _values(option: str) -> str:
@@ -25,15 +26,21 @@ def _values(option: str) -> str:
     return f"[{'|'.join(next(t.options[option] for t in TARGETS.values() if option in t.options))}]"
 
 
+_Targets = Annotated[
+    list[str],
+    typer.Option(
+        "--to",
+        metavar=f"[{'|'.join(TARGETS)}]",
+        help="; ".join(f"{name}: {each.words}" for name, each in TARGETS.items())
+        + ". More than once for several.",
+    ),
+]
+
+
 @verb(70)
 def export(
     subject: SubjectArgument,
-    target: str = typer.Option(
-        ...,
-        "--to",
-        metavar=f"[{'|'.join(TARGETS)}]",
-        help="; ".join(f"{name}: {each.words}" for name, each in TARGETS.items()) + ".",
-    ),
+    targets: _Targets,
     controller: str | None = controller_option(
         "As the study calls it, in quotation marks; with --to fmu it may be left out: then the "
         "process itself is exported."
@@ -77,14 +84,14 @@ def export(
     chosen = {"precision": precision, "dialect": dialect, "fmi": fmi}
     names = {f"export, {option}": f"--{option}" for option in ("to", *chosen)}
     with named_options("to", **names):  # refused before a controller is made
-        target_of(target, chosen, shell=any(options.values()), process=controller is None)
+        targets_of(targets, chosen, shell=any(options.values()), process=controller is None)
     request = read_subject(subject, seed)
     plant = plant_of(request)
     with named_options(*options):
         plant_shell(plant, **options)
     made, scenario = None, None
     if controller is None:
-        _check_process(subject, len(names_of(request)), target)
+        _check_process(subject, len(names_of(request)), targets)
     else:
         study = study_of(request, controller, seed, folder, quiet=as_json)
         made, scenario, plant = study[controller].controller, study.scenario, study.plant
@@ -92,7 +99,7 @@ def export(
         made,
         plant,
         folder,
-        target,
+        targets,
         precision=precision,
         dialect=dialect,
         fmi=fmi,
@@ -105,11 +112,11 @@ def export(
     show(found)
 
 
-def _check_process(subject: str, controllers: int, target: str) -> None:
+def _check_process(subject: str, controllers: int, targets: list[str]) -> None:
     """Refuse to export the process itself where only controllers are exported."""
     from clepsydra.base.errors import Finding, InputError
 
-    if TARGETS[target].process is None:
+    if any(TARGETS[target].process is None for target in targets):
         raise InputError(
             "--controller", Finding("none"), f"the name of one of {controllers}",
             f"name it in quotation marks; clepsydra study {subject} --all lists those that apply",

@@ -118,6 +118,51 @@ class Target:
 TARGETS = Registry[Target]("clepsydra.deploy.targets", order=lambda target: target.place)
 
 
+def targets_of(
+    names: Sequence[str],
+    given: Mapping[str, str | None],
+    *,
+    shell: bool = False,
+    process: bool = False,
+) -> list[tuple[Target, dict[str, str]]]:
+    """Return several targets of one export, each with those of the options that it has.
+
+    Parameters
+    ----------
+    names : sequence of str
+    given, shell, process
+        See `target_of`; an option is given for every target that has it.
+
+    Raises
+    ------
+    InputError
+        As `target_of`; a name comes twice, or no target has an option.
+
+    Examples
+    --------
+    >>> found = targets_of(["st", "c"], {"dialect": "scl", "precision": None})
+    >>> [options for _, options in found]
+    [{'precision': 'double', 'dialect': 'scl'}, {'precision': 'double'}]
+    """
+    for place, name in enumerate(names):
+        if name in names[:place]:
+            raise InputError("export, to", name, "each target once", "leave one of them out")
+    known = {option for name in names if name in TARGETS for option in TARGETS[name].options}
+    return [
+        target_of(
+            name,
+            {
+                option: value
+                for option, value in given.items()
+                if name not in TARGETS or option in TARGETS[name].options or option not in known
+            },
+            shell=shell,
+            process=process,
+        )
+        for name in names
+    ]
+
+
 def target_of(
     name: str, given: Mapping[str, str | None], *, shell: bool = False, process: bool = False
 ) -> tuple[Target, dict[str, str]]:

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+from clepsydra.base.arguments import sequence_of
 from clepsydra.base.errors import InputError
 from clepsydra.base.files import make_folder, write_together
 from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.section import Line, Mark, Section, marked
 from clepsydra.deploy.printing.identifiers import identifier_of as identifier_of
-from clepsydra.deploy.target import Delivery, target_of
+from clepsydra.deploy.target import Delivery, ExportedFiles, Target, targets_of
 from clepsydra.interface.controller import AnyController, of_plant
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.scenario import scenario_of
@@ -59,7 +60,7 @@ def export(
     controller: AnyController | None,
     plant: Subject,
     folder: str | Path = ".",
-    to: str = "st",
+    to: str | Sequence[str] = "st",
     *,
     dialect: str | None = None,
     precision: str | None = None,
@@ -79,9 +80,10 @@ def export(
     plant : Plant, str or Path
     folder : str or Path
         It is made where it is missing.
-    to : {"st", "c", "fmu", "tuning", "signals"}
+    to : {"st", "c", "fmu", "tuning", "signals"}, or a list of them
         IEC 61131-3 Structured Text with a test project and PLCopen XML, C99, a functional mock-up
-        unit, or PID settings in the vendors' forms and units.
+        unit, PID settings in the vendors' forms and units, or the list of signals. An option holds
+        for those that have it.
     dialect : {"codesys", "matiec", "scl"}, optional
         Of Structured Text; of these options the first is taken if left out.
     precision : {"double", "single"}, optional
@@ -127,24 +129,48 @@ def export(
         "rate_limit": rate_limit,
     }
     given = {"precision": precision, "dialect": dialect, "fmi": fmi}
-    target, options = target_of(to, given, shell=any(settings.values()), process=controller is None)
+    names = [to] if isinstance(to, str) else list(
+        sequence_of(to, str, "export, to", "a target or a list of them", 'write as in ["st", "c"]')
+    )  # fmt: skip
+    if not names:
+        raise InputError("export, to", "none", "at least one target", 'write as in ["st", "c"]')
+    shelled, alone = any(settings.values()), controller is None
+    targets = targets_of(names, given, shell=shelled, process=alone)
     shell = plant_shell(plant, **settings)
     if controller is not None:
         own = of_plant(controller, plant)
-        simulated = partial(_scenario, scenario, plant)
-        found = target.controller(Delivery(own, plant.point, simulated, shell), options)
-    elif target.process is not None:
-        found = target.process(plant.point, options)
+        delivery = Delivery(own, plant.point, partial(_scenario, scenario, plant), shell)
+        what = f"{own.title} on {plant.process.title}"
+        found = [target.controller(delivery, options) for target, options in targets]
     else:
+        what = plant.process.title
+        found = [_of_process(target, options, plant) for target, options in targets]
+    place = Path(folder)
+    make_folder(place, "export, folder")
+    files = tuple(write_together(place, {n: c for each in found for n, c in each.files.items()}))
+    facts: dict[str, Any] = {}
+    for each in found:
+        facts |= each.facts
+    said = [
+        each.answer or Section("", (Line(f"{what}: {target.words}.", Mark.ANSWER),))
+        for each, (target, _) in zip(found, targets, strict=True)
+    ]
+    first, *others = found
+    steps = (step for each in others for step in (_sentence(each.next_step), *each.then) if step)
+    whole = said[0] if not others else Section("", tuple(part for s in said for part in s.parts))
+    return Exported(files, facts, first.next_step, (*first.then, *steps), whole)
+
+
+def _of_process(target: Target, options: dict[str, str], plant: Plant) -> ExportedFiles:
+    if target.process is None:
         raise InputError(
             "export, controller", "none", 'a controller, or to="fmu"', "give a controller"
         )
-    place = Path(folder)
-    make_folder(place, "export, folder")
-    what = plant.process.title if controller is None else f"{own.title} on {plant.process.title}"
-    said = found.answer or Section("", (Line(f"{what}: {target.words}.", Mark.ANSWER),))
-    files = tuple(write_together(place, found.files))
-    return Exported(files, found.facts, found.next_step, found.then, said)
+    return target.process(plant.point, options)
+
+
+def _sentence(step: str) -> str:
+    return f"{step[:1].upper()}{step[1:]}"
 
 
 def _scenario(given: Scenario | None, plant: Plant) -> Scenario:

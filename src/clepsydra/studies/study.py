@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -25,6 +25,9 @@ from clepsydra.studies.trial import trial_of
 from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.tuning.tune import GENERATIONS, Progress, Search
 from clepsydra.studies.usual_tuning import UsualTuning
+
+#: Names of controllers that a refusal shows.
+_NAMES_SAID = 8
 
 #: Bounds of max|S| at which the front of score against robustness is refined.
 FRONT = (1.2, 1.4, 1.7, 2.0)
@@ -87,10 +90,27 @@ def run_study(
     """
     known = controller_names(request)
     if only is not None and only not in known:
-        near = " or ".join(f"'{name}'" for name in nearest_few(only, known))
-        remedy = f"{f'perhaps {near} was meant; ' if near else ''}the whole study lists every one"
-        raise InputError("controller", only, "the name of a controller of this study", remedy)
+        raise _unknown_controller(only, known, written_out=bool(request.controllers))
     return _Study(request, progress, tuning_folder).run(only)
+
+
+def _unknown_controller(name: str, known: Sequence[str], *, written_out: bool) -> InputError:
+    """Return the refusal of a name: those that are near, or the first few, and where others are."""
+    near = " or ".join(f"'{each}'" for each in nearest_few(name, known))
+    if near:
+        expected = "the name of a controller of this study"
+        remedy = f"perhaps {near} was meant; the whole study lists every one"
+        return InputError("controller", name, expected, remedy)
+    more = len(known) - _NAMES_SAID
+    expected = " or ".join(f"'{each}'" for each in known[:_NAMES_SAID])
+    expected += f" or one of {more} more of this study" if more > 0 else ""
+    remedy = "choose one of them; the whole study lists every one"
+    if not written_out:
+        remedy += (
+            ". A scheme of loops, as a cascade, has its name in a study file that writes it out: "
+            "give that file instead of the process"
+        )
+    return InputError("controller", name, expected, remedy)
 
 
 def controller_names(request: Process | StudyRequest) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""A list of the signals of a controller, for who wires the cabinet and sets up the screens."""
+"""A list of the signals and parameters of a controller, for cabinet and screens."""
 
 from __future__ import annotations
 
@@ -7,23 +7,22 @@ import io
 import math
 from typing import TYPE_CHECKING
 
-from clepsydra.base.units import from_si
+from clepsydra.controllers.signals import LARGEST_PARAMETER
 from clepsydra.deploy.target import TARGETS, Delivery, ExportedFiles, Options, Target
 
 if TYPE_CHECKING:
     from clepsydra.base.signal import Signal
 
-_HEAD = ("tag", "direction", "type", "unit", "low", "high", "what it is")
+_HEAD = ("tag", "direction", "type", "unit", "low", "high", "at the start", "what it is")
 
 
 def _controller(delivery: Delivery, options: Options) -> ExportedFiles:
     program, text = delivery.ready.program, io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(_HEAD)
-    for direction, signals in (("in", program.inputs), ("out", program.outputs)):
-        for each in signals:
-            if not each.record:
-                writer.writerow(_row(each, direction))
+    groups = ("in", program.inputs), ("parameter", program.parameters), ("out", program.outputs)
+    for direction, signals in groups:
+        writer.writerows(_row(each, direction) for each in signals)
     return ExportedFiles(
         {f"{program.name}_signals.csv": text.getvalue().encode()},
         delivery.ready.facts | options,
@@ -32,11 +31,20 @@ def _controller(delivery: Delivery, options: Options) -> ExportedFiles:
 
 
 def _row(signal: Signal, direction: str) -> tuple[str, ...]:
+    """Return a row, in the unit that the printed program has; what is no bound is left empty."""
+    truth = signal.kind == "boolean"
+    bounded = (math.isfinite(end) and abs(end) < LARGEST_PARAMETER for end in _ends(signal))
     ends = (
-        f"{from_si(end, signal.unit, signal.shown_unit):.6g}" if math.isfinite(end) else ""
-        for end in (signal.low, signal.high)
+        f"{end:.12g}" if told and not truth else ""
+        for end, told in zip(_ends(signal), bounded, strict=True)
     )
-    return (signal.identifier, direction, signal.kind, signal.shown_unit, *ends, signal.description)
+    start = str(bool(signal.initial)).lower() if truth else f"{signal.initial:.12g}"
+    unit = "" if truth else signal.unit
+    return (signal.identifier, direction, signal.kind, unit, *ends, start, signal.description)
+
+
+def _ends(signal: Signal) -> tuple[float, float]:
+    return signal.low, signal.high
 
 
 TARGETS.add("signals", Target(5, "the list of its signals, as CSV", _controller))
