@@ -5,9 +5,8 @@ FORMS = {"isa": "ISA", "series": "series", "parallel": "parallel"}
 
 def parameter_words(block):
     gain = "%/%" if block.gain_in == "percent" else "as connected"
-    return ", ".join(
-        f"{p.name} [{p.unit or (gain if p.kind == 'gain' else '1')}]" for p in block.parameters
-    )
+    units = {"gain": gain, "low limit": "OUT", "high limit": "OUT"}
+    return ", ".join(f"{p.name} [{p.unit or units.get(p.kind, '1')}]" for p in block.parameters)
 
 
 def action_words(block):

@@ -1,11 +1,15 @@
 """Numbers that can be had by hand, and what a block cannot do."""
 
+from dataclasses import replace
+
 import pytest
+from plants import designed, plant
 from tunings import BLOCKS, LEVEL, PUMP, tuning
 
 from clepsydra import InputError, PidForm, Signal
 from clepsydra.deploy.vendor_tuning.filling import filled
 from clepsydra.deploy.vendor_tuning.printed_gain import printed_number
+from clepsydra.deploy.vendor_tuning.translation import translate
 
 
 def words(key, case):
@@ -39,6 +43,29 @@ def test_series_form_by_hand():
     assert words("emerson-deltav-series", case) == [
         "GAIN = 2 %/%", "RESET = 10 s", "RATE = 2.5 s", "ALPHA = 0.2",
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("key", ["emerson-deltav-standard", "emerson-deltav-series"])
+def test_deltav_is_told_where_its_output_and_its_reset_end(key):
+    """0.5 to 9 l/s as the process shows it, and nothing where nothing limits the output."""
+    flow = Signal("feed", "m^3/s", display_unit="l/s", low=0.0, high=0.01)
+    limited = replace(tuning(moved=flow), limits=(0.0005, 0.009))
+    assert words(key, limited)[-4:] == [
+        "OUT_LO_LIM = 0.5 l/s", "OUT_HI_LIM = 9 l/s", "ARW_LO_LIM = 0.5 l/s",
+        "ARW_HI_LIM = 9 l/s",
+    ]  # fmt: skip
+    assert not [each for each in words(key, tuning()) if "LIM" in each]
+
+
+def test_the_limits_are_those_of_the_controller():
+    """A pump of 0 to 10 V that its controller keeps from 1 to 8 V."""
+    tank = plant("quadruple-tank")
+    controller = designed("simc", "quadruple-tank")
+    kept = controller.with_values({"pump_1.low_limit": "1 V", "pump_1.high_limit": "8 V"})
+    found = translate(kept, tank.process)
+    (row, _) = [r for r in found.rows if r.block.key == "emerson-deltav-standard"]
+    settings = [setting.words for setting in row.filled.settings]
+    assert "OUT_LO_LIM = 1 V" in settings and "ARW_HI_LIM = 8 V" in settings
 
 
 @pytest.mark.parametrize(

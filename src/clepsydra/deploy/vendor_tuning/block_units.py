@@ -6,11 +6,17 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from clepsydra.base.units import from_si
 from clepsydra.controllers.pid_form import DerivativeOn
 from clepsydra.deploy.vendor_tuning.filtered_forms import FilteredPid
 from clepsydra.deploy.vendor_tuning.printed_gain import engineering_unit
 from clepsydra.deploy.vendor_tuning.standard_tuning import StandardTuning
-from clepsydra.deploy.vendor_tuning.vendor_block import Kind, Parameter, VendorBlock
+from clepsydra.deploy.vendor_tuning.vendor_block import (
+    LIMIT_KINDS,
+    Kind,
+    Parameter,
+    VendorBlock,
+)
 from clepsydra.designs.gain_units import gain_factor, gain_from_percent, percent_gain
 
 Way = Callable[[float], float]
@@ -65,6 +71,8 @@ class BlockUnits:
     def unit(self, parameter: Parameter) -> str:
         """Return the unit of a parameter as it is printed."""
         percent = self.block.gain_in == "percent"
+        if parameter.kind in LIMIT_KINDS:
+            return self.tuning.moved.shown_unit
         if parameter.kind not in ("gain", "integral gain", "derivative gain"):
             return parameter.unit
         if percent and parameter.unit:
@@ -106,6 +114,9 @@ class BlockUnits:
         """Return what a parameter has to be for numbers in the block's form."""
         if parameter.kind == "derivative weight":
             return 1.0 if derivative_on == "error" else 0.0
+        if parameter.kind in LIMIT_KINDS:
+            moved, end = self.tuning.moved, self.tuning.limits[LIMIT_KINDS.index(parameter.kind)]
+            return from_si(end, moved.unit, moved.shown_unit)
         name, shown, _ = self._ways(numbers, parameter)[parameter.kind]
         return shown(getattr(numbers, name))
 
@@ -114,7 +125,7 @@ class BlockUnits:
         kinds = {parameter.name: parameter for parameter in self.block.parameters}
         for setting in settings:
             parameter = kinds[setting.name]
-            if parameter.kind != "derivative weight":
+            if parameter.kind not in ("derivative weight", *LIMIT_KINDS):
                 name, _, back = self._ways(target, parameter)[parameter.kind]
                 target = target._replace(**{name: back(setting.value)})
         if isinstance(ratio := self.block.derivative_filter, float):

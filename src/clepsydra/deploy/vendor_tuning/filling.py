@@ -15,6 +15,7 @@ from clepsydra.deploy.vendor_tuning.standard_tuning import StandardTuning
 from clepsydra.deploy.vendor_tuning.vendor_block import (
     DERIVATIVE_KINDS,
     INTEGRAL_KINDS,
+    LIMIT_KINDS,
     Form,
     Parameter,
     VendorBlock,
@@ -192,6 +193,8 @@ class _Filling:
             return self.tuning.has_integral
         if parameter.kind in DERIVATIVE_KINDS:
             return self.tuning.has_derivative
+        if parameter.kind in LIMIT_KINDS:
+            return all(map(math.isfinite, self.tuning.limits))
         return True
 
     def _setting(

@@ -33,6 +33,9 @@ class StandardTuning:
         In ISA form.
     direct : bool
         Whether nothing stands between it and an output.
+    limits : tuple of float
+        Where the controller ends what is moved, or its range ends [unit of moved]; infinite
+        where nothing does.
     """
 
     loop: str
@@ -41,6 +44,7 @@ class StandardTuning:
     form: PidForm
     settings: FilteredPid
     direct: bool
+    limits: tuple[float, float] = (-math.inf, math.inf)
 
     @property
     def title(self) -> str:
@@ -103,8 +107,14 @@ def standard_tunings(
         except InputError as error:
             refused.append((f"{measurement.name} by {moved.name}", str(error)))
             continue
+        low, high = (
+            controller.values.get(path(block.moved, f"{end}_limit"), getattr(moved, end))
+            for end in ("low", "high")
+        )
         found.append(
-            StandardTuning(block.owner, measurement, moved, block.form, settings, block.direct)
+            StandardTuning(
+                block.owner, measurement, moved, block.form, settings, block.direct, (low, high)
+            )
         )
     if not found:
         why = "; ".join(reason for _, reason in refused)

@@ -24,6 +24,8 @@ Kind = Literal[
     "setpoint weight",
     "reduced setpoint weight",
     "derivative weight",
+    "low limit",
+    "high limit",
 ]
 #: Files of `vendors/`, in the order in which their blocks are shown.
 _FILES = ("siemens", "rockwell", "languages", "schneider", "emerson", "others")
@@ -32,6 +34,8 @@ INTEGRAL_KINDS = ("integral time", "repeats", "integral gain")
 DERIVATIVE_KINDS = (
     "derivative time", "derivative gain", "filter time", "filter ratio", "derivative weight",
 )  # fmt: skip
+#: What says nothing of the PID's numbers: where its output ends.
+LIMIT_KINDS = ("low limit", "high limit")
 
 
 @dataclass(frozen=True)
@@ -42,14 +46,14 @@ class Parameter:
     proportional band 100/g; integral time Ti, repeats 1/Ti, integral gain g/Ti; derivative time
     Td, derivative gain g Td; filter time Tf, filter ratio Tf/Td; setpoint weight b, reduced
     setpoint weight 1 − b; derivative weight 1 where the error is differentiated and 0 where the
-    measurement is.
+    measurement is; low and high limit of what is moved, in the unit that the process shows.
 
     Parameters
     ----------
     name : str
     kind : str
     unit : {"", "%", "s", "min", "1/s", "1/min"}
-        Empty of pure numbers, and of gains, whose unit is that of the block.
+        Empty of pure numbers, of gains, whose unit is that of the block, and of limits.
     resolution : float
         The step in which it is entered [unit]; 0 where it is a floating point number.
     low, high : float or None
