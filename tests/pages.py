@@ -30,6 +30,8 @@ PAGES = [
     path.relative_to(ROOT).as_posix()
     for path in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
 ]
+#: What makes the name of the program known in a reader's shell, as it is here already.
+ACTIVATE = [".", ".venv/bin/activate"]
 _BLOCK = re.compile(
     r"^(?:<!-- (?P<mark>file|not run): (?P<said>[^>]*) -->\n)?(?P<indent> *)```(?P<language>\w*)\n"
     r"(?P<text>.*?)^(?P=indent)```$",
@@ -111,7 +113,7 @@ def lines(text: str) -> list[list[str]]:
 
 def shell(text: str, folder: Path, place: str) -> None:
     """Run lines up to the first failure: `clepsydra` alone in this process, others in a shell."""
-    commands = lines(text)
+    commands = [words for words in lines(text) if words != ACTIVATE]
     of_shell = re.search(r"[|<>&;$*`]", re.sub(r"#.*", "", text))
     if not of_shell and all(program == "clepsydra" for program, *_ in commands):
         for words in commands:

@@ -1,10 +1,11 @@
 """What README and docs print does what they say: each page in its order, in one folder."""
 
+import json
 import re
 
 import pytest
 import typer
-from pages import ELSEWHERE, PAGES, ROOT, blocks, lines
+from pages import ACTIVATE, ELSEWHERE, PAGES, ROOT, blocks, command, lines
 from PIL import Image
 from rich.console import Console
 from tools import need, need_compiler
@@ -63,6 +64,48 @@ def test_the_page_runs(page, tmp_path, monkeypatch):
     names = {}
     for block in todo:
         block.run(tmp_path, names)
+
+
+def commands_of(page, *verbs):
+    """Return the commands of a page with one of these verbs, each as its words."""
+    return [
+        words
+        for block in blocks(page, "sh")
+        for words in lines(block.text)
+        if words[0] == "clepsydra" and words[1] in verbs
+    ]
+
+
+def test_the_first_line_of_the_readme_writes_where_git_ignores_it():
+    (line, _) = next(b.text for b in blocks("README.md", "sh") if b.not_run).splitlines()
+    (folder,) = re.findall(r"clepsydra study quadruple-tank -o (\S+)$", line)
+    assert f"/{folder}/" in (ROOT / ".gitignore").read_text().splitlines()
+
+
+def test_the_readme_activates_what_it_installed_before_it_calls_it_by_its_name():
+    first = next(b for b in blocks("README.md", "sh") if not b.not_run)
+    assert lines(first.text)[0] == ACTIVATE
+    installed = next(b.text for b in blocks("README.md", "sh") if b.not_run)
+    assert f"pip --python {ACTIVATE[1].removesuffix('activate')}python install" in installed
+
+
+def test_the_record_of_the_readme_gives_the_settings_of_the_study_of_its_tank(
+    tmp_path, monkeypatch, capsys
+):
+    """Its pump moves by as much, and as briefly, as for the step of the study: K Δy = Δu."""
+    monkeypatch.chdir(tmp_path)
+    for words in commands_of("README.md", "new", "simulate"):
+        if "my-tanks" in words[2] and ("new" in words or "csv" in words):
+            command(words[1:], tmp_path, "README.md")
+    (identify,) = commands_of("README.md", "identify")
+    capsys.readouterr()
+    command([*identify[1:], "--json"], tmp_path, "README.md")
+    document = json.loads(capsys.readouterr().out)
+    found = document["models"][0]["settings"]
+    designed = cl.design.simc("my-tanks.toml").values
+    assert found["gain_unit"] == "V/m"
+    assert found["gain"] == pytest.approx(designed["level_1.proportional_gain"], rel=0.15)
+    assert found["integral_time"] == pytest.approx(designed["level_1.integral_time"], rel=0.15)
 
 
 @pytest.mark.thorough

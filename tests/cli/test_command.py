@@ -122,6 +122,20 @@ def test_study_shows_a_ranked_table_that_fits_a_terminal(command, two):
     check_table(command("study", "two.toml", "-o", str(out)), out, "two", ("PI, SIMC", "by hand"))
 
 
+def test_of_a_long_study_the_recommended_run_is_written_and_all_on_request(
+    command, two, monkeypatch
+):
+    monkeypatch.setattr("clepsydra.cli.study.LARGEST", 1)
+    status, output, _ = command("study", "two.toml")
+    assert status == 0
+    assert output.endswith("\nTrajectories of 1 of 2 controllers; all of them: --every-run\n")
+    names_of = lambda: set(pandas.read_parquet(two / "two.parquet")["controller"])  # noqa: E731
+    (kept,) = names_of()
+    assert f"Use {kept} on" in " ".join(output.split())
+    assert "Trajectories of" not in command("study", "two.toml", "--every-run")[1]
+    assert len(names_of()) == 2
+
+
 @pytest.mark.thorough
 def test_without_a_folder_the_current_one_is_used_and_the_seed_is_an_option(command, two):
     document = one_document(command("study", "two.toml", "--json", "--seed", "5")[1])

@@ -1,6 +1,7 @@
 """Controllers compared and tuned."""
 
 import numpy as np
+import pandas
 import pytest
 
 import clepsydra as cl
@@ -135,3 +136,18 @@ def test_of_a_design_that_was_named_it_is_said_at_once_why_it_does_not_apply(tmp
     assert "not applicable:" not in said
     every = cl.study("three-tanks", only="PI, SIMC")
     assert not every.named
+
+
+@pytest.mark.thorough
+def test_the_longest_study_of_the_catalogue_keeps_its_trajectories_in_10_megabytes(tmp_path):
+    designs = [getattr(cl.design, name) for name in ("simc", "phase_margin", "lqi", "lqr")]
+    study = cl.study(
+        "laboratory-four-tanks", [design("laboratory-four-tanks") for design in designs]
+    )
+    path = tmp_path / "study.parquet"
+    kept = study.save(path, largest=10_000_000)
+    assert 2 <= kept < len(study.ranking) and path.stat().st_size < 10_000_000
+    table = pandas.read_parquet(path, columns=["controller"])
+    written = set(table["controller"])
+    assert {study.recommended.controller.name, study.best.controller.name} <= written
+    assert study.save(path) == len(study.ranking)

@@ -14,7 +14,7 @@ from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
-from clepsydra.loop.trajectory_file import write_parquet
+from clepsydra.loop.trajectory_file import that_fit, write_parquet
 from clepsydra.process.reader import load_process
 
 
@@ -121,3 +121,22 @@ def test_a_disk_that_fills_up_leaves_the_older_file_or_none(runs, tmp_path, ther
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
     assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == before
+
+
+def test_as_many_fit_as_the_file_then_holds(runs, tmp_path):
+    """What is counted run by run has a head for each, so that the file is never larger."""
+    path = tmp_path / "runs.parquet"
+    write_parquet(runs, path)
+    whole = path.stat().st_size
+    assert that_fit(runs, 2 * whole) == runs
+    assert that_fit(runs, whole // 2) == runs[:1]
+    assert that_fit(runs, 1) == runs[:1]
+
+
+def test_a_day_of_noise_takes_less_room_than_its_numbers(runs, tmp_path):
+    """The bytes of exponents stand side by side; those of the digits of noise no one packs."""
+    noise = np.random.default_rng(1).normal(size=100_000)
+    run = replace(runs[0], time=np.arange(100_000.0), values=dict.fromkeys(runs[0].values, noise))
+    path = tmp_path / "noise.parquet"
+    write_parquet([run], path)
+    assert path.stat().st_size < 0.95 * 8 * 100_000 * (1 + len(run.signals))

@@ -7,6 +7,9 @@ import typer
 from clepsydra.cli.options import JsonOption, OutputOption, all_option
 from clepsydra.cli.verb import verb
 
+#: Of the file of trajectories, unless every run is asked for [bytes].
+LARGEST = 10_000_000
+
 
 @verb(10)
 def study(
@@ -30,6 +33,12 @@ def study(
         help="Good enough is an error of so many times that of the best; on a plant of one "
         "loop, that of the best PI or PID.",
     ),
+    every_run: bool = typer.Option(
+        False,
+        "--every-run",
+        help="Write the trajectories of every controller, not only of the first 10 MB: the "
+        "recommended one, and then by rank.",
+    ),
     seed: int | None = typer.Option(
         None, min=0, help="Seed of noise and tuning; 1, or that of the study file, if left out."
     ),
@@ -49,13 +58,18 @@ def study(
         result = study_of(request, seed=seed, accept=accept, progress=tell, folder=place)
     if not as_json:
         show(result.shown(every=every, why=why, refused=refused))
+    saved = 0
     if files:
         result.report(files["report"])
         if result.ranking:
-            result.save(files["trajectories"])
+            largest = None if every_run else LARGEST
+            saved = result.save(files["trajectories"], largest=largest)
         else:
             del files["trajectories"]
     if as_json:
         print_json({**result.as_dict(), **files})
     else:
-        typer.echo(f"Written: {files['report']}{' and .parquet' if result.ranking else ''}")
+        typer.echo(f"Written: {files['report']}{' and .parquet' if saved else ''}")
+        if saved < len(result.ranking):
+            left = f"{saved} of {len(result.ranking)} controllers; all of them: --every-run"
+            typer.echo(f"Trajectories of {left}")

@@ -133,11 +133,26 @@ class Study(Answered, results.StudyResult):
 
         write_page(report_text(self), path)
 
-    def save(self, path: str | Path) -> None:
-        """Write the trajectories of all runs as one Parquet file."""
-        from clepsydra.loop.trajectory_file import write_parquet
+    def save(self, path: str | Path, *, largest: int | None = None) -> int:
+        """Write the trajectories of the runs as one Parquet file, and return how many those are.
 
-        write_parquet([candidate.run for candidate in self.ranking], Path(path))
+        Parameters
+        ----------
+        path : str or Path
+        largest : int, optional
+            The recommended controller and then the best and the others, by their rank, as long
+            as the file has at most so many bytes; all of them if left out.
+        """
+        from clepsydra.loop.trajectory_file import that_fit, write_parquet
+
+        runs: Sequence[Run] = [candidate.run for candidate in self.ranking]
+        if largest is not None:
+            advice = recommend(self.ranking, self.accept)
+            first = self.best if advice is None else advice.simplest
+            runs = [first.run, *(run for run in runs if run is not first.run)]
+            runs = that_fit(runs, largest)
+        write_parquet(runs, Path(path))
+        return len(runs)
 
     def to_pandas(self) -> pandas.DataFrame:
         """Return the ranking as a table: one row a controller, one column a score [SI]."""

@@ -38,6 +38,40 @@ def write_parquet(runs: Sequence[Run], path: Path) -> None:
     """
     if not runs:
         raise InputError("trajectories", [], "at least one run", "run a loop first")
+    with whole_file(path) as part:
+        _write_table(_table_of(runs), part)
+
+
+def that_fit(runs: Sequence[Run], largest: int) -> Sequence[Run]:
+    """Return the first of some runs, as many as one file of `write_parquet` holds, or the first.
+
+    Parameters
+    ----------
+    runs : sequence of Run
+    largest : int
+        What the file may have [bytes].
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> run = cl.simulate("quadruple-tank", cl.design.simc("quadruple-tank"))
+    >>> len(that_fit([run, run, run], 1)), len(that_fit([run, run, run], 10_000_000))
+    (1, 3)
+    """
+    import pyarrow
+
+    size = 0
+    for count, run in enumerate(runs):
+        written = pyarrow.BufferOutputStream()
+        _write_table(_table_of([run]), written)
+        # Each has a head of its own, which a file of several has once.
+        size += written.tell()
+        if size > largest:
+            return runs[: max(count, 1)]
+    return runs
+
+
+def _table_of(runs: Sequence[Run]) -> pyarrow.Table:
     # Controllers that move different inputs have different status words.
     signals = list({signal.name: signal for run in runs for signal in run.signals}.values())
     names = _repeated([run.controller.name for run in runs], [run.time.size for run in runs])
@@ -45,7 +79,7 @@ def write_parquet(runs: Sequence[Run], path: Path) -> None:
         "time": np.concatenate([run.time for run in runs]),
         **{s.name: np.concatenate([_values(run, s.name) for run in runs]) for s in signals},
     }
-    write_columns(columns, signals, runs[0].process.name, path, {"controller": names})
+    return _table(columns, signals, runs[0].process.name, {"controller": names})
 
 
 def _repeated(texts: Sequence[str], times: Sequence[int]) -> pyarrow.Array:
@@ -81,7 +115,6 @@ def write_columns(
     signals: Iterable[Signal],
     process: str,
     path: Path,
-    labels: Mapping[str, pyarrow.Array] | None = None,
 ) -> None:
     """Write trajectories as one table with their SI units, whole or not at all.
 
@@ -93,13 +126,32 @@ def write_columns(
     process : str
         Its name.
     path : Path
-    labels : mapping, optional
-        Columns of text that stand first.
     """
+    with whole_file(path) as part:
+        _write_table(_table(columns, signals, process, {}), part)
+
+
+def _write_table(table: pyarrow.Table, place: Path | pyarrow.NativeFile) -> None:
+    """Write a table; the bytes of numbers side by side by their place take half the room."""
     import pyarrow
     import pyarrow.parquet
 
-    labels = labels or {}
+    numbers = [field.name for field in table.schema if field.type == pyarrow.float64()]
+    texts = [name for name in table.schema.names if name not in numbers]
+    pyarrow.parquet.write_table(
+        table, place, compression="zstd", use_dictionary=texts, use_byte_stream_split=numbers
+    )
+
+
+def _table(
+    columns: Mapping[str, np.ndarray],
+    signals: Iterable[Signal],
+    process: str,
+    labels: Mapping[str, pyarrow.Array],
+) -> pyarrow.Table:
+    """Return a table of columns of text and, behind them, of numbers with their units."""
+    import pyarrow
+
     units = {"time": "s", **{signal.name: signal.unit for signal in signals}}
     schema = pyarrow.schema(
         [
@@ -111,10 +163,8 @@ def write_columns(
         ],
         metadata={"process": process},
     )
-    with whole_file(path) as part:
-        numbers = {name: _column(values, pyarrow.float64()) for name, values in columns.items()}
-        table = pyarrow.table({**labels, **numbers}, schema=schema)
-        pyarrow.parquet.write_table(table, part)
+    numbers = {name: _column(values, pyarrow.float64()) for name, values in columns.items()}
+    return pyarrow.table({**labels, **numbers}, schema=schema)
 
 
 def write_trajectories(run: Simulation | Run, path: Path) -> None:
