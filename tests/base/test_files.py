@@ -186,3 +186,16 @@ def test_parts_that_a_killed_process_left_are_removed_by_the_next_writing(tmp_pa
     with whole_file(tmp_path / "a.txt") as part:
         part.write_text("whole")
     assert names(tmp_path) == [".a.txt.2.part", ".b.1.part", "a.txt"]
+
+
+def test_copies_that_a_killed_process_left_are_removed_by_the_next_writing(tmp_path):
+    """Not those of a process at work, and nothing of another name: that is the user's."""
+    old, fresh, own = (tmp_path / f".before.{ending}" for ending in ("a1b2c3d4", "w_rk1ng0", "me"))
+    for copy in (old, fresh, own):
+        copy.mkdir()
+        (copy / "law.c").write_bytes(b"of before")
+    for copy in (old, own):
+        os.utime(copy, (0, 0))
+    write_together(tmp_path, {"law.c": b"new"})
+    assert names(tmp_path) == [".before.me", ".before.w_rk1ng0", "law.c"]
+    assert (fresh / "law.c").read_bytes() == (own / "law.c").read_bytes() == b"of before"

@@ -146,13 +146,27 @@ def test_a_folder_that_others_can_write_to_is_not_used(folder, mode):
     assert compiled(folder, 1)[0] is True
 
 
+@posix
+def test_a_folder_that_is_open_to_others_is_told_once(folder, caplog):
+    ObjectCache(folder).store("key", b"body")
+    assert caplog.messages == []
+    folder.chmod(0o755)
+    for key in ("key", "another"):
+        ObjectCache(folder).store(key, b"body")
+        assert ObjectCache(folder).load(key) is None
+    (said,) = caplog.messages
+    assert f"{folder} is open to others (mode 755)" in said and f"chmod 700 {folder}" in said
+
+
 @pytest.mark.skipif(
     os.name != "posix" or os.geteuid() != 0, reason="only root can give a folder away"
 )
-def test_a_folder_of_somebody_else_is_not_used(folder):
+def test_a_folder_of_somebody_else_is_not_used(folder, caplog):
     compiled(folder)
     os.chown(folder, 12345, -1)
     assert compiled(folder)[0] is False
+    (said,) = caplog.messages
+    assert f"{folder} belongs to another user" in said and "CLEPSYDRA_CACHE" in said
 
 
 def the_object(folder: Path) -> Path:

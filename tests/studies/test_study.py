@@ -376,6 +376,51 @@ def test_an_interrupted_tuning_is_told_and_goes_on(tmp_path):
     assert ended.tuning.objective == whole.tuning.objective <= cut.tuning.objective
 
 
+TUNED = (
+    'process = "three-tanks"\n[scenario]\nduration = "10 min"\nnoise = false\n'
+    '[[scenario.setpoint]]\nsignal = "level_3"\nat = "1 min"\nby = "2 cm"\n'
+    '[controllers.a]\ndesign = "simc"\n'
+    'tune = {parameters = {"level_3.integral_time" = ["60 s", "900 s"]}}\n'
+)
+
+
+@pytest.fixture
+def cut_short(tmp_path):
+    """Return a study file of one tuning, and the state that an interrupted run of it has left."""
+
+    told = []
+
+    def interrupt(progress):
+        told.append("local search" in progress.name)
+        if told.count(True) == 1:
+            raise KeyboardInterrupt
+
+    file = tmp_path / "tuned.toml"
+    file.write_text(TUNED)
+    cl.study(file, progress=interrupt, folder=tmp_path)
+    (kept,) = tmp_path.glob("*.tuning.json")
+    return file, kept
+
+
+def test_a_tuning_of_a_study_that_has_changed_begins_afresh_and_says_so(cut_short):
+    file, kept = cut_short
+    file.write_text(TUNED.replace("2 cm", "1 cm"))
+    (found,) = cl.study(file, folder=file.parent).ranking
+    assert not found.tuning.interrupted
+    (said,) = [each.words for each in found.caveats if "afresh" in each.words]
+    assert str(kept) in said and "another problem" in said
+    (alone,) = cl.study(file).ranking
+    assert found.controller.values == alone.controller.values
+    assert not any("afresh" in each.words for each in alone.caveats)
+
+
+def test_a_damaged_state_of_a_tuning_is_refused_by_its_own_path(cut_short):
+    file, kept = cut_short
+    kept.write_text(kept.read_text()[:-10])
+    with refused(place=str(kept), value="something else, or changed since"):
+        cl.study(file, folder=file.parent)
+
+
 def test_the_rule_that_is_told_is_the_one_that_ranked(tmp_path):
     text = 'title = "Calm or quick"\n' + MIXED + '[ranking]\nscores = ["overshoot[level_1]"]\n'
     (tmp_path / "mixed.toml").write_text(text)

@@ -63,6 +63,18 @@ def test_the_state_of_another_problem_is_refused(kept):
     with pytest.raises(InputError) as caught:
         other.load(kept)
     assert caught.value.value == "the state of another problem"
+    assert str(kept) in caught.value.place
+
+
+def test_another_problem_may_begin_afresh_but_not_over_what_no_tuning_wrote(kept):
+    other, same = Memory(2, 3, "another problem"), fresh()
+    assert other.load(kept, afresh=True) is True and other.rows == {}
+    assert same.load(kept, afresh=True) is False and repr(same.rows) == repr(ROWS)
+    kept.write_text("the user's own notes")
+    with pytest.raises(InputError) as caught:
+        other.load(kept, afresh=True)
+    assert str(kept) in caught.value.place
+    assert kept.read_text() == "the user's own notes"
 
 
 @pytest.mark.parametrize(

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import tempfile
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
@@ -15,6 +16,8 @@ from clepsydra.base.standing import Standing, standing_at
 
 #: The ending of a file that is not whole yet.
 PART = ".part"
+#: The name of a folder of what stood in the places of files before others were put there.
+_BEFORE = re.compile(r"\.before\.[a-z0-9_]{8}")
 #: A part of a file that is older was left by a process that was killed [s].
 _ABANDONED = 3600.0
 _WRITABLE, _REMEDY = "a file that can be written", "choose another folder, or make room"
@@ -117,14 +120,25 @@ def remove_abandoned(folder: Path | int, beginning: str = "") -> None:
     OSError
         The folder cannot be read.
     """
-    before = time.time() - _ABANDONED
     where = folder if isinstance(folder, int) else None
+    _remove_old(
+        folder,
+        lambda name: name.startswith(beginning) and name.endswith(PART),
+        lambda path: os.unlink(path, dir_fd=where),
+    )
+
+
+def _remove_old(
+    folder: Path | int, left: Callable[[str], object], remove: Callable[[str], None]
+) -> None:
+    """Remove what has such a name in a folder, and is older than anything still at work."""
+    before = time.time() - _ABANDONED
     with os.scandir(folder) as entries:
         for entry in entries:
-            if entry.name.startswith(beginning) and entry.name.endswith(PART):
+            if left(entry.name):
                 with suppress(OSError):  # another process was faster
                     if entry.stat(follow_symlinks=False).st_mtime < before:
-                        os.unlink(entry.path, dir_fd=where)
+                        remove(entry.path)
 
 
 def write_together(folder: Path, files: Mapping[str, bytes]) -> list[Path]:
@@ -163,9 +177,13 @@ def write_together(folder: Path, files: Mapping[str, bytes]) -> list[Path]:
 
 @contextmanager
 def _put_back(folder: Path, paths: Sequence[Path]) -> Iterator[None]:
-    """Where the block fails, leave in each place what stood there before."""
+    """Where the block fails, leave in each place what stood there before.
+
+    Copies of it that a process which was killed has left are removed first, when they are old.
+    """
     there = [path for path in paths if os.path.lexists(path)]
     try:
+        _remove_old(folder, _BEFORE.fullmatch, shutil.rmtree)
         with tempfile.TemporaryDirectory(dir=folder, prefix=".before.") as name:
             kept = Path(name)
             for path in there:

@@ -38,6 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         atexit.register(gc.freeze)  # nor is it looked through at the end, when it all goes anyway
         _end_cleanly_by_signals()
         _say_warnings_in_words()
+        logging.basicConfig(format="clepsydra: %(message)s")
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import hashlib
+import logging
 import os
 import secrets
 import stat
@@ -14,6 +16,7 @@ from pathlib import Path
 from clepsydra.base.files import PART, remove_abandoned
 
 _DIGEST = 32
+_LOG = logging.getLogger(__name__)
 #: What is opened must be there itself, not a link to it, and a FIFO must not wait for a writer.
 _ITSELF = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0)
 _FOLDER = _ITSELF | getattr(os, "O_DIRECTORY", 0)
@@ -27,7 +30,8 @@ class ObjectCache:
     user, neither open to anybody else. The folder is opened once for each object and asked by
     its descriptor, so nothing can be put in its place between the question and the reading. A file
     carries a digest of its key and its content, and is written under another name before it is
-    renamed: damage, a crash and a full disk leave either the object or nothing usable.
+    renamed: damage, a crash and a full disk leave either the object or nothing usable. A folder
+    that is left alone for its owner or its mode is told once, as a warning of the log.
 
     Parameters
     ----------
@@ -77,7 +81,9 @@ class ObjectCache:
             _make_private(self.folder)
         folder = os.open(self.folder, os.O_RDONLY | _FOLDER)
         try:
-            if not _is_private(os.fstat(folder)):
+            status = os.fstat(folder)
+            if not _is_private(status):
+                _tell_left_alone(self.folder, status.st_uid, stat.S_IMODE(status.st_mode))
                 raise PermissionError(f"{self.folder} is open to others")
             yield folder
         finally:
@@ -111,6 +117,17 @@ def _digest(key: str, body: bytes) -> bytes:
 def _is_private(status: os.stat_result) -> bool:
     """Return whether what was opened is this user's, and open to nobody else."""
     return status.st_uid == os.geteuid() and not status.st_mode & _OTHERS
+
+
+@functools.cache
+def _tell_left_alone(folder: Path, owner: int, mode: int) -> None:
+    """Say once a process why objects are not kept: each kernel is compiled anew."""
+    if owner != os.geteuid():
+        why, remedy = "belongs to another user", "name one of your own in CLEPSYDRA_CACHE"
+    else:
+        why = f"is open to others (mode {mode:o})"
+        remedy = f"close it, chmod 700 {folder}, or name another in CLEPSYDRA_CACHE"
+    _LOG.warning("compiled kernels are not kept, since the folder %s %s; %s", folder, why, remedy)
 
 
 def _make_private(folder: Path) -> None:

@@ -10,7 +10,11 @@ from clepsydra.process.table_reader import TableReader
 
 
 @contextmanager
-def errors_at(table: TableReader, places: Mapping[str, str] | None = None) -> Iterator[None]:
+def errors_at(
+    table: TableReader,
+    places: Mapping[str, str] | None = None,
+    but: tuple[type[InputError], ...] = (),
+) -> Iterator[None]:
     """Give an `InputError` the place in a table that it is about.
 
     An error that has a place in the file keeps it. Else it is the place of the key or parameter
@@ -20,9 +24,13 @@ def errors_at(table: TableReader, places: Mapping[str, str] | None = None) -> It
     ----------
     places : mapping, optional
         Parameter of a law to the place of the key that gave it.
+    but : tuple of type
+        Errors that keep their place, since they are about another file.
     """
     try:
         yield
+    except but:
+        raise
     except InputError as error:
         raise InputError(
             _place(error, table, places or {}), error.value, error.expected, error.remedy

@@ -190,7 +190,7 @@ class _Study:
             name = re.sub(r"[^A-Za-z0-9]+", "-", now.name).strip("-").lower()
             kept = self.folder / f"{self.request.file_stem}.{name}.tuning.json"
         try:
-            found = run(Search(GENERATIONS, self.request.seed, FRONT, tell, kept))
+            found = run(Search(GENERATIONS, self.request.seed, FRONT, tell, kept, afresh=True))
         except NotApplicable:  # no candidate keeps the limits: nothing is left to go on with
             if kept is not None:
                 kept.unlink(missing_ok=True)

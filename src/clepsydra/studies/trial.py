@@ -64,7 +64,7 @@ def trial_of(
         maximum_sensitivity=peak,
         warnings=(*before, *warnings_after(run, scores)),
         caveats=(
-            *_cut_short(tuning),
+            *_state_of(tuning),
             *caveats_before(model, controller, scenario),
             *caveats_after(run),
         ),
@@ -73,15 +73,26 @@ def trial_of(
     )
 
 
-def _cut_short(tuning: TuningResult | None) -> tuple[Caveat, ...]:
-    if tuning is None or not tuning.interrupted:
+def _state_of(tuning: TuningResult | None) -> tuple[Caveat, ...]:
+    """Return whether a tuning was cut short, and whether it left an earlier one behind."""
+    if tuning is None:
         return ()
-    words = Remark(
-        f"The tuning was interrupted after {tuning.evaluations} candidates, and this is the best "
-        "of them",
-        remedy="run the same study again, and it goes on from there",
-    )
-    return (Caveat(words, "tuning"),)
+    found = []
+    if tuning.interrupted:
+        words = Remark(
+            f"The tuning was interrupted after {tuning.evaluations} candidates, and this is the "
+            "best of them",
+            remedy="run the same study again, and it goes on from there",
+        )
+        found.append(Caveat(words, "tuning"))
+    if tuning.instead_of is not None:
+        words = Remark(
+            f"The tuning began afresh, since {tuning.instead_of} held an interrupted one of "
+            "another problem",
+            "the process, the scenario, the objective, the limits or the bounds have changed",
+        )
+        found.append(Caveat(words, f"tuning of {tuning.controller.name}"))
+    return tuple(found)
 
 
 def scores_of(run: Run) -> dict[str, float]:

@@ -26,6 +26,7 @@ from clepsydra.scores.score_key import ScoreKey, score_key
 from clepsydra.studies.file.law_parameters import law_parameters
 from clepsydra.studies.file.tuning_bounds import Bound, of_weights, tuned_parameter, tuned_weight
 from clepsydra.studies.tuning.law_space import LawSpace
+from clepsydra.studies.tuning.memory import UnusableState
 from clepsydra.studies.tuning.objective import Goal, Limits, Objective, judged
 from clepsydra.studies.tuning.parameters import TunedParameter, gains_and_times
 from clepsydra.studies.tuning.result import TuningResult
@@ -146,7 +147,7 @@ class Tuning:
         space, limits = self.space(controller, model), self.limits
         if self._start is not None and not self.table.has("total_variation"):
             limits = replace(limits, total_variation=usual_wear(controller, model, scenario))
-        with errors_at(self.table):
+        with errors_at(self.table, but=(UnusableState,)):
             return tune(space, Goal(model, scenario, self.objective, limits), search)
 
     @property

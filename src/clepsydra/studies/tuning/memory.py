@@ -25,6 +25,10 @@ _WRITTEN = "what an interrupted tuning wrote"
 _STATUSES = 2**32
 
 
+class UnusableState(InputError):
+    """The file of an interrupted tuning cannot be gone on with; all as for `InputError`."""
+
+
 class Memory:
     """Every candidate that was simulated, by the bits of its point.
 
@@ -38,7 +42,7 @@ class Memory:
     width : int
         Numbers kept of each candidate, the last one the status of its run.
     digest : str
-        Of the problem; a file of another problem is refused.
+        Of the problem.
     """
 
     def __init__(self, parameters: int, width: int, digest: str) -> None:
@@ -65,25 +69,40 @@ class Memory:
         if time.monotonic() - self._written > _PAUSE:
             self.save(path)
 
-    def load(self, path: Path) -> None:
+    def load(self, path: Path, *, afresh: bool = False) -> bool:
         """Read what was written; a file that is not there yet is empty.
+
+        Parameters
+        ----------
+        afresh : bool
+            Whether a file of another problem counts as empty, and is not refused.
+
+        Returns
+        -------
+        bool
+            Whether it is of another problem, so that nothing was read.
 
         Raises
         ------
-        InputError
+        UnusableState
             The file cannot be read, is none of a tuning, was changed since, or is of another
             problem.
         """
         place = f"tuning, {path}"
-        if standing_at(path, place, _WRITTEN) is Standing.NOTHING:
-            return
-        content = read_input(path, _WRITTEN, _LARGEST)
+        try:
+            if standing_at(path, place, _WRITTEN) is Standing.NOTHING:
+                return False
+            content = read_input(path, _WRITTEN, _LARGEST)
+        except InputError as error:
+            raise UnusableState(place, error.value, error.expected, error.remedy) from None
         try:
             said = json.loads(content)
             if said.pop("seal") != _seal(said):
                 raise ValueError
             if (said["format"], said["problem"]) != (_FORMAT, self._digest):
-                raise InputError(
+                if afresh:
+                    return True
+                raise UnusableState(
                     place, "the state of another problem",
                     "one of this process, controller, scenario, objective and bounds",
                     "choose another file, or delete this one to begin again",
@@ -91,11 +110,12 @@ class Memory:
             rows = {self._key(key): self._row(row) for key, row in said["candidates"]}
             peaks = {self._key(key): _number(peak) for key, peak in said["sensitivities"]}
         except (ValueError, TypeError, KeyError, AttributeError, RecursionError, struct.error):
-            raise InputError(
+            raise UnusableState(
                 place, "something else, or changed since", _WRITTEN,
                 "choose another file, or delete this one to begin again",
             ) from None  # fmt: skip
         self.rows, self.sensitivities = rows, peaks
+        return False
 
     def _key(self, written: str) -> bytes:
         """Return the bits of a point, whose numbers are finite."""

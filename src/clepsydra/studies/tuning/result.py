@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -45,6 +46,8 @@ class TuningResult:
         Whether it was stopped before its end; the controller is then the best so far.
     tuned : dict
         What was tuned to the value found: parameters of the law, or design numbers.
+    instead_of : Path, optional
+        State file of another problem that was there, and that this tuning did not go on from.
     """
 
     controller: Controller
@@ -61,6 +64,7 @@ class TuningResult:
     seed: int
     interrupted: bool
     tuned: dict[str, float]
+    instead_of: Path | None = None
 
 
 def why_none(problem: TuningProblem) -> str:

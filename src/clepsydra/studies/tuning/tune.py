@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -65,6 +65,9 @@ class Search:
         Where everything computed is kept, now and then and at the end or an interruption
         (control-C), which returns the best so far. The same tuning goes on from there, and ends
         as it would have without the break.
+    afresh : bool
+        Whether a state file of another problem is begun afresh, which the result says, and not
+        refused.
 
     Raises
     ------
@@ -77,6 +80,7 @@ class Search:
     front: Sequence[float] = ()
     progress: Callable[[Progress], None] | None = None
     state_file: str | Path | None = None
+    afresh: bool = False
 
     def __post_init__(self) -> None:
         whole = isinstance(self.seed, (int, np.integer)) and not isinstance(self.seed, bool)
@@ -128,8 +132,7 @@ def tune(space: SearchSpace, goal: Goal, search: Search | None = None) -> Tuning
     search = search or Search()
     problem = TuningProblem(space, goal)
     file = None if search.state_file is None else Path(search.state_file)
-    if file is not None:
-        problem.memory.load(file)
+    begun_afresh = file is not None and problem.memory.load(file, afresh=search.afresh)
     stage, interrupted = "start", False
 
     def tell() -> None:
@@ -159,7 +162,8 @@ def tune(space: SearchSpace, goal: Goal, search: Search | None = None) -> Tuning
             problem.memory.save(file)
     if problem.best is None:
         raise NotApplicable(why_none(problem), METHOD)
-    return outcome(problem, front, search.seed, interrupted)
+    found = outcome(problem, front, search.seed, interrupted)
+    return replace(found, instead_of=file if begun_afresh else None)
 
 
 def _refine_until_still(problem: TuningProblem) -> None:
