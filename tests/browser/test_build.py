@@ -30,7 +30,7 @@ def project(tmp_path):
     (folder / BUILT.parent).mkdir(parents=True)
     for name in ("src/clepsydra/__init__.py", "hatch_build.py", "pyproject.toml", ".gitignore"):
         shutil.copy(ROOT / name, folder / name)
-    for name in ("README.md", "LICENSE"):
+    for name in ("README.md", "LICENSE", "hatch_metadata.py"):
         shutil.copy(ROOT / name, folder / name)
     return folder
 
