@@ -42,6 +42,7 @@ def runs() -> list[Run]:
                 values=values,
                 error_estimate=None,
                 substeps=1,
+                final_state=None,
             )
         )
     return made

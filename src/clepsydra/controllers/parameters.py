@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import InputError
@@ -47,11 +47,16 @@ def check_parameters(law: StepLaw, values: Mapping[str, float], place: str) -> N
 
 def remembered_parameters(law: StepLaw, values: Mapping[str, float]) -> dict[str, float]:
     """Return the states that remember a parameter, last_K of K, with the parameter's value."""
-    return {
-        state.name: float(values[parameter])
+    return {state: float(values[parameter]) for state, parameter in remembers(law, values)}
+
+
+def remembers(law: StepLaw, parameters: Collection[str]) -> list[tuple[str, str]]:
+    """Return each state that remembers one of some parameters, with that parameter."""
+    named = (
+        (state.name, path(state.owner, state.part.removeprefix("last_")))
         for state in map(signal_of, law.state)
-        if (parameter := path(state.owner, state.part.removeprefix("last_"))) in values
-    }
+    )
+    return [(state, parameter) for state, parameter in named if parameter in parameters]
 
 
 def check_numbers(entries: Sequence[Entry], values: Mapping[str, float], place: str) -> None:

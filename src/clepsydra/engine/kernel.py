@@ -82,6 +82,7 @@ class Kernel:
         inputs: Mapping[str, ArrayLike] | None = None,
         parameters: Mapping[str, ArrayLike] | None = None,
         state: Mapping[str, ArrayLike] | None = None,
+        rings: Mapping[str, ArrayLike] | None = None,
         every: int = 1,
         turns: int | None = None,
     ) -> Job:
@@ -96,6 +97,9 @@ class Kernel:
         parameters, state : mapping
             A number for all, or [scenarios]; what is left out keeps its initial value. The
             number of a delay ring, of the state or of a loop, is its whole initial content.
+        rings : mapping
+            Delay ring to what it holds at first in every scenario, the oldest first [length], in
+            the place of its number.
         every : int
             Outputs are stored in samples 0, every, 2·every, …
         turns : int, optional
@@ -122,6 +126,7 @@ class Kernel:
             every=every,
             turns=turns,
             initial=layout.state(state, scenarios, lanes),
+            held=layout.rings(rings or {}),
             parameters=layout.parameters(parameters, scenarios, lanes),
             shared=layout.shared(inputs, samples),
             individual=layout.individual(inputs, samples, scenarios, lanes),
@@ -134,6 +139,7 @@ class Kernel:
         inputs: Mapping[str, ArrayLike] | None = None,
         parameters: Mapping[str, ArrayLike] | None = None,
         state: Mapping[str, ArrayLike] | None = None,
+        rings: Mapping[str, ArrayLike] | None = None,
         every: int = 1,
         turns: int | None = None,
         threads: int | None = None,
@@ -148,7 +154,13 @@ class Kernel:
         threads = available_threads() if threads is None else threads
         self._check("threads", threads, "leave it out")
         job = self.prepare(
-            samples, inputs=inputs, parameters=parameters, state=state, every=every, turns=turns
+            samples,
+            inputs=inputs,
+            parameters=parameters,
+            state=state,
+            rings=rings,
+            every=every,
+            turns=turns,
         )
         return job.run(threads)
 
@@ -200,6 +212,8 @@ class Job:
     samples, scenarios, lanes, every, turns : int
     initial : ndarray [groups, n + r, lanes]
         The state, then the rings of loops.
+    held : dict
+        Delay ring to what it holds at first [length], where that is not its number.
     parameters : ndarray [groups, p, lanes]
     shared : ndarray [samples, s]
     individual : ndarray [groups, samples, i, lanes]
@@ -212,6 +226,7 @@ class Job:
     every: int
     turns: int
     initial: Array
+    held: dict[str, Array]
     parameters: Array
     shared: Array
     individual: Array
@@ -242,13 +257,16 @@ class Job:
 
         in_threads(part, groups, threads, cost=self.samples)
         final = state.transpose(1, 0, 2).reshape(len(program.state), groups * self.lanes)
-        return Trajectories(program, self.scenarios, final[:, : self.scenarios], record)
+        final = final[:, : self.scenarios]
+        return Trajectories(program, self.scenarios, final, record, rings, self.samples)
 
     def initial_rings(self) -> Array:
         """Return what the delay rings hold at first [groups, entries of all rings, lanes]."""
         program, groups = self.kernel.program, len(self.initial)
         filled = [
-            np.repeat(self.initial[:, index : index + 1, :], entry.length, axis=1)
+            np.broadcast_to(self.held[entry.name][:, None], (groups, entry.length, self.lanes))
+            if entry.name in self.held
+            else np.repeat(self.initial[:, index : index + 1, :], entry.length, axis=1)
             for index, entry in enumerate((*program.state, *program.rings))
             if isinstance(entry, DelayRing)
         ]

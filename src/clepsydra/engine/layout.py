@@ -33,6 +33,9 @@ class Layout:
             x.name: (x.signal if isinstance(x, DelayRing) else x).initial
             for x in (*program.state, *program.rings)
         }
+        self._lengths = {
+            x.name: x.length for x in (*program.state, *program.rings) if isinstance(x, DelayRing)
+        }
         self._refuse_unknown("input", dict.fromkeys(individual, 0.0), self._inputs)
         self._shared = [name for name in self._inputs if name not in individual]
         self._individual = [name for name in self._inputs if name in individual]
@@ -64,6 +67,15 @@ class Layout:
     def state(self, given: Given, scenarios: int, lanes: int) -> Array:
         """Return the initial state, then that of the rings of loops [groups, n + r, lanes]."""
         return self._columns("state", self._state, given, scenarios, lanes)
+
+    def rings(self, given: Given) -> dict[str, Array]:
+        """Return what delay rings hold at first [length], of those of which it is said."""
+        self._refuse_unknown("delay ring", given, self._lengths)
+        found = {name: self._numbers(name, content) for name, content in given.items()}
+        for name, content in found.items():
+            if content.shape != (self._lengths[name],):
+                raise self._shape_error(name, content, f"[{self._lengths[name]}]")
+        return found
 
     def parameters(self, given: Given, scenarios: int, lanes: int) -> Array:
         """Return the parameters [groups, p, lanes]."""

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from clepsydra.engine.kernel import Kernel
-from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import ForLoop, Program
+from clepsydra.engine.trajectories import rings_by_name
 
 
 class SteppedKernel:
@@ -24,6 +23,8 @@ class SteppedKernel:
         Without individual inputs.
     inputs, parameters, state : mapping, optional
         Numbers by name; an input keeps its value until `look` or `step` gives another one.
+    rings : mapping, optional
+        Delay ring to what it holds at first, the oldest first [length].
 
     Raises
     ------
@@ -51,14 +52,14 @@ class SteppedKernel:
         inputs: Mapping[str, ArrayLike] | None = None,
         parameters: Mapping[str, ArrayLike] | None = None,
         state: Mapping[str, ArrayLike] | None = None,
+        rings: Mapping[str, ArrayLike] | None = None,
     ) -> None:
-        job = kernel.prepare(1, inputs=inputs, parameters=parameters, state=state)
-        program = kernel.program
+        job = kernel.prepare(1, inputs=inputs, parameters=parameters, state=state, rings=rings)
+        self._program = program = kernel.program
         self._names = [signal.name for signal in program.outputs]
         self._columns = {signal.name: place for place, signal in enumerate(program.inputs)}
         self._state = job.initial[:, : len(program.state)].copy()
         self._rings = job.initial_rings()
-        self._turns = _turns(program)
         self._job, self._call = job, kernel.function(1).call
 
     def look(self, inputs: Mapping[str, float]) -> dict[str, float]:
@@ -69,12 +70,22 @@ class SteppedKernel:
         """Go through the next sample and return its outputs."""
         outputs = self._run(self._state, self._rings, inputs)
         # The kernel takes the first entry of a ring for its oldest one.
-        start = 0
-        for length, turns in self._turns:
-            ring = self._rings[:, start : start + length]
-            ring[:] = np.roll(ring, -(turns % length), axis=1)
-            start += length
+        turned = rings_by_name(self._program, self._rings, 1)
+        if turned:
+            self._rings = np.concatenate([*turned.values()], axis=1)
         return outputs
+
+    @property
+    def state(self) -> dict[str, float]:
+        """The state that the next sample begins with; what is in rings stands in `rings`."""
+        names = (entry.name for entry in self._program.state)
+        return dict(zip(names, self._state.ravel().tolist(), strict=True))
+
+    @property
+    def rings(self) -> dict[str, np.ndarray]:
+        """What each delay ring holds before the next sample, the oldest first [length]."""
+        held = rings_by_name(self._program, self._rings, 0)
+        return {name: ring.ravel() for name, ring in held.items()}
 
     def _run(
         self, state: np.ndarray, rings: np.ndarray, inputs: Mapping[str, float]
@@ -86,10 +97,3 @@ class SteppedKernel:
         addresses = (a.ctypes.data for a in (job.shared, job.individual, record, rings))
         self._call(state.ctypes.data, job.parameters.ctypes.data, *addresses, 1, 1, 1, job.turns)
         return dict(zip(self._names, record.ravel().tolist(), strict=True))
-
-
-def _turns(program: Program) -> list[tuple[int, int]]:
-    """Return the length of each ring, and how often it advances in a sample."""
-    own = [(entry.length, 1) for entry in program.state if isinstance(entry, DelayRing)]
-    loops = (loop for loop in program.block.statements if isinstance(loop, ForLoop))
-    return own + [(ring.length, loop.count) for loop in loops for ring in loop.rings]

@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+#: An output that moves by less than this share of its range stands still.
+_STILL = 1e-6
+
+
 class _Drawn(Answered):
     def plot(self) -> Figure:
         """Draw everything that was recorded, as a Matplotlib figure."""
@@ -66,7 +70,24 @@ class Run(_Drawn, inner.Run):
             f"{self.controller.title} on {self.process.name}, {time_text(self.scenario.duration)}"
         )
         happened = (Line(f"{said}."),) if said else ()
-        return Section(head, (*happened, *self.scores.short().parts))
+        return Section(head, (*self._begins(), *happened, *self.scores.short().parts))
+
+    def _begins(self) -> tuple[Line, ...]:
+        """Say where it begins, if not at rest, and what its controller makes of that."""
+        begin = self.scenario.begin
+        if begin is None:
+            return ()
+        stay, move = [], []
+        for name in self.controller.manipulated:
+            stood, first = begin.inputs[name], float(self.values[name][0])
+            if abs(first - stood) <= _STILL * max(self.process.signal(name).span, abs(stood)):
+                stay.append(f"{name} begins at {self._shown(name, first)}")
+            else:
+                ends = f"{self._shown(name, stood)} to {self._shown(name, first)}"
+                move.append(f"{name} goes from {ends} at once")
+        way = begin.way_of(self.controller.initial_state, bump=bool(move))
+        words = f"Begins {begin.words}; the controller starts {way}"
+        return (Line(f"{words}: {', '.join(stay + move)}."),)
 
     def _happened(self) -> list[str]:
         """Return what happened, in words."""

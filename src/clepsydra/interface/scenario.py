@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import groupby
 
 from clepsydra.base.errors import InputError
@@ -9,15 +10,24 @@ from clepsydra.base.words import time_text
 from clepsydra.interface.events import changes_of
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity, read_time
+from clepsydra.loop.begin import Begin
+from clepsydra.loop.beginning import segments_of_beginning
 from clepsydra.loop.default_scenario import MOST_SAMPLES, default_scenario, segment_samples
 from clepsydra.loop.profile import Change, samples_before
 from clepsydra.loop.scenario import Scenario, Segment, scenario_of_changes
 
 
 def scenario_of(
-    plant: Plant, events: object = None, duration: Quantity | None = None, seed: int = 1
+    plant: Plant,
+    events: object = None,
+    duration: Quantity | None = None,
+    seed: int = 1,
+    begin: Begin | None = None,
 ) -> Scenario:
-    """Return exactly these events, from rest, without noise; without events the default scenario.
+    """Return exactly these events, without noise; without events the default scenario.
+
+    Where it begins away from rest there is no default scenario: without events it is the way to
+    the setpoints of the operating point.
 
     Parameters
     ----------
@@ -28,6 +38,8 @@ def scenario_of(
         scenario would wait.
     seed : int
         Of the noise of the default scenario.
+    begin : Begin, optional
+        At rest if left out.
 
     Raises
     ------
@@ -35,10 +47,10 @@ def scenario_of(
         An event is wrong, or the scenario has no length or is too long.
     """
     period = plant.process.sampling_period
-    if events is None and duration is None:
+    if events is None and duration is None and begin is None:
         return default_scenario(plant.linear, seed)
     changes = changes_of(events or [], plant, controlled=True)
-    length = _length(plant, changes, duration)
+    length = _length(plant, changes, duration, begin)
     samples = samples_before(length, period)
     if samples < 2:
         raise InputError(
@@ -51,11 +63,19 @@ def scenario_of(
             f"at most {time_text(MOST_SAMPLES * period, 4)}, {MOST_SAMPLES:,} sampling periods",
             "shorten it, or lengthen the sampling period of the process",
         )  # fmt: skip
-    segments = tuple(_segments(changes, plant, samples))
-    return scenario_of_changes(plant.point, changes, samples, segments, seed)
+    scenario = scenario_of_changes(plant.point, changes, samples, (), seed, begin)
+    segments = _segments(changes, plant, samples)
+    if begin is not None:
+        first = min((part.start for part in segments if part.start > 0.0), default=samples * period)
+        readings, setpoints = begin.measurements(plant.process), scenario.setpoints[0]
+        own = segments_of_beginning(plant.process, readings, setpoints, first)
+        segments = [*own, *(part for part in segments if part.start > 0.0)]
+    return replace(scenario, segments=tuple(segments))
 
 
-def _length(plant: Plant, changes: list[Change], duration: Quantity | None) -> float:
+def _length(
+    plant: Plant, changes: list[Change], duration: Quantity | None, begin: Begin | None
+) -> float:
     if duration is not None:
         length = read_time("simulation", "duration", duration)
         if length == 0.0:
@@ -65,7 +85,8 @@ def _length(plant: Plant, changes: list[Change], duration: Quantity | None) -> f
         return length
     period = plant.process.sampling_period
     rest, each = segment_samples(plant.linear)
-    last = max((change.stop for change in changes), default=rest * period)
+    nothing = rest * period if begin is None else 0.0
+    last = max((change.stop for change in changes), default=nothing)
     return last + each * period
 
 

@@ -6,7 +6,9 @@ from collections.abc import Mapping
 from typing import overload
 
 from clepsydra.base.arguments import require_signal, require_type
+from clepsydra.base.errors import InputError
 from clepsydra.base.keywords import keywords_checked
+from clepsydra.interface.begin import AnyStart, begin_of, known_start
 from clepsydra.interface.controller import AnyController, of_plant
 from clepsydra.interface.events import Events, changes_of
 from clepsydra.interface.plant import Plant
@@ -15,7 +17,10 @@ from clepsydra.interface.run import OpenLoopRun, Run
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.shown import lifted
 from clepsydra.interface.subject import Subject, plant_of
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.loop.begin import ControllerStart, check_point
 from clepsydra.loop.loop import Loop
+from clepsydra.loop.loop_state import LoopState
 from clepsydra.loop.open_loop_plan import Start, plan_simulation, read_state
 from clepsydra.loop.step_size import Solver, check_solver
 
@@ -27,7 +32,7 @@ def simulate(
     events: Events | None = None,
     *,
     duration: Quantity | None = None,
-    start: Start = "rest",
+    start: Start | Plant = "rest",
     state: Mapping[str, Quantity] | None = None,
     solver: Solver = "kernel",
 ) -> OpenLoopRun: ...
@@ -38,6 +43,9 @@ def simulate(
     events: Events | None = None,
     *,
     duration: Quantity | None = None,
+    start: AnyStart = "rest",
+    state: Mapping[str, Quantity] | None = None,
+    controller_start: ControllerStart | None = None,
     seed: int = 1,
     solver: Solver = "kernel",
 ) -> Run: ...
@@ -48,12 +56,13 @@ def simulate(
     events: Events | None = None,
     *,
     duration: Quantity | None = None,
-    start: Start = "rest",
+    start: AnyStart = "rest",
     state: Mapping[str, Quantity] | None = None,
+    controller_start: ControllerStart | None = None,
     seed: int = 1,
     solver: Solver = "kernel",
 ) -> Run | OpenLoopRun:
-    """Simulate a plant, on its nonlinear equations, from rest at its operating point.
+    """Simulate a plant, on its nonlinear equations, from rest or from anywhere else.
 
     Parameters
     ----------
@@ -62,15 +71,23 @@ def simulate(
         Without one the inputs stay where they rest, but for the events.
     events : sequence of Event, optional
         Of `cl.step`, `cl.ramp` and `cl.disturbance`: exactly these, without noise. Under a
-        controller and without events it is the default scenario: a step up and down of each
-        setpoint, the load steps of the process, and a stretch of noise.
+        controller and without events it is the default scenario from rest: a step up and down of
+        each setpoint, the load steps of the process, and a stretch of noise; from elsewhere it is
+        the way to the setpoints.
     duration : str or float, optional
         "20 min"; a number is in s. Chosen if left out.
-    start : {"rest", "empty"}
-        Without a controller: at rest, or with empty tanks.
+    start : {"rest", "empty"}, Plant or LoopState
+        At rest; with empty tanks; at another operating point, `plant.at(outputs=...)`; or, under a
+        controller, where another run of it ended, `run.final_state`. Setpoints and loads stand
+        where the plant rests until they step.
     state : mapping, optional
-        Without a controller: states that start elsewhere, {"tank_1.level": "5 cm"}; a number is in
-        the state's display unit.
+        States that start elsewhere, {"tank_1.level": "5 cm"}; a number is in the state's display
+        unit. Under a controller inputs too, "pump_1": what stands there when it starts, and states
+        of the controller, "controller.level_1.integral".
+    controller_start : {"bumpless", "cold"}, optional
+        Away from rest: without a bump, its states such that its outputs stand where the inputs do,
+        as after a time in manual; or cold, its states as its law declares them, integrals at zero.
+        Bumpless if left out, and after a run of the same controller as it was.
     seed : int
         Of the noise of the default scenario.
     solver : {"kernel", "reference"}
@@ -84,8 +101,8 @@ def simulate(
     Raises
     ------
     InputError
-        A signal or the solver is unknown, a quantity is none of it or leaves its range, the
-        controller is none of this plant, or the simulation has no length.
+        A signal, a state, a start or the solver is unknown, a quantity is none of it or leaves its
+        range, the controller is none of this plant, or the simulation has no length.
     NoEquilibrium
         The plant does not rest anywhere.
 
@@ -96,6 +113,9 @@ def simulate(
     >>> run = simulate(plant, None, [cl.step("pump_1", to="3.2 V", at="1 min")], duration="20 min")
     >>> round(100 * float(run.values["tank_1.level"][-1]), 2)  # [cm]
     13.32
+    >>> filled = simulate(plant, cl.design.simc(plant), start="empty", controller_start="cold")
+    >>> float(filled.values["level_1"][0]), round(float(filled.values["level_1"][-1]), 2)  # [V]
+    (0.0, 6.13)
     """
     plant = plant_of(plant)
     check_solver(solver)
@@ -103,19 +123,35 @@ def simulate(
         own = of_plant(controller, plant)
         loop = Loop(own, plant.measured)
         changes = () if events is None else changes_of(events, plant, controlled=True)
-        scenario = scenario_of(plant, events, duration, seed)
+        begin = begin_of(plant, own, start, state or {}, controller_start)
+        scenario = scenario_of(plant, events, duration, seed, begin)
         if solver == "reference" or not own.setpoints:
             run = loop.run(scenario, solver=solver)
         else:
             run = loop.run_checked(scenario)
         return lifted(Run, run, changes=tuple(changes))
+    if controller_start is not None:
+        raise InputError(
+            "controller_start", controller_start, "a controller that starts",
+            "give one, or leave it out",
+        )  # fmt: skip
+    begins = known_start(start)
+    if isinstance(begins, LoopState):
+        raise InputError(
+            "start", "the final_state of a run", "a controller that goes on from there",
+            'give one, or write as in state={"tank_1.level": "5 cm"}',
+        )  # fmt: skip
+    point = plant.asked_for
+    if isinstance(begins, OperatingPoint):
+        check_point(plant.process, begins)
+        point, begins = begins, "rest"
     plan = plan_simulation(
         plant.process,
         () if events is None else changes_of(events, plant, controlled=False),
         duration=None if duration is None else str(with_unit(duration, "s")),
-        start=start,
+        start=begins,
         state=_states(state or {}, plant),
-        rest=plant.asked_for,
+        rest=point,
     )
     return lifted(OpenLoopRun, plan.run(solver), plan=plan)
 

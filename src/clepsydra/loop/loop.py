@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -16,10 +16,13 @@ from clepsydra.loop.closed_loop import (
     loop_inputs,
 )
 from clepsydra.loop.inner_setpoints import inner_setpoints
+from clepsydra.loop.law_begin import loop_begin
+from clepsydra.loop.loop_state import LoopState, loop_state
 from clepsydra.loop.motion_block import recorded_signals, step_told
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.step_size import (
+    FEWEST_REFINEMENT,
     LARGEST_REFINEMENT,
     TOLERANCE,
     Solver,
@@ -28,7 +31,6 @@ from clepsydra.loop.step_size import (
 )
 from clepsydra.loop.stepped_loop import stepped_loop
 from clepsydra.loop.wired_loop import WiredLoop
-from clepsydra.program.entries import signal_of
 from clepsydra.program.precision import Precision, in_single_arithmetic
 from clepsydra.program.program import Program
 from clepsydra.scores.plant_flows import forced_flows
@@ -83,16 +85,13 @@ class Loop(WiredLoop):
         count = self.substeps if substeps is None else substeps
         if precision == "single":
             law = in_single_arithmetic(self.controller.program())
-            told, begun = (
-                {controller_name(signal.name): signal.initial for signal in signals}
-                for signals in (law.parameters, map(signal_of, law.state))
-            )
-            return self._by_kernel(
-                scenario, self._kernel(scenario, count, law=law), count, told, begun
-            )
+            told = {controller_name(each.name): each.initial for each in law.parameters}
+            kernel = self._kernel(scenario, count, law=law)
+            return self._by_kernel(scenario, kernel, count, told, rounded=True)
         if solver == "reference" or isinstance(self.controller.law, PythonLaw):
-            found = stepped_loop(self, scenario, count, solver)
-            return self._collect(scenario, found, substeps=0 if solver == "reference" else count)
+            found, final = stepped_loop(self, scenario, count, solver)
+            steps = 0 if solver == "reference" else count
+            return self._collect(scenario, found, final, substeps=steps)
         return self._by_kernel(scenario, self._kernel(scenario, count), count, {})
 
     def run_checked(self, scenario: Scenario, largest: int = LARGEST_REFINEMENT) -> Run:
@@ -101,11 +100,12 @@ class Loop(WiredLoop):
         The estimate is on the safe side, see `clepsydra.loop.step_size.refined`, and a fraction
         of each state's range; the steps are halved until it is below 1e-6, `largest` times as
         many have been tried, or a sampling period would hold more than 10,000. The run with the
-        smallest step is returned.
+        smallest step is returned, which is no longer than that of the run from whose end it goes
+        on.
         """
-        run, estimate = refined(
-            self.process, self._refinable(scenario), self.substeps, TOLERANCE, largest
-        )
+        begins = 1 if scenario.begin is None else scenario.begin.substeps // FEWEST_REFINEMENT
+        count = max(self.substeps, begins)
+        run, estimate = refined(self.process, self._refinable(scenario), count, TOLERANCE, largest)
         return replace(run, error_estimate=estimate)
 
     def _refinable(self, scenario: Scenario) -> Callable[[int], Run]:
@@ -140,20 +140,36 @@ class Loop(WiredLoop):
         kernel: Kernel,
         substeps: int,
         told: dict[str, float],
-        begun: Mapping[str, float] | None = None,
+        *,
+        rounded: bool = False,
     ) -> Run:
+        state, rings = loop_begin(self, scenario, substeps)
+        if rounded:  # as a controller in single precision holds them
+            own = {controller_name(entry.name) for entry in self.controller.law.state}
+            state |= {name: float(np.float32(state[name])) for name in own}
         result = kernel.run(
             scenario.samples,
             inputs=self.inputs_of(scenario),
-            state=self.initial_state() | dict(begun or {}),
+            state=state,
+            rings=rings,
             parameters=self.law_parameters() | told,
             turns=substeps,
         )
         computed = {signal.name: result.output(signal.name)[0] for signal in kernel.program.outputs}
-        return self._collect(scenario, computed, substeps=substeps)
+        names = (entry.name for entry in kernel.program.state)
+        found = dict(zip(names, result.final_state[:, 0].tolist(), strict=True))
+        held = {name: content[0] for name, content in result.rings().items()}
+        inputs = {u.name: float(computed[u.name][-1]) for u in self.process.inputs}
+        final = loop_state(self.process, self.controller, found, inputs, held, substeps)
+        return self._collect(scenario, computed, final, substeps=substeps)
 
     def _collect(
-        self, scenario: Scenario, computed: dict[str, np.ndarray], *, substeps: int
+        self,
+        scenario: Scenario,
+        computed: dict[str, np.ndarray],
+        final: LoopState,
+        *,
+        substeps: int,
     ) -> Run:
         process = self.process
         statuses = [f"{name}.status" for name in self.controller.manipulated]
@@ -183,4 +199,5 @@ class Loop(WiredLoop):
             values=values,
             error_estimate=None,
             substeps=substeps,
+            final_state=final,
         )

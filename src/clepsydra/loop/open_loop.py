@@ -228,7 +228,8 @@ class _OpenLoop:
 
     def by_reference(self, substeps: int) -> Simulation:
         process = self.process
-        motion = ReferenceMotion(self.point, substeps, self.totals, contents=self.contents)
+        start = dict(zip((s.name for s in process.motion.contents), self.contents, strict=True))
+        motion = ReferenceMotion(self.point, substeps, self.totals, start=start)
         rows = []
         given = np.reshape(list(self.profiles.values()), (len(self.outside), self.samples))
         for sample in range(self.samples + 1):

@@ -195,7 +195,7 @@ def plan_simulation(
             ) from None
         rest = _middle(process)
     model = _model_near(rest)
-    point = _emptied(rest) if start == "empty" else rest
+    point = emptied(rest) if start == "empty" else rest
     begins = "empty" if start == "empty" else "at rest"
     if complete:
         begins = "at the given state"
@@ -227,8 +227,15 @@ def _middle(process: Process) -> OperatingPoint:
     return OperatingPoint.at(process, state, inputs, disturbances)
 
 
-def _emptied(rest: OperatingPoint) -> OperatingPoint:
-    """Return a point with empty tanks; valves and sensors stand as they do at rest."""
+def emptied(rest: OperatingPoint) -> OperatingPoint:
+    """Return a point with empty tanks; valves and sensors stand as they do at rest.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> float(emptied(cl.load("quadruple-tank").point).measurements[0])
+    0.0
+    """
     process = rest.process
     inside = {s.name for e in process.elements if e.symbol == "tank" for s in e.states()}
     state = np.array(

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.loop.delay_content import delay_content
 from clepsydra.loop.motion_block import CLOCK, motion_at_rest, ring_name
+from clepsydra.process.hybrid import Delay
 
 Array = NDArray[np.float64]
 
 _RELATIVE, _ABSOLUTE = 1e-12, 1e-14
+#: What a ring keeps of a delayed quantity for each step: values and slopes at both ends, its mean.
+_PARTS = ("start", "rising", "end", "leaving", "mean")
 #: Share of a step after which a slope at its start is taken.
 _LATER = 1e-6
 
@@ -36,8 +41,11 @@ class ReferenceMotion:
         Steps in a sampling period, of which every delay is a multiple.
     totals : tuple of str
         Those totals that are integrated.
-    contents : ndarray [n], optional
-        What it starts with where that is not at rest.
+    start : mapping, optional
+        Contents, memories and constant contents of delays by name where it does not start at rest.
+    rings : mapping, optional
+        What delays hold where that differs along them, as `rings` returns it or as the rings of
+        the kernel, see `clepsydra.loop.motion_block`.
     """
 
     def __init__(
@@ -45,7 +53,9 @@ class ReferenceMotion:
         point: OperatingPoint,
         substeps: int,
         totals: tuple[str, ...],
-        contents: Array | None = None,
+        *,
+        start: Mapping[str, float] | None = None,
+        rings: Mapping[str, Array] | None = None,
     ) -> None:
         process, motion = point.process, point.process.motion
         # Without delays and memories a sampling period is one smooth step.
@@ -53,19 +63,18 @@ class ReferenceMotion:
         self._steps, self._step = steps, process.sampling_period / steps
         self._process, self._motion = process, motion
         self._parameters = process.parameter_values
-        rest = motion_at_rest(point)
+        rest = motion_at_rest(point) | dict(start or {})
         self._chosen = [i for i, s in enumerate(motion.totals) if s.name in totals]
         self._total_names = [motion.totals[i].name for i in self._chosen]
-        if contents is None:
-            contents = np.array([rest[signal.name] for signal in motion.contents])
+        contents = np.array([rest[signal.name] for signal in motion.contents])
         self._integral = np.array([*contents, *np.zeros(len(self._chosen) + len(motion.delays))])
         self._memories = np.array([rest[signal.name] for signal in motion.memories])
         self._counts = np.zeros(len(motion.events))
         self._times = np.zeros(len(motion.events))
         self._clock = 0
         self._rings = [
-            deque([_constant(rest[ring_name(d.name, "start")])] * round(d.time / self._step))
-            for d in motion.delays
+            self._ring(delay, rest[ring_name(delay.name, "start")], rings or {})
+            for delay in motion.delays
         ]
         self._build()
 
@@ -85,6 +94,27 @@ class ReferenceMotion:
         if motion.events:
             values[CLOCK] = self._clock
         return {name: float(value) for name, value in values.items()}
+
+    def rings(self) -> dict[str, Array]:
+        """Return what the delays hold by name and part, the oldest first [steps]."""
+        found: dict[str, Array] = {}
+        for delay, ring in zip(self._motion.delays, self._rings, strict=True):
+            columns = zip(_PARTS, np.array(ring).T, strict=True)
+            found |= {ring_name(delay.name, part): column for part, column in columns}
+        return found
+
+    def _ring(
+        self, delay: Delay, constant: float, rings: Mapping[str, Array]
+    ) -> deque[list[float]]:
+        steps = round(delay.time / self._step)
+        content = delay_content(delay.name, rings)
+        if content is None:
+            return deque([_constant(constant)] * steps)
+        start, mean, end = kept = content.over(steps)
+        rising, leaving = kept.slopes(self._step)
+        if len(content.start) == steps and ring_name(delay.name, "rising") in rings:
+            rising, leaving = (rings[ring_name(delay.name, part)] for part in ("rising", "leaving"))
+        return deque(np.column_stack([start, rising, end, leaving, mean]).tolist())
 
     def advance(self, inputs: Array, disturbances: Array) -> None:
         """Carry the process to the next sample with everything from outside held."""

@@ -13,6 +13,7 @@ from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.signals import owners
 from clepsydra.engine.many_points import at_many_points
+from clepsydra.loop.loop_state import LoopState
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
 
@@ -44,6 +45,8 @@ class Run:
         `clepsydra.loop.step_size`; None where it was not asked for.
     substeps : int
         RK4 steps in one sample; 0 for the reference solver.
+    final_state : LoopState
+        Where it stands after its last sample, from which another run can go on.
 
     Examples
     --------
@@ -65,6 +68,7 @@ class Run:
     values: dict[str, np.ndarray]
     error_estimate: float | None
     substeps: int
+    final_state: LoopState
 
     def true_measurement(self, name: str) -> np.ndarray:
         """Return what a sensor without noise, resolution and limits would read [samples]."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.loop.begin import Begin
 from clepsydra.loop.profile import Change, profiles_of
 from clepsydra.scores.segment import Segment as Segment
 
@@ -28,6 +29,8 @@ class Scenario:
         In order of time; they do not overlap.
     seed : int
         Of the noise.
+    begin : Begin or None
+        Where the loop begins; None at rest at its operating point.
     """
 
     sampling_period: float
@@ -36,6 +39,7 @@ class Scenario:
     noise: np.ndarray
     segments: tuple[Segment, ...]
     seed: int
+    begin: Begin | None = None
 
     @property
     def samples(self) -> int:
@@ -59,8 +63,11 @@ def scenario_of_changes(
     samples: int,
     segments: tuple[Segment, ...] = (),
     seed: int = 1,
+    begin: Begin | None = None,
 ) -> Scenario:
-    """Return exactly these changes of setpoints and disturbances, from rest, without noise.
+    """Return exactly these changes of setpoints and disturbances, without noise.
+
+    Setpoints and disturbances stand where the point has them until they change, wherever it begins.
 
     Raises
     ------
@@ -83,4 +90,5 @@ def scenario_of_changes(
         for names in (process.controlled, loads)
     )
     noise = np.zeros((samples, len(process.measurements)))
-    return Scenario(process.sampling_period, setpoints, disturbances, noise, segments, seed)
+    period = process.sampling_period
+    return Scenario(period, setpoints, disturbances, noise, segments, seed, begin)

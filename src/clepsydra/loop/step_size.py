@@ -29,6 +29,8 @@ MOST_SUBSTEPS = round(LONGEST_PERIOD / _REACH)
 #: The error that a run may have, as a fraction of a state's range, before its step is halved.
 TOLERANCE = 1e-6
 LARGEST_REFINEMENT = 64
+#: An estimate is of three runs, of which the last has so many times the steps of the first.
+FEWEST_REFINEMENT = 4
 #: The compiled kernel with RK4, or CVODES with switches located by SciPy's DOP853.
 Solver = Literal["kernel", "reference"]
 

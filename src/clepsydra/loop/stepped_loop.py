@@ -9,8 +9,11 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.engine.kernel import Kernel
 from clepsydra.engine.law_evaluation import LawEvaluation
 from clepsydra.engine.stepping import SteppedKernel
-from clepsydra.loop.closed_loop import closed_loop
+from clepsydra.loop.begin import Begin
+from clepsydra.loop.closed_loop import closed_loop, controller_name
 from clepsydra.loop.inner_setpoints import inner_setpoints
+from clepsydra.loop.law_begin import loop_begin, process_rings
+from clepsydra.loop.loop_state import LoopState, loop_state
 from clepsydra.loop.motion_block import motion_at_rest
 from clepsydra.loop.reference_motion import ReferenceMotion
 from clepsydra.loop.scenario import Scenario
@@ -21,7 +24,7 @@ from clepsydra.program.step_law import Equations, step_law
 
 def stepped_loop(
     loop: WiredLoop, scenario: Scenario, substeps: int, solver: Solver = "kernel"
-) -> dict[str, np.ndarray]:
+) -> tuple[dict[str, np.ndarray], LoopState]:
     """Simulate a loop sample by sample, with its law outside of the kernel.
 
     By the kernel the process is moved by the same statements as in the compiled loop, so a law
@@ -37,8 +40,8 @@ def stepped_loop(
 
     Returns
     -------
-    dict
-        Name to trajectory [samples]: what the compiled loop records.
+    dict, LoopState
+        Name to trajectory [samples], what the compiled loop records; and where it stands at last.
 
     Raises
     ------
@@ -47,11 +50,14 @@ def stepped_loop(
     """
     controller, law = loop.controller, loop.controller.law
     given, at_rest = loop.inputs_of(scenario), loop.at_rest()
-    plant = (_ReferencePlant if solver == "reference" else _KernelPlant)(loop, substeps)
+    state, rings = loop_begin(loop, scenario, substeps)
+    kind = _ReferencePlant if solver == "reference" else _KernelPlant
+    plant = kind(loop, substeps, scenario.begin)
     evaluation = LawEvaluation(
         law,
         np.array([controller.values[parameter.name] for parameter in law.parameters]),
-        np.array([controller.initial_state[entry.name] for entry in law.state]),
+        np.array([state[controller_name(entry.name)] for entry in law.state]),
+        {e.name: rings[name] for e in law.state if (name := controller_name(e.name)) in rings},
     )
     inner = inner_setpoints(controller, loop.process)
     rows: list[dict[str, float]] = []
@@ -68,13 +74,22 @@ def stepped_loop(
         now |= {each.name: float(after[each.state]) for each in inner}
         plant.advance(now)
         rows.append(now)
-    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    after = {
+        controller_name(entry.name): value
+        for entry, value in zip(law.state, evaluation.state.tolist(), strict=True)
+    }
+    held = {controller_name(name): ring for name, ring in evaluation.rings.items()}
+    found, delays = plant.final()
+    steps = 0 if solver == "reference" else substeps
+    state = found | after
+    final = loop_state(loop.process, controller, state, rows[-1], delays | held, steps)
+    return {name: np.array([row[name] for row in rows]) for name in rows[0]}, final
 
 
 class _KernelPlant:
     """A process that a kernel moves, every input at its manual value."""
 
-    def __init__(self, loop: WiredLoop, substeps: int) -> None:
+    def __init__(self, loop: WiredLoop, substeps: int, begin: Begin | None) -> None:
         process, at_rest = loop.process, loop.at_rest()
         self._by_hand = {f"{u.name}.manual": u.name for u in process.inputs}
         self._outside = {d.name for d in process.disturbances}
@@ -89,7 +104,8 @@ class _KernelPlant:
         self._moving = SteppedKernel(
             Kernel(closed_loop(process, _NOBODY, substeps=substeps, constant=constant)),
             inputs={name: at_rest[name] for name in self._by_hand},
-            state=motion_at_rest(loop.point),
+            state=motion_at_rest(loop.point) if begin is None else begin.motion,
+            rings={} if begin is None else process_rings(loop.process, begin, substeps),
         )
 
     def look(self, now: dict[str, float]) -> dict[str, float]:
@@ -98,14 +114,19 @@ class _KernelPlant:
     def advance(self, now: dict[str, float]) -> None:
         self._moving.step({manual: now[name] for manual, name in self._by_hand.items()})
 
+    def final(self) -> tuple[dict[str, float], dict[str, np.ndarray]]:
+        return self._moving.state, self._moving.rings
+
 
 class _ReferencePlant:
     """A process that CVODES moves."""
 
-    def __init__(self, loop: WiredLoop, substeps: int) -> None:
+    def __init__(self, loop: WiredLoop, substeps: int, begin: Begin | None) -> None:
         self._process = loop.process
         spilt = tuple(loop.process.spilt.values())
-        self._motion = ReferenceMotion(loop.point, substeps, spilt)
+        start = None if begin is None else begin.motion
+        held = None if begin is None else begin.rings
+        self._motion = ReferenceMotion(loop.point, substeps, spilt, start=start, rings=held)
 
     def look(self, now: dict[str, float]) -> dict[str, float]:
         process, state = self._process, self._motion.state()
@@ -120,6 +141,9 @@ class _ReferencePlant:
     def advance(self, now: dict[str, float]) -> None:
         groups = (self._process.inputs, self._process.disturbances)
         self._motion.advance(*(np.array([now[s.name] for s in group]) for group in groups))
+
+    def final(self) -> tuple[dict[str, float], dict[str, np.ndarray]]:
+        return self._motion.recorded(), self._motion.rings()
 
 
 #: Stands for no controller: every input of the process is at its manual value.

@@ -14,6 +14,7 @@ from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.closed_loop import closed_loop, controller_name
 from clepsydra.loop.lane_status import STEP_BOUND, LaneStatus, lane_status
+from clepsydra.loop.law_begin import batch_begin, loop_begin
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.running_scores import RunningScores
 from clepsydra.loop.scenario import Scenario
@@ -67,7 +68,7 @@ class BatchEvaluation:
     ) -> None:
         self.loop = Loop(controller, model)
         self._scores = RunningScores(self.loop.process, tuple(names))
-        self._samples = scenario.samples
+        self._samples, self._scenario = scenario.samples, scenario
         self.loop.check(scenario)
         given = self.loop.inputs_of(scenario) | self._scores.inputs_of(scenario)
         # What never moves is folded into the program: no noise, no load, no step.
@@ -96,6 +97,7 @@ class BatchEvaluation:
                 statuses=True,
             )
             self._kernel = Kernel(self.program, record=False)
+            self._begin = loop_begin(self.loop, self._scenario, count)
             if not self.run({}).status[0] & LaneStatus.STEP_TOO_LONG:
                 return
             if 2 * count > most:
@@ -117,12 +119,19 @@ class BatchEvaluation:
             Parameters of the law to their values [candidates]; the others are the controller's.
             Its initial state follows them where the law rests elsewhere with them.
         """
-        resting = resting_states(self.loop, values)
+        begin = self._scenario.begin
+        starts: Mapping[str, ArrayLike] = (
+            resting_states(self.loop, values)
+            if begin is None
+            else batch_begin(self.loop, self._scenario, begin, values)
+        )
+        state, rings = self._begin
         result = self._kernel.run(
             self._samples,
             inputs=self._inputs,
             parameters=self.loop.law_parameters() | _of_controller(values),
-            state=self.loop.initial_state() | _of_controller(resting),
+            state=state | _of_controller(starts),
+            rings=rings,
         )
         return BatchScores(self._scores.read(result), lane_status(result, self.loop.process))
 

@@ -8,15 +8,15 @@ import numpy as np
 
 from clepsydra.controllers.blocks.status import Mode
 from clepsydra.controllers.controller import Controller
+from clepsydra.loop.law_begin import (
+    MOST_SAMPLES,
+    ROUNDING,
+    SAMPLES,
+    in_manual,
+    inputs_in_mode,
+)
 from clepsydra.loop.loop import Loop
 from clepsydra.program.delay_ring import DelayRing
-
-#: Samples in manual at rest, after which one law has taken over what another one holds for it.
-_SAMPLES = 4
-#: As many as an observer may take to come to rest.
-_MOST_SAMPLES = 5000
-#: A state moved by less than this share of its size was moved by rounding.
-_ROUNDING = 1e-12
 
 
 def resting_states(loop: Loop, values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -53,7 +53,7 @@ def _moved(controller: Controller, before: np.ndarray, after: np.ndarray) -> dic
     found = {}
     for entry, one, other in zip(controller.law.state, before, after, strict=True):
         by = other - one
-        noticed = np.abs(by) > _ROUNDING * np.maximum(1.0, np.abs(one))
+        noticed = np.abs(by) > ROUNDING * np.maximum(1.0, np.abs(one))
         if np.any(noticed) and not isinstance(entry, DelayRing):
             found[entry.name] = by
     return found
@@ -73,7 +73,7 @@ def rested_elsewhere(own: Loop, other: Loop) -> dict[str, float]:
         With the same law.
     """
     before, after = (
-        _taken_over(loop, loop.controller.values, _MOST_SAMPLES) for loop in (own, other)
+        _taken_over(loop, loop.controller.values, MOST_SAMPLES) for loop in (own, other)
     )
     state = dict(own.controller.initial_state)
     for name, by in _moved(own.controller, before, after).items():
@@ -82,28 +82,17 @@ def rested_elsewhere(own: Loop, other: Loop) -> dict[str, float]:
 
 
 def _taken_over(
-    loop: Loop, values: Mapping[str, np.ndarray | float], most: int = _SAMPLES
+    loop: Loop, values: Mapping[str, np.ndarray | float], most: int = SAMPLES
 ) -> np.ndarray:
     """Return the state of a law that took over from manual at rest [states, candidates].
 
-    It stays in manual until nothing moves any more, for at least `_SAMPLES` and at most `most`
+    It stays in manual until nothing moves any more, for at least `SAMPLES` and at most `most`
     samples.
     """
-    controller, law = loop.controller, loop.controller.law
-    at_rest = {**loop.at_rest(), **loop.point.as_dict()}
+    law, at_rest = loop.controller.law, {**loop.at_rest(), **loop.point.as_dict()}
     columns = np.broadcast_arrays(*(values[p.name] for p in law.parameters))
     parameters = np.reshape(columns, (len(law.parameters), -1))
-
-    def after(state: np.ndarray, mode: Mode) -> np.ndarray:
-        now = at_rest | {f"{name}.mode": float(mode) for name in controller.manipulated}
-        inputs = np.repeat(loop.law_inputs(now)[:, None], parameters.shape[1], axis=1)
-        return np.array(law.function(state, inputs, parameters)[0])
-
-    start = np.array([controller.initial_state[entry.name] for entry in law.state])
-    state = np.repeat(start[:, None], parameters.shape[1], axis=1)
-    for sample in range(most):
-        before, state = state, after(state, Mode.MANUAL)
-        still = np.abs(state - before) <= _ROUNDING * np.maximum(1.0, np.abs(state))
-        if sample >= _SAMPLES and np.all(still):
-            break
-    return after(state, Mode.AUTOMATIC)
+    state = in_manual(loop, at_rest, parameters, most)
+    automatic = inputs_in_mode(loop, at_rest, Mode.AUTOMATIC)
+    inputs = np.repeat(automatic[:, None], parameters.shape[1], axis=1)
+    return np.array(law.function(state, inputs, parameters)[0])
