@@ -158,3 +158,54 @@ def test_mistakes_are_messages_and_leave_nothing(simulated, tmp_path, case):
     assert (status, output) == (2, "")
     assert words in " ".join(errors.split()) and "Traceback" not in errors
     assert names(tmp_path) == ["bad.csv", "good.csv"]
+
+
+def test_a_controller_fills_empty_tanks(simulated, tmp_path):
+    status, output, _ = simulated(
+        "quadruple-tank", "--controller", "PI, SIMC", "--start", "empty",
+        "--controller-start", "cold", "--input", "level_1=60%",
+        "--input", "level_2=6.5V@0s..2min", "--state", "pump_1=0V",
+    )  # fmt: skip
+    words = " ".join(output.split())
+    assert status == 0 and "Begins empty, but for pump_1; the controller starts cold" in words
+    assert "pump_1 goes from 0 V to 10 V at once" in words
+    assert "level_1 to 6 V at 0 s; level_2 to 6.5 V at 0 s over 120 s." in words
+    assert names(tmp_path) == ["quadruple-tank-simulation.parquet"]
+    table = pandas.read_parquet(tmp_path / "quadruple-tank-simulation.parquet")
+    assert table["tank_1.level"][0] == 0.0 and table["level_1.setpoint"][0] == 6.0
+    assert table["level_1"].iloc[-1] == pytest.approx(6.0, abs=1e-3)
+
+
+def test_json_of_a_closed_loop_is_what_the_function_returns(simulated):
+    options = ("--controller", "PI, SIMC", "--start", "empty", "--duration", "1 min", "--json")
+    status, output, _ = simulated("quadruple-tank", *options)
+    plant = cl.load("quadruple-tank")
+    run = cl.simulate(plant, cl.design.simc(plant), start="empty", duration="1 min")
+    found = json.loads(output)
+    assert status == 0 and found["start"] == "empty"
+    assert found["signals"]["tank_1.level"]["end"] == run.values["tank_1.level"][-1]
+    assert found["final_state"] == dict(run.final_state)
+
+
+BAD_STARTS = {
+    "start": (["--start", "emtpy"], "--start: got 'emtpy', expected one of rest, empty; perhaps"),
+    "state": (["--state", "tank_1.levle=5cm"], "--state: got 'tank_1.levle'"),
+    "nearest": (["--state", "tank_1.levle=5cm"], "perhaps 'tank_1.level' was meant"),
+    "way": (["--controller-start", "clod"], "--controller-start: got 'clod'"),
+}
+
+
+@pytest.mark.parametrize("controlled", [True, False])
+@pytest.mark.parametrize("case", BAD_STARTS)
+def test_a_wrong_start_is_refused_with_and_without_a_controller(simulated, case, controlled):
+    arguments, words = BAD_STARTS[case]
+    chosen = ["--controller", "PI, SIMC"] if controlled else []
+    status, output, errors = simulated("quadruple-tank", *chosen, *arguments)
+    assert (status, output) == (2, "") and words in " ".join(errors.split())
+
+
+def test_a_controller_moves_the_inputs_itself(simulated, tmp_path):
+    (tmp_path / "good.csv").write_text("time [s],pump_1 [V]\n0,3\n10,3.5\n")
+    for arguments in (("--input", "pump_1=3V"), ("--profile", "good.csv")):
+        status, _, errors = simulated("quadruple-tank", "--controller", "PI, SIMC", *arguments)
+        assert status == 2 and "the controller moves" in " ".join(errors.split())

@@ -55,7 +55,7 @@ def test_every_lane_begins_with_the_ring_that_is_given(program):
 
 
 @pytest.mark.parametrize(
-    ("rings", "value"), [({"hold": [0.0]}, "hold"), ({"held": [1.0, 2.0]}, "[2]")]
+    ("rings", "value"), [({"hold": [0.0]}, "hold"), ({"held": [1.0, 2.0]}, [2])]
 )
 def test_a_ring_that_there_is_not_or_of_another_length_is_refused(program, rings, value):
     with refused(value=value):

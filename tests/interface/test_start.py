@@ -17,10 +17,10 @@ SETPOINTS = np.array([6.0, 5.0])
 
 
 def _flow(level):
-    """Torricelli, but for the smooth law of the documentation below 0.1 mm."""
-    small = level / 0.01
-    laminar = np.sqrt(0.01) * (45 * small - 18 * small**3 + 5 * small**5) / 32
-    root = np.where(level < 0.01, laminar, np.sqrt(np.maximum(level, 0.01)))
+    """Torricelli, but for the smooth law that `signed_root` documents, below 1 mm."""
+    small = level / 0.1
+    laminar = np.sqrt(0.1) * (45 * small - 18 * small**3 + 5 * small**5) / 32
+    root = np.where(level < 0.1, laminar, np.sqrt(np.maximum(level, 0.1)))
     return np.sqrt(2 * 981.0) * HOLES * root
 
 
@@ -190,3 +190,10 @@ def test_a_wrong_start_of_a_controller_is_refused(plant, pi):
     last = cl.simulate(plant, pi, [], duration="10 s").final_state
     with refused(place="start", expected="a controller that goes on"):
         cl.simulate(plant, start=last)
+
+
+def test_a_profile_of_an_input_is_refused_under_a_controller(plant, pi, tmp_path):
+    path = tmp_path / "pumps.csv"
+    path.write_text("time [s],pump_1 [V]\n0,3\n10,3.5\n", encoding="utf-8")
+    with refused(value="pump_1", expected="since the controller moves the inputs"):
+        cl.simulate(plant, pi, cl.profile(path, plant), duration="20 s")

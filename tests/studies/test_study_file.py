@@ -333,3 +333,79 @@ def test_a_study_is_no_process_and_a_process_no_study(tmp_path):
     path.write_text("")
     with refused(value="an empty file", expected="a study", remedy="clepsydra new --study"):
         read_study(path)
+
+
+FROM_EMPTY = """
+process = "quadruple-tank"
+[scenario]
+duration = "20 min"
+noise = false
+start = "empty"
+controller_start = "cold"
+state = { pump_1 = "0 V", "tank_3.level" = "1 cm" }
+[[scenario.setpoint]]
+signal = "level_1"
+at = "0 s"
+to = "60 %"
+[[scenario.setpoint]]
+signal = "level_2"
+at = "10 min"
+to = "60 %"
+[controllers.simc]
+design = "simc"
+"""
+
+
+def test_a_study_begins_empty_as_a_simulation_does(study, tmp_path):
+    path = tmp_path / "empty.toml"
+    path.write_text(FROM_EMPTY, encoding="utf-8")
+    plant = cl.load("quadruple-tank")
+    found = cl.study(path)["simc"]
+    steps = [cl.step("level_1", to="60 %", at=0), cl.step("level_2", to="60 %", at="10 min")]
+    state = {"pump_1": "0 V", "tank_3.level": "1 cm"}
+    run = cl.simulate(
+        plant, cl.design.simc(plant), steps, duration="20 min", start="empty", state=state,
+        controller_start="cold",
+    )  # fmt: skip
+    assert found.run.values["tank_3.level"][0] == 0.01
+    for name, values in run.values.items():
+        # A study takes other integration steps: 1e-5 of the range of what moves at all.
+        assert found.run.values[name] == pytest.approx(values, abs=1e-4), name
+    parts = [(s.kind, s.signal, s.start, s.stop) for s in found.run.scenario.segments]
+    assert parts == [
+        ("setpoint", "level_1", 0.0, 600.0),
+        ("setpoint", "level_2", 0.0, 600.0),
+        ("setpoint", "level_2", 600.0, 1200.0),
+    ]
+    assert found.run.scenario.segments[0].size == 6.0  # [V], from nothing
+
+
+def test_no_step_is_needed_where_a_study_begins_elsewhere(study):
+    text = FROM_EMPTY.partition("[[scenario.setpoint]]")[0]
+    scenario = study(text).scenario
+    assert [(s.signal, s.start, s.stop) for s in scenario.segments] == [
+        ("level_1", 0.0, 1200.0), ("level_2", 0.0, 1200.0)
+    ]  # fmt: skip
+
+
+def test_a_tank_that_begins_empty_is_no_warning(tmp_path):
+    path = tmp_path / "empty.toml"
+    path.write_text(FROM_EMPTY, encoding="utf-8")
+    found = cl.study(path)["simc"]
+    assert not any("runs empty" in warning for warning in found.warnings)
+    assert found.standing != "unsafe"
+
+
+def test_a_tuning_from_empty_is_that_of_runs_from_empty(tmp_path):
+    """What the tuning says of its best controller is what a run of it comes to."""
+    path = tmp_path / "tuned.toml"
+    tune = '[controllers.tuned]\ndesign = "simc"\n[controllers.tuned.tune]\nobjective = "iae"\n'
+    path.write_text(FROM_EMPTY + tune, encoding="utf-8")
+    study = cl.study(path)
+    tuned, start = study["tuned"], study["simc"]
+    share = max(
+        tuned.scores[f"iae[{name}]"] / start.scores[f"iae[{name}]"]
+        for name in ("level_1", "level_2")
+    )
+    assert share < 0.9
+    assert tuned.tuning.objective == pytest.approx(share, rel=1e-3)

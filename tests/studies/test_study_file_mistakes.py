@@ -60,7 +60,27 @@ GENERAL = [
     ),
 ]
 
+#: A scenario whose fourth line says where it begins.
+BEGINS = f"{BASIN}[scenario]\nduration = '6 h'\n"
 SCENARIO = [
+    (
+        f'{BEGINS}start = "emtpy"\n',
+        "line 4, scenario.start: got 'emtpy', expected one of rest, empty; perhaps 'empty' was ",
+    ),
+    (
+        f'{BEGINS}state = {{ "basin.levle" = "1 m" }}\n',
+        "scenario.state.basin.levle: got 'basin.levle', expected a state or an input of "
+        "equalisation-tank",
+    ),
+    (
+        f'{BEGINS}state = {{ "basin.level" = "9 m" }}\n',
+        "scenario.state.basin.level: got '9 m', expected a value from 0",
+    ),
+    (
+        f'{BEGINS}start = "empty"\ncontroller_start = "clod"\n',
+        "line 5, scenario.controller_start: got 'clod', expected one of bumpless, cold; perhaps "
+        "'cold' was meant",
+    ),
     (
         f"{BASIN}[scenario]\nduration = '6 h'\n",
         "line 2, scenario: got no step, expected at least one step; add a step, as in "

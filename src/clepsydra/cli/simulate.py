@@ -4,33 +4,33 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from clepsydra.cli.options import (
     JsonOption,
     OutputOption,
-    ProcessArgument,
+    SubjectArgument,
     all_option,
+    controller_option,
     named_values,
 )
 from clepsydra.cli.verb import verb
 
 if TYPE_CHECKING:
-    from clepsydra.interface.events import Change
+    from clepsydra.interface.events import Change, Event
     from clepsydra.interface.plant import Plant
 
 
-#: Where a simulation begins, what integrates, and how trajectories are written.
-Start = StrEnum("Start", {"rest": "rest", "empty": "empty"})
+#: What integrates, and how trajectories are written.
 Solver = StrEnum("Solver", {"kernel": "kernel", "reference": "reference"})
 Format = StrEnum("Format", ["parquet", "csv"])
 
 
 @verb(20)
 def simulate(
-    process: ProcessArgument,
+    process: SubjectArgument,
     inputs: list[str] | None = typer.Option(
         None,
         "--input",
@@ -52,9 +52,23 @@ def simulate(
         help="As in '20 min'; if left out, six times the slowest time constant after the last "
         "change, longer for tanks in series and dead times.",
     ),
-    start: Start = typer.Option(Start.rest, help="At rest, or with empty tanks."),
+    controller: str | None = controller_option(
+        "Under a controller, as the study calls it, in quotation marks: then --input moves "
+        "setpoints, as in level_1=60%@60s, and loads; without any it is the default scenario, away "
+        "from rest the way to the setpoints."
+    ),
+    start: str = typer.Option("rest", metavar="[rest|empty]", help="At rest, or with empty tanks."),
     state: list[str] | None = typer.Option(
-        None, metavar="NAME=VALUE", help="A state that starts elsewhere, as in tank_1.level=5cm."
+        None,
+        metavar="NAME=VALUE",
+        help="A state that starts elsewhere, as in tank_1.level=5cm; under a controller what an "
+        "input stands at, pump_1=2V, and controller.level_1.integral=0V.",
+    ),
+    controller_start: str | None = typer.Option(
+        None,
+        metavar="[bumpless|cold]",
+        help="How the controller starts away from rest: as after a time in manual, if left out, or "
+        "with integrals at zero.",
     ),
     solver: Solver = typer.Option(
         Solver.kernel, help="The compiled kernel, or CVODES to compare with."
@@ -64,30 +78,42 @@ def simulate(
     as_json: JsonOption = False,
     folder: OutputOption = None,
 ) -> None:
-    """Simulate a process without a controller; write report and trajectories."""
+    """Simulate a process, on its own or under a controller; write report and trajectories."""
     from clepsydra.cli.output import named_options, results_folder, tell, written_files
-    from clepsydra.interface.plant import load
+    from clepsydra.cli.subject import study_of
     from clepsydra.interface.simulate import simulate as simulated
+    from clepsydra.interface.subject import plant_of, read_subject
 
     place = results_folder(folder, as_json=as_json)
-    plant = load(process)
-    stem, named = f"{plant.file_stem}-simulation", {"report": "html", "trajectories": data_format}
-    files = written_files(place, stem, **named)
-    changes = _changes(plant, inputs or [], profile)
+    request = read_subject(process)
+    plant = plant_of(request)
+    kinds = (
+        {"trajectories": data_format}
+        if controller
+        else {"report": "html", "trajectories": data_format}
+    )
+    stem = f"{request.file_stem}-simulation"
+    files = written_files(place, stem, **kinds)
     remedy = "write as in --state tank_1.level=5cm"
     begins = named_values(state, "state", "--state {}", remedy)
-    with named_options("state", "duration"):
-        run = simulated(
-            plant,
-            None,
-            changes,
-            duration=duration,
-            start=start.value,
-            state=begins,
-            solver=solver.value,
-        )
-    if files:
+    how: dict[str, Any] = {
+        "duration": duration,
+        "start": start,
+        "state": begins,
+        "controller_start": controller_start,
+        "solver": solver.value,
+    }
+    with named_options("state", "start", "duration", "controller_start"):
+        if controller is None:
+            changes = _changes(plant, inputs or [], profile)
+            run: Any = simulated(plant, None, changes, **how)
+        else:
+            made = study_of(request, controller, None, place, quiet=as_json)[controller].controller
+            events = _events(plant, inputs or [], profile)
+            run = simulated(plant, made, events, **how)
+    if "report" in files:
         run.report(files["report"])
+    if files:
         run.save(files["trajectories"])
     tell(run, files, as_json=as_json, every=every)
 
@@ -108,3 +134,16 @@ def _changes(plant: Plant, inputs: list[str], profile: Path | None) -> list[Chan
                 "leave out the option or the column",
             )  # fmt: skip
     return [*changes, *of_file]
+
+
+def _events(plant: Plant, inputs: list[str], profile: Path | None) -> list[Event] | None:
+    from clepsydra.base.errors import InputError
+    from clepsydra.interface.events import event_in_words
+
+    if profile is not None:
+        raise InputError(
+            "--profile", str(profile), "no profile of inputs, which the controller moves",
+            "move setpoints and loads by --input, or leave out --controller",
+        )  # fmt: skip
+    events = [event_in_words(text, f"--input {text[:60]}") for text in inputs]
+    return events or None

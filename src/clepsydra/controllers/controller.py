@@ -14,7 +14,12 @@ from clepsydra.controllers.parameters import (
     check_parameters,
     remembered_parameters,
 )
-from clepsydra.controllers.wiring import check_wiring, input_wires, output_wires
+from clepsydra.controllers.wiring import (
+    check_wiring,
+    controller_name,
+    input_wires,
+    output_wires,
+)
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.program import Program
 from clepsydra.program.reader import structured_program_of
@@ -189,13 +194,13 @@ class Controller:
     def input_wires(self) -> dict[str, str]:
         """Law input to the loop's signal, "level_1.pv" → "level_1"; time_step is not wired."""
         wired = input_wires(self.law, self.measurements, self.setpoints, self.manipulated)
-        return wired | {name: f"controller.{name}" for name in self.free_inputs}
+        return wired | {name: controller_name(name) for name in self.free_inputs}
 
     @property
     def output_wires(self) -> dict[str, str]:
         """Law output to the loop's signal, "pump_1.out" → "pump_1"."""
         wired = output_wires(self.law, self.manipulated)
-        return wired | {name: f"controller.{name}" for name in self.free_outputs}
+        return wired | {name: controller_name(name) for name in self.free_outputs}
 
     def program(self) -> Program:
         """Return the law as a program that starts with this controller's numbers.

@@ -136,3 +136,8 @@ quadruple-tank: pump_1, pump_2; perhaps 'pump_1' was meant.
                     f"{place}, {what}", name, f"{kind} of {process.name}: {', '.join(known)}",
                     suggestion(name, known, "correct the name"),
                 )  # fmt: skip
+
+
+def controller_name(signal: str) -> str:
+    """Return the name that a state or parameter of a step law has in the closed loop."""
+    return f"controller.{signal}"

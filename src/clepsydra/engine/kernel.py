@@ -270,4 +270,6 @@ class Job:
             for index, entry in enumerate((*program.state, *program.rings))
             if isinstance(entry, DelayRing)
         ]
-        return np.concatenate(filled, axis=1) if filled else np.empty((groups, 0, self.lanes))
+        if not filled:
+            return np.empty((groups, 0, self.lanes))
+        return np.ascontiguousarray(np.concatenate(filled, axis=1))

@@ -72,7 +72,7 @@ class SteppedKernel:
         # The kernel takes the first entry of a ring for its oldest one.
         turned = rings_by_name(self._program, self._rings, 1)
         if turned:
-            self._rings = np.concatenate([*turned.values()], axis=1)
+            self._rings = np.ascontiguousarray(np.concatenate([*turned.values()], axis=1))
         return outputs
 
     @property

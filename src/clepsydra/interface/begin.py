@@ -9,11 +9,11 @@ from typing import Any, get_args
 from clepsydra.base.arguments import require_known, require_signal, require_type
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.wiring import controller_name
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity, check_within, read_signal
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.begin import Begin, ControllerStart, begin_from
-from clepsydra.loop.closed_loop import controller_name
 from clepsydra.loop.loop_state import LoopState
 from clepsydra.loop.open_loop_plan import Start
 from clepsydra.program.entries import signal_of

@@ -10,6 +10,7 @@ from clepsydra.base.arguments import require_signal, require_type, sequence_of
 from clepsydra.base.errors import InputError
 from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.signal import Signal
+from clepsydra.base.units import to_si
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity, check_within, read_signal, read_time
 from clepsydra.interface.subject import Subject, plant_of
@@ -188,6 +189,31 @@ def change_in_words(text: str, plant: Plant, place: str) -> Change:
     return read_assignment(text, plant.process, place)
 
 
+def event_in_words(text: str, place: str) -> Event:
+    """Return what the command line says of a setpoint or a load: "level_1=60%@1min..3min".
+
+    Examples
+    --------
+    >>> event = event_in_words("level_1=60%@1min..3min", "--input")
+    >>> event.to, event.at, event.over
+    ('60%', '1min', 120.0)
+    """
+    signal, equals, words = text.partition("=")
+    if not equals:
+        raise InputError(
+            place, text[:60], "a signal, '=' and its value", "write as in level_1=60%@60s"
+        )
+    value, _, times = words.partition("@")
+    begin, ramp, end = times.strip().partition("..")
+    at = begin.strip() or "0 s"
+    over = to_si(end, "s", place) - to_si(at, "s", place) if ramp else None
+    if over is not None and over <= 0.0:
+        raise InputError(
+            place, times.strip(), "a ramp that ends after it begins", "exchange the two times"
+        )
+    return Event("ramp" if ramp else "step", signal.strip(), None, value.strip(), at, over)
+
+
 def changes_of(events: object, plant: Plant, *, controlled: bool) -> list[Change]:
     """Return events as changes to values at times [SI], those without a time after each other.
 
@@ -208,6 +234,8 @@ def changes_of(events: object, plant: Plant, *, controlled: bool) -> list[Change
     read = [event for event in events if isinstance(event, Change)]
     others = [event for event in events if not isinstance(event, Change)]
     given = sequence_of(others, Event, "events", "a list of events", _EXAMPLE)
+    for change in read:
+        _signal("change", change.signal, change.place, plant, controlled)
     waits = rests = 0.0
     if any(event.at is None for event in given):
         period = plant.process.sampling_period
@@ -226,7 +254,7 @@ def changes_of(events: object, plant: Plant, *, controlled: bool) -> list[Change
     found = read
     now: dict[str, float] = {}
     for start, stop, event in timed:
-        signal = _signal(event, plant, controlled)
+        signal = _signal(event.kind, event.signal, event.place, plant, controlled)
         if event.to is None and signal.name not in now:
             now[signal.name] = plant.point.as_dict()[signal.name]
         value = _value(event, signal, now.get(signal.name))
@@ -235,25 +263,24 @@ def changes_of(events: object, plant: Plant, *, controlled: bool) -> list[Change
     return found
 
 
-def _signal(event: Event, plant: Plant, controlled: bool) -> Signal:
+def _signal(kind: str, name: str, place: str, plant: Plant, controlled: bool) -> Signal:
     process = plant.process
     loads = {signal.name: signal for signal in process.disturbances}
-    place = event.place
-    if event.kind == "disturbance":
+    if kind == "disturbance":
         words = f"a disturbance of {process.name}"
-        return require_signal(place, event.signal, process.disturbances, words)
+        return require_signal(place, name, process.disturbances, words)
     setpoints = {name: process.signal(name) for name in process.controlled}
     inputs = {signal.name: signal for signal in process.inputs}
-    if not controlled and event.signal in setpoints:
+    if not controlled and name in setpoints:
         raise InputError(
-            place, event.signal,
+            place, name,
             f"an input or a disturbance ({', '.join({**inputs, **loads})}), since there is no "
             "controller",
             "give a controller, as in cl.simulate(plant, cl.design.simc(plant), events)",
         )  # fmt: skip
-    if controlled and event.signal in inputs:
+    if controlled and name in inputs:
         raise InputError(
-            place, event.signal,
+            place, name,
             f"a controlled measurement or a disturbance ({', '.join({**setpoints, **loads})}), "
             "since the controller moves the inputs",
             "move a setpoint, or simulate without a controller",
@@ -261,7 +288,7 @@ def _signal(event: Event, plant: Plant, controlled: bool) -> Signal:
     movable = {**(setpoints if controlled else inputs), **loads}
     words = "a controlled measurement" if controlled else "an input"
     words += f" or a disturbance of {process.name}"
-    return require_signal(place, event.signal, movable.values(), words)
+    return require_signal(place, name, movable.values(), words)
 
 
 def _value(event: Event, signal: Signal, before: float | None) -> float:

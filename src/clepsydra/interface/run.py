@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from clepsydra.base.section import Line, Section
+from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si, unit_text
 from clepsydra.base.words import time_text
 from clepsydra.interface.scores import Scores
@@ -63,14 +65,33 @@ class Run(_Drawn, inner.Run):
         """Every score of the run by its name, "iae[level_1]"; printed with units and words."""
         return Scores(scores_of(self), self.process, self.scenario.duration)
 
-    def answer(self) -> Section:
-        """Return what was simulated, and the scores that say most."""
+    def answer(self, *, every: bool = False) -> Section:
+        """Return what was simulated, and the scores that say most, or every score."""
         said = "; ".join(self._happened())
         head = (
             f"{self.controller.title} on {self.process.name}, {time_text(self.scenario.duration)}"
         )
         happened = (Line(f"{said}."),) if said else ()
-        return Section(head, (*self._begins(), *happened, *self.scores.short().parts))
+        scores = self.scores.answer() if every else self.scores.short()
+        return Section(head, (*self._begins(), *happened, *scores.parts))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return what was simulated and what came of it as values for JSON, in SI."""
+        begin, scenario = self.scenario.begin, self.scenario
+        return {
+            "process": self.process.name,
+            "controller": self.controller.name,
+            "start": "at rest" if begin is None else begin.words,
+            "duration": scenario.duration,
+            "sampling_period": scenario.sampling_period,
+            "samples": scenario.samples,
+            "segments": [asdict(segment) for segment in scenario.segments],
+            "signals": extremes(self.signals, self.values, self.time),
+            "scores": dict(self.scores),
+            "substeps": self.substeps,
+            "error_estimate": self.error_estimate,
+            "final_state": dict(self.final_state),
+        }
 
     def _begins(self) -> tuple[Line, ...]:
         """Say where it begins, if not at rest, and what its controller makes of that."""
@@ -111,6 +132,24 @@ class Run(_Drawn, inner.Run):
         return f"{shown:{sign}.4g} {unit_text(signal.shown_unit)}".strip()
 
 
+def extremes(
+    signals: Iterable[Signal], values: Mapping[str, np.ndarray], time: np.ndarray
+) -> dict[str, Any]:
+    """Return where each signal starts and ends, and its smallest and largest value, in SI."""
+    found = {}
+    for signal in signals:
+        column = values[signal.name]
+        low, high = int(np.argmin(column)), int(np.argmax(column))
+        found[signal.name] = {
+            "unit": signal.unit,
+            "start": float(column[0]),
+            "end": float(column[-1]),
+            "smallest": {"value": float(column[low]), "time": float(time[low])},
+            "largest": {"value": float(column[high]), "time": float(time[high])},
+        }
+    return found
+
+
 @dataclass(frozen=True, repr=False, eq=False)
 class OpenLoopRun(_Drawn, Simulation):
     """What a plant did without a controller: trajectories, events, balances, plot.
@@ -143,17 +182,6 @@ class OpenLoopRun(_Drawn, Simulation):
     def as_dict(self) -> dict[str, Any]:
         """Return plan and result as values for JSON, in SI."""
         plan, process = self.plan, self.process
-        extremes = {}
-        for signal in self.signals:
-            values = self.values[signal.name]
-            low, high = int(np.argmin(values)), int(np.argmax(values))
-            extremes[signal.name] = {
-                "unit": signal.unit,
-                "start": float(values[0]),
-                "end": float(values[-1]),
-                "smallest": {"value": float(values[low]), "time": float(self.time[low])},
-                "largest": {"value": float(values[high]), "time": float(self.time[high])},
-            }
         return {
             "process": process.name,
             "start": plan.begins,
@@ -170,7 +198,7 @@ class OpenLoopRun(_Drawn, Simulation):
                 }
                 for change in plan.changes
             ],
-            "signals": extremes,
+            "signals": extremes(self.signals, self.values, self.time),
             "events": [asdict(event) for event in self.events],
             "balances": [{**asdict(each), "error": each.error} for each in self.balances],
             "ended": self.end and {"time": self.end.time, "event": self.end.event},

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -61,6 +61,17 @@ class Begin:
         state = np.array([self.state[signal.name] for signal in process.state])
         shown = np.array(process.show(state, process.parameter_values)).ravel()
         return {y.name: float(v) for y, v in zip(process.measurements, shown, strict=True)}
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all that a run begins with as values for JSON, in SI."""
+        return {
+            "begins": self.words,
+            "state": self.motion,
+            "inputs": self.inputs,
+            "delays": {name: ring.tolist() for name, ring in self.rings.items()},
+            "controller_start": self.controller_start,
+            "controller": self.law if self.kept is None else {**self.kept.of_law(), **self.law},
+        }
 
     def goes_on(self, law: Mapping[str, object]) -> bool:
         """Tell whether a law of these states goes on where another run left it."""

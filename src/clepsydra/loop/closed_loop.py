@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from clepsydra.base.conversion import Conversion, conversion
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.wiring import controller_name
 from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.motion_block import MotionBlock
 from clepsydra.process.process import Process
@@ -251,11 +252,6 @@ def free_inputs(controller: Controller) -> tuple[Signal, ...]:
         for signal in controller.law.inputs
         if signal.name in controller.free_inputs
     )
-
-
-def controller_name(signal: str) -> str:
-    """Return the name that a state or parameter of a step law has in the closed loop."""
-    return f"controller.{signal}"
 
 
 def _renamed(entry: Signal | DelayRing) -> Signal | DelayRing:

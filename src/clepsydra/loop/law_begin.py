@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from clepsydra.controllers.blocks.status import Mode
 from clepsydra.controllers.parameters import remembered_parameters, remembers
+from clepsydra.controllers.wiring import controller_name
 from clepsydra.loop.begin import Begin
-from clepsydra.loop.closed_loop import controller_name
 from clepsydra.loop.delay_content import delay_content
 from clepsydra.loop.motion_block import RING_PARTS, ring_name
 from clepsydra.loop.scenario import Scenario

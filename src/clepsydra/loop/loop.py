@@ -9,12 +9,9 @@ import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.python_law import PythonLaw
+from clepsydra.controllers.wiring import controller_name
 from clepsydra.engine.kernel import Kernel
-from clepsydra.loop.closed_loop import (
-    closed_loop,
-    controller_name,
-    loop_inputs,
-)
+from clepsydra.loop.closed_loop import closed_loop, loop_inputs
 from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.law_begin import loop_begin
 from clepsydra.loop.loop_state import LoopState, loop_state

@@ -12,7 +12,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import from_si, unit_text
 from clepsydra.controllers.controller import Controller
-from clepsydra.loop.closed_loop import controller_name
+from clepsydra.controllers.wiring import controller_name
 from clepsydra.process.process import Process
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.entries import signal_of

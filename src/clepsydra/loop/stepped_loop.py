@@ -6,11 +6,12 @@ import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.wiring import controller_name
 from clepsydra.engine.kernel import Kernel
 from clepsydra.engine.law_evaluation import LawEvaluation
 from clepsydra.engine.stepping import SteppedKernel
 from clepsydra.loop.begin import Begin
-from clepsydra.loop.closed_loop import closed_loop, controller_name
+from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.law_begin import loop_begin, process_rings
 from clepsydra.loop.loop_state import LoopState, loop_state

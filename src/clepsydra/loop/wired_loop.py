@@ -11,11 +11,11 @@ from clepsydra.base.arguments import require_type
 from clepsydra.base.conversion import Conversion
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.wiring import check_signals
+from clepsydra.controllers.wiring import check_signals, controller_name
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.loop.closed_loop import controller_name, free_inputs, loop_inputs, wire_conversions
+from clepsydra.loop.closed_loop import free_inputs, loop_inputs, wire_conversions
 from clepsydra.loop.motion_block import motion_at_rest
 from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.step_size import substeps_for

@@ -189,6 +189,7 @@ class StudyResult:
                 "samples": self.scenario.samples,
                 "seed": self.scenario.seed,
                 "segments": [asdict(segment) for segment in self.scenario.segments],
+                **({} if self.scenario.begin is None else self.scenario.begin.as_dict()),
             },
         }
 

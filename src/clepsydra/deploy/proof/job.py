@@ -146,6 +146,8 @@ class Job:
             parts.append(
                 repr((scenario.sampling_period, scenario.segments, scenario.seed)).encode()
             )
+            if scenario.begin is not None:
+                parts.append(repr(scenario.begin.as_dict()).encode())
             parts += [
                 part
                 for table in (scenario.setpoints, scenario.disturbances, scenario.noise)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Any, Literal, cast, get_args
 
 import numpy as np
 
@@ -13,7 +13,10 @@ from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.words import time_text
 from clepsydra.linear.analysis import Analysis
+from clepsydra.loop.begin import ControllerStart, begin_from
+from clepsydra.loop.beginning import segments_of_beginning
 from clepsydra.loop.default_scenario import MOST_SAMPLES, add_noise, default_scenario
+from clepsydra.loop.open_loop_plan import Start
 from clepsydra.loop.profile import samples_before
 from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.process import told
@@ -21,7 +24,7 @@ from clepsydra.process.averaging import check_at_rest, within_band
 from clepsydra.process.declared import OWN, keys_of, part, read_fields, table_schema
 from clepsydra.process.known_names import known_name
 from clepsydra.process.process import Process
-from clepsydra.process.signal_values import check_in_range, read_value
+from clepsydra.process.signal_values import check_in_range, read_in_range, read_value
 from clepsydra.process.table_reader import TableReader
 
 _STEPS = "add a step, as in [[scenario.setpoint]], or leave [scenario] out for the usual one"
@@ -103,6 +106,30 @@ def _samples(table: TableReader, name: str, known: Mapping[str, Any]) -> int:
     return samples
 
 
+def _state(table: TableReader, key: str, known: Mapping[str, Any]) -> dict[str, float]:
+    """Return states and inputs of the process that stand elsewhere at the start [SI]."""
+    if not table.has(key):
+        return {}
+    process: Process = known["process"]
+    signals = {signal.name: signal for signal in (*process.state, *process.inputs)}
+    words = f"a state or an input of {process.name}"
+    remedy = f'write as in state = {{ "{process.state[0].name}" = "10 %" }}'
+    below, found = table.table(key, "a table of states with their values", remedy), {}
+    for name in below.present:
+        signal = signals[known_name(below, name, name, signals, words)]
+        found[name] = read_in_range(below, name, signal, "a value", "give one")
+    return found
+
+
+def _controller_start(
+    table: TableReader, key: str, known: Mapping[str, Any]
+) -> ControllerStart | None:
+    if not table.has(key):
+        return None
+    found: Any = table.choice(key, get_args(ControllerStart), "")
+    return cast(ControllerStart, found)
+
+
 def _noise_begins(table: TableReader, name: str, known: Mapping[str, Any]) -> int | None:
     """Return the sample from which on there is noise and nothing else; None without such a time."""
     if not table.has("noise") or isinstance(table.raw("noise"), bool):
@@ -123,11 +150,12 @@ def _steps(table: TableReader, name: str, known: Mapping[str, Any]) -> list[Step
             kind, "a list of steps", f"write each as [[scenario.{kind}]]", keys_of(Step)
         )
     ]
-    if not steps:
+    begins = known["start"] != "rest" or known["state"]
+    if not (steps or begins):
         raise InputError(table.place(), Finding("no step"), "at least one step", _STEPS)
     steps.sort(key=lambda step: step.sample)
     for first, second in pairwise(steps):
-        if first.sample == second.sample:
+        if first.sample == second.sample and not (begins and first.sample == 0):
             raise second.table.wrong(
                 "at",
                 f"a time at which {first.signal.name} does not step as well, so that it is known "
@@ -143,6 +171,11 @@ class ScenarioTable:
 
     Parameters
     ----------
+    start : {"rest", "empty"}
+    state : dict
+        States and inputs of the process that stand elsewhere at the start [SI].
+    controller_start : {"bumpless", "cold"} or None
+        None where it is not said.
     quiet : int or None
         The sample from which on there is noise and nothing else; None without such a time.
     steps : list of Step
@@ -151,6 +184,29 @@ class ScenarioTable:
 
     samples: int = part(
         _samples, {"duration": told.quantity("its length", "s")}, required=("duration",)
+    )
+    start: Start = part(
+        lambda table, key, known: table.choice(key, get_args(Start), "rest"),
+        **told.choice(
+            'where it begins: `"rest"`, at the operating point of the process, or `"empty"`, with '
+            "empty tanks",
+            get_args(Start),
+        ),
+    )
+    state: dict[str, float] = part(
+        _state,
+        **told.by_name(
+            "table of states of the process that begin elsewhere, and of inputs that stand "
+            'elsewhere when the controllers start, `{ "tank_1.level" = "5 cm", pump_1 = "0 V" }`'
+        ),
+    )
+    controller_start: ControllerStart | None = part(
+        _controller_start,
+        **told.choice(
+            'how controllers start away from rest: `"bumpless"`, as after a time in manual, or '
+            '`"cold"`, with the states that their laws declare, integrals at zero',
+            get_args(ControllerStart),
+        ),
     )
     quiet: int | None = part(
         _noise_begins,
@@ -202,7 +258,14 @@ def read_scenario(table: TableReader | None, analysis: Analysis, seed: int) -> S
     setpoints = np.tile([at[name] for name in process.controlled], (samples, 1))
     disturbances = np.tile([at[signal.name] for signal in process.disturbances], (samples, 1))
     noise = np.zeros((samples, len(process.measurements)))
-    ends = [step.sample for step in steps[1:]] + [samples if quiet is None else quiet]
+    begin = begin_from(
+        analysis.operating_point,
+        read.start,
+        given=read.state,
+        controller_start=read.controller_start,
+    )
+    end = samples if quiet is None else quiet
+    ends = [step.sample for step in steps[1:]] + [end] * bool(steps)
     segments: list[Segment] = []
     for step, end in zip(steps, ends, strict=True):
         if step.kind == "setpoint":
@@ -213,13 +276,19 @@ def read_scenario(table: TableReader | None, analysis: Analysis, seed: int) -> S
         before = float(column[step.sample])
         value = _value(step, process.bands, before)
         column[step.sample :] = value
+        if begin is not None and step.sample == 0:
+            continue  # the way from where it begins is judged as one
         start, stop = step.sample * period, end * period
         segments.append(Segment(step.kind, step.signal.name, start, stop, value - before))
+    if begin is not None:
+        first = min((step.sample for step in steps if step.sample), default=end) * period
+        readings = begin.measurements(process)
+        segments[:0] = segments_of_beginning(process, readings, setpoints[0], first)
     if quiet is not None:
         segments.append(Segment("noise", "", quiet * period, samples * period, 0.0))
     if quiet is not None or table.flag("noise", default=True):
         add_noise(process, noise, disturbances, slice(quiet, None), seed)
-    return Scenario(period, setpoints, disturbances, noise, tuple(segments), seed)
+    return Scenario(period, setpoints, disturbances, noise, tuple(segments), seed, begin)
 
 
 def _value(step: Step, bands: Mapping[str, tuple[float, float]], before: float) -> float:

@@ -10,9 +10,10 @@ from numpy.typing import ArrayLike
 
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.wiring import controller_name
 from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.loop.closed_loop import closed_loop, controller_name
+from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.lane_status import STEP_BOUND, LaneStatus, lane_status
 from clepsydra.loop.law_begin import batch_begin, loop_begin
 from clepsydra.loop.loop import Loop

@@ -247,6 +247,8 @@ class TuningProblem:
             "limits": asdict(self.limits),
             "segments": [[asdict(part) for part in scenario.segments]],
         }
+        if scenario.begin is not None:
+            said["begin"] = scenario.begin.as_dict()
         digest = hashlib.sha256(json.dumps(said, sort_keys=True).encode())
         state = [] if point is None else [point.state, point.inputs, point.disturbances]
         model, moves = goal.model, (scenario.setpoints, scenario.disturbances, scenario.noise)

@@ -84,6 +84,7 @@ def emptied(run: Run) -> list[Harm]:
         values = run.values[x.name]
         if x.name in run.process.levels and not np.any(values < x.low):
             empty = values <= x.low + EMPTY_SHARE * (x.high - x.low)
+            empty &= np.cumsum(~empty) > 0  # what begins empty has not come down
             found += _seen(run, x, empty, *_EMPTY, often=False)
     return found
 
