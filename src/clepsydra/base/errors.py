@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 from clepsydra.base.suggestion import suggestion
 
@@ -21,6 +22,15 @@ class ClepsydraError(Exception):
     ...     print(error)
     no-such-tank.toml: got no such file, expected a process file; check the path.
     """
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return it with its fields: a worker's mistake is told where it was asked to work."""
+        return _made_again, (type(self), self.args), vars(self)
+
+
+def _made_again(kind: type[ClepsydraError], arguments: tuple[object, ...]) -> ClepsydraError:
+    """Return an error with its message, without asking for what the message was made of."""
+    return kind.__new__(kind, *arguments)
 
 
 class Finding(str):

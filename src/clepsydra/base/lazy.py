@@ -21,6 +21,7 @@ def published_names(
     The stub, ``__init__.pyi`` beside the package's file, declares once what is published, with its
     types, as lines ``from module import name as name``. A module that is called as a function is
     refused like an unknown name: what a package is made of stands beside what it publishes.
+    A module pickles as its name: a function of a notebook that uses it goes to another process.
 
     Parameters
     ----------
@@ -31,14 +32,18 @@ def published_names(
     """
     names = declared_names(Path(file).with_suffix(".pyi").read_text(encoding="utf-8"))
 
-    class Part(ModuleType):
+    class Pickled(ModuleType):
+        def __reduce__(self) -> tuple[Callable[[str], ModuleType], tuple[str]]:
+            return importlib.import_module, (self.__name__,)
+
+    class Part(Pickled):
         def __call__(self, *given: object, **named: object) -> None:
             name = self.__name__.rpartition(".")[2]
             if name in names:
                 raise UnknownName(f"cl.{name}", "a call", dir(self))
             raise UnknownName(package, name, names)
 
-    class Package(ModuleType):
+    class Package(Pickled):
         def __setattr__(self, name: str, value: object) -> None:
             if isinstance(value, ModuleType):  # one that has just been imported
                 value.__class__ = Part

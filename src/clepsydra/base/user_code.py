@@ -41,8 +41,7 @@ def run_user_code(file: Path, content: bytes, purpose: str) -> ModuleType:
     ...     print(error.place, "|", error.value)
     law.py, line 1 | ZeroDivisionError: float division by zero
     """
-    digest = hashlib.sha256(bytes(file) + b"\0" + content).hexdigest()
-    module = ModuleType(f"clepsydra_{purpose}_{digest}")
+    module = ModuleType(_module_name(file, content, purpose))
     module.__file__ = str(file)
     sys.modules[module.__name__] = module  # dataclasses look their module up here
     try:
@@ -53,6 +52,24 @@ def run_user_code(file: Path, content: bytes, purpose: str) -> ModuleType:
             line_of(error, file), words_of(error), "Python that runs", "correct it"
         ) from None
     return module
+
+
+def known_user_code(file: Path, content: bytes, purpose: str) -> ModuleType:
+    """Return the module that this content made already; else run it, as `run_user_code`.
+
+    Examples
+    --------
+    >>> law = run_user_code(Path("law.py"), b"gain = 2.0", "law")
+    >>> known_user_code(Path("law.py"), b"gain = 2.0", "law") is law
+    True
+    """
+    known = sys.modules.get(_module_name(file, content, purpose))
+    return run_user_code(file, content, purpose) if known is None else known
+
+
+def _module_name(file: Path, content: bytes, purpose: str) -> str:
+    digest = hashlib.sha256(bytes(file) + b"\0" + content).hexdigest()
+    return f"clepsydra_{purpose}_{digest}"
 
 
 def line_of(error: BaseException, file: Path) -> str:

@@ -12,12 +12,20 @@ from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.input_file import read_input
 from clepsydra.base.signal import Signal
-from clepsydra.base.user_code import line_of, run_user_code, shortened, words_of
+from clepsydra.base.user_code import (
+    known_user_code,
+    line_of,
+    run_user_code,
+    shortened,
+    words_of,
+)
 from clepsydra.controllers import signals
 from clepsydra.controllers.own_signals import OwnSignals
-from clepsydra.controllers.python_law import python_law
+from clepsydra.controllers.python_law import Step, python_law
 from clepsydra.program.step_law import StepLaw
 
+#: What the file of a law is run for.
+_PURPOSE = "own_law"
 _EXAMPLE = "law = step_law(…), or a function step(state, inputs, parameters, time_step)"
 
 
@@ -51,13 +59,13 @@ with a step law; check the path.
     file = Path(path)
     content = read_input(file, "a Python file with a step law", inside="the .py file")
     file = file.resolve()
-    module = run_user_code(file, content, "own_law")
+    module = run_user_code(file, content, _PURPOSE)
     law = getattr(module, "law", None)
     if isinstance(law, StepLaw):
         return _whole(law, file)
     if law is None and not callable(getattr(module, "step", None)):
         raise InputError(file.name, Finding("no law"), _EXAMPLE, "add one of the two")
-    return _python(module if law is None else law, file)
+    return _python(module if law is None else law, file, content)
 
 
 def _whole(law: StepLaw, file: Path) -> StepLaw:
@@ -74,16 +82,39 @@ def _whole(law: StepLaw, file: Path) -> StepLaw:
     return OwnSignals(file.name, law.inputs, law.parameters, law.outputs, law.state).whole_law(law)
 
 
-def _python(holder: Any, file: Path) -> StepLaw:
+class _StepOfFile:
+    """The step that a Python file writes; pickled, it is the file, which runs where it arrives."""
+
+    def __init__(self, file: Path, content: bytes, step: Step | None = None) -> None:
+        self._file, self._content = file, content
+        if step is None:
+            module = known_user_code(file, content, _PURPOSE)
+            step = _made(getattr(module, "law", module), file).step
+        self.__wrapped__ = step
+
+    def __call__(self, *given: Any) -> Any:
+        return self.__wrapped__(*given)
+
+    def __reduce__(self) -> tuple[type[_StepOfFile], tuple[Path, bytes]]:
+        return _StepOfFile, (self._file, self._content)
+
+
+def _made(holder: Any, file: Path) -> Any:
+    """Return what declares a law in Python: a module or an object, of a class one of its kind."""
+    if not inspect.isclass(holder):
+        return holder
+    try:
+        return holder()
+    except Exception as error:
+        raise InputError(
+            f"{line_of(error, file)}, law", words_of(error),
+            "a class that is made without arguments", "give its arguments default values",
+        ) from None  # fmt: skip
+
+
+def _python(holder: Any, file: Path, content: bytes) -> StepLaw:
     """Return a law in Python from what declares it: a module, a class or an object."""
-    if inspect.isclass(holder):
-        try:
-            holder = holder()
-        except Exception as error:
-            raise InputError(
-                f"{line_of(error, file)}, law", words_of(error),
-                "a class that is made without arguments", "give its arguments default values",
-            ) from None  # fmt: skip
+    holder = _made(holder, file)
     step = getattr(holder, "step", None)
     if not callable(step):
         raise InputError(f"{file.name}, law", shortened(repr(holder)), _EXAMPLE, "add its step")
@@ -93,7 +124,7 @@ def _python(holder: Any, file: Path) -> StepLaw:
     }
     name = re.sub(r"\W", "_", file.stem)
     name = name if name[0].isalpha() else f"law_{name}"
-    return python_law(name, step, **found, file=file)
+    return python_law(name, _StepOfFile(file, content, step), **found, file=file)
 
 
 def _declared(declared: object, place: str) -> tuple[Signal, ...]:

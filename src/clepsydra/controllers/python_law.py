@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -190,6 +191,6 @@ class _PythonFunction:
     def _place(self) -> str:
         if self._file is None:
             return f"{self.name}, step"
-        code = getattr(self._step, "__code__", None)
+        code = getattr(inspect.unwrap(self._step), "__code__", None)
         line = f", line {code.co_firstlineno}" if code else ""
         return f"{self._file.name}{line}, step"

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -65,6 +67,11 @@ class Kernel:
         lanes: int | None = None,
         cache: ObjectCache | None = None,
     ) -> None:
+        #: Of which it is made anew, for another machine too.
+        self._given: dict[str, Any] = {
+            "program": program, "individual": tuple(individual), "fuse": fuse, "record": record,
+            "lanes": lanes, "cache": cache,
+        }  # fmt: skip
         self.program = program = inlined(program)
         self.records = record
         self._individual = frozenset(individual)
@@ -74,6 +81,10 @@ class Kernel:
         self._layout = Layout(program, self._individual)
         self._compiled: dict[int, CompiledFunction] = {}
         self._check("lanes", self._batch_lanes, "leave it out")
+
+    def __reduce__(self) -> tuple[partial[Kernel], tuple[()]]:
+        """Return how it is made of what it was made of; the machine that gets it compiles it."""
+        return partial(Kernel, **self._given), ()
 
     def prepare(
         self,

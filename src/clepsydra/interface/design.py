@@ -5,12 +5,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cache
 from keyword import iskeyword
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from clepsydra.base.errors import UnknownName
 from clepsydra.base.keywords import keywords_checked
+from clepsydra.controllers import controller as inner
 from clepsydra.controllers.fuzzy.file import WiredFuzzy, load_fuzzy
 from clepsydra.designs.arguments.argument import of_quantity
 from clepsydra.designs.design import DESIGNS, Design
@@ -21,10 +24,17 @@ from clepsydra.interface.controller import Controller, of_plant
 from clepsydra.interface.lift import of_model
 from clepsydra.interface.subject import Subject, plant_of
 
-own = of_model(own_controller)
-regulator = of_model(
-    regulator_controller, {SAMPLING_PERIOD.name: of_quantity(SAMPLING_PERIOD, "of the regulator")}
-)
+_OF_REGULATOR = {SAMPLING_PERIOD.name: of_quantity(SAMPLING_PERIOD, "of the regulator")}
+
+
+def _named(name: str, function: Callable[..., Controller]) -> Callable[..., Controller]:
+    """Return a function by the name that it has here, by which another process finds it."""
+    function.__module__, function.__qualname__ = __name__, name
+    return function
+
+
+own = _named("own", of_model(own_controller))
+regulator = _named("regulator", of_model(regulator_controller, _OF_REGULATOR))
 
 
 @keywords_checked()
@@ -53,6 +63,12 @@ def _designs() -> dict[str, Design]:
     return {f"{name}_" if iskeyword(name) else name: each for name, each in DESIGNS.items()}
 
 
+@cache
+def _published(name: str, function: Callable[..., inner.Controller]) -> Callable[..., Controller]:
+    """Return a design as a function of a plant, the same one each time."""
+    return _named(name, of_model(function, _designs()[name].declared))
+
+
 def __dir__() -> list[str]:
     return sorted(["own", "fuzzy", "regulator", *_designs()])
 
@@ -66,4 +82,4 @@ if not TYPE_CHECKING:  # where a type checker would take any name for known
         designs = _designs()
         if name not in designs:
             raise UnknownName("cl.design", name, __dir__())
-        return of_model(designs[name].function, designs[name].declared)
+        return _published(name, designs[name].function)

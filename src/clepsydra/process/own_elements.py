@@ -17,7 +17,7 @@ from clepsydra.base.errors import ClepsydraError, Finding, InputError
 from clepsydra.base.input_file import read_input
 from clepsydra.base.signal import Signal
 from clepsydra.base.standing import Standing, standing_at
-from clepsydra.base.user_code import line_of, run_user_code, shortened, words_of
+from clepsydra.base.user_code import known_user_code, line_of, shortened, words_of
 from clepsydra.process.declared import undeclared
 from clepsydra.process.element import Connection, Element
 from clepsydra.process.flow import Flow
@@ -129,11 +129,11 @@ def _file(general: TableReader, path: Path, written: str) -> Path:
 @functools.lru_cache(maxsize=64)
 def _kinds(file: Path, content: bytes) -> tuple[type[Element], ...]:
     """Return the kinds in a file; the same content gives the same kinds."""
-    module = run_user_code(file, content, "own_elements")
+    module = known_user_code(file, content, "own_elements")
     kinds = kinds_of(module)
     for kind in kinds:
         _check_kind(kind, file)
-    return tuple(_guarded(kind, file) for kind in kinds)
+    return tuple(_guarded(kind, file, content) for kind in kinds)
 
 
 def _unread(kind: type[Element]) -> list[str]:
@@ -187,14 +187,26 @@ def _check_tables(kinds: Sequence[type[Element]], taken: set[str]) -> None:
         taken.add(kind.table)
 
 
-def _guarded(kind: type[Element], file: Path) -> type[Element]:
-    """Return the kind with methods that say where the user's code fails."""
+def _pickled(element: Element, file: Path, content: bytes) -> tuple[Any, ...]:
+    """Return how an own element is made where it arrives: by running the file of its kind."""
+    return _unpickled, (file, content, type(element).table), vars(element)
+
+
+def _unpickled(file: Path, content: bytes, table: str) -> Element:
+    """Return an own element of this kind, without its values."""
+    kind = next(kind for kind in _kinds(file, content) if kind.table == table)
+    return object.__new__(kind)
+
+
+def _guarded(kind: type[Element], file: Path, content: bytes) -> type[Element]:
+    """Return the kind with methods that say where the user's code fails, and that pickles."""
     methods: dict[str, object] = {"__module__": kind.__module__, "__doc__": kind.__doc__}
     for name in (*_TUPLES, *_MAPPINGS):
         # What is inherited as it is stays as it is: the wiring looks at what is overridden.
         if getattr(kind, name) is not getattr(Element, name):
             methods[name] = _guard(getattr(kind, name), kind, name, file)
     methods["read"] = classmethod(_guard(kind.read.__func__, kind, "read", file))  # type: ignore[attr-defined]
+    methods["__reduce__"] = lambda element: _pickled(element, file, content)
     return type(kind.__name__, (kind,), methods)
 
 

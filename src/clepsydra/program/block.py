@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from contextvars import ContextVar
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
 
 import casadi as ca
 
@@ -13,7 +12,8 @@ from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.signal import Signal
 from clepsydra.program.counted_loop import Table
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.step_law import Equations, Symbols, is_scalar
+from clepsydra.program.equations import Equations, Symbols, is_scalar
+from clepsydra.program.kept_equations import kept_calls, kept_equations
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +74,7 @@ class Block:
         """
         self._check(instance, self.inputs, inputs)
         self._check(instance, self.state, state)
-        calls = _calls.get()
+        calls = kept_calls()
         if calls is None:
             return self.equations({**inputs, **state})
         given = [state[entry.name] for entry in self.state]
@@ -93,6 +93,12 @@ class Block:
             dict(zip(results, values[len(following) :], strict=True)),
         )
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what is pickled: the equations as data."""
+        groups = self.state, self.inputs, ()
+        kept = kept_equations(self.name, groups, self.outputs, self.equations)
+        return vars(replace(self, equations=kept))
+
     def _check(self, instance: str, ports: tuple[Signal | DelayRing, ...], given: Symbols) -> None:
         """Refuse values that are not one scalar for each port."""
         place = f"block {self.name}, instance {instance}"
@@ -106,41 +112,3 @@ class Block:
             if not is_scalar(value := given[port.name]):
                 shown = f"{' by '.join(map(str, ca.SX(value).shape))} values"
                 raise InputError(f"{place}, {port.name}", shown, "a scalar", "wire one of them")
-
-
-#: Which block, and which instance of it, the functions stand for that took the place of calls.
-_calls: ContextVar[dict[str, tuple[Block, str]] | None] = ContextVar("calls", default=None)
-
-
-@contextmanager
-def keeping_calls() -> Iterator[None]:
-    """Let every call of a block stay a call in the expressions that are made inside.
-
-    Examples
-    --------
-    >>> double = Block("double", (Signal("a"),), (), (Signal("b"),),
-    ...                lambda s: Equations({}, {"b": 2 * s["a"]}))
-    >>> a = ca.SX.sym("a")
-    >>> double("twice", {"a": a}, {}).outputs["b"]
-    SX((2.*a))
-    >>> with keeping_calls():
-    ...     found = ca.Function("law", [a], [double("twice", {"a": a}, {}).outputs["b"]])
-    >>> [found.instruction_id(k) for k in range(found.n_instructions())].count(ca.OP_CALL)
-    1
-    """
-    token = _calls.set({})
-    try:
-        yield
-    finally:
-        _calls.reset(token)
-
-
-def kept_call(function: ca.Function) -> tuple[Block, str] | None:
-    """Return the block and the instance that a function stands for, or None for any other.
-
-    Examples
-    --------
-    >>> kept_call(ca.Function("law", [], [])) is None
-    True
-    """
-    return (_calls.get() or {}).get(function.name())

@@ -9,12 +9,14 @@ import casadi as ca
 
 from clepsydra.base.errors import ClepsydraError, InputError
 from clepsydra.base.signal import Signal
-from clepsydra.program.block import Block, keeping_calls, kept_call
+from clepsydra.program.block import Block
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.counted_loop import recover_loop
+from clepsydra.program.equations import Equations, function_of
+from clepsydra.program.kept_equations import keeping_calls, kept_calls
 from clepsydra.program.operation import LIBRARY
 from clepsydra.program.program import Program
-from clepsydra.program.step_law import Equations, StepLaw, function_of
+from clepsydra.program.step_law import StepLaw
 
 _CODES = {getattr(ca, f"OP_{name.upper()}"): name for name in LIBRARY}
 _CODES |= {
@@ -168,7 +170,7 @@ def _sign(builder: BlockBuilder, value: int) -> int:
 def _call(
     builder: BlockBuilder, called: ca.Function, arguments: list[int], fused: bool
 ) -> Sequence[int]:
-    if kept := kept_call(called):
+    if kept := (kept_calls() or {}).get(called.name()):
         block, instance = kept
         program, written = _structured(block, (), block.equations)
         program = replace(

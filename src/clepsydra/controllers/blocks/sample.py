@@ -14,7 +14,8 @@ from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.validity import all_of, is_number, value_or_zero
 from clepsydra.program.block import Block
 from clepsydra.program.entries import Entry
-from clepsydra.program.step_law import Equations, StepLaw, Symbols, function_of
+from clepsydra.program.equations import Equations, Symbols, function_of
+from clepsydra.program.step_law import StepLaw
 
 
 class Sample:
