@@ -141,11 +141,6 @@ def law_settings(settings: PidSettings, form: PidForm) -> dict[str, float]:
     The derivative's filter has the time constant Td/10. The tracking time is Ti, or √(Ti Td)
     with derivative action.
 
-    Parameters
-    ----------
-    place : str
-        For the message.
-
     Raises
     ------
     InputError
