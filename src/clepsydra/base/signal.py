@@ -39,6 +39,8 @@ class Signal:
     record : str
         Of an output: the type of the structure that it is a member of, if of one; its owner is the
         structure, its part the member.
+    optional : bool
+        Of an output of a block: it is printed only where something reads it.
     below : str
         Of a parameter: the part of the same owner that it has to be below, if there is one.
 
@@ -60,6 +62,7 @@ class Signal:
     digits: int = field(default=6, repr=False, compare=False)
     matrix: str = field(default="", repr=False, compare=False)
     record: str = field(default="", repr=False)
+    optional: bool = field(default=False, repr=False, compare=False)
     below: str = field(default="", repr=False, compare=False)
 
     @property

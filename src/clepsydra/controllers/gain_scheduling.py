@@ -139,7 +139,7 @@ def _schedule_filter(sensed: bool) -> Block:
         "measured_schedule_filter" if sensed else "schedule_filter",
         (
             Signal("asked", description="what the scheduling variable follows"),
-            *([truth("sensor", "its sensor is sound")] * sensed),
+            *([truth("sensor", "its sensor is good")] * sensed),
             Signal(_FILTER_TIME, "s"),
             Signal("time_step", "s"),
         ),

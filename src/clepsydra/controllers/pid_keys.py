@@ -89,7 +89,7 @@ FACEPLATE: tuple[Key, ...] = (
     ),
     _measured("faceplate.sp", "setpoint that {measurement} follows"),
     Key("faceplate.error", "{measurement}", "setpoint less measurement, {measurement}"),
-    _moved("op", "what stands at {output}"),
+    _moved("op", "value of {output}"),
 )
 TERMS = (
     _moved("p_part", "P part of what is asked of {output}"),

@@ -123,9 +123,9 @@ def increments(shape: PolynomialShape) -> Block:
     return Block(
         "_".join(map(str, ("increments", *astuple(shape)))),
         (
-            Signal("setpoint", description="what the value shall be"),
+            Signal("setpoint", description="target value"),
             Signal("value", description="the measurement, or a prediction of it"),
-            truth("known", "the value is a number from a sound sensor"),
+            truth("known", "the value is a number from a good sensor"),
             *ASKED[2:],
             *gains,
             *OUTPUT_PORTS,

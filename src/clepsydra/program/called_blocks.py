@@ -39,12 +39,8 @@ def called_blocks(program: Program) -> tuple[Program, ...]:
     return tuple(found.values())
 
 
-#: What the last part of an output begins with by which a block tells how things stand.
-_TOLD = "told_"
-
-
 def without_untold(program: Program) -> Program:
-    """Return a program whose blocks tell only what some caller reads, of their parts told_NAME.
+    """Return a program whose blocks tell only what some caller reads, of their optional outputs.
 
     Every other port stays, so that the blocks of two exports are the same.
 
@@ -58,7 +54,7 @@ def without_untold(program: Program) -> Program:
     >>> from clepsydra.base.signal import Signal
     >>> from clepsydra.program.program import Block, Operation
     >>> body = Block(1, (Operation(1, "negate", (0,)),), (1, 0))
-    >>> outputs = (Signal("y"), Signal("pump.told_input"))
+    >>> outputs = (Signal("y"), Signal("pump.sound", optional=True))
     >>> turned = Program("turned", (), (Signal("u"),), (), outputs, body)
     >>> calls = Block(1, (Call((1, 2), turned, "sign", (0,)),), (1,))
     >>> law = Program("law", (), (Signal("u"),), (), (Signal("y"),), calls)
@@ -67,7 +63,7 @@ def without_untold(program: Program) -> Program:
     """
     blocks = called_blocks(program)
     read = {
-        block.name: {k for k, s in enumerate(block.outputs) if not s.part.startswith(_TOLD)}
+        block.name: {k for k, s in enumerate(block.outputs) if not s.optional}
         for block in blocks
     }
     for each in (program, *reversed(blocks)):

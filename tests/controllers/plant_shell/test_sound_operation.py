@@ -78,7 +78,7 @@ def test_counted_loops_stay_loops_and_names_stay_names():
 
     def names(program):
         # What a law tells of its bits goes into the status word of the shell.
-        own = {name for name in program.names.values() if "told_" not in name}
+        own = {name for name in program.names.values() if "status_" not in name}
         return own.union(*(names(call.program) for call in program.calls))
 
     assert set() != names(bare) <= names(shelled)

@@ -162,7 +162,7 @@ def next_integral(
 def integral_words(anti_windup: str) -> dict[str, str]:
     """Return what a reader is told above the steps of an integral."""
     return {
-        "integral_used": "integral: it takes up what a change of settings would make jump",
-        "integral_moved": f"anti-windup, {IN_WORDS[anti_windup]}; in manual it follows",
-        "integral_kept": "what is no number is not taken",
+        "integral_used": "integral, bumpless at a change of settings",
+        "integral_moved": f"anti-windup, {IN_WORDS[anti_windup]}; in manual it tracks the output",
+        "integral_kept": "not a number: ignored",
     }

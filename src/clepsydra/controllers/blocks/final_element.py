@@ -36,11 +36,12 @@ OUTPUT_PORTS = tuple(
 RATE_LIMIT = Signal("rate_limit", description="largest rate of change, per second")
 #: What a reader is told above the steps of an output.
 OUTPUT_WORDS = {
-    "controls": "what is asked for has its say: automatic, usable signals, a good time step",
-    "by_hand": "manual and tracking, where their values are numbers",
-    "wanted": "what the mode says; else the output is held",
-    "manipulated": "within the limits, always a number",
-    "told_invalid_input": "for the status word",
+    "controls": "automatic control is in force: valid signals and a valid time step",
+    "manual_mode": "manual, with a valid manual value",
+    "tracking_mode": "tracking, with a valid tracking value",
+    "wanted": "value of the mode; with an invalid input the output is held",
+    "manipulated": "limited output",
+    "status_invalid_input": "for the status word",
 }
 LAST_OUTPUT = signals.LAST_OUTPUT.port
 
@@ -79,7 +80,7 @@ def declare_output(sample: Sample, moved: Signal, *, rate_limited: bool = False)
 
 
 def give_output(sample: Sample, moved: Signal, found: Symbols) -> None:
-    """Give an output and its status word, and name the conditions told_BIT.
+    """Give an output and its status word, and name the conditions status_BIT.
 
     `found`: manipulated, and the conditions; one that a block does not have does not hold.
     """
@@ -107,7 +108,7 @@ def output_element(rate_limited: bool = False) -> Block:
         (*ASKED, *output_ports(rate_limited), LAST_OUTPUT),
         (),
         (
-            truth("controls", "what is asked for is in force"),
+            truth("controls", "automatic control is in force"),
             truth("follows", "the output moves in manual or in tracking"),
             *output_results(rate_limited),
         ),
@@ -126,8 +127,8 @@ def output_ports(rate_limited: bool = False) -> tuple[Signal, ...]:
 
 def output_results(rate_limited: bool = False) -> tuple[Signal, ...]:
     """Return what a block that ends in an output gives: what stands, and what it can tell of it."""
-    stands = Signal("manipulated", description="what stands at the actuator")
-    told = (s for s in STATUS_WORD.inputs if rate_limited or s.name != "told_at_rate_limit")
+    stands = Signal("manipulated", description="output to the actuator")
+    told = (s for s in STATUS_WORD.inputs if rate_limited or s.name != "status_at_rate_limit")
     return (stands, *told)
 
 
@@ -149,12 +150,12 @@ def output_end(
     # The last test meets parameters that were changed to something unusable at run time.
     usable = ca.logic_and(ca.logic_and(wish.usable, time_step_good), is_number(wish.asked))
     controls = ca.logic_and(in_automatic, usable)
-    by_hand = ca.logic_and(in_manual, is_number(s["manual"]))
-    tracks = ca.logic_and(in_tracking, is_number(s["tracking"]))
-    follows = ca.logic_or(by_hand, tracks)
+    manual_mode = ca.logic_and(in_manual, is_number(s["manual"]))
+    tracking_mode = ca.logic_and(in_tracking, is_number(s["tracking"]))
+    follows = ca.logic_or(manual_mode, tracking_mode)
 
-    wanted = ca.if_else(tracks, s["tracking"], last_output)
-    wanted = ca.if_else(by_hand, s["manual"], wanted)
+    wanted = ca.if_else(tracking_mode, s["tracking"], last_output)
+    wanted = ca.if_else(manual_mode, s["manual"], wanted)
     wanted = ca.if_else(controls, wish.asked, wanted)
     manipulated = limit(wanted, low, high)
     conditions = {
@@ -174,8 +175,13 @@ def output_end(
     # A limit of minus infinity at run time is none that an actuator could be brought to.
     manipulated = ca.if_else(is_number(manipulated), manipulated, last_output)
     conditions |= {"at_low_limit": manipulated <= low, "at_high_limit": manipulated >= high}
-    told = {f"told_{name}": value for name, value in conditions.items()}
-    named = {"controls": controls, "by_hand": by_hand, "tracks": tracks, "wanted": wanted}
+    told = {f"status_{name}": value for name, value in conditions.items()}
+    named = {
+        "controls": controls,
+        "manual_mode": manual_mode,
+        "tracking_mode": tracking_mode,
+        "wanted": wanted,
+    }
     return (
         Applied(manipulated, controls, follows),
         {"manipulated": manipulated, **told},
@@ -250,9 +256,13 @@ def output_stage_block(anti_windup: AntiWindup, *, takes_up: bool = False) -> Bl
     return Block(
         f"output_integral_{WINDING_NAMES[anti_windup]}{'_taking_up' if takes_up else ''}",
         (
-            Signal("proportional", description="what does not come from the integral"),
-            Signal("increment", description="what the integral gains in automatic"),
-            *([Signal("taken_up", description="of a change of gains")] if takes_up else []),
+            Signal("proportional", description="proportional and derivative part"),
+            Signal("increment", description="increment of the integral in automatic"),
+            *(
+                [Signal("taken_up", description="compensation of a change of gains")]
+                if takes_up
+                else []
+            ),
             *ASKED[2:],
             *OUTPUT_PORTS,
             *([signals.TRACKING_TIME.port] if anti_windup == "back_calculation" else []),

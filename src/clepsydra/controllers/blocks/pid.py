@@ -25,19 +25,19 @@ from clepsydra.program.step_law import Symbols
 
 #: What a reader is told above the steps of a loop, in any form.
 PID_WORDS = {
-    "measurement_used": "what is no number counts as zero, and moves nothing",
+    "measurement_used": "not a number: counts as zero, and the output is held",
     "error": "control error",
     "faceplate.error": "control error",
-    "proportional": "what does not come from the integral",
-    "faceplate.p_part": "what does not come from the integral",
-    "faceplate.i_part": "the integral; settings that change make no jump",
-    "increment": "what the integral gains in this sample",
+    "proportional": "proportional and derivative part",
+    "faceplate.p_part": "proportional and derivative part",
+    "faceplate.i_part": "integral part, bumpless at a change of settings",
+    "increment": "increment of the integral in this scan",
     "filtered": "signal behind the filter of the derivative",
-    "change": "change of the output in this sample",
-    "unlimited": "what the loop asks for",
-    "signals_known": "setpoint and measurement are numbers, and the sensor is sound",
-    "last_proportional_gain": "settings are remembered, so that a change of them makes no jump",
-    "last_derivative_time": "settings are remembered, so that a change of them makes no jump",
+    "change": "change of the output in this scan",
+    "unlimited": "unlimited output of the loop",
+    "signals_known": "setpoint and measurement are valid, and the sensor is good",
+    "last_proportional_gain": "last settings, for a bumpless change",
+    "last_derivative_time": "last settings, for a bumpless change",
 }
 #: How a parameter is read: as it is, or as it was in the last sample.
 _Read = Callable[[str], ca.SX]
@@ -90,7 +90,7 @@ def pid_state(
         state["last_measurement"] = kept(s["measurement_used"], "last_measurement")
         if form.has_derivative:
             state["last_derivative"] = kept(s["rate"], "last_derivative")
-        heard = usable
+        accepted = usable
     else:
         if form.has_derivative:  # there is none without a time step
             known = usable
@@ -99,10 +99,10 @@ def pid_state(
         )
         # After nonsense at run time the integral is still the one before it.
         state["integral"] = ca.if_else(is_number(following), following, s["integral"])
-        heard = ca.logic_or(applied.in_force, ca.logic_and(applied.follows, known))
-        named = {**named, "heard": heard}
+        accepted = ca.logic_or(applied.in_force, ca.logic_and(applied.follows, known))
+        named = {**named, "settings_accepted": accepted}
     for parameter in form.remembered:
-        taken = ca.logic_and(heard, is_number(s[parameter]))
+        taken = ca.logic_and(accepted, is_number(s[parameter]))
         state[f"last_{parameter}"] = ca.if_else(taken, s[parameter], s[f"last_{parameter}"])
     return state, named
 

@@ -20,6 +20,11 @@ def truth(name: str, description: str) -> Signal:
     return Signal(name, low=0.0, high=1.0, kind="boolean", description=description)
 
 
+def told(name: str, description: str) -> Signal:
+    """Return a truth value that a block tells where somebody reads it."""
+    return replace(truth(name, description), optional=True)
+
+
 @dataclass(frozen=True)
 class _Handed:
     """What one block hands to another, a value and conditions; each field is a port."""
@@ -47,10 +52,10 @@ class Asked(_Handed):
     `asked` is always a number where `usable` holds.
     """
 
-    asked: ca.SX = field(metadata={"words": "in automatic, in the unit of the output"})
-    usable: ca.SX = field(metadata={"words": "what is asked for may be acted on"})
-    numbers: ca.SX = field(metadata={"words": "the signals behind it are numbers"})
-    sensors: ca.SX = field(metadata={"words": "their sensors are sound"})
+    asked: ca.SX = field(metadata={"words": "demand in automatic, in the unit of the output"})
+    usable: ca.SX = field(metadata={"words": "the demand is valid"})
+    numbers: ca.SX = field(metadata={"words": "its signals are numbers"})
+    sensors: ca.SX = field(metadata={"words": "its sensors are good"})
 
 
 @dataclass(frozen=True)
@@ -61,10 +66,10 @@ class Applied(_Handed):
     neither holds, an unusable signal froze everything.
     """
 
-    applied: ca.SX = field(metadata={"words": "what was applied, as if asked for"})
-    in_force: ca.SX = field(metadata={"words": "what was asked for had its say"})
+    applied: ca.SX = field(metadata={"words": "the demand that would have given what was applied"})
+    in_force: ca.SX = field(metadata={"words": "the demand is in force"})
     follows: ca.SX = field(
-        metadata={"words": "the actuator moves without it, in manual or in tracking"}
+        metadata={"words": "manual or tracking: the actuator moves without the demand"}
     )
 
 
@@ -86,7 +91,7 @@ def prefixed(ports: Iterable[Signal], prefix: str) -> tuple[Signal, ...]:
 
 PV = Signal("pv", description="the measurement, or the last good one")
 GOOD = truth("good", "the measurement may be used")
-SP = Signal("sp", description="the setpoint that the law gets")
+SP = Signal("sp", description="setpoint in use")
 
 
 def instance(name: str) -> str:

@@ -9,7 +9,7 @@ from enum import IntEnum
 import casadi as ca
 
 from clepsydra.base.signal import Signal
-from clepsydra.controllers.blocks.ports import truth
+from clepsydra.controllers.blocks.ports import told
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations
 
@@ -78,13 +78,13 @@ def status_word(
     return word
 
 
-#: The block that makes it of the conditions told_BIT.
+#: The block that makes it of the conditions status_BIT.
 STATUS_WORD = Block(
     "status_word",
-    tuple(truth(f"told_{name}", bit.meaning) for name, bit in STATUS_BITS.items()),
+    tuple(told(f"status_{name}", bit.meaning) for name, bit in STATUS_BITS.items()),
     (),
     (Signal("status", low=0.0, high=255.0, kind="integer", description="sum of the bits"),),
-    lambda s: Equations({}, {"status": status_word({n: s[f"told_{n}"] for n in STATUS_BITS})}),
+    lambda s: Equations({}, {"status": status_word({n: s[f"status_{n}"] for n in STATUS_BITS})}),
 )
 
 

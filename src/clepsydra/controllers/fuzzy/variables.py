@@ -42,7 +42,7 @@ _INFERRED = (
 _OUTPUT_WORDS = OUTPUT_WORDS | {
     "usable": "it may be acted on: sound inputs, and a rule fires",
     "offset_moved": "the offset fades, but not further into saturation; in manual it follows",
-    "offset_kept": "what is no number is not taken",
+    "offset_kept": "not a number: ignored",
 }
 _POSITION = "The centroid is where the output goes; an offset makes a change of mode bumpless."
 _INCREMENT = "The centroid is how fast the output moves, from what was applied."

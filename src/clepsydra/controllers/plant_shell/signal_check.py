@@ -168,10 +168,10 @@ def _ramped(s: Symbols) -> Equations:
     begin = ca.if_else(good, measured, ca.if_else(number, bounded, last))
     before = ca.if_else(s["first"], begin, last)
     target = ca.if_else(number, bounded, before)
-    way = rate * s["elapsed"]
-    on_its_way = ca.if_else(s["held"], before, limit(target, before - way, before + way))
-    on_its_way = ca.if_else(in_force, on_its_way, ca.if_else(good, measured, before))
-    value = ca.if_else(rate < LARGEST_PARAMETER, on_its_way, target)
+    change = rate * s["elapsed"]
+    ramped = ca.if_else(s["held"], before, limit(target, before - change, before + change))
+    ramped = ca.if_else(in_force, ramped, ca.if_else(good, measured, before))
+    value = ca.if_else(rate < LARGEST_PARAMETER, ramped, target)
     return Equations(
         {"ramped_setpoint": value},
         {
@@ -184,8 +184,8 @@ def _ramped(s: Symbols) -> Equations:
             "bounded": bounded,
             "before": before,
             "target": target,
-            "way": way,
-            "on_its_way": on_its_way,
+            "largest_change": change,
+            "ramped": ramped,
         },
     )
 
@@ -198,7 +198,7 @@ def _ramped(s: Symbols) -> Equations:
 RAMP = Block(
     "setpoint_ramp",
     (
-        Signal("asked", description="what is asked for, in the unit of the measurement"),
+        Signal("asked", description="requested setpoint, in the unit of the measurement"),
         *(key.port for key in RANGE),
         SETPOINT_RATE.port,
         ELAPSED,
@@ -211,9 +211,9 @@ RAMP = Block(
     (Signal("ramped_setpoint", description="the setpoint that was followed in the last scan"),),
     (
         SP,
-        truth("invalid", "what is asked for is not a number"),
-        truth("limited", "what is asked for is a number outside the range"),
-        truth("ramps", "the setpoint is still on its way"),
+        truth("invalid", "the requested setpoint is not a number"),
+        truth("limited", "the requested setpoint is outside the range"),
+        truth("ramps", "the setpoint has not reached the requested one"),
     ),
     _ramped,
     ("A setpoint within its range: ramped in automatic, at the measurement otherwise.",),

@@ -56,7 +56,7 @@ REACH = (
     Signal("lowest", description="lowest value within reach"),
     Signal("highest", description="highest value within reach"),
 )
-TRACKED = Signal("tracked", description="where the output goes if the law does not move it")
+TRACKED = Signal("tracked", description="value of the output where the law does not move it")
 #: What the end of the output needs to know of it.
 TOLD = (
     TRACKED,
@@ -117,30 +117,30 @@ def output_command(*, limited: bool, rate: Rate) -> Block:
             *{"shell": REACH, "law": (used,), "none": ()}[rate],
         ),
         lambda s: _commanded(s, limited, rate),
-        ("Who moves an output: mode, latched fail-safe, the way back into automatic, and reach.",),
+        ("Who moves an output: mode, latched fail-safe, the return to automatic, and reach.",),
         (_MOST_SCANS,),
     )
 
 
-def moved_by_hand(mode: ca.SX) -> ca.SX:
+def not_by_law(mode: ca.SX) -> ca.SX:
     """Return whether somebody else than the law moves the output."""
     return ca.logic_or(mode == Mode.MANUAL, mode == Mode.TRACKING)
 
 
 def _commanded(s: Symbols, limited: bool, rate: Rate) -> Equations:
     mode, before, good = s["mode"], s["failed_safe"], s["good"]
-    automatic, by_hand = mode == Mode.AUTOMATIC, moved_by_hand(mode)
-    cleared = ca.logic_and(good, ca.logic_or(s["acknowledged"], by_hand))
+    automatic, manual = mode == Mode.AUTOMATIC, not_by_law(mode)
+    cleared = ca.logic_and(good, ca.logic_or(s["acknowledged"], manual))
     latched = ca.logic_or(s["failed"], ca.logic_and(before, ca.logic_not(cleared)))
-    safe = ca.logic_and(latched, ca.logic_not(by_hand))
+    safe = ca.logic_and(latched, ca.logic_not(manual))
     comes_back = ca.logic_and(before, ca.logic_not(latched))
     begins = ca.logic_or(s["warm"], comes_back)
     left = ca.if_else(begins, s["take_up_scans"], s["scans_to_follow"])
     # Numbers set at run time may be any; single precision holds these as well.
     left = ca.fmin(_LARGEST_COUNT, ca.fmax(0, left))
     follows = ca.logic_and(ca.logic_and(left > 0, automatic), ca.logic_not(safe))
-    overruled = ca.logic_or(safe, follows)
-    in_force = ca.logic_and(automatic, ca.logic_not(overruled))
+    overridden = ca.logic_or(safe, follows)
+    in_force = ca.logic_and(automatic, ca.logic_not(overridden))
     # One that is none stays none.
     bounded = ca.fmin(_NO_MODE, ca.fmax(-1, mode))
     following = ca.if_else(good, ca.fmax(0, left - 1), left)
@@ -149,20 +149,21 @@ def _commanded(s: Symbols, limited: bool, rate: Rate) -> Equations:
         low, high = s["low_limit"], s["high_limit"]
         value = limit(value, low, high)
     followed = ca.if_else(follows, last, s["tracking"])
-    reach, named = {}, {"by_hand": by_hand, "scans_left": left, "overruled": overruled}
+    reach, named = {}, {"manual_or_tracking": manual, "scans_left": left}
+    named["law_overridden"] = overridden
     moves = ca.logic_not(ca.logic_or(safe, mode == Mode.TRACKING))
     if rate == "law":
         reach["rate_used"] = ca.if_else(moves, s["rate_limit"], LARGEST_PARAMETER)
     elif rate == "shell":
-        way = s["rate_limit"] * s["elapsed"]
+        change = s["rate_limit"] * s["elapsed"]
         acts = ca.logic_and(s["rate_limit"] < LARGEST_PARAMETER, moves)
         # The last output first in the comparison: what is not a number is passed over.
-        reach["lowest"] = ca.if_else(acts, ca.fmin(high, ca.fmax(last - way, low)), low)
-        reach["highest"] = ca.if_else(acts, ca.fmax(low, ca.fmin(last + way, high)), high)
-        named |= {"way": way, "rate_acts": acts}
+        reach["lowest"] = ca.if_else(acts, ca.fmin(high, ca.fmax(last - change, low)), low)
+        reach["highest"] = ca.if_else(acts, ca.fmax(low, ca.fmin(last + change, high)), high)
+        named |= {"largest_change": change, "rate_acts": acts}
     state = {"failed_safe": latched, "scans_to_follow": ca.if_else(latched, 0, following)}
     told = {
-        "mode_used": ca.if_else(overruled, float(Mode.TRACKING), bounded),
+        "mode_used": ca.if_else(overridden, float(Mode.TRACKING), bounded),
         "in_force": in_force,
         "held": ca.logic_and(in_force, ca.logic_not(good)),
         "tracked": ca.if_else(safe, value, followed),
@@ -176,15 +177,15 @@ def _commanded(s: Symbols, limited: bool, rate: Rate) -> Equations:
 
 #: What a reader is told above the steps.
 _WORDS = {
-    "by_hand": "manual and tracking go before a fail-safe value",
+    "manual_or_tracking": "manual and tracking take precedence over the fail-safe value",
     "latched": "latch: a fault holds until good sensors are acknowledged, or moved in manual",
-    "scans_left": "how many scans the law is still to follow",
-    "follows": "before the law moves the output again, it follows what that was last",
-    "overruled": "what the law asks for does not count",
-    "mode_used": "a law that is overruled tracks",
+    "scans_left": "scans for which the law is still to follow",
+    "follows": "before the law moves the output again, it follows the last output",
+    "law_overridden": "the output of the law is not in force",
+    "mode_used": "a law that is overridden tracks",
     "in_force": "the law moves the output",
     "held": "a fault is ridden through: the law holds",
-    "tracked": "where the output goes if the law does not move it",
+    "tracked": "value of the output where the law does not move it",
     "rate_acts": "the rate limit acts in automatic and in manual",
     "lowest": "limits, narrowed by the rate limit",
     "scans_to_follow": "a scan counts where its sensors are good",
@@ -209,7 +210,7 @@ SHELL_STATUS_BITS: dict[str, StatusBit] = {
     "scan_time_off": StatusBit(
         2048, "the time step differs from the sampling period by more than its tolerance"
     ),
-    "setpoint_ramps": StatusBit(4096, "a setpoint is still on its way to what was asked for"),
+    "setpoint_ramps": StatusBit(4096, "a setpoint ramps to what was asked for"),
     "following": StatusBit(
         8192,
         "after a warm start or a fault, in automatic: the law takes up its last output, and waits",
@@ -255,7 +256,7 @@ def output_end(told: tuple[str, ...], *, rated: bool) -> Block:
         f"output_end{'' if limited else '_without_limits'}{'' if rated else '_without_rate'}"
         f"{'_of_own_rate' if slowed else ''}",
         (
-            Signal("asked", description="what the law asks for"),
+            Signal("asked", description="demand of the law"),
             MODE,
             truth("time_off", SHELL_STATUS_BITS["scan_time_off"].meaning),
             STEP_INVALID,
@@ -272,7 +273,7 @@ def output_end(told: tuple[str, ...], *, rated: bool) -> Block:
             truth("invalid", "a measurement or a setpoint that it needs is not a number"),
         ),
         (),
-        (Signal("out", description="what stands at the actuator"), STATUS, *CONDITIONS),
+        (Signal("out", description="output to the actuator"), STATUS, *CONDITIONS),
         lambda s: _ended(s, told, rated),
         ("What stands at the actuator, and the status word: one bit a condition.",),
     )
@@ -280,7 +281,7 @@ def output_end(told: tuple[str, ...], *, rated: bool) -> Block:
 
 def _ended(s: Symbols, told: tuple[str, ...], rated: bool) -> Equations:
     # But for manual and tracking it stands at its fail-safe value.
-    safe = ca.logic_and(s["latched"], ca.logic_not(moved_by_hand(s["mode"])))
+    safe = ca.logic_and(s["latched"], ca.logic_not(not_by_law(s["mode"])))
     out = ca.if_else(safe, s["tracked"], s["asked"])
     automatic, slowed = s["mode"] == Mode.AUTOMATIC, s.get("at_rate_limit", ca.SX(0))
     conditions = {

@@ -8,7 +8,7 @@ from dataclasses import replace
 import casadi as ca
 
 from clepsydra.base.signal import Signal, path
-from clepsydra.controllers.blocks.ports import truth
+from clepsydra.controllers.blocks.ports import told as optional
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.status import STATUS_BITS
 from clepsydra.controllers.blocks.validity import LARGEST_NUMBER, all_of, any_of, limit
@@ -42,7 +42,7 @@ class ShellScan(Sample):
     """One scan: judge, command, limit, let the law compute, and tell.
 
     The law is a block whose parameters are inputs, and which tells its status bits one by one:
-    what it names told_sensor_fault and the like of an output, on the way to its status word, or
+    what it names status_sensor_fault and the like of an output, on the way to its status word, or
     else the bits of the word. A law that only joins blocks needs none around them.
 
     `state`: of the law, and what the shell adds; `initial`: state name to initial value.
@@ -182,7 +182,7 @@ class ShellScan(Sample):
         """Return the status bits of an output that the law tells."""
         named = {signal.name for signal in self.law.intermediates}
         # A law that names its bits and has no rate limit is never at one.
-        free = path(u, "told_at_rate_limit") in named
+        free = path(u, "status_at_rate_limit") in named
         free = free and path(u, "rate_limit") not in self.members.own
         limits = () if self.members.limited(u) else OF_LIMITS
         return (*OF_LAW, *(() if free else ("at_rate_limit",)), *limits)
@@ -190,8 +190,8 @@ class ShellScan(Sample):
     def _law_block(self) -> Block:
         law = self.law
         outputs = [signal for signal in law.outputs if signal.part != "status"]
-        told = {path(u, f"told_{bit}"): (u, bit) for u, bits in self.told.items() for bit in bits}
-        unread = {path(u, f"told_{bit}") for u in self.told for bit in STATUS_BITS}
+        told = {path(u, f"status_{bit}"): (u, bit) for u, bits in self.told.items() for bit in bits}
+        unread = {path(u, f"status_{bit}") for u in self.told for bit in STATUS_BITS}
 
         def equations(symbols: Symbols) -> Equations:
             assert law.equations is not None
@@ -210,7 +210,7 @@ class ShellScan(Sample):
             else replace(entry, initial=self.initial[entry.name])
             for entry in law.state
         ]
-        bits = (truth(name, STATUS_BITS[bit].meaning) for name, (_, bit) in told.items())
+        bits = (optional(name, STATUS_BITS[bit].meaning) for name, (_, bit) in told.items())
         return Block(
             law.name,
             (*law.inputs, *law.parameters),
@@ -224,7 +224,7 @@ class ShellScan(Sample):
         """Give an output and its status word."""
         sensors = [self.checks[name] for name in self.members.needed[u.name]]
         setpoints = [self.ramps[name] for name in self.members.followed[u.name]]
-        told = {bit: law[path(u, f"told_{bit}")] for bit in self.told[u.name]}
+        told = {bit: law[path(u, f"status_{bit}")] for bit in self.told[u.name]}
         command = self.commands[u.name]
         ended = self.call(
             output_end(self.told[u.name], rated="lowest" in command),

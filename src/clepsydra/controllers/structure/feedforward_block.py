@@ -133,13 +133,13 @@ def _feedforward(dynamic: bool, sensed: bool) -> Block:
         f"{'dynamic' if dynamic else 'static'}_feedforward{'' if sensed else '_of_output'}",
         (
             Signal("signal", description="what acts on the output"),
-            *([truth("sensor", "its sensor is sound")] if sensed else []),
+            *([truth("sensor", "its sensor is good")] if sensed else []),
             _GAIN.port,
             _REFERENCE.port,
             *((*(key.port for key in _DYNAMICS), Signal("time_step", "s")) if dynamic else ()),
         ),
         (Signal("lagged_signal", description="the signal less its reference, lagged"),),
-        (Signal("added", description="what is added, in the unit of the output"),),
+        (Signal("added", description="added value, in the unit of the output"),),
         equations,
         ("A signal that fails leaves what is added where it went to at last.",),
     )

@@ -194,8 +194,10 @@ class PidLoop(PlainBlock):
             state["working_setpoint"] = self._working(s, applied)
         if self.chooses:
             last = s["last_setpoint_source"]
-            heard = ca.logic_and(s["signals_known"], ca.logic_or(applied.in_force, applied.follows))
-            state["last_setpoint_source"] = ca.if_else(heard, _source(s), last)
+            accepted = ca.logic_and(
+                s["signals_known"], ca.logic_or(applied.in_force, applied.follows)
+            )
+            state["last_setpoint_source"] = ca.if_else(accepted, _source(s), last)
         return state, self._got(s, applied) if self.inner else None, named
 
     def shows(self, s: Symbols, applied: Applied) -> dict[str, ca.SX]:

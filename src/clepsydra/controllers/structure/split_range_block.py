@@ -151,7 +151,7 @@ def _is_told(s: Symbols) -> Equations:
 
 _FOUND = (
     Signal("share", description="how far into its part what is asked for is, 0 to 1"),
-    Signal("value", description="what the actuator is asked for"),
+    Signal("value", description="demand to the actuator"),
 )
 _SPLIT = Block(
     "split_range_part",
@@ -166,7 +166,7 @@ _IS_TOLD = Block(
     (*APPLIED[:2], *_PORTS, *_FOUND),
     (),
     (
-        Signal("missed", "%", description="what is missing of what was asked for"),
+        Signal("missed", "%", description="part of the demand that is not met"),
         Signal("place", "%", description="where in the range the actuator stands"),
         truth("moves", "it stands within its part, or beyond it"),
     ),
