@@ -7,10 +7,11 @@ from xml.etree import ElementTree
 
 import pytest
 from deployed import files_of
-from plants import plant
+from plants import designed, plant
 from refusals import refused
 
 from clepsydra.base.units import from_si
+from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.exportable import exportable, exportable_name
 from clepsydra.deploy.fmi.controller import controller_model
@@ -173,3 +174,10 @@ def test_a_name_of_which_no_letter_is_left_is_refused(ready):
 
     with refused(expected="a name with a letter"):
         exportable_name(ready.process, replace(ready.controller, name="泵"))
+
+
+def test_before_the_first_call_an_output_stands_at_its_fail_safe_value():
+    settings = PlantShell(fail_safe={"pump_2": 1.25})
+    ready = exportable(designed("simc", "quadruple-tank"), plant("quadruple-tank").point, settings)
+    first = {s.name: s.initial for s in ready.program.outputs if s.part == "out"}
+    assert first == {"pump_1.out": 0.0, "pump_2.out": 1.25}

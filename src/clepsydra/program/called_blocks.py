@@ -63,8 +63,7 @@ def without_untold(program: Program) -> Program:
     """
     blocks = called_blocks(program)
     read = {
-        block.name: {k for k, s in enumerate(block.outputs) if not s.optional}
-        for block in blocks
+        block.name: {k for k, s in enumerate(block.outputs) if not s.optional} for block in blocks
     }
     for each in (program, *reversed(blocks)):
         needed, uses = needed_part(_results(each, read.get(each.name)).block)

@@ -8,7 +8,6 @@ from shell_rig import read_status, shelled_loop
 
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
-from clepsydra.deploy.exportable import exportable
 
 SAFE = PlantShell(fail_safe={"pump_1": 1.5})
 
@@ -85,13 +84,3 @@ def test_no_output_of_any_family_begins_at_the_operating_point(name, process):
     outputs = loop.scan(start=1, **{f"{y}.good": 0.0 for y in controller.measurements})
     for u in controller.manipulated:
         assert outputs[f"{u}.out"] == shelled.values[f"{u}.fail_safe"]
-
-
-def test_before_the_first_call_the_outputs_are_at_their_fail_safe_values():
-    controller, plant = designed("PI, SIMC", "quadruple-tank")
-    ready = exportable(controller, plant.point, PlantShell(fail_safe={"pump_2": 1.25}))
-    first = {s.name: s.initial for s in ready.program.outputs if s.part == "out"}
-    assert first == {"pump_1.out": 0.0, "pump_2.out": 1.25}
-    # An importer of an FMU starts the loop at rest.
-    at_rest = {s.name: s.initial for s in ready.program_in_si.outputs if s.part == "out"}
-    assert at_rest == {f"{u}.out": plant.point.as_dict()[u] for u in ("pump_1", "pump_2")}
