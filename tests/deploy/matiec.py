@@ -97,11 +97,14 @@ void scan(const double *given, double *found)
 class CompiledByMatiec(ScannedLibrary):
     """A function block of matiec's C as a shared library, one instance of its state."""
 
-    def __init__(self, program, folder: Path, precision="double") -> None:
+    def __init__(
+        self, program, folder: Path, precision="double", *, text="", options=("-f",)
+    ) -> None:
+        """Compile the text of the block, or another one that holds it."""
         super().__init__(program)
         matiec = Matiec()
-        text = print_structured_text(program, precision=precision, dialect="matiec")
-        matiec.translate(text, folder)
+        text = text or print_structured_text(program, precision=precision, dialect="matiec")
+        matiec.translate(text, folder, options)
         writes = [
             f"    instance.{signal.identifier.upper()}.value = given[{place}];"
             for place, signal in enumerate(self._signals)
@@ -122,4 +125,8 @@ class CompiledByMatiec(ScannedLibrary):
             block=program.name.upper(), writes="\n".join(writes), reads="\n".join(reads)
         )
         self._take(matiec.build(source, folder, program.name), len(shown))
+        self.begin()
+
+    def begin(self) -> None:
+        """Make the instance a new one."""
         self._library.start()
