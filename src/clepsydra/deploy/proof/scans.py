@@ -28,6 +28,10 @@ _LONG = 0.02
 #: A rate of this size is none that limits.
 _UNLIMITED = 1e9
 _WRONG_STEPS = (0.0, -1.0, math.nan, math.inf, -math.inf, 1e301)
+#: What an engineer types for a parameter by mistake; not a number stands for the printed value.
+_WRONG_VALUES = (math.inf, -math.inf, 1e301, -1.0, 0.0)
+#: Sampling periods after which a scan is lost.
+_LATE_STEPS = (6.0, 60.0, 3600.0)
 _UNEVEN_STEPS = (0.5, 0.9, 0.99, 1.01, 1.1, 1.5, 2.0, 3.7)
 
 
@@ -41,10 +45,11 @@ def random_scans(
     faulty ones for times below and above the delay of a fault, and are no numbers. Sensors fail,
     modes change, also to modes that there are not, values of manual and tracking walk beyond
     their limits, cold and warm starts and acknowledgements come at any time, while a sensor is
-    bad too, and last for a scan or for many, and the time step is uneven or wrong. What else is
-    an input walks over its range. For half of the time somebody tunes: parameters change by up to
-    a hundredth, rates without a limit get one, delays of sensors get others. Not a number stands
-    for the printed value of a parameter.
+    bad too, and last for a scan or for many, and the time step is uneven, late or wrong. The block
+    begins without kept state. What else is an input walks over its range. For half of the time
+    somebody tunes: parameters change by up to a hundredth, rates without a limit get one, delays
+    of sensors get others; now and then one is typed wrong for a scan. Not a number stands for the
+    printed value of a parameter.
 
     Parameters
     ----------
@@ -111,7 +116,11 @@ class _Plant:
             return value * random.uniform(0.99, 1.01, count)
 
         values = np.clip(self._held(random, 250.0, draw), signal.low, signal.high)
-        return np.where(self._tuning, values, math.nan)
+        values = np.where(self._tuning, values, math.nan)
+        if signal.kind == "real":
+            wrong = random.random(self._scans) < 0.0005
+            values[wrong] = random.choice(_WRONG_VALUES, int(wrong.sum()))
+        return values
 
     def _maker(self, signal: Signal) -> Callable[[Signal, np.random.Generator], Array]:
         special = {
@@ -207,6 +216,8 @@ class _Plant:
 
         starts = np.arange(low, high + 1.0)
         values = np.full(self._scans, signal.initial)
+        if self._broken:  # nothing was kept before the first scan
+            values[:1] = 1.0
         for value in np.repeat(starts[starts != signal.initial], 2):
             begin = int(random.integers(self._scans))
             values[begin : begin + int(random.uniform(0.5, 1.5) * self._long)] = value
@@ -247,6 +258,8 @@ class _Plant:
         uneven, wrong = random.random(self._scans) < 0.02, random.random(self._scans) < 0.006
         values[uneven] *= random.choice(_UNEVEN_STEPS, int(uneven.sum()))
         values[wrong] = random.choice(_WRONG_STEPS, int(wrong.sum()))
+        late = random.random(self._scans) < 0.003
+        values[late] = self._period * random.choice(_LATE_STEPS, int(late.sum()))
         return values
 
     def _walk(self, signal: Signal, random: np.random.Generator) -> Array:
