@@ -235,7 +235,7 @@ def test_status_words_count_samples_of_any_length(run):
     first, second = status_words(replace(run, scenario=slow, values=values))
     assert first == (
         "pump_1: the mode is automatic (10 s); a sensor that the law needs reports a fault (10 s); "
-        "an input in use is not a number, or the mode is none of manual, automatic, tracking (10 s)"
+        "an input in use is not a number, or the mode is not manual, automatic or tracking (10 s)"
     )
     assert second == "pump_2: the mode is manual, nothing else to tell"
 

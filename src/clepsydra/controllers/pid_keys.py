@@ -92,7 +92,7 @@ FACEPLATE: tuple[Key, ...] = (
     _moved("op", "value of {output}"),
 )
 TERMS = (
-    _moved("p_part", "P part of what is asked of {output}"),
-    _moved("i_part", "I part of that, the bias of a loop without integral action"),
+    _moved("p_part", "P part of {output}"),
+    _moved("i_part", "I part of {output}, the bias of a loop without integral action"),
 )
-D_PART = _moved("d_part", "D part of that")
+D_PART = _moved("d_part", "D part of {output}")

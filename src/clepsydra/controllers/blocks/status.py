@@ -44,7 +44,7 @@ STATUS_BITS: dict[str, StatusBit] = {
     "at_high_limit": StatusBit(8, "the output stands at its high limit"),
     "sensor_fault": StatusBit(16, "a sensor that the law needs reports a fault"),
     "invalid_input": StatusBit(
-        32, "an input in use is not a number, or the mode is none of manual, automatic, tracking"
+        32, "an input in use is not a number, or the mode is not manual, automatic or tracking"
     ),
     "invalid_time_step": StatusBit(64, "the time step is not a number above zero"),
     "at_rate_limit": StatusBit(128, "the output moves as fast as its rate limit allows"),

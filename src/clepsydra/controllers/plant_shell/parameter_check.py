@@ -17,7 +17,7 @@ from clepsydra.program.step_law import Equations, Symbols
 
 #: Whole numbers are judged up to it; single precision holds every one.
 _LARGEST_COUNT = 1e7
-_INVALID = truth("invalid", "what is given is not valid: the last valid value is in force")
+_INVALID = truth("invalid", "the given value is not valid, and the last valid one is in force")
 
 
 @cache

@@ -40,14 +40,14 @@ ASKED = (
     ),
     truth(
         "acknowledge",
-        "where it becomes true, takes back what a fault latched, if its cause has gone",
+        "its rising edge acknowledges latched faults whose cause has gone",
     ),
 )  # fmt: skip
 WATCHDOG = count("watchdog", _LARGEST_WATCHDOG, "counts the scans from 0 to 32767 and over again")
 ELAPSED = Signal("elapsed", "s", description="time step that this scan counts for")
 ANEW = truth("anew", "this scan is a start of either kind")
 WARM = truth("warm", "this scan is a warm start, asked for or after a gap")
-FIRST = truth("first", "nothing was remembered before this scan")
+FIRST = truth("first", "first scan after a cold start, or of a new block")
 ACKNOWLEDGED = truth("acknowledged", "a fault is acknowledged in this scan")
 WITHOUT_STATE = truth("without_state", "a warm start finds no kept state")
 UNTIMED = truth("untimed", "more scans than the longest gap came without a usable time step")

@@ -97,7 +97,7 @@ def signal_check(*, ranged: bool) -> Block:
             GOOD,
             truth("invalid", "the measurement is not a number"),
             truth("uncertain", "it is good, and its current close to that of a fault"),
-            truth("failed", "it is bad, and has been for its delay or ever since the beginning"),
+            truth("failed", "bad for longer than its delay, or never good"),
         ),
         lambda symbols: _checked(symbols, ranged=ranged),
         ("Transmitter of 4 to 20 mA, judged as NAMUR NE 43 says.",),
@@ -143,13 +143,13 @@ def _checked(s: Symbols, *, ranged: bool) -> Equations:
 
 #: What a reader is told above the steps.
 _WORDS = {
-    "invalid": "not-a-number and infinity are no measurement",
+    "invalid": "not a number, or infinite",
     "current": "current of the transmitter [mA]",
-    "good": "usable: a number, no fault of the card, and a current that tells none",
+    "good": "good: a number, no fault of the card and no fault current",
     "good_measurement": "the last good value is held",
     "fault_time": "for how long the sensor has been bad, less half the time for which it was good",
     "waits": "a fault is ridden through for its delay, if there was a good measurement before",
-    "uncertain": "good, but close to a current of fault",
+    "uncertain": "good, but near a fault current",
     "failed": "the fault has lasted for its delay",
 }
 
@@ -205,7 +205,7 @@ RAMP = Block(
         PV,
         GOOD,
         truth("in_force", "an output that needs the setpoint is in automatic"),
-        truth("held", "a sensor is bad that such an output needs"),
+        truth("held", "a bad sensor holds such an output"),
         FIRST,
     ),
     (Signal("ramped_setpoint", description="the setpoint that was followed in the last scan"),),

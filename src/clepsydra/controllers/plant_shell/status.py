@@ -97,7 +97,7 @@ def output_command(*, limited: bool, rate: Rate) -> Block:
         (
             MODE,
             signals.TRACKING.port,
-            truth("good", "all sensors are good that the output needs"),
+            truth("good", "all sensors that the output needs are good"),
             truth("failed", "one of them has failed, or the time is not known"),
             ACKNOWLEDGED,
             WARM,
@@ -111,8 +111,8 @@ def output_command(*, limited: bool, rate: Rate) -> Block:
         STATE,
         (
             count("mode_used", _NO_MODE, "the mode that the law gets", low=-1.0),
-            truth("in_force", "the law moves the output"),
-            truth("held", "it would, but for a sensor that is bad"),
+            truth("in_force", "automatic control of the output is in force"),
+            truth("held", "a bad sensor holds the output"),
             *TOLD,
             *{"shell": REACH, "law": (used,), "none": ()}[rate],
         ),
@@ -183,8 +183,8 @@ _WORDS = {
     "follows": "before the law moves the output again, it follows the last output",
     "law_overridden": "the output of the law is not in force",
     "mode_used": "a law that is overridden tracks",
-    "in_force": "the law moves the output",
-    "held": "a fault is ridden through: the law holds",
+    "in_force": "automatic control of the output is in force",
+    "held": "a fault is ridden through: the output is held",
     "tracked": "value of the output where the law does not move it",
     "rate_acts": "the rate limit acts in automatic and in manual",
     "lowest": "limits, narrowed by the rate limit",
@@ -210,7 +210,7 @@ SHELL_STATUS_BITS: dict[str, StatusBit] = {
     "scan_time_off": StatusBit(
         2048, "the time step differs from the sampling period by more than its tolerance"
     ),
-    "setpoint_ramps": StatusBit(4096, "a setpoint ramps to what was asked for"),
+    "setpoint_ramps": StatusBit(4096, "a setpoint is on its ramp"),
     "following": StatusBit(
         8192,
         "after a warm start or a fault, in automatic: the law takes up its last output, and waits",
