@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -15,8 +15,9 @@ from clepsydra.engine.compiler import CompiledFunction, kernel_signature
 from clepsydra.engine.host import host
 from clepsydra.engine.layout import Layout
 from clepsydra.engine.object_cache import ObjectCache
+from clepsydra.engine.pacing import Pacing
 from clepsydra.engine.threads import available_threads, in_threads
-from clepsydra.engine.trajectories import Trajectories
+from clepsydra.engine.trajectories import Trajectories, follow_rings
 from clepsydra.engine.vector_code import KERNEL, KernelForm, vector_code
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.inlined import inlined
@@ -25,6 +26,8 @@ from clepsydra.program.program import Block, Conditional, ForLoop, Program
 Array = NDArray[np.float64]
 
 _LARGE_PROGRAM = 200
+#: Statements, at most, of the first call of the machine code in a run.
+_BEGUN_WITH = 10_000_000
 
 
 class Kernel:
@@ -205,6 +208,20 @@ def _turns(program: Program) -> int:
     return next((loop.count for loop in loops if loop.adjustable), 1)
 
 
+def _computed(block: Block, turns: int) -> int:
+    """Return the statements of a sample at most, with so many turns of adjustable loops."""
+    found = 0
+    for statement in block.statements:
+        if isinstance(statement, ForLoop):
+            count = turns if statement.adjustable else statement.count
+            found += count * _computed(statement.body, turns)
+        elif isinstance(statement, Conditional):
+            found += _computed(statement.body, turns)
+        else:
+            found += 1
+    return found
+
+
 def _always_computed(block: Block) -> int:
     return sum(
         _always_computed(statement.body) if isinstance(statement, ForLoop) else 1
@@ -250,26 +267,40 @@ class Job:
         records = -(-self.samples // self.every) if self.kernel.records else 0
         record = np.empty((groups, records, len(program.outputs), self.lanes))
         rings = self.initial_rings()
-        call = self.kernel.function(self.lanes).call
+        function = self.kernel.function(self.lanes)
+        pace = max(_BEGUN_WITH // max(_computed(program.block, self.turns), 1), 1)
 
-        def part(start: int, stop: int) -> None:
-            call(
+        def call(start: int, stop: int, first: int, last: int) -> None:
+            function.call(
                 state[start:].ctypes.data,
                 self.parameters[start:].ctypes.data,
-                self.shared.ctypes.data,
-                self.individual[start:].ctypes.data,
-                record[start:].ctypes.data,
+                self.shared[first:].ctypes.data,
+                self.individual[start, first:].ctypes.data,
+                record[start, first // self.every :].ctypes.data,
                 rings[start:].ctypes.data,
                 stop - start,
-                self.samples,
+                last - first,
                 self.every,
                 self.turns,
             )
+            follow_rings(program, rings[start:stop], last - first)
 
-        in_threads(part, groups, threads, cost=self.samples)
+        def work(start: int, stop: int) -> Iterator[None]:
+            pacing, first = Pacing(pace), 0
+            while start < stop:
+                many = pacing.pace // self.samples if first == 0 else 0
+                after, last = min(start + max(many, 1), stop), self.samples
+                if not many:  # a part of a run
+                    last = min(first + max(pacing.pace // self.every, 1) * self.every, last)
+                with pacing:
+                    call(start, after, first, last)
+                start, first = (after, 0) if last == self.samples else (start, last)
+                yield
+
+        in_threads(work, groups, threads)
         final = state.transpose(1, 0, 2).reshape(len(program.state), groups * self.lanes)
         final = final[:, : self.scenarios]
-        return Trajectories(program, self.scenarios, final, record, rings, self.samples)
+        return Trajectories(program, self.scenarios, final, record, rings)
 
     def initial_rings(self) -> Array:
         """Return what the delay rings hold at first [groups, entries of all rings, lanes]."""

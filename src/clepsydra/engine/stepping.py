@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from clepsydra.engine.kernel import Kernel
-from clepsydra.engine.trajectories import rings_by_name
+from clepsydra.engine.trajectories import follow_rings, rings_by_name
 
 
 class SteppedKernel:
@@ -69,10 +69,7 @@ class SteppedKernel:
     def step(self, inputs: Mapping[str, float]) -> dict[str, float]:
         """Go through the next sample and return its outputs."""
         outputs = self._run(self._state, self._rings, inputs)
-        # The kernel takes the first entry of a ring for its oldest one.
-        turned = rings_by_name(self._program, self._rings, 1)
-        if turned:
-            self._rings = np.ascontiguousarray(np.concatenate([*turned.values()], axis=1))
+        follow_rings(self._program, self._rings, 1)
         return outputs
 
     @property
@@ -84,7 +81,7 @@ class SteppedKernel:
     @property
     def rings(self) -> dict[str, np.ndarray]:
         """What each delay ring holds before the next sample, the oldest first [length]."""
-        held = rings_by_name(self._program, self._rings, 0)
+        held = rings_by_name(self._program, self._rings)
         return {name: ring.ravel() for name, ring in held.items()}
 
     def _run(

@@ -1,14 +1,11 @@
-"""Independent work on threads, in parts small enough to be interrupted."""
+"""Independent work on threads, which an interruption ends within about a second."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-
-#: Group-samples after which a part ends, so that a batch can be interrupted within about a
-#: second; one group of lanes is never split.
-_PART = 4_000_000
 
 
 def available_threads() -> int:
@@ -18,33 +15,39 @@ def available_threads() -> int:
     return os.cpu_count() or 1
 
 
-def in_threads(
-    work: Callable[[int, int], None], count: int, threads: int, *, cost: int = 1
-) -> None:
-    """Call ``work(start, stop)`` so that 0 … count-1 is covered once, on some threads.
+def in_threads(work: Callable[[int, int], Iterator[None]], count: int, threads: int) -> None:
+    """Go through ``work(start, stop)`` so that 0 … count-1 is covered once, on some threads.
 
     Parameters
     ----------
     work : callable
-        Work on a range of items; must not depend on other ranges.
+        Works on a range of items, and gives control back now and then; must not depend on other
+        ranges.
     count : int
         Number of items.
     threads : int
-    cost : int
-        Of one item, in samples: sets how many items make a part.
     """
-    size = max(1, min(-(-count // threads), _PART // max(cost, 1)))
+    size = -(-count // threads)
     starts = range(0, count, size)
     if threads == 1 or len(starts) == 1:
         for start in starts:
-            work(start, min(start + size, count))
+            for _ in work(start, min(start + size, count)):
+                pass
         return
+    given_up = threading.Event()
+
+    def until_given_up(start: int) -> None:
+        for _ in work(start, min(start + size, count)):
+            if given_up.is_set():
+                return
+
     with ThreadPoolExecutor(threads) as pool:
-        futures = [pool.submit(work, start, min(start + size, count)) for start in starts]
+        futures = [pool.submit(until_given_up, start) for start in starts]
         try:
             for future in futures:
                 future.result()
         except BaseException:
+            given_up.set()
             for future in futures:
                 future.cancel()
             raise

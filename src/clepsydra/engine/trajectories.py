@@ -27,8 +27,7 @@ class Trajectories:
     record : ndarray [groups, records, q, lanes]
         As the kernel laid it down; `output` gives it by name.
     held : ndarray [groups, entries of all rings, lanes]
-        As the kernel left the delay rings; `rings` gives them by name.
-    samples : int
+        Of all delay rings, the oldest of each first; `rings` gives them by name.
     """
 
     program: Program
@@ -36,7 +35,6 @@ class Trajectories:
     final_state: Array
     record: Array
     held: Array
-    samples: int
 
     def output(self, name: str) -> Array:
         """Return the trajectory of an output [scenarios, records], a view where possible.
@@ -67,7 +65,7 @@ class Trajectories:
         """Return what each delay ring holds at the end, the oldest first [scenarios, length]."""
         return {
             name: ring.transpose(0, 2, 1).reshape(-1, ring.shape[1])[: self.scenarios]
-            for name, ring in rings_by_name(self.program, self.held, self.samples).items()
+            for name, ring in rings_by_name(self.program, self.held).items()
         }
 
     def state(self, name: str) -> Array:
@@ -89,24 +87,30 @@ class Trajectories:
         return self.final_state[names.index(name)]
 
 
-def rings_by_name(program: Program, rings: Array, samples: int) -> dict[str, Array]:
-    """Return what each delay ring holds after some samples, the oldest first.
+def rings_by_name(program: Program, rings: Array) -> dict[str, Array]:
+    """Return what each delay ring holds [groups, length, lanes], views of all rings together."""
+    found, start = {}, 0
+    for ring, _ in _rings_and_turns(program):
+        found[ring.name] = rings[:, start : start + ring.length]
+        start += ring.length
+    return found
+
+
+def follow_rings(program: Program, rings: Array, samples: int) -> None:
+    """Put the oldest entry of each delay ring first, as a kernel takes it, after some samples.
 
     Parameters
     ----------
     rings : ndarray [groups, entries of all rings, lanes]
         As a kernel left them that took the first entry of each for its oldest one.
-
-    Returns
-    -------
-    dict
-        Ring to its content [groups, length, lanes].
     """
+    held = rings_by_name(program, rings)
+    for ring, turns in _rings_and_turns(program):
+        held[ring.name][:] = np.roll(held[ring.name], -(turns * samples % ring.length), axis=1)
+
+
+def _rings_and_turns(program: Program) -> list[tuple[DelayRing, int]]:
+    """Return the rings in the order of their memory, each with its turns in a sample."""
     own = [(entry, 1) for entry in program.state if isinstance(entry, DelayRing)]
     loops = (statement for statement in program.block.statements if isinstance(statement, ForLoop))
-    found, start = {}, 0
-    for ring, turns in [*own, *((ring, loop.count) for loop in loops for ring in loop.rings)]:
-        content = rings[:, start : start + ring.length]
-        found[ring.name] = np.roll(content, -(turns * samples % ring.length), axis=1)
-        start += ring.length
-    return found
+    return [*own, *((ring, loop.count) for loop in loops for ring in loop.rings)]
