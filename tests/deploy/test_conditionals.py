@@ -70,9 +70,9 @@ def spill_program(kind: str = "real") -> Program:
 def test_a_conditional_reads_like_written_by_hand():
     """What is limited is kept until the volume above the limit has been read."""
     source, text = print_c(spill_program()).source, print_structured_text(spill_program())
-    assert "/* spill */\n" in source and "  outputs->spills = 0.0;\n  if (t1 > 2.0) {\n" in source
+    assert "/* spill */\n" in source and "  outputs->spills = 0.0;\n  if (sum > 2.0) {\n" in source
     assert "    next_level = 2.0;\n" in source and "    outputs->spills = 1.0;\n  }\n" in source
-    assert "(* spill *)\n" in text and "\nspills := 0.0;\nIF t1 > 2.0 THEN\n" in text
+    assert "(* spill *)\n" in text and "\nspills := 0.0;\nIF sum > 2.0 THEN\n" in text
     assert "  next_level := 2.0;\n" in text and "  spills := 1.0;\nEND_IF;\n" in text
 
 

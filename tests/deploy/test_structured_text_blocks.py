@@ -12,6 +12,7 @@ from structured_text_programs import plcopen_of
 from tools import need_grammar
 
 from clepsydra.base.signal import Signal
+from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.process_program import process_program
 from clepsydra.deploy.proof.interpreted_text import InterpretedText
 from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES
@@ -53,6 +54,19 @@ def test_function_blocks_compute_the_bits_of_the_kernel():
     run = Kernel(program_of(law)).run(SCANS, inputs=inputs)
     for column, name in enumerate(("y", "high")):
         np.testing.assert_array_equal(found[:, column], run.output(name)[0])
+
+
+@pytest.mark.parametrize("name", ["PI, variable structure", "Feedback linearisation"])
+def test_no_variable_is_called_by_a_letter_and_a_number(name):
+    """What the law gives no name is named by what it is; 1e300 stands once a block, with a name."""
+    program = family(name)[1].program
+    source = print_c(program)
+    for text in (print_structured_text(program), source.source):
+        assert not re.findall(r"\bt\d+\b", text)
+        assert re.search(r"\b(sum|difference|condition)(_\d+)?\b", text)
+    blocks = print_structured_text(program).split("END_FUNCTION_BLOCK")
+    assert max(block.count("1.0E300") for block in blocks) == 1
+    assert all("largest_number : LREAL := 1.0E300" in b for b in blocks if "E300" in b)
 
 
 @pytest.mark.parametrize("dialect", DIALECT_NAMES)

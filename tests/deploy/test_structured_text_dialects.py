@@ -59,15 +59,28 @@ VAR RETAIN
   late : ARRAY[0..2] OF LREAL := [0.25, 0.25, 0.25]; (* [m]; delayed by 3 samples; at rest *)
   late_position : DINT := 0; (* [1] place of the oldest value *)
 END_VAR
-VAR CONSTANT weights_table : ARRAY[0..3] OF LREAL := [1.0, 0.5, 0.25, 0.1]; END_VAR
 """
+TABLE = "weights_table : ARRAY[0..3] OF LREAL := [1.0, 0.5, 0.25, 0.1];"
+#: Where the system reads 1e300, what is not a number is told by a constant with a name.
+CONSTANTS = {
+    "codesys": f"""\
+VAR CONSTANT
+  (* numbers *)
+  largest_number : LREAL := 1.0E300; (* [1]; a value beyond it is not a number *)
+  (* tables *)
+  {TABLE}
+END_VAR
+""",
+    "matiec": f"VAR CONSTANT {TABLE} END_VAR\n",
+}
 ORIGIN = Origin("The law", "a tank", "By hand.", 1.0, {"late": "at rest"}, "found by hand")
 
 
 def test_the_interface_in_every_dialect():
     texts = {name: print_structured_text(every_kind(), origin=ORIGIN, dialect=name)
              for name in DIALECT_NAMES}  # fmt: skip
-    assert CODESYS in texts["codesys"] and CODESYS in texts["matiec"]
+    assert all(CODESYS + constants in texts[name] for name, constants in CONSTANTS.items())
+    assert texts["codesys"].count("1.0E300") == 1
     for text in texts.values():
         opened = text.rpartition("END_FUNCTION\n")[2] if text == texts["scl"] else text
         head = " ".join(line.strip("(*/ )") for line in opened.splitlines()[:13])
@@ -80,7 +93,8 @@ def test_the_interface_in_every_dialect():
     assert (
         "  late : ARRAY[0..2] OF LREAL := [0.25, 0.25, 0.25]; // [m]; delayed by 3" in texts["scl"]
     )
-    assert "VAR CONSTANT" not in texts["scl"] and "(*" not in texts["scl"]
+    assert "(*" not in texts["scl"] and texts["scl"].count("VAR CONSTANT") == 1
+    assert re.search(r"VAR CONSTANT\s+largest_number : LREAL := 1.0E300;", texts["scl"])
     assert "VAR weights_table : ARRAY[0..3]" in texts["scl"]
 
 

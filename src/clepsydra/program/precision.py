@@ -24,6 +24,11 @@ _SMALLEST = float(np.finfo(np.float32).tiny)
 #: value counts as not a number (`LARGEST_NUMBER` of the controllers' blocks), and of what keeps a
 #: divisor from being zero.
 _IN_SINGLE = {1e300: float(np.float32(3e38)), 1e-300: _SMALLEST}
+_LARGEST_NUMBER = Signal(
+    "largest_number",
+    initial=1e300,
+    description="a value beyond it is not a number",
+)
 
 
 #: Operations on numbers of single precision whose result need not be one.
@@ -49,6 +54,19 @@ choose one of them.
         raise InputError(
             "precision", precision, " or ".join(get_args(Precision)), "choose one of them"
         )
+
+
+def largest_number(precision: Precision) -> Signal:
+    """Return the magnitude above which a value counts as not a number, as a constant with a name.
+
+    Examples
+    --------
+    >>> largest_number("double").initial
+    1e+300
+    """
+    if precision == "double":
+        return _LARGEST_NUMBER
+    return replace(_LARGEST_NUMBER, initial=_IN_SINGLE[_LARGEST_NUMBER.initial])
 
 
 def in_precision(program: Program, precision: Precision) -> Program:

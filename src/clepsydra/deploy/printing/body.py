@@ -25,6 +25,7 @@ from clepsydra.deploy.printing.statements import Language, ring_place
 from clepsydra.deploy.printing.whole_numbers import whole_ranges
 from clepsydra.program.entries import is_ring, signal_of
 from clepsydra.program.owned_state import owned_by_calls
+from clepsydra.program.precision import largest_number
 from clepsydra.program.program import Program
 
 #: A line of words above a step is no wider than this [characters].
@@ -88,7 +89,8 @@ class Body:
     ) -> None:
         self._program, self._names, self._places = program, names, places
         self._made, self._uses = program.block.made, program.block.uses()
-        constants = {names.new(each.identifier): each for each in program.constants}
+        meant = (*program.constants, largest_number(language.precision))
+        constants = {names.new(each.identifier): each for each in meant}
         language = self._language = language.naming(constants)
         owned, state = owned_by_calls(program), places["state"]
         rings = [entry.length if is_ring(entry) else 0 for entry in program.state]

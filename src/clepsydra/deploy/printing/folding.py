@@ -29,6 +29,20 @@ _CONVERTED: dict[str, Kind] = {"truth": "boolean", "number": "real"}
 _LARGE = 1e37
 #: A folded expression grows no wider than this: two lines at the most [characters].
 _WIDTH = 150
+#: What a result is called that the law gives no name, by its operation.
+_RESULTS = {
+    "add": "sum",
+    "subtract": "difference",
+    "multiply": "product",
+    "divide": "quotient",
+    "negate": "opposite",
+    "square_root": "root",
+    "absolute": "magnitude",
+    "minimum": "limited",
+    "maximum": "limited",
+    "select": "chosen",
+    "pow": "power",
+}
 #: And up to this many characters in all.
 _OFTEN = 90
 #: What stands for an argument that its block does not read.
@@ -132,8 +146,7 @@ class FoldedBlock:
         """Give a value a variable, and return the expression that reads it."""
         expression = self._values[value]
         if not name:
-            wanted = self._preferred.get(value) or _name_for(expression)
-            name = self._names.new(wanted) if wanted else self._names.temporary()
+            name = self._names.new(self._preferred.get(value) or _name_for(expression))
         if expression.code == "select" and value not in self._as_number:
             expression = expression.known_as("integer") or expression
         typed = expression.typed_part
@@ -313,19 +326,25 @@ class FoldedBlock:
 
 
 def _name_for(expression: Expression) -> str:
-    """Return a name that says what an expression is; empty where it says too little."""
+    """Return a name that says what an expression is."""
     expression = expression.typed_part
     code, operands = expression.code, expression.operands
     if code == "less_equal" and operands[0].code == "absolute" and operands[1].number > _LARGE:
         return _last_name(operands[0].operands[0], "_is_number")
     if code == "select" and operands[2].code == "constant" and expression.kind == "real":
         return _last_name(operands[1], "_used")
-    return "limited" if code in ("maximum", "minimum") else ""
+    if code in ("less", "less_equal") and "constant" in (operands[0].code, operands[1].code):
+        first = operands[0].code == "constant"
+        read = operands[1] if first else operands[0]
+        return _last_name(read, "_above" if first else "_below") if read.is_atom else "condition"
+    if expression.kind == "boolean":
+        return "condition"
+    return _RESULTS.get(code, "intermediate")
 
 
 def _last_name(read: Expression, end: str) -> str:
     """Return the name of a variable, without what it is a member of, and an end."""
-    return re.split(r"\W+", read.text.rstrip("]"))[-1] + end if read.text else ""
+    return (re.split(r"\W+", read.text.rstrip("]"))[-1] if read.text else "value") + end
 
 
 def _depth(expression: Expression) -> int:

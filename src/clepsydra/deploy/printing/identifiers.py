@@ -58,14 +58,14 @@ class Identifiers:
     Examples
     --------
     >>> names = Identifiers(["limit"], ignore_case=True)
-    >>> names.new("Limit"), names.new("error"), names.temporary()
-    ('Limit_2', 'error', 't1')
+    >>> names.new("Limit"), names.new("error"), names.new("Limit")
+    ('Limit_2', 'error', 'Limit_3')
     """
 
     def __init__(self, taken: Iterable[str], *, ignore_case: bool) -> None:
         self._ignore_case = ignore_case
         self._taken = {self._key(name) for name in taken}
-        self._temporaries = 0
+        self._numbers: dict[str, int] = {}
         self._shared: dict[tuple[str, object], str] = {}
 
     def new(self, wanted: str) -> str:
@@ -73,10 +73,12 @@ class Identifiers:
         wanted = re.sub(r"[^A-Za-z0-9]+", "_", wanted).strip("_")
         if not wanted or wanted[0].isdigit():
             wanted = f"value_{wanted}".rstrip("_")
-        name, number = wanted, 1
+        key = self._key(wanted)
+        name, number = wanted, self._numbers.get(key, 1)
         while not self.is_free(name):
             number += 1
             name = f"{wanted}_{number}"
+        self._numbers[key] = number
         self._taken.add(self._key(name))
         return name
 
@@ -98,13 +100,6 @@ class Identifiers:
         False
         """
         return self._key(name) not in self._taken
-
-    def temporary(self) -> str:
-        """Return the next of the names t1, t2, … that is free."""
-        self._temporaries += 1
-        while not self.is_free(f"t{self._temporaries}"):
-            self._temporaries += 1
-        return self.new(f"t{self._temporaries}")
 
     def _key(self, name: str) -> str:
         return name.lower() if self._ignore_case else name
