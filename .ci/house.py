@@ -1,12 +1,14 @@
 """House rules that no linter knows.
 
-No file of src or page has more than 400 lines, no other more than 600, and no test reads a clock.
+No file of src or page has more than 400 lines, no other more than 600, no test reads a clock, and
+what something is called decides nothing.
 """
 
 import sys
 from pathlib import Path
 
 from clocks import read_in
+from labels import decided_in
 
 LONGEST = 600
 LONGEST_OF_SOURCE = 400
@@ -20,7 +22,7 @@ def longest(path: Path) -> int:
 
 
 def main() -> None:
-    """Exit with 1 and a list of what is too long, and of the tests that read a clock."""
+    """Exit with 1 and a list of what is too long, what reads a clock, and what a label decides."""
     files = [
         path
         for folder in FOLDERS
@@ -35,7 +37,11 @@ def main() -> None:
         if n > longest(path)
     ]
     found += read_in(Path("tests"))
-    print("\n".join(found) or f"{len(files)} files, none too long; no test reads a clock")
+    found += decided_in(Path("src/clepsydra"))
+    print(
+        "\n".join(found)
+        or f"{len(files)} files, none too long; no test reads a clock, no label decides"
+    )
     sys.exit(1 if found or not files else 0)
 
 

@@ -1,10 +1,14 @@
 """What the page of one controller shows."""
 
+from dataclasses import replace
+
 import pytest
 from flow_cascade import flow_cascade
 
 import clepsydra as cl
+from clepsydra.program.step_law import Equations, step_law
 from clepsydra.report.html import controller_section
+from clepsydra.report.law_tables import law_grids, law_words
 
 STUDY = (
     flow_cascade(duration="1 min", at="10 s", by="2 %")
@@ -79,3 +83,32 @@ def test_a_loop_whose_setpoint_is_fixed_is_told_where_it_rests(tmp_path):
     (wiring,) = (dict(table.rows) for table in tables if table.title == "Wiring")
     assert wiring["level.sp"] == "setpoint of level"
     assert wiring["flood.sp"] == "80.0 % at rest"
+
+
+def test_nothing_is_told_of_a_law_because_of_what_its_parameters_are_called():
+    """A law u = K1 (r - y), whose parameters have the names of an LQI, is no LQI."""
+    names = ["pump_1.feedback.level_1", "pump_1.integral_gain.level_1", "pump_1.bias"]
+    law = step_law(
+        "mine",
+        inputs=[cl.Signal("level_1.sp"), cl.Signal("level_1.pv")],
+        parameters=[cl.Signal(name, initial=2.0) for name in names],
+        state=[],
+        outputs=[cl.Signal("pump_1.out")],
+        equations=lambda s: Equations(
+            {}, {"pump_1.out": s[names[0]] * (s["level_1.sp"] - s["level_1.pv"]) + s[names[2]]}
+        ),
+        description=["A law of three numbers."],
+    )
+    plant = cl.load("quadruple-tank")
+    lqi = cl.design.lqi(plant)
+    by_name = {parameter.name for parameter in lqi.law.parameters}
+    assert set(names[:2]) <= by_name  # they are those of the LQI
+    mine = replace(
+        lqi, law=law, values=dict.fromkeys(names, 2.0), initial_state={}, manipulated=("pump_1",),
+        measurements=("level_1",), setpoints=("level_1",),
+    )  # fmt: skip
+    assert law_words(mine) == ["A law of three numbers."]
+    assert law_grids(mine, plant.process) == []
+    assert (
+        law_words(lqi)[0].startswith("u = u° − F x + I") and len(law_grids(lqi, plant.process)) == 2
+    )

@@ -1,12 +1,14 @@
 """One declaration adds a score to runs, batches, tunings, rankings and reports."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from refusals import refused
 
 import clepsydra as cl
 from clepsydra.scores.sample import Fold, magnitude
-from clepsydra.scores.score import SCORES, Of, Score
+from clepsydra.scores.score import SCORES, Of, Ranks, Score
 
 SQUARED_MOVES = Score(
     "squared_moves",
@@ -92,3 +94,32 @@ def test_a_study_ranks_by_it(own_scores, tmp_path):
 def test_a_key_belongs_to_one_score(own_scores):
     with refused(place="clepsydra.scores", value="squared_moves"):
         Score("squared_moves", "Others", "Others.").registered()
+
+
+def test_a_ranking_judges_by_what_is_declared_to_rank(own_scores, plant):
+    """A score of held levels joins the usual ones; one of moves decides between those that tie."""
+    simc, events = cl.design.simc(plant), [cl.step("level_1", "0.5 V")]
+    tried = [simc, simc.with_values({"level_1": {"K": 2.0}}, name="mild")]
+    plain = cl.study(plant, tried, events, duration="3 min")
+    for score, ranks in ((LEFT_SUM, Ranks.HELD), (SQUARED_MOVES, Ranks.MOVEMENT)):
+        del SCORES._things[score.key]
+        replace(score, ranks=ranks).registered()
+    study = cl.study(plant, tried, events, duration="3 min")
+    for before, after in zip(plain.ranking, study.ranking, strict=True):
+        assert set(after.criteria) - set(before.criteria) == {"left sum"}
+    sums = [each.scores["left_sum[level_1]"] for each in study.ranking]
+    first, second = (each.criteria["left sum"] for each in study.ranking)
+    assert second / first != 1.0 and min(sums) > 0.0
+    assert [each.wear for each in study.ranking] != [each.wear for each in plain.ranking]
+
+
+def test_what_counts_as_nothing_is_declared(own_scores, plant):
+    """Two controllers that both move less than is negligible are told apart by nothing."""
+    simc, events = cl.design.simc(plant), [cl.step("level_1", "1 mV")]
+    tried = [simc, simc.with_values({"level_1": {"K": 6.0}}, name="strong")]
+    wears = [each.wear for each in cl.study(plant, tried, events, duration="3 min").ranking]
+    assert wears[0] == wears[1] == 1.0
+    declared = SCORES._things.pop("total_variation")
+    replace(declared, negligible=0.0).registered()
+    wears = [each.wear for each in cl.study(plant, tried, events, duration="3 min").ranking]
+    assert wears[0] != wears[1]

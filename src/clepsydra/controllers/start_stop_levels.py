@@ -116,7 +116,7 @@ def start_stop_law(
     [100.0, 0.0]
     """
     (level,), pumps = signals.process_signals(measured), signals.process_signals(manipulated)
-    return control_law(
+    law = control_law(
         "start_stop_levels",
         lambda sample: _equations(sample, level, pumps),
         measured=[level],
@@ -124,6 +124,7 @@ def start_stop_law(
         manipulated=pumps,
         description=_DESCRIPTION,
     )
+    return replace(law, check=check_levels)
 
 
 def check_levels(law: StepLaw, values: Mapping[str, float], place: str) -> None:

@@ -9,7 +9,6 @@ from clepsydra.base.arguments import is_finite_number, require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion, symbol_of
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.start_stop_levels import FAMILY, check_levels
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.interface.loop_settings import Setting
 from clepsydra.interface.quantities import arguments, with_unit
@@ -60,8 +59,8 @@ def values_of(controller: Controller, values: Mapping[str, Any]) -> dict[str, fl
                 _PLACE, str(name)[:60], f"{words} ({', '.join(known)})",
                 f"write {now}" if now else suggestion(name, known, "choose one of them"),
             )  # fmt: skip
-    if controller.family == FAMILY:
-        check_levels(controller.law, {**controller.values, **found}, _PLACE)
+    if controller.law.check is not None:
+        controller.law.check(controller.law, {**controller.values, **found}, _PLACE)
     return found
 
 

@@ -237,7 +237,7 @@ def emptied(rest: OperatingPoint) -> OperatingPoint:
     0.0
     """
     process = rest.process
-    inside = {s.name for e in process.elements if e.symbol == "tank" for s in e.states()}
+    inside = {s.name for e in process.elements if e.holds_liquid for s in e.states()}
     state = np.array(
         [
             signal.low if signal.name in inside else value

@@ -81,7 +81,7 @@ def _settled_lags(model: LinearModel, period: float) -> list[int]:
     Its entry on the diagonal then is an eigenvalue, and the others are those of what remains.
     """
     elements = operating_point_of(model).process.elements
-    tanks = {s.name for e in elements if e.symbol == "tank" for s in e.states()}
+    tanks = {s.name for e in elements if e.holds_liquid for s in e.states()}
     own = {s.name for e in elements for s in e.states()} - tanks
     coupled = model.A != 0.0
     np.fill_diagonal(coupled, False)

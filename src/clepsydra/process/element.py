@@ -213,6 +213,11 @@ class Element(ABC):
         """Return the liquid that it holds [m³] and the amount of each component."""
         return {}
 
+    @property
+    def holds_liquid(self) -> bool:
+        """Whether it says what it stores: at the low ends of its states it is then empty."""
+        return type(self).stored is not Element.stored
+
     def brings(self) -> tuple[str, ...]:
         """Return the components that it brings from outside."""
         return ()

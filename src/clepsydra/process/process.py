@@ -115,8 +115,11 @@ class Process(Equations):
 
     @property
     def levels(self) -> tuple[str, ...]:
-        """The states that are levels of tanks, "tank_1.level"."""
-        return tuple(signal.name for signal in self.state if signal.name.endswith(".level"))
+        """The states of what holds liquid that are heights, "tank_1.level"."""
+        held = {
+            state.name for each in self.elements if each.holds_liquid for state in each.states()
+        }
+        return tuple(each.name for each in self.state if each.name in held and each.unit == "m")
 
     @property
     def spilt(self) -> dict[str, str]:

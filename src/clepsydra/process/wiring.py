@@ -144,6 +144,8 @@ def _fits(other: Element, connection: Connection) -> bool:
         return other.receives
     if connection.wanted == "flow":
         return type(other).flows is not Element.flows and not other.gives
+    if connection.wanted == "tank":
+        return other.holds_liquid
     return other.gives if connection.wanted == "source" else other.kind == connection.wanted
 
 

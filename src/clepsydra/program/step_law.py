@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Any
@@ -42,6 +42,9 @@ class StepLaw:
         What it was joined from, for who draws or tabulates it.
     equations : callable or None
         What the function was made of; None where it is no expression.
+    check : callable or None
+        Law, values and the place for a message; refuses values that are each in their range and do
+        not go together.
 
     Examples
     --------
@@ -71,6 +74,9 @@ class StepLaw:
     description: tuple[str, ...] = ()
     blocks: tuple[Any, ...] = ()
     equations: Callable[[dict[str, ca.SX]], Equations] | None = field(default=None, repr=False)
+    check: Callable[[StepLaw, Mapping[str, float], str], None] | None = field(
+        default=None, repr=False
+    )
 
     def __getstate__(self) -> dict[str, Any]:
         """Return what is pickled: the equations as data, and nothing that follows from them."""

@@ -58,13 +58,12 @@ def law_words(controller: Controller) -> list[str]:
 values at the operating point.'
     """
     description = list(controller.law.description)
-    values = controller.values
-    parts = {part for name in values for part in name.split(".")}
-    if "feedback" not in parts:
+    matrices = {parameter.matrix for parameter in controller.law.parameters}
+    if "feedback" not in matrices:
         return description
-    observed = "transition" in parts
+    observed = "transition" in matrices
     state = "x = x̂" if observed else "x = y − y°"
-    if "integral_gain" in parts:
+    if "integral_gain" in matrices:
         words = f"u = u° − F x + I within the limits, I⁺ = I + Δt G (r − y), {state}, each sample."
     else:
         words = (
@@ -160,7 +159,8 @@ def _told(
 def _matrix(
     controller: Controller, stem: str, title: str, rows: Sequence[Signal], columns: Sequence[Signal]
 ) -> Table | None:
-    values = controller.values
+    declared = (each.name for each in controller.law.parameters if each.matrix == stem)
+    values = {name: controller.values[name] for name in declared}
     names = [[path(path(row, stem), column.name) for column in columns] for row in rows]
     if not any(name in values for of_row in names for name in of_row):
         return None

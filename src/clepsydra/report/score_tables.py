@@ -21,10 +21,10 @@ from clepsydra.report.quantities import (
     quantity_text,
     settled,
 )
+from clepsydra.scores.effort import IDLE
 from clepsydra.scores.score import SCORES, Of, Score, in_sentence
 from clepsydra.scores.score_key import score_key
 from clepsydra.studies.ranking import RULE
-from clepsydra.studies.ranking_words import IDLE
 from clepsydra.studies.result import Candidate, Standing, StudyResult
 from clepsydra.studies.tuning.result import TuningResult
 

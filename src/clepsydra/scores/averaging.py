@@ -16,7 +16,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from clepsydra.scores.sample import Expression, Fold, Sample, magnitude
-from clepsydra.scores.score import Of, Score
+from clepsydra.scores.score import Of, Ranks, Score
 from clepsydra.scores.trajectory import FloatArray, finite_or_infinite
 
 _SECONDS_PER_HOUR = 3600.0
@@ -70,6 +70,8 @@ Score(
     "Largest rate of change, from sample to sample, of what leaves the tank, during load steps.",
     Of.AVERAGING,
     unit="m³/h per h",
+    ranks=Ranks.AVERAGING,
+    negligible=1e-9,
     phrase="outflow change",
     wants="load",
     integrand=rate_of_change,
@@ -82,6 +84,8 @@ Score(
     "inflow: 0 smooths all, 1 nothing.",
     Of.AVERAGING,
     unit="1",
+    ranks=Ranks.AVERAGING_FREELY,
+    negligible=1e-6,
     phrase="outflow variance",
     wants="load",
     integrand=variances,
@@ -95,6 +99,7 @@ Score(
     "one leaves smoothing unused.",
     Of.AVERAGING,
     unit="% of the tank",
+    negligible=0.1,
     smaller_is_better=False,
     wants="load",
     over=lambda run, name: volume_used(run.time, run.plant.buffers[name].filling, run.loads),

@@ -16,7 +16,7 @@ import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.scores.sample import Fold, magnitude
-from clepsydra.scores.score import Of, Score
+from clepsydra.scores.score import Of, Ranks, Score
 from clepsydra.scores.trajectory import FloatArray, finite_or_infinite, held_durations
 
 #: Resolution of a good positioner, as a share of the range; EnTech, Control Valve Dynamic
@@ -151,16 +151,21 @@ def _moved(held: FloatArray) -> list[float]:
     return found
 
 
+#: A total variation below this share of an input's range counts as this much: the input is idle,
+#: and a multiple of next to nothing says nothing.
+IDLE = 0.1
 TOTAL_VARIATION = Score(
     "total_variation",
     "Total variation",
     "Sum of all moves of the manipulated variable: wear of the actuator.",
     Of.MANIPULATED,
     powers=(1, 0),
+    ranks=Ranks.MOVEMENT,
+    negligible=IDLE,
     integrand=lambda sample: magnitude(sample.move),
     fold=Fold.SUM,
 ).registered()
-Score(
+NOISE_MOVEMENT = Score(
     "noise_movement",
     "Noise movement",
     "Standard deviation with which measurement noise alone throws the manipulated variable "
@@ -178,6 +183,7 @@ Score(
     "than 0.1 % of the range.",
     Of.MANIPULATED,
     unit="% of range per h",
+    negligible=0.1,
     over=lambda run, name: run.of_range(travel, name),
 ).registered()
 Score(

@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from clepsydra.scores.sample import Expression, Fold, Sample, magnitude, where
-from clepsydra.scores.score import Score
+from clepsydra.scores.score import Ranks, Score
 
 #: The weight a of ISEG in the document that names it [s²].
 WEIGHT = 0.5
@@ -104,6 +104,7 @@ Score(
     "IAE, setpoint",
     "Integral of the absolute error over the segments of all setpoint steps.",
     powers=(1, 1),
+    ranks=Ranks.HELD,
     phrase="setpoint error",
     wants="setpoint",
     integrand=lambda sample: sample.of_setpoint * absolute_error(sample),
@@ -113,6 +114,7 @@ Score(
     "IAE, load",
     "Integral of the absolute error over the segments of all load steps.",
     powers=(1, 1),
+    ranks=Ranks.HELD,
     phrase="load error",
     wants="load",
     integrand=lambda sample: sample.of_load * absolute_error(sample),

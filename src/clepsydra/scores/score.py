@@ -48,6 +48,15 @@ class Of(Enum):
         return ()
 
 
+class Ranks(Enum):
+    """What controllers are ranked for by a score, where a study asks for no scores."""
+
+    HELD = "levels that are held at their setpoints"
+    AVERAGING = "levels that average a flow"
+    AVERAGING_FREELY = "levels that average a flow and have no band"
+    MOVEMENT = "what the manipulated variables move"
+
+
 @dataclass(frozen=True, eq=False)
 class Score:
     """What a run was worth in one respect, for one signal.
@@ -73,6 +82,11 @@ class Score:
     wants : {"", "setpoint", "load", "own step", "head"}
         Without what there is no such score: a kind of segment, a step of the signal's own setpoint
         that the controller follows, or a head of the pump that is known.
+    ranks : Ranks, optional
+        What controllers are ranked for by it.
+    negligible : float, optional
+        What counts as nothing where controllers are compared, in `unit`; of one in the unit of its
+        signal a share of the signal's range.
     integrand : callable, optional
         Sample to the value that is folded, or to several where `finish` makes one of their folds.
     finish : callable, optional
@@ -98,6 +112,8 @@ class Score:
     phrase: str = ""
     smaller_is_better: bool = True
     wants: str = ""
+    ranks: Ranks | None = None
+    negligible: float | None = None
     integrand: Callable[[Sample], Any] | None = None
     fold: Fold = Fold.INTEGRAL
     finish: Callable[..., Any] | None = None

@@ -68,6 +68,7 @@ OVERSHOOT = Score(
     "How far the output passes its setpoint after a step of it, in the worst step; – where the "
     "controller follows no setpoint.",
     unit="% of the step",
+    negligible=0.1,
     wants="own step",
     integrand=passed,
     fold=Fold.LARGEST,
@@ -78,6 +79,7 @@ UNDERSHOOT = Score(
     "How far the output first goes the wrong way after a step of its setpoint, as behind a zero in "
     "the right half-plane, in the worst step; – where the controller follows no setpoint.",
     unit="% of the step",
+    negligible=0.1,
     wants="own step",
     integrand=fallen_behind,
     fold=Fold.LARGEST,

@@ -11,11 +11,11 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.process.process import Process
 from clepsydra.scores.band import TIME_OUTSIDE
-from clepsydra.scores.score import SCORES, in_sentence
+from clepsydra.scores.effort import IDLE, NOISE_MOVEMENT
+from clepsydra.scores.score import SCORES, Ranks, in_sentence
 from clepsydra.scores.score_key import score_key
 from clepsydra.studies.departure import departures
 from clepsydra.studies.ranking_words import (
-    IDLE,
     STANDINGS,
     TIE,
     percent,
@@ -54,16 +54,11 @@ _TIES = (
 )
 RULE = _GROUPS + _USUAL + _TIES
 
-#: What levels that are held, and levels that average, are judged by.
-_OF_HELD = ("iae_setpoint", "iae_load")
 #: Largest noise movement of a quiet controller, share of the input's range.
 QUIET = 0.05
 #: What is smaller no sensor shows, and is no reason to call a controller many times worse than
-#: another: a mean error and a move in shares of the signal's range, a variance ratio [1], and a
-#: rate of change of an outflow [m³/h per h].
-_SMALLEST_SHARE, _SMALLEST_RATIO, _SMALLEST_CHANGE = 1e-5, 1e-6, 1e-9
-#: And an overshoot, or a travel in an hour.
-_SMALLEST_PERCENT = 0.1
+#: another: a mean error or a move, as a share of the signal's range; see `Score.negligible`.
+_SMALLEST_SHARE = 1e-5
 
 
 class Trial(TriedController):
@@ -92,7 +87,7 @@ class Trial(TriedController):
         """The largest share of an input's range by which noise throws it about."""
         return max(
             (
-                self.scores.get(f"noise_movement[{u.name}]", 0.0) / u.span
+                self.scores.get(f"{NOISE_MOVEMENT.key}[{u.name}]", 0.0) / u.span
                 for u in self.run.process.inputs
             ),
             default=0.0,
@@ -266,7 +261,8 @@ class _Judge:
 
     def wear(self, trial: Trial) -> float:
         """Return the mean multiple of the total variation."""
-        return self._mean(trial, [f"total_variation[{u.name}]" for u in self.process.inputs])
+        moves = _ranking(Ranks.MOVEMENT)
+        return self._mean(trial, [f"{key}[{u.name}]" for key in moves for u in self.process.inputs])
 
     def _mean(self, trial: Trial, keys: Sequence[str]) -> float:
         return float(
@@ -290,20 +286,16 @@ class _Judge:
     def _smallest(self, key: str) -> float:
         """Return what of a score counts as nothing."""
         score, name = score_key(key)
-        if score == "variance_ratio":
-            return _SMALLEST_RATIO
-        if score == "outflow_rate":
-            return _SMALLEST_CHANGE
         declared = SCORES[score]
         if declared.unit:
-            return _SMALLEST_PERCENT if declared.unit.startswith("%") else 0.0
+            return declared.negligible or 0.0
         if not declared.powers[0]:
             return self.process.sampling_period
         span = self.process.signal(name).span
         if not math.isfinite(span):
             return 0.0
-        if score == "total_variation":
-            return IDLE * span
+        if declared.negligible is not None:
+            return declared.negligible * span
         return _SMALLEST_SHARE * span * (self.duration if declared.powers[1] else 1.0)
 
 
@@ -313,13 +305,19 @@ def of_averaging(process: Process) -> tuple[tuple[str, tuple[str, ...]], ...]:
     Where a band says how much room there is, that and the fastest change of the outflow are all.
     """
     free = tuple(name for name in process.averaging if name not in process.bands)
-    return ("outflow_rate", process.averaging), ("variance_ratio", free)
+    of = {Ranks.AVERAGING: process.averaging, Ranks.AVERAGING_FREELY: free}
+    return tuple((key, levels) for what, levels in of.items() for key in _ranking(what))
+
+
+def _ranking(what: Ranks) -> list[str]:
+    """Return the scores that controllers are ranked for something by."""
+    return [score.key for score in SCORES.values() if score.ranks is what]
 
 
 def _judged_by(process: Process) -> tuple[tuple[str, str, tuple[str, ...]], ...]:
     """Return title, score and signals of what controllers of a process are judged by."""
     held = tuple(name for name in process.controlled if name not in process.averaging)
-    judged = [*((key, held) for key in _OF_HELD), *of_averaging(process)]
+    judged = [*((key, held) for key in _ranking(Ranks.HELD)), *of_averaging(process)]
     return tuple((SCORES[key].words, key, signals) for key, signals in judged)
 
 

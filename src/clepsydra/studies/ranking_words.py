@@ -14,10 +14,6 @@ from clepsydra.studies.warnings.strokes import driven_to_and_fro
 #: Controllers whose mean differs by less are as good as each other, and their wear decides.
 TIE = 1.02
 
-#: A total variation below this share of an input's range counts as this much: the input is idle,
-#: and a multiple of next to nothing says nothing.
-IDLE = 0.1
-
 #: From here on a multiple says more than a percentage.
 _MANY = 3.0
 

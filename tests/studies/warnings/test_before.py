@@ -306,6 +306,8 @@ def test_gains_in_percent_of_the_pumps_range_are_told(quadruple):
     for factor in (0.3, 3.0, -1.0):
         assert words(scaled(controller, "proportional_gain", factor)) == [], factor
     assert words(scaled(controller, "integral_time", 0.01)) == []
+    # It is seen from the loops themselves, whatever their kind is called.
+    assert words(replace(scaled(controller, "proportional_gain", 10.0), family="ours")) == both
 
 
 def test_gains_per_centimetre_taken_per_metre_are_told(tank, proportional):

@@ -140,7 +140,7 @@ def _unit(unit: Unit, dialect: Dialect) -> Element:
     told = _element("documentation", _formatted(unit.head, dialect))
     body = _element("body", _element("ST", _formatted(unit.body, dialect)))
     parts = [_element("interface", *returned, *sections, told), body]
-    if dialect.name == "codesys":
+    if dialect.declarations_as_text:
         # The declarations as text, too, with all of their comments.
         plain = _element(
             "InterfaceAsPlainText", _formatted(declaration_lines(unit, dialect), dialect)
@@ -172,8 +172,8 @@ def _run(value: str, count: int) -> Element:
 
 def _formatted(lines: Sequence[str], dialect: Dialect) -> Element:
     """Return lines as a paragraph of XHTML, or as a whole document of it."""
-    codesys = dialect.name == "codesys"
-    made = _element("xhtml", xmlns=XHTML) if codesys else _element("xhtml:p")
+    plain = dialect.declarations_as_text
+    made = _element("xhtml", xmlns=XHTML) if plain else _element("xhtml:p")
     made.text = "\n".join(lines)
     return made
 

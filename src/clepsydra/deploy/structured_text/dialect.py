@@ -65,6 +65,9 @@ class Dialect:
         Whether tasks are part of the text.
     programs : bool
         Whether there are PROGRAMs in the text.
+    declarations_as_text : bool
+        Whether the declarations stand as text, too, in XML for these systems, whose paragraphs are
+        then XHTML without a prefix.
 
     Examples
     --------
@@ -91,6 +94,7 @@ class Dialect:
     begin: str = ""
     configuration: bool = False
     programs: bool = True
+    declarations_as_text: bool = False
 
     @property
     def all_words(self) -> frozenset[str]:
@@ -136,6 +140,7 @@ _MATIEC = Dialect(
 _CODESYS = Dialect(
     "codesys",
     "CODESYS and TwinCAT 3",
+    declarations_as_text=True,
     words=frozenset(
         # Operators, instructions and scopes of these systems beside those of the standard.
         """

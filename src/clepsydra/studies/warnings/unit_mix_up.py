@@ -16,11 +16,15 @@ from clepsydra.base.units import to_si
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_keys import GAINS
 from clepsydra.controllers.signals import LARGEST_PARAMETER, owners
+from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock
+from clepsydra.controllers.structure.output_block import OutputBlock
+from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.designs.loops.control_authority import largest_proportional_gain
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.poles import origin_radius
 from clepsydra.linear.roots import roots_of
+from clepsydra.program.step_law import StepLaw
 from clepsydra.studies.warnings.loop_response import LoopResponse, loop_response
 from clepsydra.studies.warnings.margins import LARGEST_PEAK
 
@@ -62,11 +66,11 @@ def unit_warnings(
     Parameters
     ----------
     controller : Controller
-        Looked at where its law is one of multiloop P, PI, PD or PID control.
+        Looked at where each loop of its law moves an output of its own.
     model : LinearModel
         With the measurements of the controller.
     """
-    if not controller.family.startswith("multiloop"):
+    if not _one_output_a_loop(controller.law):
         return []
     process = operating_point_of(model).process
     signals = [
@@ -87,6 +91,22 @@ def unit_warnings(
                     loops.warning(units, loop, factor, upward) for loop, factor in factors.items()
                 ]
     return []
+
+
+def _one_output_a_loop(law: StepLaw) -> bool:
+    """Whether a law is loops of one measurement each, in the order of the outputs they move."""
+    giver = {port: block for block in law.blocks for port in block.ports}
+    moving = []
+    for output in (block for block in law.blocks if isinstance(block, OutputBlock)):
+        source = giver[output.source]
+        decoupled = isinstance(source, FeedforwardBlock)
+        moving.append(giver[source.source] if decoupled else source)
+    loops = [block for block in moving if isinstance(block, PidBlock) and not block.inner]
+    names = [loop.measurement.name for loop in loops]
+    gains = {path(name, "proportional_gain") for name in names}
+    known = {parameter.name for parameter in law.parameters}
+    followed, measured = ([*owners(law.inputs, part)] for part in ("sp", "pv"))
+    return bool(names) and names == measured == followed and gains <= known
 
 
 class _Loops:
