@@ -10,13 +10,12 @@ from types import SimpleNamespace
 import numpy as np
 from tools import need_compiler, need_grammar
 
-from clepsydra import Kernel, Signal
 from clepsydra.deploy import compiler
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.proof import compiled_c, interpreted_text
+from clepsydra.deploy.proof.engine_run import engine_run
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.deploy.target import target_of
-from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Program
 
 STRICT = list(compiler.STRICT)
@@ -75,31 +74,10 @@ def run_both(
     return CompiledC(program, folder).run(inputs), InterpretedText(program).run(inputs)
 
 
-def showing_its_state(program: Program) -> Program:
-    """Return the program with the next state as further outputs."""
-    shown = tuple(Signal(f"kept_{entry.name}") for entry in program.state)
-    block = program.block
-    results = block.results + program.next_state
-    return replace(program, outputs=program.outputs + shown, block=replace(block, results=results))
-
-
-def simulated(program: Program, inputs: dict[str, np.ndarray]) -> np.ndarray:
-    """Run the engine; returns outputs and states [samples, q + n]."""
-    shown = showing_its_state(program)
-    samples = len(next(iter(inputs.values())))
-    run = Kernel(shown).run(samples, inputs=inputs)
-    return np.column_stack([run.output(signal.name)[0] for signal in shown.outputs])
-
-
 def run_alike(program: Program, folder: Path, inputs: dict[str, np.ndarray]) -> np.ndarray:
     """Run engine, C and text, which agree in every bit; returns what they found."""
-    engine = simulated(program, inputs)
+    engine = engine_run(program, inputs)
     in_c, in_text = run_both(program, folder, inputs)
-    # The engine shows what goes into a ring, the printed programs what the next scan reads.
-    for column, entry in enumerate(program.state, start=len(program.outputs)):
-        if isinstance(entry, DelayRing):
-            first = np.full(entry.length - 1, entry.signal.initial)
-            engine[:, column] = np.concatenate([first, engine[:, column]])[: len(engine)]
     assert np.isfinite(engine).all()
     assert np.array_equal(all_bits(engine), all_bits(in_c))
     assert np.array_equal(all_bits(engine), all_bits(in_text))

@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-from deployed import all_bits, no_output_lay_idle, run_alike, run_both, simulated, spoilt
+from deployed import all_bits, no_output_lay_idle, run_alike, run_both, spoilt
 from plants import designed, plant
 
 import clepsydra as cl
 from clepsydra.deploy.c99.printer import print_c
+from clepsydra.deploy.proof.engine_run import engine_run
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.program.defaults import with_defaults
 
@@ -220,7 +221,7 @@ def test_a_rule_may_have_any_name(tmp_path, name):
     assert text != ONE_INPUT
     program = of_a_file(tmp_path, "quadruple-tank", text).program()
     inputs = scans(program, seed=4)
-    bits = all_bits(simulated(program, inputs))
+    bits = all_bits(engine_run(program, inputs))
     for found in run_both(program, tmp_path, inputs):
         assert np.array_equal(bits, all_bits(found))
 

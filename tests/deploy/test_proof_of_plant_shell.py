@@ -50,6 +50,7 @@ def scans(program, period, seed):
             column = np.where(random.random(SCANS) < 0.01, random.integers(0, 3, SCANS), 0.0)
             stuck = held(random, [0.0, 1.0, 2.0, 3.0], [0.91, 0.03, 0.03, 0.03])
             column = np.where(stuck > 0.0, stuck, column)
+            column[0] = 1.0  # nothing was kept
         elif name == "acknowledge":
             column = (random.random(SCANS) < 0.05).astype(float)
             column = np.maximum(column, held(random, [0.0, 1.0], [0.9, 0.1]))
@@ -57,10 +58,15 @@ def scans(program, period, seed):
             column = period * random.choice([1.0, 1.0, 1.0, 1.05, 1.3, 0.5], size=SCANS)
             broken = random.random(SCANS) < 0.01
             column[broken] = random.choice([0.0, -1.0, math.nan, math.inf], broken.sum())
+            column[random.random(SCANS) < 0.003] = 600.0 * period
         else:
             column = low + span * np.repeat(random.uniform(-0.1, 1.1, SCANS // HELD), HELD)
             column[random.random(SCANS) < 0.005] = math.nan
         found[name] = column
+    # Not a number stands for the printed value of a parameter.
+    for parameter in program.parameters[:3]:
+        typed = random.random(SCANS) < 0.001
+        found[parameter.name] = np.where(typed, math.inf, math.nan)
     return found
 
 
