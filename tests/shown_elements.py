@@ -90,5 +90,10 @@ def title(kind: type[Element]) -> str:
     return kind.kind[0].upper() + kind.kind[1:]
 
 
+def _written(section: str) -> str:
+    assert section in SECTIONS, f"docs/process-files.md: write ## {section} with an example"
+    return SECTIONS[section]
+
+
 def examples(section: str) -> list[str]:
-    return re.findall(r"^```toml\n(.*?)^```", SECTIONS[section], re.MULTILINE | re.DOTALL)
+    return re.findall(r"^```toml\n(.*?)^```", _written(section), re.MULTILINE | re.DOTALL)

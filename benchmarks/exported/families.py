@@ -135,19 +135,6 @@ FAMILIES: dict[str, str] = {
     _OF_A_FUZZY_FILE: "averaging-tank:all-inputs",
 }
 
-#: Designs that only choose other numbers for a law of `FAMILIES`.
-SAME_LAW: dict[str, str] = {
-    "PI, lambda": "PI, SIMC",
-    "PI, phase margin": "PI, SIMC",
-    "PI, AMIGO": "PI, SIMC",
-    "PI, Ziegler-Nichols": "PI, SIMC",
-    "PI, Tyreus-Luyben": "PI, SIMC",
-    "PID, SIMC": "PID, phase margin",
-    "PID, AMIGO": "PID, phase margin",
-    "PID, Ziegler-Nichols": "PID, phase margin",
-    "State feedback, pole placement": "LQR with precompensator",
-}
-
 #: Lines of Structured Text of each of `FAMILIES` until November 2026, as one list of operations.
 LINES_BEFORE: dict[str, int] = {
     "PI, arrest time": 900,

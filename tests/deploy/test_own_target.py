@@ -50,12 +50,11 @@ def test_it_takes_part_in_the_refusals(own, tmp_path):
     controller = cl.design.simc(plant)
     with refused(place="export, dialect", value="scl", expected='to="st"', remedy="leave it out"):
         cl.export(controller, plant, tmp_path, to="settings", dialect="scl")
-    with refused(
-        place="export, to", value="setting", expected="signals, settings", remedy="'settings'"
-    ):
+    with refused(place="export, to", value="setting", expected=", settings", remedy="'settings'"):
         cl.export(controller, plant, tmp_path, to="setting")
     with refused(place="export, controller", value="none", expected="a controller"):
         cl.export(None, plant, tmp_path, to="settings")
-    with refused(place="proof, to", value="settings", expected="c, st, fmu", remedy="name"):
+    proved = ", ".join(name for name, target in TARGETS.items() if target.runs is not None)
+    with refused(place="proof, to", value="settings", expected=proved, remedy="name"):
         cl.verify(controller, plant, to="settings")
     assert not list(tmp_path.iterdir())

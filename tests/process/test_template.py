@@ -22,10 +22,12 @@ def test_the_template_explains_every_key():
         assert re.search(rf"^(# )?(\[)?{key}\b", TEMPLATE, re.MULTILINE), key
     for kind in kinds():
         place = re.search(rf"^(# )?\[{kind.table}\.", TEMPLATE, re.MULTILINE)
-        assert place, kind.table
+        assert place, f"interface/new_process.toml: write [{kind.table}.NAME] with every key"
         rest = TEMPLATE[place.start() :]
         for key in kind.keys:
-            assert re.search(rf"\b{key} = ", rest) or re.search(rf"\b{key} = ", TEMPLATE), key
+            assert re.search(rf"\b{key} = ", rest) or re.search(rf"\b{key} = ", TEMPLATE), (
+                f"interface/new_process.toml: explain {key} below [{kind.table}.NAME]"
+            )
 
 
 #: A key with its value, and words beside it.

@@ -196,11 +196,9 @@ def test_scores_without_a_segment_are_left_out_and_all_names_are_described() -> 
     assert {name.partition("[")[0] for name in scores} == set(SCORES)
     assert "overshoot[level_2]" not in scores
     without = scores_of(TIME, **run(), segments=SEGMENTS[-1:])
-    assert {name.partition("[")[0] for name in without} == {
-        *("ie", "iae", "ise", "itae", "itse", "iseg"),
-        *("total_variation", "travel", "reversals", "peak_move", "time_in_saturation"),
-        "noise_movement",
-    }
+    found = {name.partition("[")[0] for name in without}
+    assert found >= {"iae", "ise", "total_variation", "travel", "noise_movement"}
+    assert not any(SCORES[name].wants for name in found)
     unlimited = run() | {"input_limits": {"pump_1": (0.0, math.inf)}}
     assert "travel[pump_1]" not in scores_of(TIME, **unlimited, segments=SEGMENTS)
 
@@ -247,7 +245,8 @@ def test_a_run_that_broke_off_after_its_last_step_has_no_good_score_either() -> 
     parts["outputs"]["level_1"] = np.where(TIME > 3500.0, math.nan, parts["outputs"]["level_1"])
     scores = scores_of(TIME, **parts, segments=SEGMENTS, measured=parts["outputs"])
     of_level_1 = [value for name, value in scores.items() if name.endswith("[level_1]")]
-    assert len(of_level_1) == 17
+    whole = scores_of(TIME, **run(), segments=SEGMENTS, measured=measured())
+    assert len(of_level_1) == len([name for name in whole if name.endswith("[level_1]")]) > 10
     assert set(of_level_1) == {math.inf}
 
 

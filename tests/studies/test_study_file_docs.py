@@ -72,14 +72,17 @@ def in_words(schema):
     return words if all(each in words for each in choices) else f"{words}: {', '.join(choices)}"
 
 
-def test_every_design_has_a_row():
-    assert set(rows("Controllers by a design")[0]) == set(DESIGNS)
+def test_every_row_is_of_a_design():
+    assert set(rows("Controllers by a design")[0]) <= set(DESIGNS)
 
 
 @pytest.mark.parametrize("name", DESIGNS)
 def test_the_keys_of_a_design_are_its_arguments(name):
-    said = re.findall(r"`(\w+)`", rows("Controllers by a design")[0][name][-1])
-    assert tuple(said) == DESIGNS[name].file_keys
+    """Each design has a row."""
+    keys = DESIGNS[name].file_keys
+    remedy = f"docs/study-files.md, Controllers by a design: write a row for `{name}` with {keys}"
+    *_, said = rows("Controllers by a design")[0].get(name, [""])
+    assert tuple(re.findall(r"`(\w+)`", said)) == keys and said, remedy
 
 
 def test_every_argument_of_a_design_is_explained_in_its_own_words():
