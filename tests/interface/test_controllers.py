@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import clepsydra as cl
 
@@ -19,7 +20,7 @@ def test_a_gain_is_in_percent_per_percent_of_the_ranges(basin):
     (measured,), (moved,) = pi.measurements, pi.manipulated
     signals = basin.process.signal(measured), basin.process.signal(moved)
     factor = signals[1].percent_span / signals[0].percent_span
-    changed = pi.with_values({measured: {"K": 2.0}})
+    changed = pi.with_values({measured: {"K": "2 %/%"}})
     assert abs(changed.values["level.proportional_gain"]) == pytest.approx(2.0 * factor, rel=1e-12)
     assert np.sign(changed.values["level.proportional_gain"]) == np.sign(
         pi.values["level.proportional_gain"]
@@ -31,10 +32,43 @@ def test_a_gain_is_in_percent_per_percent_of_the_ranges(basin):
     assert "2.000 %/%" in repr(changed)
 
 
+@pytest.mark.parametrize(
+    ("word", "value", "own", "percent", "as_percent", "as_own"),
+    [
+        # 1 % of 100 cm³/s for 1 % of 70 cm: 1/0.7 (cm³/s)/cm is 1 %/%.
+        ("K", 7.0, "(cm³/s)/cm", "%/%", "4.9", "10"),
+        ("Ki", 0.14, "(cm³/s)/cm/s", "%/%/s", "0.098", "0.2"),
+    ],
+)
+def test_a_bare_gain_is_refused_where_it_would_be_two(
+    word, value, own, percent, as_percent, as_own
+):
+    tanks = cl.load("three-tanks")
+    form = cl.PidForm("PI", algorithm="isa" if word == "K" else "parallel")
+    pi = cl.design.simc(tanks, form=form)
+    readings = (
+        f"{value:g} {own} is {as_percent} {percent}, and {value:g} {percent} is {as_own} {own}"
+    )
+    with refused(place=f"values, level_3, {word}", value=value, expected=readings):
+        pi.with_values({"level_3": {word: value}})
+    found = [
+        pi.with_values({"level_3": {word: f"{number} {unit}"}}).settings["level_3"][word]
+        for number, unit in ((value, own), (as_percent, percent))
+    ]
+    assert found[0].value == pytest.approx(found[1].value, rel=1e-12)
+    assert found[0].value == pytest.approx(value, rel=1e-12)
+
+
+def test_a_bare_gain_is_taken_where_both_are_the_same(plant, pi):
+    """Volts of 0 to 10 V on both sides: 6 V/V is 6 %/%."""
+    changed = pi.with_values({"level_1": {"K": 6}})
+    assert changed.settings["level_1"]["K"].value == changed.settings["level_1"]["K"].percent == 6.0
+
+
 def test_a_direct_acting_loop_stays_one(basin):
     pi = cl.design.simc(basin)
     assert pi.values["level.proportional_gain"] < 0.0
-    changed = pi.with_values({"level": {"K": 1.0}})
+    changed = pi.with_values({"level": {"K": "1 %/%"}})
     assert changed.values["level.proportional_gain"] < 0.0 and at_rest(basin, changed) < 1e-9
 
 
@@ -73,7 +107,7 @@ def test_settings_are_the_numbers_of_the_table_in_the_units_of_the_file(basin):
 def test_settings_of_one_controller_are_those_of_another(algorithm):
     form = cl.PidForm("PID", algorithm=algorithm)
     pid = cl.design.simc(cl.load("three-tanks"), form=form)
-    other = pid.with_values({"level_3": {"K": 0.5, "b": 0.5}}).with_values(pid.settings)
+    other = pid.with_values({"level_3": {"K": "0.5 %/%", "b": 0.5}}).with_values(pid.settings)
     assert other.values == pytest.approx(pid.values, rel=1e-12)
 
 

@@ -343,7 +343,7 @@ level = "1 m"
 def test_limit_cycle(tmp_path: Path, friction: str) -> None:
     """PI control of an integrating level comes to rest, but cycles for ever with stiction."""
     plant = plant_of(tmp_path, INTEGRATING.format(friction=friction))
-    controller = cl.design.simc(plant).with_values({"level": {"K": 12.0, "Ti": "80 s"}})
+    controller = cl.design.simc(plant).with_values({"level": {"K": "12 %/%", "Ti": "80 s"}})
     more = [cl.disturbance("drain", to="5 m^3/h", at="1 s")]
     run = cl.simulate(plant, controller, more, duration="5000 s")
     late = run.values["tank_1.level"][-2000:]

@@ -222,7 +222,7 @@ def test_a_best_with_nothing_to_watch_says_no_more_than_its_gain(result):
 
 def test_a_best_that_switches_at_levels_says_so():
     plant = cl.load("wet-well:start-stop")
-    weak = cl.design.simc(plant).with_values({"level": {"K": 0.05, "Ti": 3600.0}})
+    weak = cl.design.simc(plant).with_values({"level": {"K": "0.05 %/%", "Ti": 3600.0}})
     controllers = [weak, cl.design.start_stop_levels(plant, starts_per_hour=6)]
     load = [cl.step("inflow", "10 l/s", at="5 min")]
     found = cl.study(plant, controllers, load, duration="1 h", accept=9)

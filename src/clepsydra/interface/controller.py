@@ -53,9 +53,10 @@ class Controller(Answered, inner.Controller):
         values : mapping
             Loop to its settings, {"level_1": {"K": 6.0, "Ti": "40 s"}}, in the words of the
             controller's own table: K, Ti, Td, b, and the keys of study files. Text with a unit, or
-            a number in the unit of the table: K in %/%, a time in s, or those of the `settings` of
-            another controller. The gain has no sign: the
-            action of the loop gives it. What follows a setting does so still: a tracking time that
+            a number in the unit of the table: a time in s, K in %/% where that is the same as in
+            the units of the signals, as with V/V of equal ranges, and refused where it is not; or
+            those of the `settings` of another controller. The gain has no sign: the action of the
+            loop gives it. What follows a setting does so still: a tracking time that
             equals Ti. Of other laws, parameter to its value, a number in SI as in `values` or text
             with a unit.
         name : str, optional

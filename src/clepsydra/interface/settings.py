@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -10,10 +11,12 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion, symbol_of
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.structure.pid_block import PidBlock
+from clepsydra.designs.gain_units import gain_factor, percent_gain
 from clepsydra.interface.loop_settings import Setting
 from clepsydra.interface.quantities import arguments, with_unit
 from clepsydra.process.joined_unit import BESIDE
 from clepsydra.process.table_reader import shown_value
+from clepsydra.report.facts import gain_unit
 from clepsydra.studies.file.law_parameters import (
     GAINS,
     check_law_range,
@@ -73,6 +76,8 @@ def _of_loop(controller: Controller, loop: PidBlock, name: str, given: Any) -> d
         key = setting_of(loop, word, place)
         parameter = parameter_of(loop, key)
         unit = unit_of(controller, loop, key)
+        if key in GAINS:
+            _refuse_without_unit(f"{place}, {word}", loop, key, value)
         number = _read(controller, place, word, parameter, with_unit(value, unit), unit)
         if key in GAINS:
             if number < 0.0:
@@ -87,6 +92,24 @@ def _of_loop(controller: Controller, loop: PidBlock, name: str, given: Any) -> d
     if time in found and tracking in controller.values and tracking not in found and follows:
         found[tracking] = found[time]
     return found
+
+
+def _refuse_without_unit(place: str, loop: PidBlock, key: str, value: Any) -> None:
+    """Refuse a bare gain that would be another one in the units of its signals than in percent."""
+    signals = loop.measurement, loop.moved
+    if not is_finite_number(value) or not all(signal.has_range for signal in signals):
+        return
+    shown, percent = gain_factor(*signals), percent_gain(1.0, *signals)
+    if value == 0.0 or math.isclose(shown, percent, rel_tol=1e-9):
+        return
+    beside = BESIDE[GAINS[key]]
+    own, of_range = f"{gain_unit(*signals)}{beside}".strip(), f"%/%{beside}"
+    raise InputError(
+        place, value,
+        f"a gain with its unit: {value:g} {own} is {value / shown * percent:.4g} {of_range}, and "
+        f"{value:g} {of_range} is {value / percent * shown:.4g} {own}",
+        f'write "{value:g} {own}" or "{value:g} {of_range}"',
+    )  # fmt: skip
 
 
 def setting_of(loop: PidBlock, word: object, place: str) -> str:
