@@ -51,7 +51,7 @@ def test_the_blocks_are_those_of_its_export(study):
         [*parts_of(controller_section(study, study[name], with_blocks=True), "svg")]
         for name in ("cascade", "single")
     )
-    assert ">loop_flow_asks<" in cascade[0].svg
+    assert ">loop_flow_demand<" in cascade[0].svg
     assert ">level_check<" in single[0].svg
     assert "loop_flow" not in single[0].svg
 

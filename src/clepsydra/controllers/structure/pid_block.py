@@ -78,7 +78,7 @@ def loop_in_two_calls(loop: PidLoop) -> tuple[Block, Block]:
         outputs = {**wish.ports(), **{name: carried[name] for name in needed}}
         return Equations({}, outputs, carried, words_for(loop.words, carried))
 
-    def is_told(s: Symbols) -> Equations:
+    def updated(s: Symbols) -> Equations:
         applied = Applied.read(s)
         following, got, named = loop.told(s, applied)
         outputs = loop.shows(s, applied) | ({} if got is None else got.ports("got_"))
@@ -93,11 +93,11 @@ def loop_in_two_calls(loop: PidLoop) -> tuple[Block, Block]:
     told = (*(prefixed(APPLIED, "got_") if loop.inner else ()), *loop.results)
     name = f"{loop.form.block}{'_inner' if loop.inner else ''}{'_at_output' if last else ''}"
     ports = (*APPLIED, *given, *passed, *ends)
-    telling = with_used_inputs(Block(f"{name}_is_told", ports, loop.memory, told, is_told, words))
+    telling = with_used_inputs(Block(f"{name}_update", ports, loop.memory, told, updated, words))
     needed += [signal.name for signal in passed if signal in telling.inputs]
     outputs = (*ASKED, *(signal for signal in passed if signal.name in needed))
     asking = with_used_inputs(
-        Block(f"{name}_asks", (*given, *loop.memory), (), outputs, asks, words)
+        Block(f"{name}_demand", (*given, *loop.memory), (), outputs, asks, words)
     )
     return asking, telling
 
@@ -154,11 +154,11 @@ class PidBlock(PidLoop):
         for outer in asked:
             own |= outer.ports("remote_")
         name = instance(self.name)
-        found = sample.call(asking, path(name, "asks"), self.owner, **own)
+        found = sample.call(asking, path(name, "demand"), self.owner, **own)
 
         def close(applied: Sequence[Applied]) -> tuple[Applied, ...]:
             given = {**own, **found, **applied[0].ports()}
-            got = sample.call(telling, path(name, "is_told"), self.owner, **given)
+            got = sample.call(telling, path(name, "update"), self.owner, **given)
             self._show(sample, got)
             return (Applied.read(got, "got_"),) if self.inner else ()
 

@@ -68,7 +68,7 @@ class RatioBlock(PlainBlock):
         given = {"measurement": measurement, "sensor": sensor}
         for source in asked:
             given |= source.ports("trim_")
-        first = sample.call(_asks(bool(asked)), path(name, "asks"), self.owner, **given)
+        first = sample.call(_demand(bool(asked)), path(name, "demand"), self.owner, **given)
 
         def close(applied: Sequence[Applied]) -> tuple[Applied, ...]:
             if not asked:
@@ -76,7 +76,7 @@ class RatioBlock(PlainBlock):
             span = self.wild.span
             smallest = ca.SX(_TOO_SMALL * span if math.isfinite(span) else 0.0)
             told = {**first, **applied[0].ports(), "smallest": smallest}
-            return (Applied.read(sample.call(_IS_TOLD, path(name, "is_told"), **told), "got_"),)
+            return (Applied.read(sample.call(_UPDATE, path(name, "update"), **told), "got_"),)
 
         return Opened((Asked.read(first),), close)
 
@@ -90,7 +90,7 @@ _ENDS = tuple(
 
 
 @cache
-def _asks(trimmed: bool) -> Block:
+def _demand(trimmed: bool) -> Block:
     """Return the block of the product, with the ratio that is given or that a loop trims."""
 
     def equations(s: Symbols) -> Equations:
@@ -112,7 +112,7 @@ def _asks(trimmed: bool) -> Block:
 
     trim = (*prefixed(ASKED, "trim_"), *(Signal(key.name) for key in _ENDS))
     return Block(
-        "trimmed_ratio_asks" if trimmed else "ratio_asks",
+        "trimmed_ratio_demand" if trimmed else "ratio_demand",
         (
             Signal("measurement", description="the wild signal"),
             truth("sensor", "its sensor is good"),
@@ -125,7 +125,7 @@ def _asks(trimmed: bool) -> Block:
     )
 
 
-def _is_told(s: Symbols) -> Equations:
+def _updated(s: Symbols) -> Equations:
     wild, ratio = s["wild"], s["ratio"]
     divisible = ca.fabs(wild) > s["smallest"]
     # What was applied as asked is told to the last bit: no rounding looks like a limit.
@@ -141,11 +141,11 @@ def _is_told(s: Symbols) -> Equations:
 
 
 _CARRIED = (Signal("ratio"), Signal("wild"), truth("good", "the wild signal is known"))
-_IS_TOLD = Block(
-    "trimmed_ratio_is_told",
+_UPDATE = Block(
+    "trimmed_ratio_update",
     (*APPLIED, ASKED[0], *_CARRIED, Signal("smallest", description="that is divided by")),
     (),
     prefixed(APPLIED, "got_"),
-    _is_told,
+    _updated,
     ("The ratio that was applied, or the one asked for where that cannot be told.",),
 )

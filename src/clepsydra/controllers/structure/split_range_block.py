@@ -102,7 +102,7 @@ class SplitRangeBlock(PlainBlock):
                 in_force = ca.logic_or(in_force, result.in_force)
                 follows = ca.logic_and(follows, ca.logic_or(result.follows, result.in_force))
                 given = each | result.ports()
-                told = sample.call(_IS_TOLD, path(name, "is_told"), leg.owner, **given)
+                told = sample.call(_UPDATE, path(name, "update"), leg.owner, **given)
                 reached = reached + told["missed"]
                 stands = ca.if_else(told["moves"], ca.fmax(stands, told["place"]), stands)
             value = ca.if_else(in_force, reached, stands)
@@ -133,7 +133,7 @@ def _split(s: Symbols) -> Equations:
     return Equations({}, {"share": share, "value": value})
 
 
-def _is_told(s: Symbols) -> Equations:
+def _updated(s: Symbols) -> Equations:
     width, stroke = _width(s), s["at_end"] - s["at_start"]
     moves = stroke != 0
     reach = (s["applied"] - s["at_start"]) / ca.if_else(moves, stroke, 1)
@@ -161,8 +161,8 @@ _SPLIT = Block(
     _split,
     ("One actuator of a split range.",),
 )
-_IS_TOLD = Block(
-    "split_range_part_is_told",
+_UPDATE = Block(
+    "split_range_part_update",
     (*APPLIED[:2], *_PORTS, *_FOUND),
     (),
     (
@@ -170,6 +170,6 @@ _IS_TOLD = Block(
         Signal("place", "%", description="where in the range the actuator stands"),
         truth("moves", "it stands within its part, or beyond it"),
     ),
-    _is_told,
+    _updated,
     ("What became of one actuator of a split range.",),
 )
