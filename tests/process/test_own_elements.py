@@ -102,6 +102,15 @@ def test_a_study_and_a_drawing() -> None:
     assert "weir_1" in " ".join(texts)
 
 
+def test_an_idiom_that_vanishes_is_a_warning_of_the_process() -> None:
+    write(PYTHON.replace("driver = above * above", "driver = ca.sqrt(above)**2 * above"))
+    (warning,) = load_process("weir-tank.toml").warnings
+    line = PYTHON[: PYTHON.index("driver = above")].count("\n") + 1
+    assert warning.startswith(f"my_elements.py, line {line}, ca.sqrt(above) ** 2: it becomes above")
+    write()
+    assert load_process("weir-tank.toml").warnings == ()
+
+
 def test_every_symbol_can_be_drawn() -> None:
     """A class may choose any symbol, or none; each drawing is proper XML with its name."""
     for symbol in ("box", "valve", "flow", "pump", "delay", "nothing of the sort"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from clepsydra.base.user_code import (
     shortened,
     words_of,
 )
+from clepsydra.base.vanishing import vanishing
 from clepsydra.controllers import signals
 from clepsydra.controllers.own_signals import OwnSignals
 from clepsydra.controllers.python_law import Step, python_law
@@ -43,7 +45,8 @@ def load_law(path: str | Path) -> StepLaw:
 
     A law that gives pump.status beside pump.out is taken as it is. All others give what is asked
     for in automatic, and mode, limits, sensor faults and the status word are added
-    (`OwnSignals`).
+    (`OwnSignals`). An idiom that vanishes where a law is written as expressions is among its notes
+    (`vanishing`).
 
     Raises InputError: there is no such file, it fails, or it holds no proper law.
 
@@ -62,7 +65,8 @@ with a step law; check the path.
     module = run_user_code(file, content, _PURPOSE)
     law = getattr(module, "law", None)
     if isinstance(law, StepLaw):
-        return _whole(law, file)
+        notes = (each.told(file.name) for each in vanishing(content))
+        return replace(_whole(law, file), notes=(*law.notes, *notes))
     if law is None and not callable(getattr(module, "step", None)):
         raise InputError(file.name, Finding("no law"), _EXAMPLE, "add one of the two")
     return _python(module if law is None else law, file, content)

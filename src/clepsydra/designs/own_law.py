@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import inspect
+import textwrap
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 from clepsydra.base.arguments import require_type, sequence_of
 from clepsydra.base.signal import path
+from clepsydra.base.vanishing import vanishing
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.controllers.signals import owners
@@ -96,5 +102,23 @@ def own_controller(
         measurements=tuple(measurements),
         setpoints=tuple(setpoints),
         manipulated=tuple(manipulated),
+        notes=law.notes or _notes_on(law),
         free_inputs=dict(free_inputs or {}),
     )
+
+
+def _notes_on(law: StepLaw) -> tuple[str, ...]:
+    """Return which idioms vanish from the equations of a law that no file was read for.
+
+    Where they cannot be seen, as in a lambda within a call, none are.
+    """
+    written: Any = law.equations
+    if str(getattr(written, "__module__", "")).partition(".")[0] == __name__.partition(".")[0]:
+        return ()
+    try:
+        lines, first = inspect.getsourcelines(written)
+        found = vanishing(textwrap.dedent("".join(lines)))
+    except (OSError, TypeError, SyntaxError):
+        return ()
+    here = Path(inspect.getsourcefile(written) or law.name).name
+    return tuple(replace(each, line=each.line + first - 1).told(here) for each in found)

@@ -15,9 +15,11 @@ from typing import Any
 
 from clepsydra.base.errors import ClepsydraError, Finding, InputError
 from clepsydra.base.input_file import read_input
+from clepsydra.base.remark import Remark
 from clepsydra.base.signal import Signal
 from clepsydra.base.standing import Standing, standing_at
 from clepsydra.base.user_code import known_user_code, line_of, shortened, words_of
+from clepsydra.base.vanishing import vanishing
 from clepsydra.process.declared import undeclared
 from clepsydra.process.element import Connection, Element
 from clepsydra.process.flow import Flow
@@ -40,7 +42,7 @@ _MAPPINGS = (
 
 def read_own_kinds(
     general: TableReader, path: Path | None, taken: Iterable[str]
-) -> tuple[type[Element], ...]:
+) -> tuple[tuple[type[Element], ...], tuple[Remark, ...]]:
     """Run the Python file that a process file names and return the elements that it defines.
 
     Parameters
@@ -54,11 +56,13 @@ def read_own_kinds(
 
     Returns
     -------
-    tuple of type
+    kinds : tuple of type
         Kinds of element. Their methods raise an `InputError` where the user's code fails.
+    remarks : tuple of Remark
+        The idioms in the file that vanish where its equations are written.
     """
     if not general.has("elements"):
-        return ()
+        return (), ()
     expected, remedy = "the name of a Python file", 'write as in elements = "my_elements.py"'
     written = general.text("elements", expected, remedy)
     if path is None:
@@ -80,7 +84,7 @@ def read_own_kinds(
         remedy = "add a class MyElement(Element), with Element from clepsydra"
         raise general.refused("elements", written[:60], expected, remedy)
     _check_tables(kinds, set(taken))
-    return kinds
+    return kinds, tuple(each.told(file.name) for each in vanishing(content))
 
 
 @contextmanager

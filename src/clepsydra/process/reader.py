@@ -168,7 +168,7 @@ def _process(document: Document, path: Path | None, asked: tuple[str, ...] | Non
     chosen = choose_variants(document, asked)
     document = chosen.document
     known = (*GENERAL_KEYS, *(kind.table for kind in kinds()))
-    own_kinds = read_own_kinds(TableReader(document, (), None), path, known)
+    own_kinds, vanished = read_own_kinds(TableReader(document, (), None), path, known)
     general = TableReader(document, (), (*known, *(kind.table for kind in own_kinds)))
     name = general.text("name", "a name", 'write as in name = "my-tanks"')
     check_process_name(name, general.place("name"))
@@ -206,7 +206,7 @@ def _process(document: Document, path: Path | None, asked: tuple[str, ...] | Non
         components=components,
         variant=chosen.names,
         variants=chosen.descriptions,
-        warnings=() if path is None else chosen.warnings,
+        warnings=() if path is None else (*chosen.warnings, *vanished),
         averaging=averaging,
         bands=read_bands(document, elements, averaging, nominal_outputs),
         tags=read_tags(document, elements),

@@ -42,6 +42,8 @@ class StepLaw:
         What it was joined from, for who draws or tabulates it.
     equations : callable or None
         What the function was made of; None where it is no expression.
+    notes : tuple of str
+        What is to be told to who takes it.
     check : callable or None
         Law, values and the place for a message; refuses values that are each in their range and do
         not go together.
@@ -74,6 +76,7 @@ class StepLaw:
     description: tuple[str, ...] = ()
     blocks: tuple[Any, ...] = ()
     equations: Callable[[dict[str, ca.SX]], Equations] | None = field(default=None, repr=False)
+    notes: tuple[str, ...] = ()
     check: Callable[[StepLaw, Mapping[str, float], str], None] | None = field(
         default=None, repr=False
     )
