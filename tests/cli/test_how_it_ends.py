@@ -95,6 +95,18 @@ def test_an_internal_error_has_a_status_of_its_own(tmp_path):
         assert last.startswith("clepsydra: an internal error") and "report" in last
 
 
+def test_too_little_memory_is_a_message(tmp_path):
+    code = (
+        "from clepsydra.cli import main\n"
+        "def fails(*_, **__): raise MemoryError('65 GiB')\n"
+        "import clepsydra.process.reader as reader; reader.load_process = fails\n"
+        "main()\n"
+    )
+    status, errors = end(start(tmp_path, "analyse", "quadruple-tank", code=code))
+    assert status == 2 and errors.startswith("clepsydra: not enough memory")
+    assert errors.count("\n") == 1
+
+
 def test_a_reader_that_closes_its_pipe_ends_it_like_any_other_program(tmp_path):
     process = start(tmp_path, "processes", stdout=subprocess.PIPE)
     process.stdout.close()

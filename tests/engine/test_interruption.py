@@ -8,8 +8,7 @@ import pytest
 from random_laws import random_law
 from test_loop_rings import ring_program
 
-from clepsydra import Kernel, program_of
-from clepsydra.base.signal import Signal
+from clepsydra import Kernel, Signal, program_of
 from clepsydra.engine import pacing
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.program import Program

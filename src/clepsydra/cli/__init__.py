@@ -56,6 +56,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         _end(
             f"standard output cannot be written: {reason}; make room or send it elsewhere", _FAILED
         )
+    except MemoryError:
+        _end("not enough memory; ask for fewer samples, or close other programs", _FAILED)
     except Exception:
         _end_by_fault()
 

@@ -17,6 +17,7 @@ from clepsydra.loop.law_begin import loop_begin
 from clepsydra.loop.loop_state import LoopState, loop_state
 from clepsydra.loop.motion_block import recorded_signals, step_told
 from clepsydra.loop.run import Run
+from clepsydra.loop.run_cost import weigh_run
 from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.step_size import (
     FEWEST_REFINEMENT,
@@ -80,6 +81,7 @@ class Loop(WiredLoop):
         self.check(scenario)
         check_solver(solver)
         count = self.substeps if substeps is None else substeps
+        weigh_run(self.process, scenario.samples, count, checked=False, solver=solver)
         if precision == "single":
             law = in_single_arithmetic(self.controller.program())
             told = {controller_name(each.name): each.initial for each in law.parameters}
@@ -102,6 +104,7 @@ class Loop(WiredLoop):
         """
         begins = 1 if scenario.begin is None else scenario.begin.substeps // FEWEST_REFINEMENT
         count = max(self.substeps, begins)
+        weigh_run(self.process, scenario.samples, count)
         run, estimate = refined(self.process, self._refinable(scenario), count, TOLERANCE, largest)
         return replace(run, error_estimate=estimate)
 

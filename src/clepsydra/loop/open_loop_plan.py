@@ -28,6 +28,7 @@ from clepsydra.loop.profile import (
     samples_before,
 )
 from clepsydra.loop.residence_times import residence_times
+from clepsydra.loop.run_cost import weigh_run
 from clepsydra.loop.step_size import TOLERANCE as TOLERANCE
 from clepsydra.loop.step_size import Solver, check_solver, refined, substeps_for
 from clepsydra.process.process import Process
@@ -111,6 +112,8 @@ class Plan:
         profiles = profiles_of(self.changes, before, period, self.samples)
 
         check_solver(solver)
+        checked = solver == "kernel"
+        weigh_run(self.process, self.samples, self.substeps, checked=checked, solver=solver)
         if solver == "reference":
             return simulate(
                 self.point, profiles, substeps=self.substeps, state=self.state, solver=solver

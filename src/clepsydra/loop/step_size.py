@@ -29,6 +29,9 @@ MOST_SUBSTEPS = round(LONGEST_PERIOD / _REACH)
 #: The error that a run may have, as a fraction of a state's range, before its step is halved.
 TOLERANCE = 1e-6
 LARGEST_REFINEMENT = 64
+#: A delay keeps so many numbers of every step that is on its way, and all delays of a run together
+#: at most so many bytes.
+_KEPT_A_STEP, MOST_ON_ITS_WAY = 5, 256_000_000
 #: An estimate is of three runs, of which the last has so many times the steps of the first.
 FEWEST_REFINEMENT = 4
 #: The compiled kernel with RK4, or CVODES with switches located by SciPy's DOP853.
@@ -98,7 +101,8 @@ def delay_substeps(process: Process) -> int:
     Raises
     ------
     InputError
-        There is none up to 10,000.
+        There is none up to 10,000, or what is on its way at the steps of a run would take more
+        than 256 MB.
 
     Examples
     --------
@@ -115,7 +119,23 @@ def delay_substeps(process: Process) -> int:
         steps = math.lcm(steps, ratio.denominator)
         if steps > MOST_SUBSTEPS:
             raise _no_multiple(process, delay)
+    needed = FEWEST_REFINEMENT * steps * _on_its_way(process)
+    if needed > MOST_ON_ITS_WAY:
+        longest = max(process.motion.delays, key=lambda delay: delay.time)
+        raise InputError(
+            f"{process.name}, {longest.name}, time", f"{longest.time:g} s",
+            f"delays whose content takes at most {MOST_ON_ITS_WAY / 1e6:g} MB; this takes "
+            f"{needed / 1e6:,.0f} MB, with {FEWEST_REFINEMENT * steps} steps in each sampling "
+            f"period of {process.sampling_period:g} s",
+            "shorten the delay, or lengthen the sampling period",
+        )  # fmt: skip
     return steps
+
+
+def _on_its_way(process: Process) -> float:
+    """Return what the delays keep with one step in a sampling period [bytes]."""
+    periods = sum(delay.time for delay in process.motion.delays) / process.sampling_period
+    return 8.0 * _KEPT_A_STEP * periods
 
 
 def _no_multiple(process: Process, delay: Delay) -> InputError:
@@ -198,6 +218,8 @@ def refined(
     """
     multiple = delay_substeps(process)
     most = min(largest * substeps, MOST_SUBSTEPS)
+    if process.motion.delays:
+        most = min(most, int(MOST_ON_ITS_WAY / _on_its_way(process)))
     count = min(substeps, max(most // 4 // multiple, 1) * multiple)
     found = run(count)
     fine = _shares(process, found)

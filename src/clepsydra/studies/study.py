@@ -16,6 +16,8 @@ from clepsydra.designs.applicability import NotApplicable
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
+from clepsydra.loop.run_cost import weigh_run
+from clepsydra.loop.step_size import substeps_for
 from clepsydra.process.process import Process
 from clepsydra.studies.designs import studied_designs
 from clepsydra.studies.file.request import ControllerRequest, Maker, StudyRequest
@@ -130,6 +132,7 @@ class _Study:
     ) -> None:
         self.request = request
         self.model: LinearModel = linearise(request.analysis.operating_point)
+        weigh_run(request.process, request.scenario.samples, substeps_for(self.model))
         self.tell = progress or (lambda _: None)
         self.folder = tuning_folder
         self.trials: list[Trial] = []
