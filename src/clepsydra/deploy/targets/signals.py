@@ -7,7 +7,6 @@ import io
 import math
 from typing import TYPE_CHECKING
 
-from clepsydra.controllers.signals import LARGEST_PARAMETER
 from clepsydra.deploy.target import TARGETS, Delivery, ExportedFiles, Options, Target
 
 if TYPE_CHECKING:
@@ -32,6 +31,10 @@ def _controller(delivery: Delivery, options: Options) -> ExportedFiles:
 
 def _row(signal: Signal, direction: str) -> tuple[str, ...]:
     """Return a row, in the unit that the printed program has; what is no bound is left empty."""
+    from clepsydra.controllers.signals import (
+        LARGEST_PARAMETER,
+    )  # numeric: not for a list of targets
+
     truth = signal.kind == "boolean"
     bounded = (math.isfinite(end) and abs(end) < LARGEST_PARAMETER for end in _ends(signal))
     ends = (
