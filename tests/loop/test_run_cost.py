@@ -65,6 +65,18 @@ def test_a_run_of_more_than_an_hour_is_refused_before_it_begins(four_quick_tanks
         cl.simulate(four_quick_tanks, None, [cl.step("feed", "0.1 V")], duration="150 h")
 
 
+def test_the_analysis_names_the_vessel_that_makes_runs_long(tmp_path):
+    """The second of two tanks is a thousand times slower: k/A = 0.8 1/s."""
+    slow = TANK.format(n=2, to="river").replace("0.025 cm^2", "25 cm^2")
+    path = written(tmp_path, "tank_1", TANK.format(n=1, to="tank_2"), slow)
+    (said,) = [each for each in cl.analyse(path).words if "steps" in each]
+    assert "0.00125 s of tank_1.level, goes 800 times into the sampling period of 1 s" in said
+    assert "8,000 steps a sample" in said
+    calm = path.read_text().replace("0.025 cm^2", "25 cm^2")
+    path.write_text(calm)
+    assert not any("steps" in each for each in cl.analyse(path).words)
+
+
 def test_a_study_of_such_runs_is_refused_before_any_design(four_quick_tanks):
     scenario = [cl.step("level", "1 cm", at="10 h")]
     begun = []

@@ -15,6 +15,7 @@ from clepsydra.linear.analysis_words import (
     words_on_gain,
     words_on_interaction,
     words_on_poles,
+    words_on_speed,
     words_on_zero_directions,
     words_on_zeros,
 )
@@ -195,6 +196,7 @@ def analyse(
         niederlinski_index=index,
         words=(
             *words_on_poles(roots.zeros_of, roots.poles, roots.time_constants),
+            *words_on_speed(model, roots.poles, process.sampling_period),
             *words_on_interaction(model, relative, pairing, index),
             *words_on_dead_time(model, late, roots.note),
             *words_on_zeros(roots.zeros_of, roots.zeros, _rationally_minimum(roots)),

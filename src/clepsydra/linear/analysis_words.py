@@ -19,6 +19,8 @@ _ILL_CONDITIONED = 10.0
 _ALONE = 0.99
 # A part of a root below this share of its magnitude is not shown.
 _ROUNDING = 1e-9
+# What is faster than the sampling period by so much makes simulations long.
+_FAST = 50.0
 
 
 def words_on_poles(model: LinearModel, poles: np.ndarray, constants: np.ndarray) -> list[str]:
@@ -64,6 +66,35 @@ def words_on_poles(model: LinearModel, poles: np.ndarray, constants: np.ndarray)
             else f"Its {decaying.size} time constants are {slowest}."
         )
     return words
+
+
+def words_on_speed(model: LinearModel, poles: np.ndarray, period: float) -> list[str]:
+    """Return a sentence on what settles so far within a sample that a simulation takes long.
+
+    It names the state that takes part most in the fastest mode, by the products of the entries of
+    its right and left eigenvectors.
+
+    Parameters
+    ----------
+    poles : ndarray [n], complex
+        [rad/s]
+    period : float
+        The sampling period [s].
+    """
+    from scipy.linalg import eig
+
+    if np.max(np.abs(poles), initial=0.0) * period < _FAST:
+        return []
+    values, left, right = eig(model.A, left=True)
+    fastest = int(np.argmax(np.abs(values)))
+    times = float(abs(values[fastest])) * period
+    constant = f"{period / times:.3g} s"
+    state = model.states[int(np.argmax(np.abs(left[:, fastest] * right[:, fastest])))]
+    return [
+        f"The fastest time constant, {constant} of {state}, goes {times:.0f} times into "
+        f"the sampling period of {time_text(period)}: a simulation takes {10.0 * times:,.0f} steps "
+        "a sample, and so a study takes long."
+    ]
 
 
 def words_on_zeros(model: LinearModel, zeros: np.ndarray, minimum_phase: bool) -> list[str]:

@@ -82,6 +82,15 @@ class Loop(WiredLoop):
         check_solver(solver)
         count = self.substeps if substeps is None else substeps
         weigh_run(self.process, scenario.samples, count, checked=False, solver=solver)
+        return self._run(scenario, count, solver, precision)
+
+    def _run(
+        self,
+        scenario: Scenario,
+        count: int,
+        solver: Solver = "kernel",
+        precision: Precision = "double",
+    ) -> Run:
         if precision == "single":
             law = in_single_arithmetic(self.controller.program())
             told = {controller_name(each.name): each.initial for each in law.parameters}
@@ -104,6 +113,7 @@ class Loop(WiredLoop):
         """
         begins = 1 if scenario.begin is None else scenario.begin.substeps // FEWEST_REFINEMENT
         count = max(self.substeps, begins)
+        self.check(scenario)
         weigh_run(self.process, scenario.samples, count)
         run, estimate = refined(self.process, self._refinable(scenario), count, TOLERANCE, largest)
         return replace(run, error_estimate=estimate)
@@ -111,8 +121,7 @@ class Loop(WiredLoop):
     def _refinable(self, scenario: Scenario) -> Callable[[int], Run]:
         """Return steps in a sampling period → run; one kernel makes them all where it can."""
         if isinstance(self.controller.law, PythonLaw) or self.process.motion.delays:
-            return lambda count: self.run(scenario, substeps=count)
-        self.check(scenario)
+            return lambda count: self._run(scenario, count)
         kernel = self._kernel(scenario, self.substeps, adjustable=True)
         period = self.process.sampling_period
         return lambda count: self._by_kernel(scenario, kernel, count, step_told(period, count))
