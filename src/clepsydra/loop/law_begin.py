@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from clepsydra.controllers.blocks.status import Mode
+from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import remembered_parameters, remembers
 from clepsydra.controllers.wiring import controller_name
 from clepsydra.loop.begin import Begin
@@ -61,14 +62,25 @@ def law_begin(loop: WiredLoop, scenario: Scenario) -> dict[str, float]:
     if kept is not None and begin.goes_on(controller.initial_state):
         found = kept.of_law()
     elif begin.controller_start == "cold":
-        found = {s.name: s.initial for s in map(signal_of, controller.law.state)}
-        found |= remembered_parameters(controller.law, controller.values)
+        found = cold_state(controller)
     else:
         parameters = [controller.values[entry.name] for entry in controller.law.parameters]
         now = now_at(loop, scenario, begin)
         followed = in_manual(loop, now, np.array(parameters), MOST_SAMPLES)
         found = dict(zip((e.name for e in controller.law.state), followed.tolist(), strict=True))
     return found | begin.law
+
+
+def cold_state(controller: Controller) -> dict[str, float]:
+    """Return the states that a law declares; what remembers a parameter has its value."""
+    declared = {signal.name: signal.initial for signal in map(signal_of, controller.law.state)}
+    return declared | remembered_parameters(controller.law, controller.values)
+
+
+def cold_start(loop: WiredLoop, begin: Begin) -> dict[str, float]:
+    """Return the state of a loop by name whose controller starts cold, whatever its setpoints."""
+    law = cold_state(loop.controller) | begin.law
+    return begin.motion | {controller_name(name): value for name, value in law.items()}
 
 
 def batch_begin(

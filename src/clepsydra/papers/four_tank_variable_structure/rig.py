@@ -20,7 +20,9 @@ from clepsydra.designs.virtual_settings import VirtualSettings
 from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.analysis import Analysis, analyse
 from clepsydra.linear.relative_degree import relative_degree
+from clepsydra.loop.begin import begin_from
 from clepsydra.loop.closed_loop import closed_loop
+from clepsydra.loop.law_begin import cold_start
 from clepsydra.loop.loop import Loop
 from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.process.process import Process
@@ -175,6 +177,13 @@ class Filling:
         return np.sum([1e6 * self.values[f"tank_{j}.spilt"][:, -1] for j in range(1, 5)], axis=0)
 
 
+def _began(controller: Controller) -> dict[str, float]:
+    """Return the states of a law that stood in automatic with its pumps at zero."""
+    stood = {f"pump_{i}.last_output": 0.0 for i in (1, 2)}
+    stood |= {f"level_{j}.was_in_force": 1.0 for j in (1, 2)}
+    return {name: value for name, value in stood.items() if name in controller.initial_state}
+
+
 def fill(
     controller: Controller,
     limits: float | np.ndarray = 10.0,
@@ -184,17 +193,14 @@ def fill(
 ) -> Filling:
     """Run from empty tanks and standing pumps to a target, lower levels [m], below limits [V].
 
-    `parameters` are of the process, or of the law behind "controller.", and `start` its states, of
-    which the integrals are zero if left out; each may be one number or one a lane.
+    The controller starts cold. `parameters` are of the process, or of the law behind
+    "controller.", and `start` its states; each may be one number or one a lane.
     """
     loop = Loop(controller, at_target().model)
     setpoints = {f"level_{j}.setpoint": VOLTS_PER_METRE * h for j, h in enumerate(target, start=1)}
     program = closed_loop(loop.process, controller, substeps=1, constant=loop.at_rest() | setpoints)
-    empty = (".level", ".integral", ".virtual_integral", ".last_output", ".estimate")
-    state: dict[str, float | np.ndarray] = {
-        name: 0.0 if name.endswith(empty) else value for name, value in loop.initial_state().items()
-    }
-    state |= dict(start or {})
+    begin = begin_from(loop.point, "empty", controller_start="cold", law=_began(controller))
+    state: dict[str, float | np.ndarray] = {**cold_start(loop, begin), **(start or {})}
     given: dict[str, float | np.ndarray] = dict(loop.law_parameters())
     given |= {f"controller.pump_{i}.high_limit": limits for i in (1, 2)}
     given |= dict(parameters or {})
