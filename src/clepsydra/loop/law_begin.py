@@ -13,7 +13,8 @@ from clepsydra.controllers.parameters import remembered_parameters, remembers
 from clepsydra.controllers.wiring import controller_name
 from clepsydra.loop.begin import Begin
 from clepsydra.loop.delay_content import delay_content
-from clepsydra.loop.motion_block import RING_PARTS, ring_name
+from clepsydra.loop.motion_block import RING_PARTS, motion_at_rest, ring_name
+from clepsydra.loop.open_loop_plan import emptied
 from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.wired_loop import WiredLoop
 from clepsydra.process.process import Process
@@ -77,10 +78,17 @@ def cold_state(controller: Controller) -> dict[str, float]:
     return declared | remembered_parameters(controller.law, controller.values)
 
 
-def cold_start(loop: WiredLoop, begin: Begin) -> dict[str, float]:
-    """Return the state of a loop by name whose controller starts cold, whatever its setpoints."""
-    law = cold_state(loop.controller) | begin.law
-    return begin.motion | {controller_name(name): value for name, value in law.items()}
+def empty_and_cold(loop: WiredLoop, said: Mapping[str, float]) -> dict[str, float]:
+    """Return the state of a loop by name with empty tanks and a cold controller.
+
+    Parameters
+    ----------
+    said : mapping
+        States of the law that begin elsewhere [SI].
+    """
+    law = {**cold_state(loop.controller), **said}
+    begun = {controller_name(name): value for name, value in law.items()}
+    return motion_at_rest(emptied(loop.point)) | begun
 
 
 def batch_begin(

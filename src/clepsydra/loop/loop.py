@@ -19,6 +19,7 @@ from clepsydra.loop.motion_block import recorded_signals, step_told
 from clepsydra.loop.run import Run
 from clepsydra.loop.run_cost import weigh_run
 from clepsydra.loop.scenario import Scenario
+from clepsydra.loop.shown_levels import shown_levels
 from clepsydra.loop.step_size import (
     FEWEST_REFINEMENT,
     LARGEST_REFINEMENT,
@@ -196,6 +197,7 @@ class Loop(WiredLoop):
         )
         known = given | computed
         values = {s.name: np.asarray(known[s.name], float) for s in signals}
+        values |= shown_levels(process, values)
         running = forced_flows(process, scenario.time, values)
         # What a controller moves is its command; what comes from elsewhere is what runs.
         values |= {d.name: running[d.name] for d in process.disturbances if d.name in running}

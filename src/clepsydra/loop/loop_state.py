@@ -13,6 +13,7 @@ from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import from_si, unit_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.wiring import controller_name
+from clepsydra.loop.shown_levels import shown_levels
 from clepsydra.process.process import Process
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.entries import signal_of
@@ -110,7 +111,9 @@ def loop_state(
     contents = {s.name: float(found[s.name]) for s in (*motion.contents, *motion.memories)}
     integrated = np.array([contents[signal.name] for signal in motion.contents])
     states = np.array(motion.to_state(integrated, process.parameter_values)).ravel()
-    values = {s.name: float(v) for s, v in zip(process.state, states, strict=True)}
+    columns = {s.name: np.array([v]) for s, v in zip(process.state, states, strict=True)}
+    columns |= shown_levels(process, columns)
+    values = {name: float(column[0]) for name, column in columns.items()}
     law = [] if controller is None else [*controller.law.state]
     own = [signal_of(entry) for entry in law]
     names = {signal.name: controller_name(signal.name) for signal in own}

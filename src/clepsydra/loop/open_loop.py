@@ -20,6 +20,7 @@ from clepsydra.loop.motion_block import (
     step_told,
 )
 from clepsydra.loop.reference_motion import ReferenceMotion
+from clepsydra.loop.shown_levels import shown_levels
 from clepsydra.loop.step_size import Solver
 from clepsydra.process.balance import DELAYED, ENTERED, LEFT
 from clepsydra.process.process import Process
@@ -260,18 +261,15 @@ class _OpenLoop:
             *self.outside,
             *recorded_signals(process),
         )
+        totals = {s.name: float(values[s.name][-1]) for s in motion.totals}
+        shown = values | shown_levels(process, values)
         return Simulation(
             process=process,
             time=time,
             signals=signals,
-            values={s.name: values[s.name] for s in signals},
+            values={s.name: shown[s.name] for s in signals},
             events=events_of(process, values),
-            balances=_balances(
-                process,
-                self.contents,
-                last,
-                {s.name: float(values[s.name][-1]) for s in motion.totals},
-            ),
+            balances=_balances(process, self.contents, last, totals),
             substeps=substeps,
         )
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping
+from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from clepsydra.base.errors import InputError
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.delay_content import delay_content
 from clepsydra.loop.motion_block import CLOCK, motion_at_rest, ring_name
@@ -19,6 +21,9 @@ Array = NDArray[np.float64]
 _RELATIVE, _ABSOLUTE = 1e-12, 1e-14
 #: What a ring keeps of a delayed quantity for each step: values and slopes at both ends, its mean.
 _PARTS = ("start", "rising", "end", "leaving", "mean")
+#: What repeats a step: where it switches, and where CVODES gives up.
+_EXPLICIT = {"method": "DOP853", "rtol": _RELATIVE}
+_IMPLICIT = {"method": "BDF", "rtol": 1e-10}
 #: Share of a step after which a slope at its start is taken.
 _LATER = 1e-6
 
@@ -29,7 +34,8 @@ class ReferenceMotion:
     Between switches it is CVODES, variable-order BDF with exact Jacobians (Hindmarsh et al.,
     SUNDIALS, ACM TOMS 31(3), 2005, doi 10.1145/1089014.1089020). A step in which a guard becomes
     zero or positive is repeated by SciPy's DOP853 (Hairer, Nørsett & Wanner, Solving Ordinary
-    Differential Equations I, 1993), whose dense output finds the moment. What enters a delay is
+    Differential Equations I, 1993), whose dense output finds the moment, and one in which CVODES
+    gives up by its BDF. What enters a delay is
     kept as value and slope at both ends of a step and as its integral over it, and comes out as
     the polynomial of degree four that has all five: nothing is lost where a flow jumps.
 
@@ -150,6 +156,7 @@ class ReferenceMotion:
         scale = max((abs(s.high) for s in motion.contents if np.isfinite(s.high)), default=1.0)
         options = {
             "reltol": _RELATIVE, "abstol": _ABSOLUTE * scale, "max_num_steps": 100_000,
+            "disable_internal_warnings": True,  # what it gives up is repeated by other means
         }  # fmt: skip
         self._solver = ca.integrator("reference", "cvodes", system, 0.0, h, options)
         self._absolute = _ABSOLUTE * scale
@@ -161,8 +168,10 @@ class ReferenceMotion:
         given = np.concatenate([leaving, self._memories, outside])
         first = self._sent_first(given)
         after = self._smooth(given)
-        if after is None or self._switches(self._step, after, given).max(initial=-1.0) >= 0.0:
-            after, given = self._with_events(np.array(leaving), outside)
+        if after is None:
+            after, given = self._with_events(np.array(leaving), outside, _IMPLICIT)
+        elif self._switches(self._step, after, given).max(initial=-1.0) >= 0.0:
+            after, given = self._with_events(np.array(leaving), outside, _EXPLICIT)
         self._integral = after
         last = self._sent(self._step, after, given)
         mean = after[len(after) - delays :] / self._step
@@ -188,20 +197,21 @@ class ReferenceMotion:
         """Return where a step without a switch ends.
 
         None where CVODES gives up: beyond a switch that it does not know, as below the floor of
-        a tank, the equations may have no solution.
+        a tank, the equations may have no solution; and near the tip of a cone the level follows
+        the volume with a slope that has no bound, which its exact Jacobian then has.
         """
         try:
             result = self._solver(x0=self._integral, p=given)
         except RuntimeError:
-            if not self._motion.events:
-                raise
             return None
         return np.array(result["xf"]).ravel()
 
     def _switches(self, time: float, integral: Array, given: Array) -> Array:
         return np.array(self._guards(time, integral, given)).ravel()
 
-    def _with_events(self, leaving: Array, outside: Array) -> tuple[Array, Array]:
+    def _with_events(
+        self, leaving: Array, outside: Array, method: dict[str, Any]
+    ) -> tuple[Array, Array]:
         """Repeat a step from switch to switch; return where it ends and what is held there."""
         from scipy.integrate import solve_ivp
 
@@ -217,11 +227,12 @@ class ReferenceMotion:
                     lambda t, y, given=given: np.array(self._rates(t, y, given)).ravel(),
                     (start, self._step),
                     integral,
-                    method="DOP853",
-                    rtol=_RELATIVE,
                     atol=self._absolute,
                     events=events,
+                    **method,
                 )
+                if not found.success:
+                    raise self._stuck(start)
                 start, integral = float(found.t[-1]), found.y[:, -1]
                 now = self._switches(start, integral, given)
                 for index, times in enumerate(found.t_events):
@@ -232,6 +243,14 @@ class ReferenceMotion:
                 self._memories = np.array(self._resets(fired, start, integral, given)).ravel()
                 self._counts += fired
                 self._times[fired] = self._clock * self._step + start
+
+    def _stuck(self, start: float) -> InputError:
+        process = self._process
+        return InputError(
+            f"{process.name}, reference solver", f"{self._clock * self._step + start:g} s",
+            "a time beyond which the equations can be integrated",
+            "end the run before, or use the kernel, which estimates its error",
+        )  # fmt: skip
 
     def _guard(self, index: int, given: Array):  # type: ignore[no-untyped-def]
         def guard(time: float, integral: Array) -> float:

@@ -12,9 +12,8 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linearise import linearise
-from clepsydra.loop.begin import begin_from
 from clepsydra.loop.closed_loop import closed_loop
-from clepsydra.loop.law_begin import cold_start
+from clepsydra.loop.law_begin import empty_and_cold
 from clepsydra.loop.loop import Loop
 from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.controllers import (
@@ -175,11 +174,10 @@ def _simulated(
     program = closed_loop(process, loop.controller, substeps=1, constant=still)
     # Whose states are all declared as zero, and with pumps that stand.
     standing = {f"{pump.name}.last_output": 0.0 for pump in process.inputs}
-    begin = begin_from(loop.point, "empty", controller_start="cold", law=standing)
     found = Kernel(program, individual=noises).run(
         samples,
         inputs={name: value for name, value in every_input.items() if name not in still},
-        state=cold_start(loop, begin),
+        state=empty_and_cold(loop, standing),
         parameters=loop.law_parameters() | dict(parameters),
         every=every,
     )

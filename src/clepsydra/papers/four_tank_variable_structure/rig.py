@@ -20,9 +20,8 @@ from clepsydra.designs.virtual_settings import VirtualSettings
 from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.analysis import Analysis, analyse
 from clepsydra.linear.relative_degree import relative_degree
-from clepsydra.loop.begin import begin_from
 from clepsydra.loop.closed_loop import closed_loop
-from clepsydra.loop.law_begin import cold_start
+from clepsydra.loop.law_begin import empty_and_cold
 from clepsydra.loop.loop import Loop
 from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.process.process import Process
@@ -199,8 +198,8 @@ def fill(
     loop = Loop(controller, at_target().model)
     setpoints = {f"level_{j}.setpoint": VOLTS_PER_METRE * h for j, h in enumerate(target, start=1)}
     program = closed_loop(loop.process, controller, substeps=1, constant=loop.at_rest() | setpoints)
-    begin = begin_from(loop.point, "empty", controller_start="cold", law=_began(controller))
-    state: dict[str, float | np.ndarray] = {**cold_start(loop, begin), **(start or {})}
+    began = empty_and_cold(loop, _began(controller))
+    state: dict[str, float | np.ndarray] = {**began, **(start or {})}
     given: dict[str, float | np.ndarray] = dict(loop.law_parameters())
     given |= {f"controller.pump_{i}.high_limit": limits for i in (1, 2)}
     given |= dict(parameters or {})
