@@ -14,7 +14,7 @@ from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
-from clepsydra.loop.trajectory_file import that_fit, write_parquet
+from clepsydra.loop.trajectory_file import fitting, write_parquet
 from clepsydra.process.reader import load_process
 
 
@@ -129,9 +129,9 @@ def test_as_many_fit_as_the_file_then_holds(runs, tmp_path):
     path = tmp_path / "runs.parquet"
     write_parquet(runs, path)
     whole = path.stat().st_size
-    assert that_fit(runs, 2 * whole) == runs
-    assert that_fit(runs, whole // 2) == runs[:1]
-    assert that_fit(runs, 1) == runs[:1]
+    assert fitting(runs, 2 * whole) == 2
+    assert fitting(runs, whole // 2) == 1
+    assert fitting(runs, 1) == 1
 
 
 def test_a_day_of_noise_takes_less_room_than_its_numbers(runs, tmp_path):

@@ -143,14 +143,14 @@ class Study(Answered, results.StudyResult):
             The recommended controller and then the best and the others, by their rank, as long
             as the file has at most so many bytes; all of them if left out.
         """
-        from clepsydra.loop.trajectory_file import that_fit, write_parquet
+        from clepsydra.loop.trajectory_file import fitting, write_parquet
 
-        runs: Sequence[Run] = [candidate.run for candidate in self.ranking]
+        runs = [candidate.run for candidate in self.ranking]
         if largest is not None:
             advice = recommend(self.ranking, self.accept)
-            first = self.best if advice is None else advice.simplest
-            runs = [first.run, *(run for run in runs if run is not first.run)]
-            runs = that_fit(runs, largest)
+            first = None if advice is None else advice.simplest.run
+            runs.sort(key=lambda run: run is not first)
+            runs = runs[: fitting(runs, largest)]
         write_parquet(runs, Path(path))
         return len(runs)
 

@@ -42,8 +42,8 @@ def write_parquet(runs: Sequence[Run], path: Path) -> None:
         _write_table(_table_of(runs), part)
 
 
-def that_fit(runs: Sequence[Run], largest: int) -> Sequence[Run]:
-    """Return the first of some runs, as many as one file of `write_parquet` holds, or the first.
+def fitting(runs: Sequence[Run], largest: int) -> int:
+    """Return of how many runs, from the first on, `write_parquet` makes one file; of one at least.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def that_fit(runs: Sequence[Run], largest: int) -> Sequence[Run]:
     --------
     >>> import clepsydra as cl
     >>> run = cl.simulate("quadruple-tank", cl.design.simc("quadruple-tank"))
-    >>> len(that_fit([run, run, run], 1)), len(that_fit([run, run, run], 10_000_000))
+    >>> fitting([run, run, run], 1), fitting([run, run, run], 10_000_000)
     (1, 3)
     """
     import pyarrow
@@ -67,8 +67,8 @@ def that_fit(runs: Sequence[Run], largest: int) -> Sequence[Run]:
         # Each has a head of its own, which a file of several has once.
         size += written.tell()
         if size > largest:
-            return runs[: max(count, 1)]
-    return runs
+            return max(count, 1)
+    return len(runs)
 
 
 def _table_of(runs: Sequence[Run]) -> pyarrow.Table:
