@@ -113,13 +113,13 @@ def test_the_page_gives_the_extent_and_the_bytes_of_the_data(name, documented):
 
 
 def test_two_pi_loops_take_no_more_lines_than_they_may():
-    """520 of library and 250 of their own, of at most 100 characters."""
+    """530 of library and 260 of their own, of at most 100 characters."""
     ready = ready_for_export("PI, SIMC")
     extent = extent_of(ready)
-    assert extent.lines - extent.own <= 520 and extent.own <= 250
+    assert extent.lines - extent.own <= 530 and extent.own <= 260
     text = print_structured_text(ready.program, origin=ready.origin)
     assert max(map(len, text.splitlines())) <= 100
-    own = text[text.rindex("\nFUNCTION_BLOCK ") :]
+    own = " ".join(text[text.rindex("\nFUNCTION_BLOCK ") :].split())
     assert "begun" not in own and "out => pump_1_out, status => pump_1_status" in own
     assert "IF restart OR NOT begun THEN integral := start_integral; END_IF;" in text
 
