@@ -260,6 +260,10 @@ class FoldedBlock:
         """Whether the language can write an operand in that place."""
         if operand.is_atom or self._notation.repeats(wanted):
             return operand.is_atom
+        limits = wanted.kind == "integer" and wanted.code in ("maximum", "minimum")
+        if limits and operand.typed_part.code == "select":
+            # STruC++ finds no type for a choice among whole numbers there.
+            return False
         branch = wanted.code == "select" and position > 0 and not self._notation.chooses
         nested = branch and operand.code == "select" and _depth(operand) < _DEPTH
         return nested or self._notation.writes(operand)
