@@ -92,6 +92,25 @@ class BlockBuilder:
             return simpler
         return self._emit(code, arguments, fused=fused)
 
+    def is_constant(self, value: int) -> bool:
+        """Whether a value is a constant."""
+        return self._constant_of(value) is not None
+
+    def known_truth(self, value: int) -> bool | None:
+        """Return what a condition is, whatever the block is given; None where it varies.
+
+        >>> builder = BlockBuilder(1)
+        >>> never = builder.operation("and", builder.constant(0.0), 0)
+        >>> builder.known_truth(never), builder.known_truth(0)
+        (False, None)
+        """
+        made = self._made.get(value)
+        value = made.arguments[0] if made and made.code == "number" else value
+        if value in self._truths:
+            return self._truth_of(value)
+        number = self._constant_of(value)
+        return None if number is None else number != 0.0
+
     def loop(
         self,
         name: str,

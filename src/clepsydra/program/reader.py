@@ -117,10 +117,19 @@ def _read(
     work: dict[int, int] = {}
     outputs: dict[tuple[int, int], int] = {}
     nodes = function.instructions_sx()
+    # A choice that is made in the expression itself, whatever that is called with: its other half
+    # is nothing to add, and some versions of CasADi write the half that counts alone.
+    alone, nothing = not any(map(builder.is_constant, arguments)), set[int]()
     for k in range(function.n_instructions()):
         code = function.instruction_id(k)
         target, source = function.instruction_output(k), function.instruction_input(k)
-        if code == ca.OP_INPUT:
+        added = [entry for entry in source if entry not in nothing] if code == ca.OP_ADD else []
+        nothing -= set(target)
+        if alone and code == ca.OP_IF_ELSE_ZERO and builder.known_truth(work[source[0]]) is False:
+            nothing.add(target[0])
+        if len(added) == 1:
+            work[target[0]] = work[added[0]]
+        elif code == ca.OP_INPUT:
             work[target[0]] = arguments[place[source[0], source[1]]]
         elif code == ca.OP_OUTPUT:
             outputs[target[0], target[1]] = work[source[0]]
