@@ -154,7 +154,8 @@ def test_what_to_watch_is_short_and_the_rest_is_counted(result):
         Remark("noise"),
         Remark("Drift"),
     )
-    first = replace(result.ranking[0], warnings=told, scores={"overshoot[level_1]": 34.2})
+    far = Remark("It overshoots a step of the setpoint by 34 %", remedy="lower b to 0.5: 9 %")
+    first = replace(result.ranking[0], warnings=told, overshoots=(far,))
     lines = screen(replace(result, ranking=(first,), warnings=()), 80)
     assert [line for line in lines if line.startswith(" !")] == [
         " !  It overshoots a step of the setpoint by 34 %.",
@@ -168,7 +169,7 @@ def test_what_to_watch_is_short_and_the_rest_is_counted(result):
     assert [
         line for line in screen(replace(result, ranking=(alone,), warnings=()), 80) if "!" in line
     ] == [
-        " !  It overshoots a step of the setpoint by 34 %; ramp the setpoint, or lower b.",
+        " !  It overshoots a step of the setpoint by 34 %; lower b to 0.5: 9 %.",
         " !  pump_1 stands at a limit; give it more range.",
     ]
     assert told[0] in " ".join(screen(replace(result, ranking=(first,)), 100, why=True))

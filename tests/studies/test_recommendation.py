@@ -39,6 +39,7 @@ def candidates(*kinds, loops=2, watch=()):
             scores={},
             warnings=dict(watch).get(rank, ()),
             caveats=(),
+            overshoots=(),
             mean_error=error,
             standing=(*standing, Standing.ROBUST)[0],
         )
@@ -107,21 +108,18 @@ def test_an_error_of_the_simulation_does_not_speak_against_a_controller(error):
     assert recommend([first, second]).simplest is second
 
 
-def test_overshoot_and_slowing_are_watched_but_not_the_overshoot_of_a_level_that_averages():
+def test_overshoot_and_slowing_are_watched_before_the_warnings():
     (each,) = candidates((LOOPS, 1.0))
-    each.scores = {"overshoot[a]": 10.0, "overshoot[drum]": 40.0, "iae[a]": 99.0}
     assert watched(each) == ()
-    each.scores["overshoot[a]"] = 10.6
+    each.overshoots = (Remark("It overshoots by 11 %", remedy="lower b to 0.6: 8 %"),)
     each.controller.slowed = 7.483
     each.warnings = (Remark("pump stands at a limit", "nothing is corrected meanwhile"),)
     assert [found.advice for found in watched(each)] == [
-        "It overshoots a step of the setpoint by 11 %; ramp the setpoint.",
+        "It overshoots by 11 %; lower b to 0.6: 8 %.",
         "Its rule was slowed 7.48 times, until it was robust.",
         "pump stands at a limit.",
     ]
-    each.controller.values["a.setpoint_weight"] = 1.0
     each.warnings = (Remark("pump winds up", "it went on", "choose another form"),)
-    assert watched(each)[0].endswith("; ramp the setpoint, or lower b.")
     assert watched(each)[-1].advice == "pump winds up; choose another form."
 
 

@@ -13,7 +13,7 @@ from clepsydra.loop.loop import Loop
 from clepsydra.studies.trial import scores_of
 from clepsydra.studies.tuning.law_space import LawSpace
 from clepsydra.studies.tuning.objective import Goal, Limits, minimax
-from clepsydra.studies.tuning.parameters import gains_and_times
+from clepsydra.studies.tuning.parameters import settings_of
 from clepsydra.studies.tuning.tune import tune
 
 pytestmark = pytest.mark.thorough
@@ -26,7 +26,7 @@ def tuned(name):
     start, scenario = cl.design.simc(plant), default_scenario(plant.measured)
     objective = minimax(*(f"iae[{y}]" for y in start.setpoints))
     goal = Goal(plant.measured, scenario, objective, Limits(2.0))
-    return start, plant.measured, scenario, tune(LawSpace(start, gains_and_times(start)), goal)
+    return start, plant.measured, scenario, tune(LawSpace(start, settings_of(start)), goal)
 
 
 @pytest.mark.parametrize("name", ["quadruple-tank", "quadruple-tank-nonminimum-phase"])

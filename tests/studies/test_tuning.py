@@ -33,7 +33,7 @@ from clepsydra.process.reader import load_process
 from clepsydra.studies.trial import scores_of
 from clepsydra.studies.tuning.law_space import LawSpace
 from clepsydra.studies.tuning.objective import Goal, Limits, Objective, minimax, weighted_sum
-from clepsydra.studies.tuning.parameters import TunedParameter, around, gains_and_times
+from clepsydra.studies.tuning.parameters import TunedParameter, around, settings_of
 from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.tuning.tune import Progress, Search, tune
 
@@ -157,7 +157,7 @@ def test_a_bound_that_binds_is_named(model):
 def test_each_loop_is_named_by_its_own_measurement():
     tanks = analyse(load_process("quadruple-tank"))
     start = design_simc(tanks.model, tanks.pairing)
-    space = LawSpace(start, gains_and_times(start))
+    space = LawSpace(start, settings_of(start))
     names = [space.name_of(f"level_{loop}.proportional_gain") for loop in (1, 2)]
     assert names == ["level_1.gain", "level_2.gain"]
 
@@ -307,7 +307,7 @@ def test_progress_names_its_stages_in_order(model):
     stop = Stop(10**9)
     tuned(model, minimax("ise[volume]"), progress=stop, front=(1.3,), generations=3)
     assert list(dict.fromkeys(stop.stages)) == [
-        "start", "global search", "local search", "Pareto front",
+        "start", "global search", "search around it", "local search", "Pareto front",
     ]  # fmt: skip
 
 
@@ -412,4 +412,4 @@ def test_a_law_without_gains_is_not_tuned_as_a_pid():
     state = {signal.name: 0.0 for signal in law.state}
     none = dataclasses.replace(controller(), law=law, values=values, initial_state=state)
     with pytest.raises(NotApplicable, match="PI has no gain and no integral time to tune"):
-        gains_and_times(none)
+        settings_of(none)

@@ -28,6 +28,8 @@ from clepsydra.studies.tuning.tune import Progress, Search
 _LIMITS = {
     "max|S|": "maximum_sensitivity",
     "overshoot": "overshoot",
+    "noise": "noise_movement",
+    "damping": "damping",
     "total_variation": "total_variation",
 }
 
@@ -94,12 +96,14 @@ def tune(
         each relative to the start. Scores with weights, {"iae": 1.0, "total_variation": 0.1}, are
         added up.
     limits : mapping, optional
-        "overshoot", "10 %" of the step; "max|S|", 1.6, and 2 if left out; "total_variation",
-        {"pump_1": "300 %"} of the range or a number in the display unit.
+        "overshoot", "10 %" of the step, and that if left out; "max|S|", 1.6, and 2 if left out;
+        "noise", how far noise may throw an input about, "3 %" of its range, and 4.5 % if left out;
+        "damping" of what oscillates, 0.7 if left out where a level averages, and 0 for none;
+        "total_variation", {"pump_1": "300 %"} of the range or a number in the display unit.
     parameters : mapping, optional
         What may move and between which bounds, {"level_1": {"K": (1.0, 9.0)}}, in the words and
-        units of `Controller.with_values`; gains and integral times within a factor of ten if left
-        out.
+        units of `Controller.with_values`; if left out all settings of the loops, gains and times
+        within a factor of ten.
     events, duration : optional
         The scenario, as for `cl.simulate`; the default scenario if left out.
     seed : int

@@ -23,6 +23,9 @@ from clepsydra.scores.sample import Held, Sample
 from clepsydra.scores.score import SCORES, Of, Score
 from clepsydra.scores.score_key import score_key
 
+#: What a score may want of a scenario, in words.
+_KINDS = {"setpoint": "setpoint step", "load": "load step", "noise": "stretch of noise"}
+
 
 def buffer_flows(process: Process, name: str, value: Mapping[str, ca.SX]) -> tuple[ca.SX, ca.SX]:
     """Return what enters and what leaves the tank of an averaging measurement [m³/s].
@@ -133,13 +136,13 @@ class RunningScores:
             A score judges a kind of step that the scenario has not.
         """
         kinds = {part.kind for part in scenario.segments}
-        for wanted in ("setpoint", "load"):
+        for wanted in _KINDS:
             judges = [s.key for s, _ in self._scores.values() if s.wants == wanted]
             if judges and wanted not in kinds:
                 raise InputError(
-                    "running scores, scenario", Finding(f"no {wanted} step"),
+                    "running scores, scenario", Finding(f"no {_KINDS[wanted]}"),
                     f"one, for {' and '.join(dict.fromkeys(judges))}",
-                    "give the scenario such a step, or choose other scores",
+                    "give the scenario one, or choose other scores",
                 )  # fmt: skip
         told = marks(scenario.time, scenario.segments)
         told["length"] = np.sign(told["length"]) * scenario.sampling_period  # not rounded
@@ -200,7 +203,7 @@ class RunningScores:
     def _sample(self, of: Of, name: str) -> Sample:
         now, unit = self._symbol(name), self.process.signal(name).unit
         period = self.process.sampling_period
-        told = ("of_setpoint", "of_load", "of_step", "begins", "load")
+        told = ("of_setpoint", "of_load", "of_step", "of_noise", "begins", "load")
         fields: dict[str, Any] = {mark: self._input(_mark(mark), "") for mark in told}
         fields |= {"period": period, "held": period, "length": self._length}
         fields["elapsed"] = self._input(_mark("elapsed"), "s")

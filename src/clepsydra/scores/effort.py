@@ -15,7 +15,7 @@ import math
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.scores.sample import Fold, magnitude
+from clepsydra.scores.sample import Expression, Fold, Sample, magnitude
 from clepsydra.scores.score import Of, Ranks, Score
 from clepsydra.scores.trajectory import FloatArray, finite_or_infinite, held_durations
 
@@ -27,14 +27,17 @@ AT_LIMIT = 1e-9
 _HOUR = 3600.0
 
 
-@finite_or_infinite
-def noise_movement(time: FloatArray, signal: FloatArray) -> float:
+def noisy_moves(sample: Sample) -> tuple[Expression, ...]:
+    """Return the square of a move that nothing but noise makes, and 1 to count it; else 0, 0."""
+    return sample.of_noise * sample.move * sample.move, sample.of_noise * 1.0
+
+
+def deviation_of_moves(squares: FloatArray, count: FloatArray) -> FloatArray:
     """Return how far measurement noise throws the manipulated variable about.
 
     The root mean square of its moves from sample to sample over √2: for a controller of gain K
-    and white noise of standard deviation σ that is K σ, whatever drifts slowly below.
-
-    The stretch is one in which nothing happens but noise [signal unit].
+    and white noise of standard deviation σ that is K σ, whatever drifts slowly below. Not a number
+    without a stretch in which nothing happens but noise [signal unit].
 
     References
     ----------
@@ -44,10 +47,13 @@ def noise_movement(time: FloatArray, signal: FloatArray) -> float:
 
     Examples
     --------
-    >>> noise_movement([0.0, 1.0, 2.0], [3.0, 5.0, 3.0]) == 2.0**0.5
-    True
+    Moves of 2 and of −2:
+
+    >>> deviation_of_moves(8.0, 2.0) == 2.0**0.5
+    np.True_
     """
-    return float(np.sqrt(np.mean(np.diff(signal) ** 2) / 2.0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.sqrt(np.divide(squares, count) / 2.0)
 
 
 @finite_or_infinite
@@ -89,18 +95,28 @@ def reversals(time: FloatArray, signal: FloatArray, low: float, high: float) -> 
     >>> reversals(range(5), [5.0, 4.0, 4.001, 6.0, 5.5], low=0.0, high=10.0)
     2.0
     """
-    band = RESOLUTION * (high - low)
+    return float(turns(signal, RESOLUTION * (high - low)))
+
+
+def turns(signal: FloatArray, band: float) -> int:
+    """Return how often a signal turns and comes back by more than a dead band [signal unit].
+
+    Examples
+    --------
+    >>> turns(np.array([0.0, 4.0, 3.0, 5.0, 2.0]), 1.5)
+    1
+    """
     highest = lowest = float(signal[0])
-    direction, turns = 0, 0
+    direction, count = 0, 0
     for value in _moved(signal):
         highest, lowest = max(highest, value), min(lowest, value)
         if direction >= 0 and highest - value > band:
-            turns += direction > 0
+            count += direction > 0
             direction, lowest = -1, value
         elif direction <= 0 and value - lowest > band:
-            turns += direction < 0
+            count += direction < 0
             direction, highest = 1, value
-    return float(turns)
+    return count
 
 
 @finite_or_infinite
@@ -172,9 +188,10 @@ NOISE_MOVEMENT = Score(
     "about, from its moves from sample to sample.",
     Of.MANIPULATED,
     powers=(1, 0),
-    over=lambda run, name: run.worst(
-        noise_movement, [(run.time[at], run.inputs[name][at]) for at in run.noise]
-    ),
+    wants="noise",
+    integrand=noisy_moves,
+    fold=Fold.SUM,
+    finish=deviation_of_moves,
 ).registered()
 Score(
     "travel",

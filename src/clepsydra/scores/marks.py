@@ -56,13 +56,15 @@ def marks(time: FloatArray, segments: Sequence[Segment]) -> dict[str, FloatArray
     >>> found["of_setpoint"].tolist(), found["elapsed"].tolist()
     ([0.0, 0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0, 2.0])
     """
-    names = ("of_setpoint", "of_load", "of_step", "begins", "load", "load_begins")
+    names = ("of_setpoint", "of_load", "of_step", "of_noise", "begins", "load", "load_begins")
     found = {name: np.zeros(time.size) for name in names}
     starts = []
     for segment in segments:
         samples = samples_of(time, segment)
         starts.append(time[samples.start])
         if segment.kind == "noise":
+            after = samples_of(time, segment, with_stop=False).stop
+            found["of_noise"][samples.start + 1 : after] = 1.0
             continue
         for name in (f"of_{segment.kind}", "of_step"):
             found[name][samples.start + 1 : samples.stop] = 1.0

@@ -60,6 +60,8 @@ class Sample:
     of_setpoint, of_load, of_step : Expression
         1 within the segments of setpoint steps, of load steps, and of both; else 0. Where nothing
         steps, all samples are of a step.
+    of_noise : Expression
+        1 within the segments of noise, from the first move in one on; else 0.
     begins : Expression
         1 in the first sample of a step's segment, else 0.
     load : Expression
@@ -87,6 +89,7 @@ class Sample:
     of_setpoint: Expression = 1.0
     of_load: Expression = 1.0
     of_step: Expression = 1.0
+    of_noise: Expression = 1.0
     begins: Expression = 0.0
     load: Expression = 0.0
     before: Expression = 0.0

@@ -79,7 +79,7 @@ class Score:
         Its unit where it is another: that of the value as it stands.
     phrase : str
         What a sentence calls it, where that is not the title.
-    wants : {"", "setpoint", "load", "own step", "head"}
+    wants : {"", "setpoint", "load", "noise", "own step", "head"}
         Without what there is no such score: a kind of segment, a step of the signal's own setpoint
         that the controller follows, or a head of the pump that is known.
     ranks : Ranks, optional

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -246,11 +246,7 @@ class _Judge:
         # A controller without setpoints has fewer scores than others.
         every = {key: value for trial in best_of for key, value in trial.scores.items()}
         named = {score: _keys(score, every) for score in scores}
-        usual = {
-            title: keys
-            for title, score, signals in _judged_by(process)
-            if (keys := [k for name in signals if (k := f"{score}[{name}]") in example.scores])
-        } or {"error": [f"iae[{name}]" for name in process.controlled]}
+        usual = usual_criteria(process, example.scores)
         if best_of[0].standing is Standing.OUTSIDE:  # all others leave a band too
             usual = {TIME_OUTSIDE.title: [f"{TIME_OUTSIDE.key}[{name}]" for name in process.bands]}
         self.judged = {score_key(score).title: keys for score, keys in named.items()} or usual
@@ -297,6 +293,32 @@ class _Judge:
         if declared.negligible is not None:
             return declared.negligible * span
         return _SMALLEST_SHARE * span * (self.duration if declared.powers[1] else 1.0)
+
+
+def usual_criteria(process: Process, known: Collection[str]) -> dict[str, list[str]]:
+    """Return what controllers of a process are judged by where nobody says by what.
+
+    Parameters
+    ----------
+    known : collection of str
+        The scores of a run, "iae_load[level]".
+
+    Returns
+    -------
+    dict
+        Title of each criterion to the scores that it is the mean of.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> usual_criteria(load_process("wet-well"), ["iae[level]", "iae_load[level]"])
+    {'load error': ['iae_load[level]']}
+    """
+    return {
+        title: keys
+        for title, score, signals in _judged_by(process)
+        if (keys := [key for name in signals if (key := f"{score}[{name}]") in known])
+    } or {"error": [f"iae[{name}]" for name in process.controlled]}
 
 
 def of_averaging(process: Process) -> tuple[tuple[str, tuple[str, ...]], ...]:

@@ -6,14 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from clepsydra.base.remark import Remark
-from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Complexity
-from clepsydra.scores.score_key import by_signal
 from clepsydra.studies.ranking_words import TIE
 from clepsydra.studies.result import ACCEPTED, Candidate, Standing
-
-#: An overshoot worth watching [% of the step].
-_OVERSHOOT = 10.0
 
 
 @dataclass(frozen=True)
@@ -123,7 +118,7 @@ def _alike(first: Candidate, other: Candidate) -> bool:
 
 
 def watched(candidate: Candidate) -> tuple[Remark, ...]:
-    r"""Return what to watch with a controller; its standing is told elsewhere.
+    """Return what to watch with a controller; its standing is told elsewhere.
 
     A level that averages is judged by the flow that it smooths, so its overshoot is left out. What
     simulation and scenario leave open is no property of the controller: see `Candidate.caveats`.
@@ -132,20 +127,12 @@ def watched(candidate: Candidate) -> tuple[Remark, ...]:
     --------
     >>> import clepsydra as cl
     >>> plant = cl.load("quadruple-tank-nonminimum-phase")
-    >>> print(*watched(cl.study(plant, [cl.design.amigo(plant)]).best), sep="\n")
-    It overshoots a step of the setpoint by 10 %; ramp the setpoint, or lower b.
+    >>> for each in watched(cl.study(plant, [cl.design.amigo(plant)]).best):
+    ...     print(each.brief)
+    It overshoots a step of the setpoint by 10 %.
     Its rule was slowed 1.22 times, until it was robust.
     """
-    averaging = candidate.run.process.averaging
-    overshoots = by_signal(candidate.scores, "overshoot")
-    held = (value for name, value in overshoots.items() if name not in averaging)
-    overshoot = max(held, default=0.0)
-    said = []
-    if overshoot > _OVERSHOOT:
-        settings = {Signal(name).part for name in candidate.controller.values}
-        remedy = f"ramp the setpoint{', or lower b' if 'setpoint_weight' in settings else ''}"
-        seen = f"It overshoots a step of the setpoint by {overshoot:.0f} %"
-        said.append(Remark(seen, remedy=remedy))
+    said = [*candidate.overshoots]
     if candidate.controller.slowed > 1.0:
         factor = f"{candidate.controller.slowed:.3g}"
         said.append(Remark(f"Its rule was slowed {factor} times, until it was robust"))

@@ -53,6 +53,8 @@ class TriedController:
         Sensitivity and margins of its exact sampled loop, where it has one.
     tuning : TuningResult or None
         How it was tuned by simulation, if it was.
+    overshoots : tuple of Remark
+        By how much it overshoots a setpoint, where that is worth watching, and what helps.
     """
 
     controller: Controller
@@ -63,6 +65,7 @@ class TriedController:
     caveats: tuple[Caveat, ...] = ()
     response: LoopResponse | None = None
     tuning: TuningResult | None = None
+    overshoots: tuple[Remark, ...] = ()
 
     @property
     def inner_peak(self) -> tuple[str, float] | None:

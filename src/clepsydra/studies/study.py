@@ -25,7 +25,7 @@ from clepsydra.studies.ranking import Trial, rank, rule_of, verdict
 from clepsydra.studies.result import Candidate, StudyResult
 from clepsydra.studies.trial import trial_of
 from clepsydra.studies.tuning.result import TuningResult
-from clepsydra.studies.tuning.tune import GENERATIONS, Progress, Search
+from clepsydra.studies.tuning.tune import Progress, Search
 from clepsydra.studies.usual_tuning import UsualTuning
 
 #: Names of controllers that a refusal shows.
@@ -193,7 +193,7 @@ class _Study:
             name = re.sub(r"[^A-Za-z0-9]+", "-", now.name).strip("-").lower()
             kept = self.folder / f"{self.request.file_stem}.{name}.tuning.json"
         try:
-            found = run(Search(GENERATIONS, self.request.seed, FRONT, tell, kept, afresh=True))
+            found = run(Search(None, self.request.seed, FRONT, tell, kept, afresh=True))
         except NotApplicable:  # no candidate keeps the limits: nothing is left to go on with
             if kept is not None:
                 kept.unlink(missing_ok=True)

@@ -23,6 +23,7 @@ from clepsydra.studies.warnings.after import caveats_after, warnings_after
 from clepsydra.studies.warnings.before import caveats_before, warnings_before
 from clepsydra.studies.warnings.caveat import Caveat
 from clepsydra.studies.warnings.loop_response import LoopResponse, loop_response
+from clepsydra.studies.warnings.overshooting import overshooting
 
 #: A loop that noise drives from limit to limit converges slowly; its estimate is then told.
 _REFINEMENT = 4
@@ -70,6 +71,7 @@ def trial_of(
         ),
         response=response,
         tuning=tuning,
+        overshoots=overshooting(run, model, scores),
     )
 
 

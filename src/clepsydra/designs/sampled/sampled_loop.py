@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from functools import cached_property
 
@@ -15,6 +16,10 @@ from clepsydra.designs.sampled.sampled_system import SampledSystem
 from clepsydra.designs.sampled.sampling_period import check_sampling_period
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
+
+#: Of a mode: what is gone after two samples, what has no direction of its own, and the share of
+#: the largest answer from which on it is seen.
+_DEAD, _DEFECTIVE, _SEEN = 0.1, 1e-6, 0.01
 
 
 class SampledLoop(SampledSystem):
@@ -38,6 +43,57 @@ class SampledLoop(SampledSystem):
     def maximum_sensitivity(self) -> float:
         """Largest singular value of S(e^jωT) over frequency [1]; infinite if unstable."""
         return self.largest_gain
+
+    @cached_property
+    def damping(self) -> float:
+        """Smallest damping ratio ζ of what swings in the loop [1]; below 0 if unstable.
+
+        Of each mode z = e^(sT), ζ = −Re s/|s|. A mode that makes less than a hundredth of the
+        answer to a step of d does not count, nor what dies within a sample or two: the registers
+        of a dead time. 1 where nothing swings.
+
+        Examples
+        --------
+        Both modes of 1/(s² + 2 ζ s + 1) with ζ = 0.5, sampled every 0.1 s:
+
+        >>> z = np.exp(0.1 * (-0.5 + 1j * np.sqrt(0.75)))
+        >>> A = np.array([[z.real, z.imag], [-z.imag, z.real]])
+        >>> loop = SampledLoop(A, np.ones((2, 1)), np.ones((1, 2)), np.eye(1))
+        >>> round(loop.damping, 9)
+        0.5
+        """
+        rates = self._rates
+        if rates is None:
+            return -1.0
+        return float(np.min(-rates.real / np.abs(rates), initial=1.0))
+
+    @cached_property
+    def decay(self) -> float:
+        """Samples in which the slowest of these modes comes down to a hundredth [1].
+
+        Infinite if unstable.
+        """
+        rates = self._rates
+        if rates is None:
+            return math.inf
+        return math.log(100.0) * float(np.max(-1.0 / rates.real, initial=0.0))
+
+    @cached_property
+    def _rates(self) -> np.ndarray | None:
+        """The logarithms of the modes that are seen; None if unstable."""
+        from scipy.linalg import eig
+
+        modes, left, right = eig(self.A, left=True)
+        if np.any(np.abs(modes) >= 1.0):
+            return None
+        entering = np.linalg.norm(left.conj().T @ self.B, axis=1)
+        leaving = np.linalg.norm(self.C @ right, axis=0)
+        own = np.abs(np.sum(left.conj() * right, axis=0))
+        alive = (np.abs(modes) > _DEAD) & (own > _DEFECTIVE)
+        share = np.where(alive, entering * leaving / np.where(alive, own, 1.0), 0.0)
+        share /= np.abs(modes - 1.0)
+        seen = alive & (share > _SEEN * np.max(share, initial=0.0))
+        return np.asarray(np.log(modes[seen].astype(complex)))
 
 
 def sampled_loop(controller: Controller, model: LinearModel) -> SampledLoop:

@@ -26,6 +26,7 @@ from clepsydra.studies.file.reader import StudyTable
 from clepsydra.studies.file.scenario_reader import ScenarioTable
 from clepsydra.studies.file.tuning_reader import Tuning
 from clepsydra.studies.ranking import of_averaging
+from clepsydra.studies.usual_goal import DAMPING
 
 #: Designs of single loops, from the one that is preferred; what the reader calls each.
 _LOOPS = {
@@ -85,6 +86,7 @@ def new_study(process: Process, named: str, template: str) -> str:
         second_name=_OTHERS[second],
         pairing=f"{{ {pairing} }}",
         objective=_objective(process),
+        damping=f"{DAMPING:g}",
         loops=_written_out(process, designed),
         **_bounds(process, designed),
         **_comments(first),

@@ -27,12 +27,19 @@ from clepsydra.studies.file.law_parameters import law_parameters
 from clepsydra.studies.file.tuning_bounds import Bound, of_weights, tuned_parameter, tuned_weight
 from clepsydra.studies.tuning.law_space import LawSpace
 from clepsydra.studies.tuning.memory import UnusableState
-from clepsydra.studies.tuning.objective import Goal, Limits, Objective, judged
-from clepsydra.studies.tuning.parameters import TunedParameter, gains_and_times
+from clepsydra.studies.tuning.objective import Limits, Objective, judged
+from clepsydra.studies.tuning.parameters import TunedParameter, settings_of
 from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.tuning.search_space import SearchSpace
 from clepsydra.studies.tuning.tune import Search, tune
 from clepsydra.studies.tuning.weight_space import KINDS, usual_wear, weight_space
+from clepsydra.studies.usual_goal import (
+    DAMPING,
+    NOISE_MOVEMENT,
+    OVERSHOOT,
+    usual_goal,
+    usual_limits,
+)
 
 #: Takes the controller that was designed, and the model with all measurements.
 WeightedStart = Callable[[Controller, LinearModel], WeighedLqi]
@@ -53,22 +60,25 @@ class Tuning:
     weighted : callable or None
         What makes the start of a design by weights, which are tuned unless `bounds` name
         parameters of the law.
+    objective : Objective or None
+        None for what ranks a study.
     bounds : tuple of Bound or None
-        None where gains and integral times are tuned within a factor of ten, or weights.
+        None where all settings of the loops are tuned, or weights.
     total_variation : dict
         Manipulated variable to its limit [its unit].
-    maximum_sensitivity, overshoot : float
-        Limits [1]
+    maximum_sensitivity, overshoot, noise_movement, damping : float
+        Limits [1]; infinite where the usual one holds.
     """
 
     table: TableReader
+    process: Process
     weighted: WeightedStart | None
-    objective: Objective = part(
+    objective: Objective | None = part(
         lambda table, key, known: _objective(table, known["process"]),
         {
             "objective": {
                 "description": "a score, a list of scores, or a table of scores with weights; a "
-                "score is of all its signals or of one",
+                "score is of all its signals or of one; left out, the mean of what ranks a study",
                 "type": ["string", "array", "object"],
             },
             "method": told.choice(
@@ -102,18 +112,45 @@ class Tuning:
     )
     overshoot: float = quantity(
         "1",
-        "a limit of the overshoot of every setpoint step, a share of the step",
+        "a limit of the overshoot of every setpoint step, a share of the step; left out, "
+        f"{OVERSHOOT:g} %",
         at_least=0.0,
         at_most=1.0,
         default=math.inf,
         absent=math.inf,
         remedy='write as in "10 %" of the step',
     )
+    noise_movement: float = quantity(
+        "1",
+        "a limit of how far noise may throw an input about, a share of its range",
+        above=0.0,
+        default=NOISE_MOVEMENT,
+        remedy='write as in "5 %" of the range',
+    )
+    damping: float = quantity(
+        "1",
+        "a limit of the damping ratio of the loops, 0 for none; left out, "
+        f"{DAMPING:g} where a level averages",
+        at_least=0.0,
+        at_most=1.0,
+        default=math.inf,
+        absent=math.inf,
+        remedy="0.7 to 1 is customary",
+    )
 
     @property
     def limits(self) -> Limits:
         """What a candidate must keep, the overshoot in percent."""
-        return Limits(self.maximum_sensitivity, 100.0 * self.overshoot, self.total_variation)
+        usual = usual_limits(self.process)
+        asked = math.isfinite(self.overshoot)
+        return Limits(
+            self.maximum_sensitivity,
+            100.0 * self.overshoot,
+            math.inf if asked else usual.overshoot_if_stepped,
+            self.noise_movement,
+            self.damping if math.isfinite(self.damping) else usual.damping,
+            self.total_variation,
+        )
 
     def space(self, controller: Controller, model: LinearModel) -> SearchSpace:
         """Return what may become of a controller, before anything is simulated.
@@ -134,7 +171,7 @@ class Tuning:
             with self._errors_of(parameters):
                 return replace(weights, parameters=parameters)
         if self.bounds is None:
-            return LawSpace(controller, gains_and_times(controller))
+            return LawSpace(controller, settings_of(controller))
         law = law_parameters(controller.law)
         parameters = [tuned_parameter(bound, controller, law) for bound in self.bounds]
         with self._errors_of(parameters):
@@ -148,7 +185,8 @@ class Tuning:
         if self._start is not None and not self.table.has("total_variation"):
             limits = replace(limits, total_variation=usual_wear(controller, model, scenario))
         with errors_at(self.table, but=(UnusableState,)):
-            return tune(space, Goal(model, scenario, self.objective, limits), search)
+            goal = usual_goal(controller, model, scenario, limits, self.objective)
+            return tune(space, goal, search)
 
     @property
     def _start(self) -> WeightedStart | None:
@@ -167,10 +205,10 @@ def read_tuning(
 ) -> Tuning:
     """Read what a controller is to be tuned for, from a table with the keys of `Tuning`.
 
-    Without an objective it is the largest IAE of the controlled measurements, each relative to
-    the start. Without parameters the gains and integral times of all loops are tuned, each within
-    a factor of ten; of a design by weights the weights, within a factor of a thousand. Without a
-    limit max|S| is kept at 2.
+    Without an objective it is the mean of what a study ranks by. Without parameters all settings
+    of the loops are tuned, each within a factor of ten and setpoint weights between 0 and 1; of a
+    design by weights the weights, within a factor of a thousand. Without limits they are those of
+    `clepsydra.studies.usual_goal`.
 
     Raises
     ------
@@ -183,14 +221,16 @@ def read_tuning(
     >>> from clepsydra.process.document import parse
     >>> from clepsydra.process.reader import load_process
     >>> table = TableReader(parse(b'maximum_sensitivity = 1.7', "study.toml"), (), None)
-    >>> read_tuning(table, load_process("quadruple-tank")).objective.words
-    'the larger of IAE of level_1 and IAE of level_2, each relative to the start'
+    >>> read_tuning(table, load_process("quadruple-tank")).maximum_sensitivity
+    1.7
     """
     with errors_at(table):
-        return Tuning(table, weighted, **read_fields(Tuning, table, process=process))
+        return Tuning(table, process, weighted, **read_fields(Tuning, table, process=process))
 
 
-def _objective(table: TableReader, process: Process) -> Objective:
+def _objective(table: TableReader, process: Process) -> Objective | None:
+    if not (table.has("objective") or table.has("method")):
+        return None
     written = table.raw("objective") if table.has("objective") else "iae"
     weights: dict[str, float]
     if isinstance(written, str):

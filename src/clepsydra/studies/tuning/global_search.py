@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from clepsydra.studies.tuning.objective import ON_LIMIT
 from clepsydra.studies.tuning.problem import TuningProblem
+from clepsydra.studies.tuning.standing import standings
 
 #: Members of the population for each parameter, and the fewest.
 _MEMBERS, _FEWEST = 8, 16
@@ -17,10 +17,8 @@ _CONVERGED = 1e-2
 def search_globally(problem: TuningProblem, *, generations: int, seed: int) -> None:
     """Look for the best candidate everywhere between the bounds; the problem keeps it.
 
-    SciPy's differential evolution, best1bin, with the generation evaluated as one batch. A
-    candidate that keeps all limits beats any that does not; of two that do not the one that
-    passes its limits less is better. max|S| is found only of those that would win by what the
-    simulation says, which is cheap beside it.
+    SciPy's differential evolution, best1bin, with the generation evaluated as one batch, and
+    compared by `standing.standings`.
 
     Parameters
     ----------
@@ -30,9 +28,7 @@ def search_globally(problem: TuningProblem, *, generations: int, seed: int) -> N
     References
     ----------
     R. Storn and K. Price, Differential evolution, Journal of Global Optimization 11, 1997,
-    341-359, doi 10.1023/A:1008202821328. K. Deb, An efficient constraint handling method for
-    genetic algorithms, Computer Methods in Applied Mechanics and Engineering 186, 2000, 311-338,
-    doi 10.1016/S0045-7825(99)00389-8.
+    341-359, doi 10.1023/A:1008202821328.
     """
     from scipy.optimize import differential_evolution
     from scipy.stats import qmc
@@ -45,24 +41,18 @@ def search_globally(problem: TuningProblem, *, generations: int, seed: int) -> N
     population[0] = start
     kept = np.full(members, np.inf)
 
-    def standings(columns: np.ndarray) -> np.ndarray:
+    def compared(columns: np.ndarray) -> np.ndarray:
         """Return one number for each candidate, given as columns [p, members].
 
         Each member of a generation is compared with the one in its place before it.
         """
         nonlocal kept
-        points = np.ascontiguousarray(columns.T)
-        evaluated = problem.evaluate(points)
-        found = _standing(evaluated.objective, evaluated.violation)
-        for place in np.flatnonzero((found <= kept) & np.isfinite(evaluated.objective)):
-            excess = _excess(problem, points[place])
-            violation = max(float(evaluated.violation[place]), excess)
-            found[place] = _standing(evaluated.objective[[place]], np.array([violation]))[0]
+        found = standings(problem, np.ascontiguousarray(columns.T), kept)
         kept = np.minimum(kept, found)
         return found
 
     differential_evolution(
-        standings,
+        compared,
         bounds=[(0.0, 1.0)] * width,
         init=population,
         maxiter=generations,
@@ -72,21 +62,3 @@ def search_globally(problem: TuningProblem, *, generations: int, seed: int) -> N
         vectorized=True,
         updating="deferred",
     )
-
-
-def _excess(problem: TuningProblem, point: np.ndarray) -> float:
-    """Return how far max|S| is beyond its limit, as a share of 1/limit; 1 if unstable."""
-    limit = problem.limits.maximum_sensitivity
-    if not np.isfinite(limit):
-        return 0.0
-    return max(0.0, 1.0 - limit / problem.sensitivity(point))
-
-
-def _standing(objective: np.ndarray, violation: np.ndarray) -> np.ndarray:
-    """Return 0 to 1 for what keeps its limits, 1 to 2 for what does not, 3 for what broke off."""
-    # Both maps keep the order, and only the order counts.
-    within = np.where(np.isfinite(objective), objective, 0.0)
-    beyond = np.where(np.isfinite(violation), violation, 0.0)
-    good, bad = within / (1.0 + within), 1.0 + beyond / (1.0 + beyond)
-    found = np.where(violation <= ON_LIMIT, good, bad)
-    return np.where(np.isfinite(objective), found, 3.0)

@@ -26,7 +26,7 @@ def judged() -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Objective:
-    """One number from several scores: the largest of them, or their sum; see the makers below.
+    """One number from several scores: the largest, their sum or mean; see the makers below.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ class Objective:
     'the larger of IAE of level_1 and IAE of level_2, each relative to the start'
     """
 
-    kind: Literal["minimax", "weighted"]
+    kind: Literal["minimax", "weighted", "mean"]
     weights: dict[str, float]
     relative: bool = True
 
@@ -60,8 +60,10 @@ class Objective:
 
     def value(self, parts: np.ndarray) -> np.ndarray:
         """Return the objective [n] from the parts [n, scores]."""
-        found = np.max(parts, axis=1) if self.kind == "minimax" else np.sum(parts, axis=1)
-        return np.asarray(found)
+        if self.kind == "minimax":
+            return np.asarray(np.max(parts, axis=1))
+        whole = sum(self.weights.values()) if self.kind == "mean" else 1.0
+        return np.asarray(np.sum(parts, axis=1) / whole)
 
     def check_start(self, start: Mapping[str, float]) -> None:
         """Refuse scores of the start that nothing can be related to.
@@ -86,13 +88,13 @@ class Objective:
         named = []
         for name, weight in self.weights.items():
             key = score_key(name)
-            times = "" if weight == 1.0 else f"{weight:g} × "
+            times = "" if weight == 1.0 else f"{weight:.3g} × "
             named.append(f"{times}{key.declared.words} of {key.signal}")
         *others, last = named
         if not others:
             return f"{last}, relative to the start" if self.relative else last
         larger = "the larger of" if len(others) == 1 else "the largest of"
-        lead = larger if self.kind == "minimax" else "the sum of"
+        lead = {"minimax": larger, "weighted": "the sum of", "mean": "the mean of"}[self.kind]
         scale = ", each relative to the start" if self.relative else ""
         return f"{lead} {', '.join(others)} and {last}{scale}"
 
@@ -107,6 +109,11 @@ def weighted_sum(weights: Mapping[str, float], *, relative: bool = True) -> Obje
     return Objective("weighted", dict(weights), relative)
 
 
+def mean(weights: Mapping[str, float], *, relative: bool = True) -> Objective:
+    """Return the objective "the mean of some scores", in which each has its weight."""
+    return Objective("mean", dict(weights), relative)
+
+
 @dataclass(frozen=True)
 class Limits:
     """What a tuned controller must keep.
@@ -117,16 +124,30 @@ class Limits:
         Largest max|S| of all loops together [1], above 1; infinite for none.
     overshoot : float
         Largest overshoot of any setpoint step [% of the step]; infinite for none.
+    overshoot_if_stepped : float
+        The same, where the scenario steps a setpoint at all.
+    noise_movement : float
+        How far noise may throw a manipulated variable about, a share of its range [1]; infinite
+        for as far as it will.
+    damping : float
+        Smallest damping ratio of what oscillates in the loops, 0 to 1 [1]; 0 for none.
     total_variation : dict
         Manipulated variable to the largest total variation over the scenario [its unit].
     levels : dict
         "tank.level" to the lowest and the highest level that it may have at any time [m].
+    rest : float
+        Longest time in which what is left of a change comes down to a hundredth [s]; infinite for
+        none. Without it a level that averages never comes back: nothing else asks for that.
     """
 
     maximum_sensitivity: float = math.inf
     overshoot: float = math.inf
+    overshoot_if_stepped: float = math.inf
+    noise_movement: float = math.inf
+    damping: float = 0.0
     total_variation: dict[str, float] = field(default_factory=dict)
     levels: dict[str, tuple[float, float]] = field(default_factory=dict)
+    rest: float = math.inf
 
 
 @dataclass(frozen=True, eq=False)

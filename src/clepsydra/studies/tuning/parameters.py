@@ -15,8 +15,17 @@ from clepsydra.designs.applicability import NotApplicable
 #: A start this near outside a bound stands on it, a share of the width.
 ROUNDING = 1e-9
 METHOD = "tuning by simulation"
-#: What is tuned of a law where nothing is named.
-_TUNED = ("proportional_gain", "integral_time", "integral_gain")
+#: What is tuned of a law where nothing is named: on a logarithmic scale, and evenly.
+_TUNED = (
+    "proportional_gain",
+    "integral_time",
+    "integral_gain",
+    "derivative_time",
+    "derivative_gain",
+    "derivative_filter",
+    "filter_time",
+)
+_TUNED_EVENLY = ("setpoint_weight",)
 
 
 @dataclass(frozen=True)
@@ -112,25 +121,35 @@ def around(
     return tuple(found)
 
 
-def gains_and_times(controller: Controller) -> tuple[TunedParameter, ...]:
-    """Return gains and integral times of a law, each within a factor of ten.
+def settings_of(controller: Controller) -> tuple[TunedParameter, ...]:
+    """Return all settings of the loops of a law: gains, times and filters, and setpoint weights.
+
+    Each may move by a factor of ten up and down, but a setpoint weight between 0 and 1. What is
+    zero is off, and stays so.
 
     Raises
     ------
     NotApplicable
-        It has neither.
+        There are none.
 
     Examples
     --------
     >>> import clepsydra as cl
-    >>> [p.name for p in gains_and_times(cl.design.simc(cl.load("three-tanks")))]
-    ['level_3.proportional_gain', 'level_3.integral_time']
+    >>> [p.name.partition(".")[2] for p in settings_of(cl.design.simc(cl.load("three-tanks")))]
+    ['proportional_gain', 'integral_time', 'setpoint_weight']
     """
+    values = controller.values
     names = [
         parameter.name
         for parameter in controller.law.parameters
-        if parameter.part in _TUNED and controller.values[parameter.name] != 0.0
+        if parameter.part in _TUNED and values[parameter.name] != 0.0
     ]
     if not names:
         raise NotApplicable(f"{controller.name} has no gain and no integral time to tune", METHOD)
-    return around(controller, names)
+    weights = [
+        TunedParameter(parameter.name, parameter.low, parameter.high, logarithmic=False)
+        for parameter in controller.law.parameters
+        if parameter.part in _TUNED_EVENLY
+        and parameter.low <= values[parameter.name] <= parameter.high
+    ]
+    return (*around(controller, names), *weights)

@@ -66,6 +66,8 @@ def _not_beaten(problem: TuningProblem) -> tuple[np.ndarray, np.ndarray, np.ndar
     sensitivities: list[float] = []
     for place in np.argsort(objective, kind="stable"):
         sensitivity = problem.sensitivity(points[place])
+        if min(problem.rooms(points[place], np.inf), default=0.0) < -ON_LIMIT:
+            continue
         if sensitivity < (1.0 - _APART) * min(sensitivities, default=np.inf):
             front.append(int(place))
             sensitivities.append(sensitivity)

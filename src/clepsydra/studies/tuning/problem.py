@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from clepsydra.base.errors import InputError
-from clepsydra.designs.sampled.sampled_loop import SampledLoops
+from clepsydra.controllers.controller import Controller
+from clepsydra.designs.sampled.sampled_loop import SampledLoop, SampledLoops
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.lane_status import LaneStatus
 from clepsydra.loop.running_scores import running_scores
@@ -58,12 +59,15 @@ class Judgement(NamedTuple):
         As in `Evaluation`.
     sensitivity : float
         max|S| of all loops together; infinite if unstable.
+    damping : float
+        Smallest damping ratio of what oscillates in the loops.
     """
 
     scores: dict[str, float]
     objective: float
     margins: np.ndarray
     sensitivity: float
+    damping: float
 
 
 class BestSoFar(NamedTuple):
@@ -86,23 +90,8 @@ class TuningProblem:
 
     def __init__(self, space: SearchSpace, goal: Goal) -> None:
         self.space, self.objective, self.limits = space, goal.objective, goal.limits
-        limits, model, segments = goal.limits, goal.model, goal.scenario.segments
-        self.limited: dict[str, float] = {}
-        if np.isfinite(limits.overshoot):
-            stepped = {part.signal for part in segments if part.kind == "setpoint"}
-            if not stepped:
-                raise InputError(
-                    "tuning, limits, overshoot", limits.overshoot,
-                    "a scenario with a setpoint step", "drop the limit",
-                )  # fmt: skip
-            self.limited |= {f"overshoot[{name}]": limits.overshoot for name in sorted(stepped)}
-        self.limited |= {f"total_variation[{u}]": v for u, v in limits.total_variation.items()}
-        for name, (low, high) in limits.levels.items():
-            self.limited |= {f"lowest[{name}]": low, f"highest[{name}]": high}
-        if any(part.kind == "load" for part in segments):
-            for name, (low, high) in operating_point_of(model).process.bands.items():
-                self.limited |= {f"lowest_under_load[{name}]": low}
-                self.limited |= {f"highest_under_load[{name}]": high}
+        model = goal.model
+        self.limited = _limited(goal, space.controller)
         self.names = tuple(dict.fromkeys([*goal.objective.names, *self.limited]))
         self.batch = BatchEvaluation(space.controller, model, goal.scenario, self.names)
         self._loops = SampledLoops(space.controller, model)
@@ -111,6 +100,7 @@ class TuningProblem:
         self.history: list[tuple[int, float]] = []
         self.on_progress: Callable[[], None] = lambda: None
         self._asked: set[bytes] = set()
+        self._modes: dict[bytes, tuple[float, float]] = {}
         self.proper: dict[bytes, np.ndarray] = {}
 
     def begin(self) -> None:
@@ -146,8 +136,14 @@ class TuningProblem:
 
     def _judged(self, values: Mapping[str, float], rows: np.ndarray) -> Judgement:
         found = self._evaluation(rows)
-        peak = self._loops.at(values).maximum_sensitivity
-        return Judgement(self._named(rows), float(found.objective[0]), found.margins[0], peak)
+        loop = self._loops.at(values)
+        return Judgement(
+            self._named(rows),
+            float(found.objective[0]),
+            found.margins[0],
+            loop.maximum_sensitivity,
+            loop.damping,
+        )
 
     def _named(self, rows: np.ndarray) -> dict[str, float]:
         return dict(zip(self.names, rows[0, :-1].tolist(), strict=True))
@@ -214,11 +210,42 @@ class TuningProblem:
         """Return max|S| of all loops together at one point [p]; infinite if unstable."""
         key = point.tobytes()
         if key not in self.memory.sensitivities:
-            values = self.space.controller_values(point)
-            usable = all(map(math.isfinite, values.values()))
-            peak = self._loops.at(values).maximum_sensitivity if usable else math.inf
-            self.memory.sensitivities[key] = peak
+            loop = self._loop(point)
+            self.memory.sensitivities[key] = math.inf if loop is None else loop.maximum_sensitivity
         return self.memory.sensitivities[key]
+
+    def damping(self, point: np.ndarray) -> float:
+        """Return the smallest damping ratio of the loops at one point [p]; below 0 if unstable."""
+        return self._swinging(point)[0]
+
+    def decay_time(self, point: np.ndarray) -> float:
+        """Return in which time the slowest mode of the loops comes down to a hundredth [s]."""
+        return self._swinging(point)[1] * self.batch.loop.process.sampling_period
+
+    def _swinging(self, point: np.ndarray) -> tuple[float, float]:
+        key = point.tobytes()
+        if key not in self._modes:
+            loop = self._loop(point)
+            self._modes[key] = (-1.0, math.inf) if loop is None else (loop.damping, loop.decay)
+        return self._modes[key]
+
+    def _loop(self, point: np.ndarray) -> SampledLoop | None:
+        values = self.space.controller_values(point)
+        return self._loops.at(values) if all(map(math.isfinite, values.values())) else None
+
+    def rooms(self, point: np.ndarray, sensitivity_limit: float) -> list[float]:
+        """Return the room to the limits of the linear loop, as shares; below 0 beyond one.
+
+        Of max|S| that of 1/S, since it goes to zero, not to infinity, where a loop gets unstable.
+        """
+        found = []
+        if math.isfinite(sensitivity_limit):
+            found.append(sensitivity_limit / self.sensitivity(point) - 1.0)
+        if self.limits.damping > 0.0:
+            found.append(self.damping(point) / self.limits.damping - 1.0)
+        if math.isfinite(self.limits.rest):
+            found.append(1.0 - self.decay_time(point) / self.limits.rest)
+        return found
 
     def _consider(self, points: np.ndarray, found: Evaluation) -> None:
         """Keep the best of the first candidates if it beats the best and keeps all limits."""
@@ -228,8 +255,9 @@ class TuningProblem:
                 return
             if found.violation[place] > ON_LIMIT:
                 continue
-            sensitivity = self.sensitivity(points[place])
-            if sensitivity <= self.limits.maximum_sensitivity * (1.0 + ON_LIMIT):
+            room = self.rooms(points[place], self.limits.maximum_sensitivity)
+            if min(room, default=0.0) >= -ON_LIMIT:
+                sensitivity = self.sensitivity(points[place])
                 self.best = BestSoFar(points[place].copy(), value, sensitivity)
                 self.history.append((self.evaluations, value))
                 return
@@ -255,6 +283,31 @@ class TuningProblem:
         for array in (model.A, model.B, model.C, *state, *moves):
             digest.update(np.ascontiguousarray(array, dtype=float).tobytes())
         return digest.hexdigest()
+
+
+def _limited(goal: Goal, controller: Controller) -> dict[str, float]:
+    """Return the scores that have a limit, and that [their unit]."""
+    limits, segments = goal.limits, goal.scenario.segments
+    process = operating_point_of(goal.model).process
+    kinds = {part.kind for part in segments}
+    stepped = sorted({part.signal for part in segments if part.kind == "setpoint"})
+    if math.isfinite(limits.overshoot) and not stepped:
+        raise InputError(
+            "tuning, limits, overshoot", limits.overshoot,
+            "a scenario with a setpoint step", "drop the limit",
+        )  # fmt: skip
+    largest = min(limits.overshoot, limits.overshoot_if_stepped)
+    found = {f"overshoot[{y}]": largest for y in stepped if math.isfinite(largest)}
+    if math.isfinite(limits.noise_movement) and "noise" in kinds:
+        moved = [u for u in process.inputs if u.name in controller.manipulated and u.has_range]
+        found |= {f"noise_movement[{u.name}]": limits.noise_movement * u.span for u in moved}
+    found |= {f"total_variation[{u}]": value for u, value in limits.total_variation.items()}
+    for name, (low, high) in limits.levels.items():
+        found |= {f"lowest[{name}]": low, f"highest[{name}]": high}
+    if "load" in kinds:
+        for name, (low, high) in process.bands.items():
+            found |= {f"lowest_under_load[{name}]": low, f"highest_under_load[{name}]": high}
+    return found
 
 
 def _margin(name: str, scores: np.ndarray, limit: float) -> np.ndarray:

@@ -72,6 +72,7 @@ def why_none(problem: TuningProblem) -> str:
     limits, process = problem.limits, problem.batch.loop.process
     said = [f"max|S| at most {limits.maximum_sensitivity:g}"]
     said = said if np.isfinite(limits.maximum_sensitivity) else []
+    said += [f"damping at least {limits.damping:g}"] if limits.damping > 0.0 else []
     said += [limit_words(name, limit, process) for name, limit in problem.limited.items()]
     return (
         f"none of {problem.evaluations} candidates keeps {' and '.join(said) or 'its tanks'}; "
@@ -83,6 +84,8 @@ def _binding(problem: TuningProblem, point: np.ndarray, judged: Judgement) -> tu
     said, space = [], problem.space
     if judged.sensitivity >= problem.limits.maximum_sensitivity * (1.0 - _BINDS):
         said.append(f"max|S| at most {problem.limits.maximum_sensitivity:g}")
+    if problem.limits.damping > 0.0 and judged.damping <= problem.limits.damping * (1.0 + _BINDS):
+        said.append(f"damping at least {problem.limits.damping:g}")
     for (name, limit), margin in zip(problem.limited.items(), judged.margins, strict=True):
         if margin <= _BINDS:
             said.append(limit_words(name, limit, problem.batch.loop.process))

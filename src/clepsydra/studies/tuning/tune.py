@@ -12,6 +12,7 @@ import numpy as np
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.designs.applicability import NotApplicable
+from clepsydra.studies.tuning.evolution_strategy import search_around
 from clepsydra.studies.tuning.global_search import search_globally
 from clepsydra.studies.tuning.objective import Goal
 from clepsydra.studies.tuning.parameters import METHOD
@@ -21,8 +22,9 @@ from clepsydra.studies.tuning.refinement import refine
 from clepsydra.studies.tuning.result import TuningResult, outcome, why_none
 from clepsydra.studies.tuning.search_space import SearchSpace
 
-#: Generations of the global search, if nothing else is asked for.
-GENERATIONS = 40
+#: Generations of the global search, if nothing else is asked for: at most so many, and at least so
+#: many where about so many samples of each candidate would be simulated in all.
+GENERATIONS, _FEWEST, _SIMULATED = 40, 8, 400_000
 #: Local searches from where the last one ended, at most.
 _LOCAL_SEARCHES = 3
 #: A local search that brings less than this share is the last.
@@ -35,7 +37,7 @@ class Progress(NamedTuple):
     Parameters
     ----------
     stage : str
-        "global search", "local search" or "Pareto front".
+        "global search", "search around it", "local search" or "Pareto front".
     evaluations : int
         Different candidates so far.
     objective : float
@@ -53,8 +55,9 @@ class Search:
 
     Parameters
     ----------
-    generations : int
-        Of the global search, at most; 0 for the local search alone.
+    generations : int, optional
+        Of the global search, at most; 0 for the local search alone. 40 if omitted, and fewer where
+        the scenario is long.
     seed : int
         Of the global search: the same seed gives the same result.
     front : sequence of float
@@ -75,7 +78,7 @@ class Search:
         The seed or the state file cannot be used.
     """
 
-    generations: int = GENERATIONS
+    generations: int | None = None
     seed: int = 1
     front: Sequence[float] = ()
     progress: Callable[[Progress], None] | None = None
@@ -91,13 +94,25 @@ class Search:
             "the path of a file, or None", "give it as Path or text",
         )  # fmt: skip
 
+    def generations_over(self, samples: int) -> int:
+        """Return the generations of a search in a scenario of so many samples.
+
+        Examples
+        --------
+        >>> Search().generations_over(4000), Search().generations_over(10**6)
+        (40, 8)
+        """
+        if self.generations is not None:
+            return self.generations
+        return max(_FEWEST, min(GENERATIONS, round(_SIMULATED / samples)))
+
 
 def tune(space: SearchSpace, goal: Goal, search: Search | None = None) -> TuningResult:
     """Find the point of a space whose simulated loop scores best and keeps some limits.
 
-    First differential evolution looks everywhere between the bounds, then sequential quadratic
-    programming goes from the best to the minimum near it. Candidates are simulated in batches
-    on the engine; max|S| is that of the sampled loop, exact.
+    First differential evolution looks everywhere between the bounds, then an evolution strategy
+    around the best, and sequential quadratic programming goes to the minimum near it. Candidates
+    are simulated in batches on the engine; max|S| is that of the sampled loop, exact.
 
     Parameters
     ----------
@@ -145,9 +160,12 @@ def tune(space: SearchSpace, goal: Goal, search: Search | None = None) -> Tuning
     problem.on_progress = tell
     try:
         problem.begin()
-        if search.generations:
+        if generations := search.generations_over(goal.scenario.samples):
             stage = "global search"
-            search_globally(problem, generations=search.generations, seed=search.seed)
+            search_globally(problem, generations=generations, seed=search.seed)
+            if problem.best is not None:
+                stage = "search around it"
+                search_around(problem, problem.best.point, seed=search.seed)
         stage = "local search"
         _refine_until_still(problem)
         stage = "Pareto front"
