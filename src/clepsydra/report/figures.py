@@ -120,6 +120,10 @@ def _percent(process: Process, name: str, value: float) -> str:
     return f"{settled(value, 100.0 * DEVIATION):.0f} %".replace("-0 %", "0 %").replace("-", "−")
 
 
+def _turns(process: Process, name: str, value: float) -> str:
+    return f"{value:.0f} times" if value != 1.0 else "once"
+
+
 def _plain(unit: str) -> Callable[[Process, str, float], str]:
     return lambda process, name, value: f"{number_text(value, 2)} {unit}".strip()
 
@@ -139,6 +143,10 @@ _FIGURES = (
         "outflow_rate", "outflow changes", "changes the outflow by at most {}",
         _plain("m³/h per h"),
     ),
+    Figure(
+        "outflow_overshoot", "outflow overshoots", "lets it overshoot by {} of the step", _percent
+    ),
+    Figure("outflow_swings", "swings", "", _turns),
     Figure("volume_used", "tank used", "uses {} of the tank", _percent),
     Figure(TIME_OUTSIDE.key, "outside band", "", time_or_never),
     Figure("starts_per_hour", "starts", "starts {signal} {}", _plain("times/h")),
@@ -154,7 +162,7 @@ def figures_of(process: Process) -> list[Figure]:
     --------
     >>> from clepsydra.process.reader import load_process
     >>> [figure.title for figure in figures_of(load_process("equalisation-tank"))]
-    ['outflow changes', 'tank used', 'starts', 'noise']
+    ['outflow changes', 'outflow overshoots', 'swings', 'tank used', 'starts', 'noise']
     """
     averages_only = set(process.controlled) <= set(process.averaging)
     unasked = set() if process.bands else {TIME_OUTSIDE.key}

@@ -15,11 +15,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from clepsydra.scores.effort import turns
+from clepsydra.scores.load_response import LAST_SHARE
 from clepsydra.scores.sample import Expression, Fold, Sample, magnitude
 from clepsydra.scores.score import Of, Ranks, Score
 from clepsydra.scores.trajectory import FloatArray, finite_or_infinite
 
 _SECONDS_PER_HOUR = 3600.0
+#: What of the largest inflow counts as no change of it, a share; and what a turn of the outflow
+#: must come back by to count, a share of that change.
+_NO_CHANGE, _TURN = 1e-6, 0.02
 
 
 def rate_of_change(sample: Sample) -> Expression:
@@ -64,6 +69,56 @@ def volume_used(
     return 100.0 * float(np.max(acting) - np.min(acting))
 
 
+def _changes(inflow: FloatArray, outflow: FloatArray, load: slice) -> tuple[FloatArray, float]:
+    """Return the outflow since before a load [n], in units of what the inflow changes by at last.
+
+    Also that change [m³/s]; 0 where the load does not reach the tank.
+    """
+    before = max(load.start - 1, 0)
+    late = inflow[load][-max(1, round(LAST_SHARE * (load.stop - load.start))) :]
+    change = float(np.mean(late) - inflow[before])
+    if abs(change) <= _NO_CHANGE * max(float(np.max(np.abs(inflow))), 1e-300):
+        return np.zeros(0), 0.0
+    return (outflow[load] - outflow[before]) / change, change
+
+
+@finite_or_infinite
+def outflow_overshoot(
+    time: FloatArray, outflow: FloatArray, inflow: FloatArray, loads: Sequence[slice]
+) -> float:
+    """Return how far the outflow goes beyond a changed inflow, in the worst load step [%].
+
+    In per cent of what the inflow changes by. A level that has risen can only come back while more
+    leaves than arrives, so that it is never 0 for a controller that brings it back.
+
+    Examples
+    --------
+    >>> flows = np.array([4.0, 4.0, 6.5, 6.0]), np.array([4.0, 6.0, 6.0, 6.0])
+    >>> outflow_overshoot(np.arange(4.0), *flows, [slice(1, 4)])
+    25.0
+    """
+    found = [_changes(inflow, outflow, load)[0] for load in loads]
+    return 100.0 * max((float(np.max(each)) - 1.0 for each in found if each.size), default=0.0)
+
+
+@finite_or_infinite
+def swings(
+    time: FloatArray, outflow: FloatArray, inflow: FloatArray, loads: Sequence[slice]
+) -> float:
+    """Return how often the outflow turns after a load step, in the worst one.
+
+    A turn counts once it has come back by more than 2 % of what the inflow changes by.
+
+    Examples
+    --------
+    >>> flows = np.array([4.0, 4.0, 6.5, 5.8, 6.01]), np.array([4.0, 6.0, 6.0, 6.0, 6.0])
+    >>> swings(np.arange(5.0), *flows, [slice(1, 5)])
+    2.0
+    """
+    found = [_changes(inflow, outflow, load)[0] for load in loads]
+    return float(max((turns(each, _TURN) for each in found if each.size), default=0))
+
+
 Score(
     "outflow_rate",
     "Outflow, fastest change",
@@ -91,6 +146,30 @@ Score(
     integrand=variances,
     fold=Fold.SUM,
     finish=ratio,
+).registered()
+Score(
+    "outflow_overshoot",
+    "Outflow, overshoot",
+    "How far the outflow goes beyond the inflow after a load step, in per cent of what the inflow "
+    "changed by, in the worst one.",
+    Of.AVERAGING,
+    unit="% of the step",
+    wants="load",
+    over=lambda run, name: outflow_overshoot(
+        run.time, run.plant.buffers[name].outflow, run.plant.buffers[name].inflow, run.loads
+    ),
+).registered()
+Score(
+    "outflow_swings",
+    "Outflow, swings",
+    "How often the outflow turns and comes back by more than 2 % of what the inflow changed by, "
+    "after the worst load step.",
+    Of.AVERAGING,
+    unit="1",
+    wants="load",
+    over=lambda run, name: swings(
+        run.time, run.plant.buffers[name].outflow, run.plant.buffers[name].inflow, run.loads
+    ),
 ).registered()
 Score(
     "volume_used",
