@@ -396,6 +396,14 @@ def test_a_tank_that_begins_empty_is_no_warning(tmp_path):
     assert found.standing != "unsafe"
 
 
+def test_the_report_says_where_a_study_begins(tmp_path):
+    path, page = tmp_path / "empty.toml", tmp_path / "empty.html"
+    path.write_text(FROM_EMPTY, encoding="utf-8")
+    cl.study(path).report(page)
+    said = "begins empty, but for pump_1 and tank_3.level, controllers cold"
+    assert said in page.read_text(encoding="utf-8")
+
+
 def test_a_tuning_from_empty_is_that_of_runs_from_empty(tmp_path):
     """What the tuning says of its best controller is what a run of it comes to."""
     path = tmp_path / "tuned.toml"

@@ -219,7 +219,9 @@ def _version(package: str) -> str:
 
 def _segments(result: StudyResult) -> Table:
     unit, length = time_unit(result.scenario.duration)
-    rows = []
+    begin, rows = result.scenario.begin, []
+    if begin is not None:
+        rows.append((f"begins {begin.words}, controllers {begin.controller_start}", "0", ""))
     for segment in result.scenario.segments:
         kind, signal, size = segment_words(result.process, segment)
         times = " – ".join(number_text(t / length) for t in (segment.start, segment.stop))
