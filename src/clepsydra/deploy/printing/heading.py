@@ -30,8 +30,8 @@ def digest(program: Program) -> str:
 
     One version of Clepsydra prints programs with the same digest as the same statements, so they
     also compute the same numbers from the same start. Versions of CasADi simplify by rules of
-    their own: single loops are read alike from 3.7.0 to 3.8.2, cascades and other schemes and fuzzy
-    rules are not, so `written_with` stands beside the digest.
+    their own: single loops are read alike by 3.7.0 and 3.8.2; decoupling, schemes of loops, fuzzy
+    rules and models inside a law are not, so `written_with` stands beside the digest.
 
     Examples
     --------
