@@ -83,12 +83,15 @@ def test_surge_drum_by_its_rule(drum):
 
 @pytest.mark.thorough
 def test_surge_drum(drum):
-    """No controller changes the outflow less than a ramp, 1/2 ΔF²/(A y), and PI comes near it."""
+    """PI with a damping of 0.7 changes the outflow by 0.64 ΔF²/(A y), and a ramp by 0.50."""
     study = cl.study(drum)
     best = study.best
     assert best.controller.name == "PI, arrest time, tuned"
     ramp = 0.5 * 15.0**2 / 0.4  # [m³/h per h] by m²
-    assert ramp / 12.0 < best.scores["outflow_rate[level]"] < 1.1 * ramp / (12.0 * math.sqrt(0.91))
+    # With a damping of 0.7, which is kept, 0.64 ΔF²/(A y); the surface is smaller at the end.
+    damped = 0.64 / 0.5 * ramp
+    change = best.scores["outflow_rate[level]"]
+    assert damped / 12.0 < change < 1.1 * damped / (12.0 * math.sqrt(0.91))
     level = best.run.true_measurement("level")
     assert 0.3 - 1e-4 <= level.min() < 0.31 and level.max() < 0.7
     kept = [each for each in study.ranking if each.standing.name == "ROBUST"]
