@@ -2,10 +2,9 @@
 
 import pytest
 
-from clepsydra.base.remark import Remark
 from clepsydra.studies.warnings.caveat import Caveat, told_once
 
-SLIGHT, GRAVE = (Caveat(Remark(f"It is {x} % wrong"), "error", float(x)) for x in (1, 9))
+SLIGHT, GRAVE = (Caveat(f"It is {x} % wrong.", "error", float(x)) for x in (1, 9))
 
 
 @pytest.mark.parametrize(
@@ -23,6 +22,6 @@ def test_it_is_told_once_with_those_of_whom_it_is_true(runs, said):
 
 
 def test_two_of_another_kind_are_told_apart():
-    other = Caveat(Remark("Its scenario is short"), "scenario")
+    other = Caveat("Its scenario is short.", "scenario")
     assert told_once([("PI", [SLIGHT, other])]) == ("PI: It is 1 % wrong.",
                                                     "PI: Its scenario is short.")  # fmt: skip
