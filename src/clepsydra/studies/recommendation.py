@@ -129,7 +129,6 @@ def watched(candidate: Candidate) -> tuple[Remark, ...]:
     >>> plant = cl.load("quadruple-tank-nonminimum-phase")
     >>> for each in watched(cl.study(plant, [cl.design.amigo(plant)]).best):
     ...     print(each.brief)
-    It overshoots a step of the setpoint by 10 %.
     Its rule was slowed 1.22 times, until it was robust.
     """
     said = [*candidate.overshoots]
