@@ -93,7 +93,7 @@ def inverted_decoupler(
 def _of(own: PairedLoop, other: PairedLoop, kind: Decoupling) -> LeadLag:
     with reasons_about(f"{own.pair} and {other.input.name}"):
         cross = transfer_element(own.model, own.output.name, other.input.name)
-        return _NOTHING if cross is None else decoupling_element(own.element, cross, kind)
+        return _NOTHING if cross is None else decoupling_element(own.alone, cross, kind)
 
 
 def decoupling_element(own: TransferElement, cross: TransferElement, kind: Decoupling) -> LeadLag:

@@ -28,11 +28,7 @@ from clepsydra.designs.at_operating_point import controller_at, numbers_at
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.designed_values import designed_values
 from clepsydra.designs.kalman import kalman_gain, process_noise
-from clepsydra.designs.loops.control_authority import (
-    DESIGN_STEP,
-    check_ranges,
-    control_authorities,
-)
+from clepsydra.designs.loops.control_authority import check_ranges, control_authorities
 from clepsydra.designs.saturation_rate import rates_in_words, saturation_rates
 from clepsydra.designs.slowing_down import note_on_slowing, slow_down
 from clepsydra.designs.states.observed_process import observed_process
@@ -44,6 +40,7 @@ from clepsydra.designs.virtual_settings import (
     settings_for,
     settling_time,
 )
+from clepsydra.linear.control_authority import DESIGN_STEP
 from clepsydra.linear.internal_dynamics import internal_dynamics
 from clepsydra.linear.lie_derivatives import NotLinearisable
 from clepsydra.linear.linear_model import LinearModel

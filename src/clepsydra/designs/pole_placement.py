@@ -18,7 +18,7 @@ from clepsydra.designs.arguments.numbers import poles
 from clepsydra.designs.arguments.of_process import MEASUREMENTS
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.kalman import process_noise
-from clepsydra.designs.loops.control_authority import DESIGN_STEP, check_ranges, control_authorities
+from clepsydra.designs.loops.control_authority import check_ranges, control_authorities
 from clepsydra.designs.models.bisection import last_before
 from clepsydra.designs.slowing_down import note_on_peak, note_on_slowing, slow_down, unslowed
 from clepsydra.designs.states.estimation import Estimation, input_noise, with_loads
@@ -40,6 +40,7 @@ from clepsydra.designs.states.placement import (
     slow_modes_gain,
 )
 from clepsydra.designs.states.state_controllers import sensitivity_peak
+from clepsydra.linear.control_authority import DESIGN_STEP
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 

@@ -28,8 +28,8 @@ from clepsydra.linear.equilibrium_request import Given
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.linear.ranges import in_known_ranges
-from clepsydra.linear.relative_gain_array import niederlinski_index, relative_gains, suggest_pairing
+from clepsydra.linear.pairing import PairedGains, compared, paired_gains
+from clepsydra.linear.relative_gain_array import niederlinski_index, relative_gains
 from clepsydra.linear.roots import Roots, roots_of
 from clepsydra.linear.static_gain import static_gain
 from clepsydra.linear.zeros import minimum_phase
@@ -58,8 +58,9 @@ class Analysis:
     relative_gain_array : ndarray [q, m] or None
         None where the outputs cannot be set independently. Of a process that is not square it
         is that of the pseudo-inverse in shares of the ranges.
-    pairing : tuple of (output, input)
-        The suggested one; empty where there is no relative gain array.
+    paired_gains : tuple of PairedGains
+        The suggested pairs, with their relative gains; empty where there is no relative gain
+        array.
     niederlinski_index : float or None
         Of that pairing; None where it is not defined.
     words : tuple of str
@@ -79,11 +80,16 @@ class Analysis:
     time_constants: np.ndarray
     static_gain: np.ndarray
     relative_gain_array: np.ndarray | None
-    pairing: tuple[tuple[str, str], ...]
+    paired_gains: tuple[PairedGains, ...]
     niederlinski_index: float | None
     words: tuple[str, ...]
     dead_times: np.ndarray
     roots_note: str = ""
+
+    @property
+    def pairing(self) -> tuple[tuple[str, str], ...]:
+        """The suggested pairs of output and input."""
+        return tuple((pair.output, pair.input) for pair in self.paired_gains)
 
     @cached_property
     def directionality(self) -> Directionality:
@@ -127,6 +133,7 @@ class Analysis:
             ],
             "rga": self.relative_gain_array,
             "pairing": self.pairing,
+            "paired_gains": [pair._asdict() for pair in self.paired_gains],
             "niederlinski_index": self.niederlinski_index,
             "dead_times": self.dead_times,
             "roots_note": self.roots_note,
@@ -173,14 +180,13 @@ def analyse(
     gain = static_gain(model)
     relative: np.ndarray | None
     try:
-        relative = relative_gains(_comparable(model))
+        relative = relative_gains(compared(model))
     except InputError:  # singular: the words say which outputs hang together
         relative = None
-    pairing = (
-        () if relative is None else tuple(suggest_pairing(relative, model.outputs, model.inputs))
-    )
+    pairs = () if relative is None else tuple(paired_gains(model))
     index = None
-    if pairing and np.all(np.isfinite(gain)):
+    if pairs and np.all(np.isfinite(gain)):
+        pairing = [(pair.output, pair.input) for pair in pairs]
         index = niederlinski_index(gain, pairing, model.outputs, model.inputs)
     roots, late = roots_of(model), dead_times(model)
     return Analysis(
@@ -192,12 +198,12 @@ def analyse(
         time_constants=roots.time_constants,
         static_gain=gain,
         relative_gain_array=relative,
-        pairing=pairing,
+        paired_gains=pairs,
         niederlinski_index=index,
         words=(
             *words_on_poles(roots.zeros_of, roots.poles, roots.time_constants),
             *words_on_speed(model, roots.poles, process.sampling_period),
-            *words_on_interaction(model, relative, pairing, index),
+            *words_on_interaction(model, relative, pairs, index),
             *words_on_dead_time(model, late, roots.note),
             *words_on_zeros(roots.zeros_of, roots.zeros, _rationally_minimum(roots)),
             *words_on_zero_directions(model, blocking_zeros(model)),
@@ -207,13 +213,6 @@ def analyse(
         dead_times=late,
         roots_note=roots.note,
     )
-
-
-def _comparable(model: LinearModel) -> LinearModel:
-    """Return what relative gains are taken of: only those of a square process need no ranges."""
-    if len(model.inputs) == len(model.outputs):
-        return model
-    return in_known_ranges(model) or model
 
 
 def _rationally_minimum(roots: Roots) -> bool:

@@ -6,10 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from clepsydra.base.words import time_text
+from clepsydra.base.words import listed, time_text
 from clepsydra.linear.directions import ZeroDirection
 from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.pairing import PairedGains
 from clepsydra.linear.poles import origin_radius
+from clepsydra.linear.zeros import bandwidth_limit
 
 # Relative gains in this range need no more than independent single loops.
 _EASY = (0.67, 1.5)
@@ -100,9 +102,7 @@ def words_on_speed(model: LinearModel, poles: np.ndarray, period: float) -> list
 def words_on_zeros(model: LinearModel, zeros: np.ndarray, minimum_phase: bool) -> list[str]:
     """Return sentences on the zeros that limit control.
 
-    The figure is the bandwidth limit z/2 of a real zero, |z|/4 of a complex pair nearer to the
-    real than to the imaginary axis, and |z|/2.8 of one nearer to the imaginary axis (Skogestad
-    and Postlethwaite, Multivariable Feedback Control, 2nd ed., chapter 5; the last is cautious).
+    The figure is that of `bandwidth_limit`.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def words_on_zeros(model: LinearModel, zeros: np.ndarray, minimum_phase: bool) -
     words = []
     for zero in zeros:
         if zero.real > radius and zero.imag >= 0.0:
-            limit = _bandwidth_limit(zero)
+            limit = bandwidth_limit(zero)
             words.append(
                 f"The zero at {root_text(zero)} rad/s in the right half-plane limits the closed "
                 f"loop to a bandwidth of about {limit:.2g} rad/s (a time constant of at least "
@@ -249,7 +249,7 @@ def words_on_gain(model: LinearModel, gain: np.ndarray) -> list[str]:
 def words_on_interaction(
     model: LinearModel,
     relative_gain: np.ndarray | None,
-    pairing: Sequence[tuple[str, str]],
+    pairing: Sequence[PairedGains],
     index: float | None,
 ) -> list[str]:
     """Return sentences on the suggested pairing and how the loops disturb each other.
@@ -265,15 +265,20 @@ def words_on_interaction(
             f"The static gain is singular: {', '.join(model.outputs)} cannot be set independently "
             f"by {', '.join(model.inputs)}."
         ]
-    gains = [
-        float(relative_gain[model.outputs.index(output), model.inputs.index(name)].real)
-        for output, name in pairing
-    ]
+    gains = [pair.at_crossover if pair.changed_by_others else pair.at_rest for pair in pairing]
     pairs = ", ".join(
-        f"{output} with {name} (relative gain {gain:.2f})"
-        for (output, name), gain in zip(pairing, gains, strict=True)
+        f"{pair.output} with {pair.input} (relative gain {relative_gain_text(pair)})"
+        for pair in pairing
     )
     words = [f"Pair {pairs}."]
+    late = [pair for pair in pairing if pair.changed_by_others]
+    if late:
+        first = max(late, key=lambda pair: pair.crossover)
+        words.append(
+            f"Each of {listed([pair.output for pair in late])} answers quite otherwise once "
+            f"the others are controlled: close {first.output}, the fastest, first, and keep them "
+            "closed together."
+        )
     if min(gains) <= 0.0:
         words.append(
             "No pairing has only positive relative gains: a loop would change the sign of its gain "
@@ -294,6 +299,21 @@ def words_on_interaction(
             "loop this pairing is unstable, however it is tuned."
         )
     return words
+
+
+def relative_gain_text(pair: PairedGains) -> str:
+    """Return the relative gain of a pair, where the others change it, both.
+
+    Examples
+    --------
+    >>> relative_gain_text(PairedGains("flow", "valve", 0.0, 0.004, 0.99))
+    '0.99 at 0.0040 rad/s, 0.00 at rest'
+    """
+    # Rounded first, so that of two that are 0.625 both are told alike; and no zero is negative.
+    at_rest = f"{round(pair.at_rest, 9) + 0.0:.2f}"
+    if not pair.changed_by_others:
+        return at_rest
+    return f"{pair.at_crossover:.2f} at {pair.crossover:#.2g} rad/s, {at_rest} at rest"
 
 
 def root_text(root: complex) -> str:
@@ -322,9 +342,3 @@ def root_text(root: complex) -> str:
 
 def _three_digits(value: float, sign: str = "") -> str:
     return f"{value:{sign}#.3g}".rstrip(".").replace("-", "−")
-
-
-def _bandwidth_limit(zero: complex) -> float:
-    if zero.imag == 0.0:
-        return zero.real / 2.0
-    return float(abs(zero)) / (4.0 if zero.real > abs(zero.imag) else 2.8)

@@ -17,6 +17,8 @@ from clepsydra.linear.zeros import zeros
 
 # A pair whose relative gain is not positive costs more than any set of pairs that have one.
 _NOT_POSITIVE = 1e9
+# Relative gains that agree to so many digits are equal: of two such pairs the first is taken.
+_EQUAL = 9
 _SINGULAR = 1e-12
 # The limit s → 0 is extrapolated from this many points, the farthest at this share of the
 # radius of convergence: a truncation error of 1e-13, and points far enough from the integrators.
@@ -122,19 +124,25 @@ def relative_gains(model: LinearModel) -> np.ndarray:
 
 
 def suggest_pairing(
-    relative_gain: ArrayLike, outputs: Sequence[str], inputs: Sequence[str]
+    relative_gain: ArrayLike,
+    outputs: Sequence[str],
+    inputs: Sequence[str],
+    avoided: np.ndarray | None = None,
 ) -> list[tuple[str, str]]:
     """Pair each output with the input that suits it best, over all possible pairings.
 
     Bristol's rules: pairs with positive relative gains, and these as close to one as can be.
-    The pairing with the smallest sum of |1 - λ| is taken, and a pair with λ ≤ 0 only where no
-    pairing avoids it. With fewer inputs than outputs some outputs stay without a partner.
+    The pairing with the smallest sum of |1 - λ| is taken, and a pair with λ ≤ 0, or one to be
+    avoided, only where no pairing does without. With fewer inputs than outputs some outputs stay
+    without a partner.
 
     Parameters
     ----------
     relative_gain : array_like [q, m]
     outputs, inputs : sequence of str
         Names of the rows and of the columns.
+    avoided : ndarray [q, m] of bool, optional
+        Pairs to be avoided for another reason.
 
     Returns
     -------
@@ -153,7 +161,9 @@ def suggest_pairing(
     gains = np.real(np.atleast_2d(np.asarray(relative_gain)))
     if gains.shape != (len(outputs), len(inputs)):
         raise ValueError(f"relative gains {gains.shape} for {len(outputs)}×{len(inputs)} names")
-    cost = np.abs(1.0 - gains) + _NOT_POSITIVE * (gains <= 0.0)
+    cost = np.round(np.abs(1.0 - gains), _EQUAL) + _NOT_POSITIVE * (gains <= 0.0)
+    if avoided is not None:
+        cost += _NOT_POSITIVE * avoided
     return [(outputs[row], inputs[column]) for row, column in _cheapest_assignment(cost)]
 
 

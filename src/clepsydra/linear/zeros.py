@@ -84,6 +84,28 @@ def minimum_phase(model: LinearModel) -> bool:
     return bool(np.all(zeros(model).real < -origin_radius(model.A)))
 
 
+def bandwidth_limit(zero: complex) -> float:
+    """Return how fast a loop can be that meets a zero in the right half-plane [rad/s].
+
+    z/2 of a real zero, |z|/4 of a complex pair nearer to the real than to the imaginary axis, and
+    |z|/2.8 of one nearer to the imaginary axis (Skogestad and Postlethwaite, Multivariable
+    Feedback Control, 2nd ed., chapter 5; the last is cautious).
+
+    Parameters
+    ----------
+    zero : complex
+        [rad/s]
+
+    Examples
+    --------
+    >>> bandwidth_limit(0.5), bandwidth_limit(4.0 + 3.0j)
+    (0.25, 1.25)
+    """
+    if zero.imag == 0.0:
+        return float(zero.real) / 2.0
+    return float(abs(zero)) / (4.0 if zero.real > abs(zero.imag) else 2.8)
+
+
 @lru_cache(maxsize=16)
 def reduced_system(model: LinearModel) -> tuple[ScaledSystem, _System]:
     """Return a minimal scaled realisation, and what it is with an invertible D.

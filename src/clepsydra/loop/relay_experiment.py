@@ -16,9 +16,10 @@ from clepsydra.controllers.blocks.sample import Sample, written_law
 from clepsydra.controllers.blocks.status import STATUS_BITS
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.applicability import told_by
-from clepsydra.designs.loops.control_authority import check_ranges, control_authority
+from clepsydra.designs.loops.control_authority import check_ranges
 from clepsydra.designs.models.transfer_element import moving_element
 from clepsydra.designs.models.ultimate_point import ultimate_point
+from clepsydra.linear.control_authority import control_authority
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.loop import Loop

@@ -8,6 +8,7 @@ from typing import Any
 
 from clepsydra.base.section import Line, Mark, Picture, Section, Table, marked
 from clepsydra.linear.analysis import Analysis
+from clepsydra.linear.analysis_words import relative_gain_text
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.report.analysis_pictures import (
     bode_figure,
@@ -138,20 +139,19 @@ def analysis_answer(analysis: Analysis, *, every: bool = False) -> Section:
 
 def _pairs(analysis: Analysis) -> Table | None:
     """Return gain, relative gain and dead time of the suggested pairs; None without any."""
-    process, model, relative = (
-        analysis.operating_point.process, analysis.model, analysis.relative_gain_array
-    )  # fmt: skip
-    if relative is None:
+    process, model = analysis.operating_point.process, analysis.model
+    if analysis.relative_gain_array is None:
         return None
     rows = []
-    for output, name in analysis.pairing[:_PAIRS]:
+    for pair in analysis.paired_gains[:_PAIRS]:
+        output, name = pair.output, pair.input
         place = model.outputs.index(output), model.inputs.index(name)
         gain, late = float(analysis.static_gain[place]), float(analysis.dead_times[place])
         words = "integrates"
         if math.isfinite(gain):
             words = gain_text(gain, process.signal(name), process.signal(output), 3)
         delay = "several" if math.isnan(late) else time_cell(late) if late else ""
-        share = f"{relative[place]:.2f}".replace("-", "−")
+        share = relative_gain_text(pair).replace("-", "−")
         rows.append((f"{output} by {name}", words, share, delay))
     head = ("pair", "static gain", "relative gain", "dead time")
     return told_table(head, rows)

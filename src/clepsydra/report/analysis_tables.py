@@ -101,7 +101,7 @@ def relative_gain_grid(analysis: Analysis) -> Table | None:
         dots = ["● " * ((output, name) in analysis.pairing) for name in model.inputs]
         cells = (f"{dot}{gain:.3f}" for dot, gain in zip(dots, gains, strict=True))
         rows.append((output, *(cell.replace("-", "−") for cell in cells)))
-    return Table("Relative gains, ● pairing", ("", *model.inputs), tuple(rows))
+    return Table("Relative gains at rest, ● pairing", ("", *model.inputs), tuple(rows))
 
 
 def analysis_grids(analysis: Analysis) -> list[Table]:

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from clepsydra.base.words import time_text
 from clepsydra.designs.arguments.argument import number
-from clepsydra.designs.loops.control_authority import DESIGN_STEP
 from clepsydra.designs.loops.pid_settings import PidSettings
 from clepsydra.designs.loops.words import by_pair
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT, note_on_peak
+from clepsydra.linear.control_authority import DESIGN_STEP
 
 if TYPE_CHECKING:
     from clepsydra.controllers.controller import Controller

@@ -106,6 +106,13 @@ class MultiloopPid(LoopsTogether[Sequence[PidSettings]]):
             + (f", Td = {time_text(setting.derivative_time)}" if self.form.has_derivative else "")
             for loop, setting in zip(self.loops, found.design, strict=True)
         )
+        closed = [
+            f"{loop.pair} with {' and '.join(output for output, _ in loop.others)} closed"
+            for loop in self.loops
+            if loop.others
+        ]
+        if closed:
+            notes = [*notes, f"Designed: {', '.join(closed)}; alone they answer otherwise at rest."]
         return self.made(found, f"{design}: {words}", notes)
 
     def _remote_setpoints(self) -> dict[str, float]:

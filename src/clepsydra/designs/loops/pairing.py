@@ -4,28 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.designs.loops.control_authority import check_ranges, largest_proportional_gain
+from clepsydra.designs.models.held_element import held_element
 from clepsydra.designs.models.transfer_element import TransferElement, moving_element
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
-from clepsydra.linear.ranges import in_known_ranges
-from clepsydra.linear.relative_gain_array import relative_gains, suggest_pairing
+from clepsydra.linear.pairing import paired_gains
 
 Pairing = Sequence[tuple[str, str]] | Mapping[str, str]
 
 
 @dataclass(frozen=True, eq=False)
 class PairedLoop:
-    """One pair of a linear model: measurement and input, with the input at rest [its unit]."""
+    """One pair of a linear model: measurement and input, with the input at rest [its unit].
+
+    `others` are the pairs that are closed when its loop is designed, where they change what it
+    meets: a valve holds the outflow of a tank only while another loop holds the level.
+    """
 
     output: Signal
     input: Signal
     model: LinearModel
     resting_input: float
+    others: tuple[tuple[str, str], ...]
 
     @property
     def pair(self) -> str:
@@ -34,7 +39,14 @@ class PairedLoop:
 
     @cached_property
     def element(self) -> TransferElement:
-        """What is between them; refused where the input does not move the output."""
+        """What is between them, with the others closed; refused where nothing moves the output."""
+        if self.others:
+            return held_element(self.model, (self.output.name, self.input.name), self.others)
+        return self.alone
+
+    @cached_property
+    def alone(self) -> TransferElement:
+        """What is between them with all others open; refused where nothing moves the output."""
         return moving_element(self.model, self.output.name, self.input.name)
 
     @property
@@ -55,9 +67,29 @@ def paired_loops(model: LinearModel, pairing: Pairing | None) -> list[PairedLoop
     point = operating_point_of(model)
     check_ranges(point.process, outputs, inputs)
     at, signal = point.as_dict(), point.process.signal
+    pairs = tuple(zip(outputs, inputs, strict=True))
+    changed = _changed_by_others(model, pairs)
     return [
-        PairedLoop(signal(y), signal(u), model, at[u]) for y, u in zip(outputs, inputs, strict=True)
-    ]
+        PairedLoop(
+            signal(y), signal(u), model, at[u],
+            tuple(pair for pair in pairs if (y, u) in changed and pair != (y, u)),
+        )
+        for y, u in pairs
+    ]  # fmt: skip
+
+
+@lru_cache(maxsize=16)
+def _changed_by_others(
+    model: LinearModel, pairs: tuple[tuple[str, str], ...]
+) -> frozenset[tuple[str, str]]:
+    """Return the pairs that are to be designed with the others closed."""
+    if len(pairs) < 2:
+        return frozenset()
+    try:
+        gains = paired_gains(model, pairs)
+    except InputError:  # they cannot all be held at once
+        return frozenset()
+    return frozenset((each.output, each.input) for each in gains if each.changed_by_others)
 
 
 def checked_pairing(
@@ -79,13 +111,11 @@ def checked_pairing(
     """
     example = f'write as in [("{model.outputs[0]}", "{model.inputs[0]}")]'
     if pairing is None:  # the one that `linear.analysis.analyse` suggests
-        square = len(model.inputs) == len(model.outputs)
         try:
-            relative = relative_gains(model if square else in_known_ranges(model) or model)
+            pairing = [(pair.output, pair.input) for pair in paired_gains(model)]
         except InputError:  # singular, as the words of an analysis say
             expected = "a pairing, since the relative gains suggest none"
             raise InputError("pairing", None, expected, example) from None
-        pairing = suggest_pairing(relative, model.outputs, model.inputs)
     pairing = list(pairing.items()) if isinstance(pairing, Mapping) else pairing
     whole = isinstance(pairing, (list, tuple)) and all(
         isinstance(pair, (list, tuple)) and len(pair) == 2 for pair in pairing

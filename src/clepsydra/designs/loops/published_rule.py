@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from clepsydra.designs.arguments.argument import flag
-from clepsydra.designs.loops.control_authority import DESIGN_STEP
 from clepsydra.designs.loops.pid_settings import PidSettings
 from clepsydra.designs.loops.words import by_pair
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT, note_on_peak
+from clepsydra.linear.control_authority import DESIGN_STEP
 
 if TYPE_CHECKING:
     from clepsydra.controllers.controller import Controller

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -148,16 +149,47 @@ def _element(
     A, B, C, D = minimal_realisation(chosen.A, chosen.B, chosen.C, chosen.D)
     if not len(A) and D[0, 0] == 0.0:
         return None
-    radius = origin_radius(model.A)
-    roots = rightmost_first(np.linalg.eigvals(A)) if len(A) else np.zeros(0)
-    found_zeros = zeros(chosen)
-    moving_poles = _away_from_origin(roots, radius)
-    moving_zeros = _away_from_origin(found_zeros, radius)
-    integrators = (len(roots) - len(moving_poles)) - (len(found_zeros) - len(moving_zeros))
+    poles = np.linalg.eigvals(A) if len(A) else np.zeros(0)
+
+    def value_at(point: float) -> complex:
+        return complex(evaluate_transfer(A, B, C, D, np.array([point]))[0, 0, 0])
+
+    return element_of_roots(poles, zeros(chosen), origin_radius(model.A), value_at, dead_time)
+
+
+def element_of_roots(
+    poles: np.ndarray,
+    zeros: np.ndarray,
+    radius: float,
+    value_at: Callable[[float], complex],
+    dead_time: float,
+) -> TransferElement:
+    """Return the element with these poles and zeros and the gain that it has at some point.
+
+    Parameters
+    ----------
+    poles, zeros : ndarray, complex
+        [rad/s]
+    radius : float
+        Those no farther than this from the origin stand there [rad/s].
+    value_at : callable
+        g, but for its dead time, at a real s [rad/s].
+    dead_time : float
+        [s]
+
+    Examples
+    --------
+    >>> none = np.zeros(0)
+    >>> element_of_roots(np.array([-0.5]), none, 1e-9, lambda s: 3.0 / (s + 0.5), 0.0).gain
+    6.0
+    """
+    moving_poles = _away_from_origin(rightmost_first(poles), radius)
+    moving_zeros = _away_from_origin(rightmost_first(zeros), radius)
+    integrators = (len(poles) - len(moving_poles)) - (len(zeros) - len(moving_zeros))
     # The gain is read off where g is neither near a root nor far from all of them.
     rates = [abs(root) for root in (*moving_poles, *moving_zeros)]
     point = 2.0 * max(rates, default=1.0)
-    value = evaluate_transfer(A, B, C, D, np.array([point]))[0, 0, 0]
+    value = value_at(point)
     shape = math.prod((1.0 - point / zero for zero in moving_zeros), start=1.0 + 0.0j)
     shape /= point**integrators
     shape /= math.prod((1.0 - point / pole for pole in moving_poles), start=1.0 + 0.0j)

@@ -66,7 +66,7 @@ def modelled_pairs(
             wrong = getattr(each, "period", each)
             raise InputError("models", wrong, expected, "identify or sample with this period")
     return [
-        ModelledPair(loop.output, loop.input, model, loop.resting_input, each)
+        ModelledPair(loop.output, loop.input, model, loop.resting_input, loop.others, each)
         for loop, each in zip(loops, models, strict=True)
     ]
 

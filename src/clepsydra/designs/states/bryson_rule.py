@@ -12,9 +12,10 @@ from clepsydra.base.arguments import check_choice
 from clepsydra.base.errors import InputError
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.arguments.of_process import largest_deviations
-from clepsydra.designs.loops.control_authority import DESIGN_STEP, control_authorities
+from clepsydra.designs.loops.control_authority import control_authorities
 from clepsydra.designs.request import in_shown_unit, positive_number
 from clepsydra.designs.states.quadratic_weights import QuadraticWeights
+from clepsydra.linear.control_authority import DESIGN_STEP
 from clepsydra.linear.dead_time import at_rest
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
