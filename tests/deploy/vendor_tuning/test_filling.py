@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 from plants import designed, plant
+from schemes import scheme
 from tunings import BLOCKS, LEVEL, PUMP, tuning
 
 from clepsydra import InputError, PidForm, Signal
@@ -66,6 +67,20 @@ def test_the_limits_are_those_of_the_controller():
     (row, _) = [r for r in found.rows if r.block.key == "emerson-deltav-standard"]
     settings = [setting.words for setting in row.filled.settings]
     assert "OUT_LO_LIM = 1 V" in settings and "ARW_HI_LIM = 8 V" in settings
+
+
+def test_the_limits_of_an_outer_loop_are_those_of_the_setpoint_that_it_moves():
+    """A flow whose meter reads to 60 l/s and whose setpoint may go from 5 to 35 l/s."""
+    controller, ready = scheme("cascade")
+    limits = {"flow.setpoint_low_limit": 0.005, "flow.setpoint_high_limit": 0.035}
+    kept = replace(controller, values={**controller.values, **limits})
+    found = translate(kept, ready.process)
+    outer, inner = (r for r in found.rows if r.block.key == "emerson-deltav-standard")
+    settings = [setting.words for setting in outer.filled.settings]
+    assert settings[-4:] == [
+        "OUT_LO_LIM = 5 l/s", "OUT_HI_LIM = 35 l/s", "ARW_LO_LIM = 5 l/s", "ARW_HI_LIM = 35 l/s",
+    ]  # fmt: skip
+    assert "OUT_HI_LIM = 100 %" in [setting.words for setting in inner.filled.settings]
 
 
 @pytest.mark.parametrize(

@@ -98,17 +98,21 @@ def standard_tunings(
     ('level_1 by pump_1', 32.032, [])
     """
     found, refused = [], []
-    for block in controller.law.blocks:
-        if not isinstance(block, PidBlock):
-            continue
+    loops = [block for block in controller.law.blocks if isinstance(block, PidBlock)]
+    # What an outer loop moves is the setpoint of an inner one, which has limits of its own.
+    inner = {block.measurement.name: block.owner for block in loops if block.inner}
+    for block in loops:
         measurement, moved = (known_signal(process, s) for s in (block.measurement, block.moved))
         try:
             settings = _settings(block, controller)
         except InputError as error:
             refused.append((f"{measurement.name} by {moved.name}", str(error)))
             continue
+        owner, beginning = inner.get(block.moved.name), "setpoint_"
+        if owner is None:
+            owner, beginning = block.moved.name, ""
         low, high = (
-            controller.values.get(path(block.moved, f"{end}_limit"), getattr(moved, end))
+            controller.values.get(path(owner, f"{beginning}{end}_limit"), getattr(moved, end))
             for end in ("low", "high")
         )
         found.append(
