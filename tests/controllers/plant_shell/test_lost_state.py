@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from scan_rig import ScannedLaw, designed
+from scan_rig import ScannedLaw, at_rest, designed
 from shell_rig import read_status, shelled_loop
 
 from clepsydra.controllers.plant_shell.settings import PlantShell
@@ -79,8 +79,12 @@ def test_with_kept_state_it_goes_on_from_the_last_output():
 )
 def test_no_output_of_any_family_begins_at_the_operating_point(name, process):
     controller, plant = designed(name, process)
-    shelled = with_plant_shell(controller, plant.process.sampling_period)
-    loop = ScannedLaw(shelled, plant.process.sampling_period)
-    outputs = loop.scan(start=1, **{f"{y}.good": 0.0 for y in controller.measurements})
+    period = plant.process.sampling_period
+    high = {s.owner: s.high for s in controller.law.outputs if s.part == "out"}
+    shelled = with_plant_shell(controller, period, PlantShell(fail_safe=high))
+    loop = ScannedLaw(shelled, period, **at_rest(controller, plant))
+    outputs = loop.scan(start=1)
     for u in controller.manipulated:
-        assert outputs[f"{u}.out"] == shelled.values[f"{u}.fail_safe"]
+        assert outputs[f"{u}.out"] == high[u] > loop.inputs[f"{u}.manual"]
+        told = set(read_status(int(outputs[f"{u}.status"])))
+        assert {"following", "state_lost"} <= told and "failed_safe" not in told

@@ -34,7 +34,7 @@ def status(outputs):
     return set(read_status(int(outputs["pump_1.status"])))
 
 
-def history(name=None, wrong=0.0, times=("scan",)):
+def history(name=None, wrong=0.0):
     """Outputs over steps, a fault and a warm start, while a parameter is wrong in some scans."""
     loop = shelled_loop(1.0, SETTINGS)
     right, found = loop.values.get(name), []

@@ -27,6 +27,8 @@ def limit(value: ca.SX, low: ca.SX, high: ca.SX) -> ca.SX:
 
 #: Above this magnitude a value counts as not a number.
 LARGEST_NUMBER = 1e300
+#: Whole numbers are counted and judged up to it; single precision holds every one.
+LARGEST_COUNT = 1e7
 
 
 def is_number(value: ca.SX) -> ca.SX:

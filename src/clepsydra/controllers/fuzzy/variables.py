@@ -40,7 +40,7 @@ _INFERRED = (
 )
 #: What a reader is told above the steps of an output.
 _OUTPUT_WORDS = OUTPUT_WORDS | {
-    "usable": "it may be acted on: sound inputs, and a rule fires",
+    "usable": "valid: good inputs, and a rule fires",
     "offset_moved": "the offset fades, but not further into saturation; in manual it follows",
     "offset_kept": "not a number: ignored",
 }
@@ -128,8 +128,8 @@ _FILTER_TIME = signals.amount("filter_time", "s", "time constant of the filter o
 _INPUT_WORDS = {
     "rate": "filtered derivative",
     "outside": "what lies outside of the dead zone",
-    "scaled": "zero where it is no number, though a parameter were changed at run time",
-    "filtered": "only what was computed from sound signals is remembered",
+    "scaled": "not a number: counts as zero",
+    "filtered": "remembers valid signals only",
 }
 
 

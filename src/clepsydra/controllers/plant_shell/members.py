@@ -66,8 +66,8 @@ def _places(signals: Iterable[Signal | None]) -> dict[str, list[int]]:
 _SETTING = "setting of the plant shell"
 #: Share of the sampling period by which a measured time step may differ from it.
 _TOLERANCE = 0.1
-#: Sampling periods between two scans that a law takes as they are. It is designed for a tenth or
-#: less of the time in which its loop settles; half of that is no time to integrate over at once.
+#: Sampling periods up to which a law integrates over the measured time: half the time constant of
+#: a closed loop that is sampled ten times in it.
 _GAP = 5.0
 
 

@@ -11,12 +11,10 @@ import casadi as ca
 
 from clepsydra.base.signal import Kind, Signal, path
 from clepsydra.controllers.blocks.ports import truth
-from clepsydra.controllers.blocks.validity import LARGEST_NUMBER, all_of
+from clepsydra.controllers.blocks.validity import LARGEST_COUNT, LARGEST_NUMBER, all_of
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
 
-#: Whole numbers are judged up to it; single precision holds every one.
-_LARGEST_COUNT = 1e7
 _INVALID = truth("invalid", "the given value is not valid, and the last valid one is in force")
 
 
@@ -43,11 +41,11 @@ def parameter_check(kind: Kind = "real") -> Block:
         valid = ca.logic_and(s["lowest"] <= value, value <= s["highest"])
         in_force = ca.if_else(valid, value, s["last_valid"])
         if kind == "integer":
-            in_force = ca.fmin(_LARGEST_COUNT, ca.fmax(-_LARGEST_COUNT, in_force))
+            in_force = ca.fmin(LARGEST_COUNT, ca.fmax(-LARGEST_COUNT, in_force))
         results = {"in_force": in_force, "invalid": ca.logic_not(valid)}
         return Equations({"last_valid": in_force}, results)
 
-    most = _LARGEST_COUNT if kind == "integer" else math.inf
+    most = LARGEST_COUNT if kind == "integer" else math.inf
 
     def port(name: str, description: str) -> Signal:
         return Signal(name, low=-most, high=most, kind=kind, description=description)
@@ -166,7 +164,7 @@ def judged(parameters: Iterable[Signal], ranges: Iterable[tuple[str, str]]) -> I
                     ends_check(ordered=ordered), {"low": known[low], "high": known[high]}, bounds
                 )
         elif parameter.kind == "real" or (
-            parameter.kind == "integer" and max(map(abs, _bounds(parameter))) <= _LARGEST_COUNT
+            parameter.kind == "integer" and max(map(abs, _bounds(parameter))) <= LARGEST_COUNT
         ):
             block = parameter_check(parameter.kind)
             yield Judged(block, {"value": parameter}, _bounds(parameter))

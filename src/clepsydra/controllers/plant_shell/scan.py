@@ -9,13 +9,11 @@ import casadi as ca
 from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.ports import truth
-from clepsydra.controllers.blocks.validity import is_time_step
+from clepsydra.controllers.blocks.validity import LARGEST_COUNT, is_time_step
 from clepsydra.controllers.signals import SHORTEST_TIME, TIME_STEP, amount
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
 
-#: Scans are counted no further; single precision holds every whole number up to it.
-_LARGEST_COUNT = 1e7
 #: The largest signed whole number of 16 bits; 0 comes next.
 _LARGEST_WATCHDOG = 32767.0
 
@@ -73,7 +71,7 @@ def scan_start(*, delays: bool) -> Block:
     `delays`: whether the law remembers past values: then scans are counted until all are
     overwritten.
     """
-    longest = count("longest_delay", _LARGEST_COUNT, "scans until every delay is overwritten")
+    longest = count("longest_delay", LARGEST_COUNT, "scans until every delay is overwritten")
     before = count("scans_before", 1e9, "scans since the cold start, before this one")
     return Block(
         f"scan_start{'_with_delays' if delays else ''}",
@@ -93,7 +91,7 @@ def scan_start(*, delays: bool) -> Block:
             count("last_start", 2.0, "start in the last scan, so that held it acts once"),
             truth("last_acknowledge", "acknowledge in the last scan, so that held it acts once"),
             count("scans_counted", _LARGEST_WATCHDOG, "value of the watchdog in the last scan"),
-            count("gap_scans", _LARGEST_COUNT, "scans without a usable time step, less those with"),
+            count("gap_scans", LARGEST_COUNT, "scans without a usable time step, less those with"),
             truth("gap_seen", SCAN_LOST.description),
             truth("state_missed", STATE_LOST.description),
         ),
@@ -142,7 +140,7 @@ def _begun(s: Symbols, *, delays: bool) -> Equations:
     kept = ca.logic_not(ca.logic_or(cold, acknowledged))
     scan_lost = ca.logic_or(late, ca.logic_and(s["gap_seen"], kept))
     state_lost = ca.logic_or(without, ca.logic_and(s["state_missed"], kept))
-    missed = ca.fmin(_LARGEST_COUNT - 1, ca.fmax(0, ca.if_else(begins, 0, s["gap_scans"])))
+    missed = ca.fmin(LARGEST_COUNT - 1, ca.fmax(0, ca.if_else(begins, 0, s["gap_scans"])))
     # Counted no further than it takes, so that it is counted back as soon.
     more = ca.if_else(missed > s["longest_gap"], missed, missed + 1)
     missed = ca.if_else(ca.logic_or(short, begins), ca.fmax(0, missed - 1), more)
@@ -151,7 +149,7 @@ def _begun(s: Symbols, *, delays: bool) -> Equations:
     watchdog = ca.if_else(told < _LARGEST_WATCHDOG, watchdog, 0)
     counted, before = ca.SX(1), {}
     if delays:
-        counted = ca.fmin(_LARGEST_COUNT - 1, ca.fmax(0, scans)) + 1
+        counted = ca.fmin(LARGEST_COUNT - 1, ca.fmax(0, scans)) + 1
         counted, before = ca.fmax(1, ca.fmin(s["longest_delay"], counted)), {"scans_before": scans}
     return Equations(
         {

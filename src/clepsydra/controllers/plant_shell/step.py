@@ -148,8 +148,8 @@ class ShellScan(Sample):
     def _commanded(self, u: Signal) -> dict[str, ca.SX]:
         """Return who moves an output, as the outputs of `output_command`."""
         rate: Rate = "none"
-        if (limit := path(u, "rate_limit")) in self.symbols:
-            rate = "law" if limit in self.members.own else "shell"
+        if (rate_limit := path(u, "rate_limit")) in self.symbols:
+            rate = "law" if rate_limit in self.members.own else "shell"
         sensors = [self.checks[name] for name in self.members.needed[u.name]]
         return self.call(
             output_command(limited=self.members.limited(u), rate=rate),

@@ -24,8 +24,8 @@ _WHOLE = {"double": 2.0**52, "single": 2.0**23}
 # Quotient and rest by this divisor fit a DINT for every smaller double, and both are exact.
 _SPLIT = 2.0**21
 _ABOUT = {
-    "maximum": "the larger of two numbers; b where they are equal or one is no number.",
-    "minimum": "the smaller of two numbers; b where they are equal or one is no number.",
+    "maximum": "the larger of two numbers; b where they are equal or one is not a number.",
+    "minimum": "the smaller of two numbers; b where they are equal or one is not a number.",
     "floor": "the largest whole number not above a number, with its zero's sign.",
     "ceiling": "the smallest whole number not below a number, with its zero's sign.",
 }

@@ -51,7 +51,7 @@ static bool step_to(instance *each, double from, double length)
     return false;
   }
   if (!(length > 0.0 && length <= DBL_MAX)) {
-    return refuse(each, "do step: the communication step size is no number above 0 s");
+    return refuse(each, "do step: the communication step size is not a number above 0 s");
   }
   if (!(fabs(from - now->time) <= SLACK * MODEL_STEP)) {
     (void)snprintf(text, sizeof text,
