@@ -77,6 +77,16 @@ def test_the_analysis_names_the_vessel_that_makes_runs_long(tmp_path):
     assert not any("steps" in each for each in cl.analyse(path).words)
 
 
+def test_the_lag_of_a_sensor_makes_no_run_long(tmp_path):
+    """20 ms go 50 times into a second; it has settled by the next sample and gets 50 steps."""
+    tank = TANK.format(n=1, to="river").replace("0.025 cm^2", "0.25 m^2")
+    path = written(tmp_path, "tank_1", tank)
+    path.write_text(path.read_text().replace("[sensors.level]", '[sensors.level]\nlag = "20 ms"'))
+    plant = cl.load(path)
+    assert substeps_for(plant.linear) == 50
+    assert not any("steps" in each for each in plant.analysis.words)
+
+
 def test_a_study_of_such_runs_is_refused_before_any_design(four_quick_tanks):
     scenario = [cl.step("level", "1 cm", at="10 h")]
     begun = []

@@ -8,6 +8,7 @@ import numpy as np
 
 from clepsydra.base.words import listed, time_text
 from clepsydra.linear.directions import ZeroDirection
+from clepsydra.linear.fast_states import REACH, settled_lags
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.pairing import PairedGains
 from clepsydra.linear.poles import origin_radius
@@ -74,7 +75,8 @@ def words_on_speed(model: LinearModel, poles: np.ndarray, period: float) -> list
     """Return a sentence on what settles so far within a sample that a simulation takes long.
 
     It names the state that takes part most in the fastest mode, by the products of the entries of
-    its right and left eigenvectors.
+    its right and left eigenvectors. Lags of instruments that have settled by the next sample ask
+    for no such steps.
 
     Parameters
     ----------
@@ -87,15 +89,18 @@ def words_on_speed(model: LinearModel, poles: np.ndarray, period: float) -> list
 
     if np.max(np.abs(poles), initial=0.0) * period < _FAST:
         return []
-    values, left, right = eig(model.A, left=True)
+    others = np.delete(np.arange(len(model.states)), settled_lags(model, period))
+    values, left, right = eig(model.A[np.ix_(others, others)], left=True)
+    times = float(np.max(np.abs(values), initial=0.0)) * period
+    if times < _FAST:
+        return []
     fastest = int(np.argmax(np.abs(values)))
-    times = float(abs(values[fastest])) * period
     constant = f"{period / times:.3g} s"
-    state = model.states[int(np.argmax(np.abs(left[:, fastest] * right[:, fastest])))]
+    state = model.states[others[int(np.argmax(np.abs(left[:, fastest] * right[:, fastest])))]]
     return [
-        f"The fastest time constant, {constant} of {state}, goes {times:.0f} times into "
-        f"the sampling period of {time_text(period)}: a simulation takes {10.0 * times:,.0f} steps "
-        "a sample, and so a study takes long."
+        f"The fastest time constant, {constant} of {state}, goes {times:.0f} times into the "
+        f"sampling period of {time_text(period)}: a simulation takes {times / REACH:,.0f} steps a "
+        "sample, and so a study takes long."
     ]
 
 

@@ -12,20 +12,17 @@ import numpy as np
 from clepsydra.base.arguments import check_choice
 from clepsydra.base.errors import InputError
 from clepsydra.designs.sampled.sampling_period import LONGEST_PERIOD, check_sampling_period
+from clepsydra.linear.fast_states import REACH, settled_lags
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.process.hybrid import Delay
 from clepsydra.process.process import Process
 
-#: Largest |λ| h of an RK4 step. The error of one step is about |λ h|⁵ / 120 of the state's
-#: motion: 1e-7 here.
-_REACH = 0.1
-#: The same for the lag of an instrument that has settled long before the next sample.
+#: Largest |λ| h of an RK4 step for the lag of an instrument that has settled long before the next
+#: sample; of all else it is `REACH`.
 _LAG_REACH = 1.0
-#: Such a lag settles this many times in a sampling period: what is left of it is e⁻²⁰.
-_SETTLED = 20.0
 #: The most RK4 steps in one sampling period.
-MOST_SUBSTEPS = round(LONGEST_PERIOD / _REACH)
+MOST_SUBSTEPS = round(LONGEST_PERIOD / REACH)
 #: The error that a run may have, as a fraction of a state's range, before its step is halved.
 TOLERANCE = 1e-6
 LARGEST_REFINEMENT = 64
@@ -68,29 +65,13 @@ def substeps_for(model: LinearModel) -> int:
     1
     """
     period = check_sampling_period(model)
-    settled = _settled_lags(model, period)
+    settled = settled_lags(model, period)
     others = np.delete(np.delete(model.A, settled, axis=0), settled, axis=1)
     fastest = float(np.max(np.abs(np.linalg.eigvals(others)), initial=0.0))
     lag = float(np.max(np.abs(np.diag(model.A)[settled]), initial=0.0))
-    needed = period * max(fastest / _REACH, lag / _LAG_REACH)
+    needed = period * max(fastest / REACH, lag / _LAG_REACH)
     multiple = delay_substeps(operating_point_of(model).process)
     return multiple * max(1, math.ceil(needed / multiple - 1e-9))
-
-
-def _settled_lags(model: LinearModel, period: float) -> list[int]:
-    """Return which states are lags of instruments that settle long before the next sample.
-
-    A lag depends on no other state, as an actuator's, or no other depends on it, as a sensor's.
-    Its entry on the diagonal then is an eigenvalue, and the others are those of what remains.
-    """
-    elements = operating_point_of(model).process.elements
-    tanks = {s.name for e in elements if e.holds_liquid for s in e.states()}
-    own = {s.name for e in elements for s in e.states()} - tanks
-    coupled = model.A != 0.0
-    np.fill_diagonal(coupled, False)
-    alone = ~coupled.any(axis=1) | ~coupled.any(axis=0)
-    quick = -np.diag(model.A) * period >= _SETTLED
-    return [i for i, name in enumerate(model.states) if name in own and alone[i] and quick[i]]
 
 
 def delay_substeps(process: Process) -> int:
