@@ -244,7 +244,7 @@ class TuningProblem:
         if self.limits.damping > 0.0:
             found.append(self.damping(point) / self.limits.damping - 1.0)
         if math.isfinite(self.limits.rest):
-            found.append(1.0 - self.decay_time(point) / self.limits.rest)
+            found.append(max(-1.0, 1.0 - self.decay_time(point) / self.limits.rest))
         return found
 
     def _consider(self, points: np.ndarray, found: Evaluation) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.designed_values import designed_values
 from clepsydra.designs.request import in_shown_unit
@@ -73,11 +74,16 @@ def why_none(problem: TuningProblem) -> str:
     said = [f"max|S| at most {limits.maximum_sensitivity:g}"]
     said = said if np.isfinite(limits.maximum_sensitivity) else []
     said += [f"damping at least {limits.damping:g}"] if limits.damping > 0.0 else []
+    said += [_rest_words(limits.rest)] if np.isfinite(limits.rest) else []
     said += [limit_words(name, limit, process) for name, limit in problem.limited.items()]
     return (
         f"none of {problem.evaluations} candidates keeps {' and '.join(said) or 'its tanks'}; "
         "widen the bounds or the limits"
     )
+
+
+def _rest_words(rest: float) -> str:
+    return f"rest within {time_text(rest, 2)} of a change"
 
 
 def _binding(problem: TuningProblem, point: np.ndarray, judged: Judgement) -> tuple[str, ...]:
@@ -86,6 +92,9 @@ def _binding(problem: TuningProblem, point: np.ndarray, judged: Judgement) -> tu
         said.append(f"max|S| at most {problem.limits.maximum_sensitivity:g}")
     if problem.limits.damping > 0.0 and judged.damping <= problem.limits.damping * (1.0 + _BINDS):
         said.append(f"damping at least {problem.limits.damping:g}")
+    rest = problem.limits.rest
+    if np.isfinite(rest) and problem.decay_time(point) >= rest * (1.0 - _BINDS):
+        said.append(_rest_words(rest))
     for (name, limit), margin in zip(problem.limited.items(), judged.margins, strict=True):
         if margin <= _BINDS:
             said.append(limit_words(name, limit, problem.batch.loop.process))

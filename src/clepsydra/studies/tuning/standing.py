@@ -42,7 +42,6 @@ def _standing(objective: np.ndarray, violation: np.ndarray) -> np.ndarray:
     """Return 0 to 1 for what keeps its limits, 1 to 2 for what does not, 3 for what broke off."""
     # Both maps keep the order, and only the order counts.
     within = np.where(np.isfinite(objective), objective, 0.0)
-    beyond = np.where(np.isfinite(violation), violation, 0.0)
-    good, bad = within / (1.0 + within), 1.0 + beyond / (1.0 + beyond)
+    good, bad = within / (1.0 + within), 2.0 - 1.0 / (1.0 + violation)
     found = np.where(violation <= ON_LIMIT, good, bad)
     return np.where(np.isfinite(objective), found, 3.0)
