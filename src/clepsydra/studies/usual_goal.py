@@ -21,9 +21,8 @@ from clepsydra.process.process import Process
 from clepsydra.studies.ranking import QUIET, usual_criteria
 from clepsydra.studies.trial import scores_of
 from clepsydra.studies.tuning.objective import Goal, Limits, Objective, mean
+from clepsydra.studies.warnings.overshooting import OVERSHOOT
 
-#: Largest overshoot of a setpoint step [% of the step].
-OVERSHOOT = 10.0
 #: Smallest damping ratio of the loops of a process whose levels average [1].
 DAMPING = 0.7
 #: Noise may move an input by this share of what makes a controller nervous: the search and the run

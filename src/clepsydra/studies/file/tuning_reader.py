@@ -36,10 +36,10 @@ from clepsydra.studies.tuning.weight_space import KINDS, usual_wear, weight_spac
 from clepsydra.studies.usual_goal import (
     DAMPING,
     NOISE_MOVEMENT,
-    OVERSHOOT,
     usual_goal,
     usual_limits,
 )
+from clepsydra.studies.warnings.overshooting import OVERSHOOT
 
 #: Takes the controller that was designed, and the model with all measurements.
 WeightedStart = Callable[[Controller, LinearModel], WeighedLqi]

@@ -19,7 +19,7 @@ from clepsydra.scores.score_key import by_signal
 from clepsydra.studies.tuning.batch import BatchEvaluation
 
 #: An overshoot worth watching [% of the step].
-OVERSHOOT = 10
+OVERSHOOT = 10.0
 #: Shares of the setpoint weights that are tried as a remedy, the largest first.
 _SHARES = np.linspace(0.9, 0.0, 10)
 #: Shares of the time from step to step over which the setpoint is ramped as a remedy.
@@ -57,7 +57,7 @@ def overshooting(run: Run, model: LinearModel, scores: Mapping[str, float]) -> t
         return ()
     seen = f"It overshoots a step of the setpoint by {worst:.0f} %"
     try:
-        remedy = _lower_weights(run, model, list(told)) or _ramp(run, model)
+        remedy = _lower_weights(run, model, list(told)) or _ramp(run, model, list(told))
     except ClepsydraError:  # a remedy that cannot be simulated is none
         remedy = ""
     return (Remark(seen, remedy=remedy or "make the loop slower"),)
@@ -91,10 +91,10 @@ def _lower_weights(run: Run, model: LinearModel, outputs: list[str]) -> str:
     return f"lower {listed(words)}: {worst[first]:.0f} %"
 
 
-def _ramp(run: Run, model: LinearModel) -> str:
+def _ramp(run: Run, model: LinearModel, outputs: list[str]) -> str:
     """Return over which time to ramp the setpoint instead of a step, in words; none if none do."""
     scenario, process = run.scenario, run.process
-    steps = [each for each in scenario.segments if each.kind == "setpoint"]
+    steps = [e for e in scenario.segments if e.kind == "setpoint" and e.signal in outputs]
     period = scenario.sampling_period
     loop = Loop(run.controller, model)
     for share in _RAMPS:
