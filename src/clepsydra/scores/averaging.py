@@ -154,6 +154,7 @@ Score(
     "changed by, in the worst one.",
     Of.AVERAGING,
     unit="% of the step",
+    negligible=0.1,
     wants="load",
     over=lambda run, name: outflow_overshoot(
         run.time, run.plant.buffers[name].outflow, run.plant.buffers[name].inflow, run.loads
