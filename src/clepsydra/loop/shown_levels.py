@@ -35,6 +35,7 @@ def shown_levels(process: Process, values: Mapping[str, np.ndarray]) -> dict[str
     for signal in process.state:
         if signal.name in process.levels:
             column = np.asarray(values[signal.name], float)
-            below = (column < signal.low) & (column >= signal.low - EMPTY_SHARE * signal.span)
+            room = EMPTY_SHARE * signal.span if signal.has_range else 0.0
+            below = (column < signal.low) & (column >= signal.low - room)
             found[signal.name] = np.where(below, signal.low, column)
     return found
