@@ -108,8 +108,8 @@ def simulate(
             changes = _changes(plant, inputs or [], profile)
             run: Any = simulated(plant, None, changes, **how)
         else:
-            made = study_of(request, controller, None, place, quiet=as_json)[controller].controller
             events = _events(plant, inputs or [], profile)
+            made = study_of(request, controller, None, place, quiet=as_json)[controller].controller
             run = simulated(plant, made, events, **how)
     if "report" in files:
         run.report(files["report"])
