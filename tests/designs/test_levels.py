@@ -1,5 +1,6 @@
 """Lambda and arrest-time tuning of levels, against closed loops in closed form."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -17,6 +18,22 @@ from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 
 PAIR = [("level", "pump")]
+
+
+class Vessel:
+    """What makes the states of a model of nothing but matrices levels."""
+
+    name, holds_liquid = "tank_1", True
+
+    def __init__(self, states):
+        self.states = lambda: states
+        self.load_steps = dict
+
+
+def of_a_vessel(model):
+    process = model.point.process
+    held = dataclasses.replace(process, elements=(Vessel(process.state),))
+    return dataclasses.replace(model, point=dataclasses.replace(model.point, process=held))
 
 
 def largest_deviation(slope, time_constant, setting, load_rate):
@@ -174,7 +191,7 @@ def test_switches_of_pumps_limit_the_room():
 
 def test_what_is_no_level_or_has_no_load_is_not_applicable(single_tank):
     with pytest.raises(NotApplicable, match="names no load step that moves level"):
-        design_arrest_time(single_tank([[0.0]], [0.02], [1.0]), PAIR)
+        design_arrest_time(of_a_vessel(single_tank([[0.0]], [0.02], [1.0])), PAIR)
     tank = analyse(load_process("averaging-tank"))
     pairs = [pair for pair in tank.pairing if pair[0] == "concentration"]
     with pytest.raises(NotApplicable, match="concentration is no level"):
@@ -182,7 +199,7 @@ def test_what_is_no_level_or_has_no_load_is_not_applicable(single_tank):
 
 
 def test_a_self_regulating_level_is_refused_with_its_time_constant(single_tank):
-    model = single_tank([[-0.1]], [0.02], [1.0])
+    model = of_a_vessel(single_tank([[-0.1]], [0.02], [1.0]))
     with pytest.raises(NotApplicable, match="settles by itself with a time constant of 10 s"):
         design_arrest_time(model, PAIR, arrest_time=100.0)
 
