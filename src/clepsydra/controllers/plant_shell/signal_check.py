@@ -34,9 +34,11 @@ _CURRENTS = [
 
 #: A delay this share of a sampling period above a fault's time is over.
 _ROUNDING = 1e-4
-_MARGIN = Signal("rounding", initial=_ROUNDING, description="of the delay, in sampling periods")
-#: So fast good time makes up for bad: a sensor that is bad for more than a third of the time fails.
-_RECOVERY = Signal("recovery", initial=0.5, description="so fast good time makes up for bad time")
+_MARGIN = Signal("rounding", initial=_ROUNDING, description="tolerance of the delay, in sampling periods")
+#: A sensor that is bad for more than a third of the time fails.
+_RECOVERY = Signal(
+    "recovery", initial=0.5, description="share of the good time that makes up for bad time"
+)
 
 
 @cache
@@ -120,8 +122,8 @@ def _checked(s: Symbols, *, ranged: bool) -> Equations:
         between = {"current": current}
     bad, elapsed, delay = ca.logic_not(good), s["elapsed"], s["sensor_delay"]
     before = s["fault_time"]
-    changed = ca.if_else(s["was_bad"], before + elapsed, before - _RECOVERY.initial * elapsed)
-    time = ca.if_else(s["anew"], 0, limit(changed, ca.SX(0), 2.0 * delay + elapsed))
+    counted = ca.if_else(s["was_bad"], before + elapsed, before - _RECOVERY.initial * elapsed)
+    time = ca.if_else(s["anew"], 0, limit(counted, ca.SX(0), 2.0 * delay + elapsed))
     waits = ca.logic_and(time < delay - _ROUNDING * s["sampling_period"], s["was_good"])
     value = ca.if_else(good, raw, s["good_measurement"])
     state = {
@@ -137,7 +139,7 @@ def _checked(s: Symbols, *, ranged: bool) -> Equations:
         "uncertain": uncertain,
         "failed": ca.logic_and(bad, ca.logic_not(waits)),
     }
-    between |= {"waits": waits}
+    between |= {"counted_time": counted, "waits": waits}
     return Equations(state, told, between, words_for(_WORDS, state, told, between))
 
 

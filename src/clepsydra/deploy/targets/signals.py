@@ -25,7 +25,7 @@ def _controller(delivery: Delivery, options: Options) -> ExportedFiles:
     return ExportedFiles(
         {f"{program.name}_signals.csv": text.getvalue().encode()},
         delivery.ready.facts | options,
-        "give it to who wires the cabinet and sets up the screens.",
+        "give it to whoever wires the cabinet and sets up the screens.",
     )
 
 
