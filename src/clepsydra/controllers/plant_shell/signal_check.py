@@ -34,7 +34,9 @@ _CURRENTS = [
 
 #: A delay this share of a sampling period above a fault's time is over.
 _ROUNDING = 1e-4
-_MARGIN = Signal("rounding", initial=_ROUNDING, description="tolerance of the delay, in sampling periods")
+_MARGIN = Signal(
+    "rounding", initial=_ROUNDING, description="tolerance of the delay, in sampling periods"
+)
 #: A sensor that is bad for more than a third of the time fails.
 _RECOVERY = Signal(
     "recovery", initial=0.5, description="share of the good time that makes up for bad time"

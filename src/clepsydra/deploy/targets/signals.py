@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import math
 from typing import TYPE_CHECKING
 
 from clepsydra.deploy.target import TARGETS, Delivery, ExportedFiles, Options, Target
@@ -31,23 +30,17 @@ def _controller(delivery: Delivery, options: Options) -> ExportedFiles:
 
 def _row(signal: Signal, direction: str) -> tuple[str, ...]:
     """Return a row, in the unit that the printed program has; what is no bound is left empty."""
-    from clepsydra.controllers.signals import (
-        LARGEST_PARAMETER,
-    )  # numeric: not for a list of targets
+    # Numeric, and not needed for a list of targets.
+    from clepsydra.controllers.signals import LARGEST_PARAMETER
 
     truth = signal.kind == "boolean"
-    bounded = (math.isfinite(end) and abs(end) < LARGEST_PARAMETER for end in _ends(signal))
     ends = (
-        f"{end:.12g}" if told and not truth else ""
-        for end, told in zip(_ends(signal), bounded, strict=True)
+        f"{end:.12g}" if not truth and abs(end) < LARGEST_PARAMETER else ""
+        for end in (signal.low, signal.high)
     )
     start = str(bool(signal.initial)).lower() if truth else f"{signal.initial:.12g}"
     unit = "" if truth else signal.unit
     return (signal.identifier, direction, signal.kind, unit, *ends, start, signal.description)
-
-
-def _ends(signal: Signal) -> tuple[float, float]:
-    return signal.low, signal.high
 
 
 TARGETS.add("signals", Target(5, "the list of its signals, as CSV", _controller))
