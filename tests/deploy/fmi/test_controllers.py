@@ -229,9 +229,9 @@ def test_reset_starts_anew_and_instances_know_nothing_of_each_other(importing):
 @pytest.mark.parametrize(
     ("call", "text"),
     [
-        (lambda fmu: fmu.step(0.0, float("nan")), "no number above 0 s"),
-        (lambda fmu: fmu.step(0.0, 0.0), "no number above 0 s"),
-        (lambda fmu: fmu.step(0.0, float("inf")), "no number above 0 s"),
+        (lambda fmu: fmu.step(0.0, float("nan")), "not a number above 0 s"),
+        (lambda fmu: fmu.step(0.0, 0.0), "not a number above 0 s"),
+        (lambda fmu: fmu.step(0.0, float("inf")), "not a number above 0 s"),
         (lambda fmu: fmu.step(3.0, 1.0), "the communication point is 3 s"),
         (lambda fmu: fmu.step(float("nan"), 1.0), "the communication point is"),
         (lambda fmu: fmu.step(0.0, 1e300), "too long"),
