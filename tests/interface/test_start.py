@@ -123,6 +123,14 @@ def test_the_way_from_empty_is_scored_as_a_step_from_where_the_levels_stand(plan
         assert run.scores[f"overshoot[{name}]"] == pytest.approx(100.0 * over, rel=1e-9)
 
 
+def test_a_load_at_the_start_is_judged_where_every_level_begins_at_its_setpoint(plant, pi):
+    """Only the pump stands elsewhere: there is no way to a setpoint that the load could be in."""
+    load = cl.disturbance("inflow_1", "5 cm^3/s", at=0)
+    run = cl.simulate(plant, pi, [load], state={"pump_1": "2.9 V"}, duration="2 min")
+    assert [(part.kind, part.signal) for part in run.scenario.segments] == [("load", "inflow_1")]
+    assert run.scores["iae_load[level_1]"] == pytest.approx(run.scores["iae[level_1]"], rel=0.02)
+
+
 def test_a_loop_can_begin_at_another_operating_point(plant, pi):
     lower = plant.at(outputs={"level_1": "4 V", "level_2": "5 V"})
     run = cl.simulate(plant, pi, start=lower)

@@ -11,7 +11,7 @@ from clepsydra.interface.events import changes_of
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity, read_time
 from clepsydra.loop.begin import Begin
-from clepsydra.loop.beginning import segments_of_beginning
+from clepsydra.loop.beginning import with_beginning
 from clepsydra.loop.default_scenario import MOST_SAMPLES, default_scenario, segment_samples
 from clepsydra.loop.profile import Change, samples_before
 from clepsydra.loop.scenario import Scenario, Segment, scenario_of_changes
@@ -66,10 +66,8 @@ def scenario_of(
     scenario = scenario_of_changes(plant.point, changes, samples, (), seed, begin)
     segments = _segments(changes, plant, samples)
     if begin is not None:
-        first = min((part.start for part in segments if part.start > 0.0), default=samples * period)
-        readings, setpoints = begin.measurements(plant.process), scenario.setpoints[0]
-        own = segments_of_beginning(plant.process, readings, setpoints, first)
-        segments = [*own, *(part for part in segments if part.start > 0.0)]
+        end = samples * period
+        segments = with_beginning(plant.process, begin, scenario.setpoints[0], segments, end)
     return replace(scenario, segments=tuple(segments))
 
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from clepsydra.loop.begin import Begin
 from clepsydra.loop.scenario import Segment
 from clepsydra.process.process import Process
 
@@ -44,3 +45,23 @@ def segments_of_beginning(
         if abs(away) > _AT_SETPOINT * size:
             found.append(Segment("setpoint", name, 0.0, stop, away))
     return found
+
+
+def with_beginning(
+    process: Process, begin: Begin, setpoints: np.ndarray, steps: Sequence[Segment], stop: float
+) -> list[Segment]:
+    """Return the segments of steps, with the way from where it begins in place of those at first.
+
+    Where every measurement begins at its setpoint the steps stay as they are.
+
+    Parameters
+    ----------
+    setpoints : ndarray [controlled]
+        At the start [SI].
+    stop : float
+        When the last segment ends [s].
+    """
+    later = [step for step in steps if step.start > 0.0]
+    first = min((step.start for step in later), default=stop)
+    own = segments_of_beginning(process, begin.measurements(process), setpoints, first)
+    return [*own, *later] if own else [*steps]

@@ -14,7 +14,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.base.words import time_text
 from clepsydra.linear.analysis import Analysis
 from clepsydra.loop.begin import ControllerStart, begin_from
-from clepsydra.loop.beginning import segments_of_beginning
+from clepsydra.loop.beginning import with_beginning
 from clepsydra.loop.default_scenario import MOST_SAMPLES, add_noise, default_scenario
 from clepsydra.loop.open_loop_plan import Start
 from clepsydra.loop.profile import samples_before
@@ -264,8 +264,9 @@ def read_scenario(table: TableReader | None, analysis: Analysis, seed: int) -> S
         given=read.state,
         controller_start=read.controller_start,
     )
-    end = samples if quiet is None else quiet
-    ends = [step.sample for step in steps[1:]] + [end] * bool(steps)
+    last = samples if quiet is None else quiet
+    times = [step.sample for step in steps]
+    ends = [min((other for other in times if other > time), default=last) for time in times]
     segments: list[Segment] = []
     for step, end in zip(steps, ends, strict=True):
         if step.kind == "setpoint":
@@ -276,14 +277,10 @@ def read_scenario(table: TableReader | None, analysis: Analysis, seed: int) -> S
         before = float(column[step.sample])
         value = _value(step, process.bands, before)
         column[step.sample :] = value
-        if begin is not None and step.sample == 0:
-            continue  # the way from where it begins is judged as one
         start, stop = step.sample * period, end * period
         segments.append(Segment(step.kind, step.signal.name, start, stop, value - before))
     if begin is not None:
-        first = min((step.sample for step in steps if step.sample), default=end) * period
-        readings = begin.measurements(process)
-        segments[:0] = segments_of_beginning(process, readings, setpoints[0], first)
+        segments = with_beginning(process, begin, setpoints[0], segments, last * period)
     if quiet is not None:
         segments.append(Segment("noise", "", quiet * period, samples * period, 0.0))
     if quiet is not None or table.flag("noise", default=True):
