@@ -256,6 +256,16 @@ def test_operating_point_by_concentration() -> None:
     assert process.nominal_outputs == {"shown": 0.012}
 
 
+def test_operating_point_in_percent_of_a_range() -> None:
+    """As a setpoint and a band: a quarter of 4 to 20 mA is 8 mA, of 0 to 25 cm 6.25 cm."""
+    for sensor, expected in (
+        (f'span = ["5 cm", "25 cm"]\n{MILLIAMPERES}', 0.008),
+        ('range = ["0 cm", "25 cm"]', 0.0625),
+    ):
+        process = plant(f'tank = "tank_1"\n{sensor}', nominal='[operating_point]\nshown = "25 %"')
+        assert process.nominal_outputs == {"shown": pytest.approx(expected, rel=1e-14)}
+
+
 def test_operating_point_by_volume_and_by_span() -> None:
     for sensor, value in (
         ('quantity = "volume"\nrange = ["0 l", "3 l"]', "1.3 l"),

@@ -10,6 +10,7 @@ from clepsydra.process.document import Document
 from clepsydra.process.element import Element
 from clepsydra.process.elements.sensor import Sensor
 from clepsydra.process.sensor_reading import CONTENTS
+from clepsydra.process.signal_values import read_in_range
 from clepsydra.process.table_reader import TableReader
 
 
@@ -76,11 +77,10 @@ def read_nominal_outputs(
 
 
 def _reading(table: TableReader, sensor: Sensor) -> float:
-    """Read the value of one sensor at the operating point."""
+    """Read the value of one sensor at the operating point, which may be in % of its range."""
     remedy = "choose a value within the range of the sensor"
-    value = table.quantity(
-        sensor.name, sensor.unit, "a measurement", remedy, at_least=sensor.low, at_most=sensor.high
-    )
+    signal = sensor.measurements()[0]
+    value = read_in_range(table, sensor.name, signal, "a measurement", remedy)
     least, most = sensor.bounds
     quantity, limit = sensor.to_quantity(value), _end(sensor, "range", most)
     if sensor.measured in CONTENTS and not least < quantity <= most:
