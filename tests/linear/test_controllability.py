@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from models_by_hand import late_feedback, rational
@@ -12,9 +14,11 @@ from scipy.linalg import eig, expm, svdvals
 from clepsydra.linear.controllability import (
     controllability_margins,
     observability_margins,
+    reach_of,
     words_on_reach,
 )
 from clepsydra.linear.distance_to_uncontrollability import distance_to_uncontrollability
+from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.frequency_peak import largest_gain
 from clepsydra.linear.hankel_singular_values import (
     controllability_gramian,
@@ -22,6 +26,7 @@ from clepsydra.linear.hankel_singular_values import (
     observability_gramian,
     stable_part,
 )
+from clepsydra.linear.linearise import linearise
 from clepsydra.linear.response import evaluate_transfer
 
 
@@ -208,6 +213,41 @@ def test_distance_by_brute_force(seed, random_system):
     assert np.linalg.svd(at_root)[1][-1] == pytest.approx(found.value, rel=1e-12)
     margins = controllability_margins(rational(system.A, system.B, system.C, 0.0))
     assert found.value <= min(mode.margin for mode in margins) * (1 + 1e-12)
+
+
+def test_blocks_of_matrices_find_what_all_at_once_find(random_system, monkeypatch):
+    system = random_system(1, 5, 2, 1)
+    found = []
+    for entries in (1, 100, 10**9):  # one matrix each, two, and all
+        monkeypatch.setattr("clepsydra.linear.distance_to_uncontrollability._BLOCK", entries)
+        found.append(distance_to_uncontrollability(system.A, system.B))
+    assert found[0] == found[1] == found[2]
+    assert 0.0 < found[0].at_least <= found[0].value
+
+
+def test_the_matrices_of_a_search_are_never_all_in_memory(random_system):
+    """Thousands of 20 × 21 complex numbers, 7 kB each."""
+    system = random_system(2, 20, 1, 1)
+    tracemalloc.start()
+    try:
+        distance_to_uncontrollability(system.A, system.B)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 10e6
+
+
+def test_distances_of_many_states_are_left_out_and_said(minimum, monkeypatch):
+    model = linearise(find_equilibrium(minimum.process))
+    whole = reach_of(model)
+    assert whole.distance_to_uncontrollability > 0.0 and not whole.distances_note
+    monkeypatch.setattr("clepsydra.linear.controllability.MOST_STATES", 3)
+    found = reach_of(model).as_dict()
+    assert found["distance_to_uncontrollability"] is found["distance_to_unobservability"] is None
+    assert "4 states, more than 3" in found["distances_note"]
+    assert [mode["margin"] for mode in found["controllability"]] == [
+        mode.margin for mode in whole.controllability
+    ]
 
 
 def test_distance_of_an_uncontrollable_pair():

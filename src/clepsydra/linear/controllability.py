@@ -9,7 +9,10 @@ import numpy as np
 
 from clepsydra.base.json_values import json_values
 from clepsydra.linear.dead_time import at_rest, without_dead_time
-from clepsydra.linear.distance_to_uncontrollability import distance_to_uncontrollability
+from clepsydra.linear.distance_to_uncontrollability import (
+    MOST_STATES,
+    distance_to_uncontrollability,
+)
 from clepsydra.linear.hankel_singular_values import HankelSingularValues, hankel_singular_values
 from clepsydra.linear.linear_model import LinearModel, refuse_delays
 from clepsydra.linear.poles import poles
@@ -161,7 +164,10 @@ class Reach:
     Parameters
     ----------
     distance_to_uncontrollability, distance_to_unobservability : float or None
-        [1/s], the smallest change of the matrices that cuts some mode off; None without states.
+        [1/s], the smallest change of the matrices that cuts some mode off; None without states,
+        and where `distances_note` says why.
+    distances_note : str
+        Why the distances are left out, of a model of many states; else empty.
     hankel : HankelSingularValues
         [1]
     """
@@ -170,6 +176,7 @@ class Reach:
     observability: list[ModeMargin]
     distance_to_uncontrollability: float | None
     distance_to_unobservability: float | None
+    distances_note: str
     hankel: HankelSingularValues
 
     def as_dict(self) -> dict[str, Any]:
@@ -190,8 +197,15 @@ def reach_of(model: LinearModel) -> Reach | None:
     if shares is None:
         return None
     resting = at_rest(shares)
-    moved = shown = None
-    if resting.states:
+    moved, shown, note = None, None, ""
+    states = len(resting.states)
+    if states > MOST_STATES:
+        note = (
+            f"The distances to uncontrollability and unobservability are left out, since the "
+            f"model has {states} states, more than {MOST_STATES}, and their search takes long; "
+            "the margin of each mode bounds them from above."
+        )
+    elif states:
         moved = distance_to_uncontrollability(resting.A, resting.B).value
         shown = distance_to_uncontrollability(resting.A.T, resting.C.T).value
     return Reach(
@@ -199,6 +213,7 @@ def reach_of(model: LinearModel) -> Reach | None:
         observability_margins(resting),
         moved,
         shown,
+        note,
         hankel_singular_values(without_dead_time(shares, PADE_ORDER)),
     )
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +12,11 @@ _MOST = 20_000
 _STARTS = 5
 # Where the height falls by less than this share of a step, it is lowest.
 _FLAT = 1e-8
+# So many entries have the matrices that are decomposed together [16 bytes each].
+_BLOCK = 2**18
+#: Above so many states the search would take minutes: each of up to `_MOST` points of the plane
+#: costs work with the third power of the states.
+MOST_STATES = 40
 
 
 class Distance(NamedTuple):
@@ -66,14 +70,7 @@ def distance_to_uncontrollability(A: np.ndarray, B: np.ndarray) -> Distance:
     >>> distance_to_uncontrollability(np.array([[-0.02]]), np.array([[0.3]])).value
     0.3
     """
-    n = len(A)
-    whole, diagonal, states = np.hstack([A, B]).astype(complex), A.diagonal(), np.arange(n)
-
-    def tests(points: np.ndarray | complex) -> np.ndarray:
-        found = np.broadcast_to(whole, (*np.shape(points), *whole.shape)).copy()
-        found[..., states, states] = diagonal - np.expand_dims(points, -1)
-        return found
-
+    tests = _Tests(A, B)
     starts = np.linalg.eigvals(A).astype(complex)
     rounding = 1e-14 * float(np.linalg.norm(np.hstack([A, B]), 2))
     value, root = _descend(tests, starts, rounding)
@@ -89,7 +86,7 @@ def distance_to_uncontrollability(A: np.ndarray, B: np.ndarray) -> Distance:
     centres = (reals[:, None] + 1j * imaginaries).ravel() + (1.0 + 1.0j) * side / 2.0
     used, bound = 0, 0.0
     while len(centres):
-        heights = _smallest(tests(centres))
+        heights = tests.heights(centres)
         used += len(centres)
         lowest = np.argsort(heights)[:_STARTS]
         found = _descend(tests, centres[lowest], rounding)
@@ -109,13 +106,33 @@ def distance_to_uncontrollability(A: np.ndarray, B: np.ndarray) -> Distance:
     return Distance(value, bound, root)
 
 
-def _descend(
-    tests: Callable[[np.ndarray | complex], np.ndarray], starts: np.ndarray, rounding: float
-) -> tuple[float, complex]:
+class _Tests:
+    """The matrices [A - s I, B], whose rank Popov, Belevitch and Hautus ask for."""
+
+    def __init__(self, A: np.ndarray, B: np.ndarray) -> None:
+        self._whole = np.hstack([A, B]).astype(complex)
+        self._diagonal, self._states = A.diagonal(), np.arange(len(A))
+
+    def at(self, points: np.ndarray | complex) -> np.ndarray:
+        """Return them at points of the plane."""
+        found = np.broadcast_to(self._whole, (*np.shape(points), *self._whole.shape)).copy()
+        found[..., self._states, self._states] = self._diagonal - np.expand_dims(points, -1)
+        return found
+
+    def heights(self, points: np.ndarray) -> np.ndarray:
+        """Return σ_min at each point, in blocks, since all at once are gigabytes."""
+        size = max(1, _BLOCK // self._whole.size)
+        blocks = [points[first : first + size] for first in range(0, len(points), size)]
+        return np.concatenate(
+            [np.linalg.svd(self.at(each), compute_uv=False)[..., -1] for each in blocks]
+        )
+
+
+def _descend(tests: _Tests, starts: np.ndarray, rounding: float) -> tuple[float, complex]:
     """Return the lowest place found from the starts, and from none of them uphill."""
     from scipy.optimize import minimize
 
-    heights = _smallest(tests(starts))
+    heights = tests.heights(starts)
     order = np.argsort(heights)[:_STARTS]
     best, root = float(heights[order[0]]), complex(starts[order[0]])
     if best <= rounding:
@@ -123,7 +140,7 @@ def _descend(
 
     def squared(place: np.ndarray) -> tuple[float, np.ndarray]:
         # As a share of the best, and smooth also where it reaches zero: dσ = -Re(uᴴ v ds).
-        left, sizes, right = np.linalg.svd(tests(best * complex(*place)), full_matrices=False)
+        left, sizes, right = np.linalg.svd(tests.at(best * complex(*place)), full_matrices=False)
         slope = -left[:, -1].conj() @ right[-1, : len(left)].conj()
         height = sizes[-1] / best
         return height**2, 2.0 * height * np.array([slope.real, -slope.imag])
@@ -133,12 +150,8 @@ def _descend(
         for start in starts[order] / best
     ]
     ends = best * np.array([complex(*place) for place in found])
-    heights = _smallest(tests(ends))
+    heights = tests.heights(ends)
     lowest = int(np.argmin(heights))
     if heights[lowest] < best:
         return float(heights[lowest]), complex(ends[lowest])
     return best, root
-
-
-def _smallest(tests: np.ndarray) -> np.ndarray:
-    return np.asarray(np.linalg.svd(tests, compute_uv=False)[..., -1])
