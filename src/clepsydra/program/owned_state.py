@@ -14,7 +14,7 @@ from clepsydra.program.program import Call, Program
 
 #: The input at which an instance begins anew.
 RESTART = "restart"
-RESTARTS = Signal(RESTART, kind="boolean", description="it begins anew")
+RESTARTS = Signal(RESTART, kind="boolean", description="begins with its start values")
 #: The values of a restart and of what a state then starts with; None where nothing restarts it.
 Start = tuple[int, int] | None
 

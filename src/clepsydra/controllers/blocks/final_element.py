@@ -114,8 +114,8 @@ def output_element(rate_limited: bool = False) -> Block:
         ),
         equations,
         (
-            "Automatic takes what is asked for, manual and tracking their values, within the "
-            "limits; what is unusable holds the output.",
+            "Automatic takes the demand, manual and tracking their values, within the limits; an "
+            "invalid input holds the output.",
         ),
     )
 

@@ -141,5 +141,5 @@ def _feedforward(dynamic: bool, sensed: bool) -> Block:
         (Signal("lagged_signal", description="the signal less its reference, lagged"),),
         (Signal("added", description="added value, in the unit of the output"),),
         equations,
-        ("A signal that fails leaves what is added where it went to at last.",),
+        ("A failed signal holds the added value.",),
     )

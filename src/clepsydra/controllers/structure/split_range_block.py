@@ -150,7 +150,7 @@ def _updated(s: Symbols) -> Equations:
 
 
 _FOUND = (
-    Signal("share", description="how far into its part what is asked for is, 0 to 1"),
+    Signal("share", description="share of its part that the demand asks for, 0 to 1"),
     Signal("value", description="demand to the actuator"),
 )
 _SPLIT = Block(
