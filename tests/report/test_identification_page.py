@@ -14,6 +14,7 @@ from rich.console import Console
 
 import clepsydra as cl
 from clepsydra import Signal
+from clepsydra.identification.record import Record
 from clepsydra.report.identification_page import (
     estimate_cells,
     identification_answer,
@@ -101,6 +102,22 @@ def test_it_answers_in_a_screen(kind, width, request):
     assert len(lines) <= 24 and max(map(len, lines)) <= width  # one more says what was written
     assert found.verdict in " ".join(" ".join(lines).split())
     assert any(line.startswith("Next:") for line in lines[-2:])
+
+
+def test_what_gives_no_settings_is_not_told_to_be_entered(models):
+    """A level that rises whatever the pump does tells nothing of it."""
+    assert "enter the settings" in str(identification_answer(models))
+    time = np.arange(120.0)
+    rising = Record(
+        "tank.csv",
+        (Signal("pump", "V", low=0.0, high=10.0), Signal("level", "m")),
+        {"pump": np.where(time < 60.0, 3.0, 4.0), "level": 0.12 + 1e-5 * time},
+        2.0,
+    )
+    found = cl.identify(rising)
+    answer = str(identification_answer(found))
+    assert "No control settings follow" in answer and "enter the settings" not in answer
+    assert "record more and larger steps of pump" in answer
 
 
 def test_a_name_from_a_file_is_text():

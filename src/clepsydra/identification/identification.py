@@ -89,6 +89,11 @@ class Identification:
         return f"{words}; what {output} does by itself explains as much"
 
     @property
+    def gives_settings(self) -> bool:
+        """Whether control settings follow from these models."""
+        return self.for_control is not None and self.for_control.settings is not None
+
+    @property
     def control_words(self) -> str:
         """The control settings that follow, in words."""
         model = self.for_control

@@ -118,7 +118,12 @@ def identification_answer(found: Identification | ProcessFit, *, every: bool = F
     first: list[Line | Table] = []
     if isinstance(found, Identification):
         parts.append(Line(found.control_words))
-        following = "enter the settings with care."
+        following = (
+            "enter the settings with care."
+            if found.gives_settings
+            else f"record more and larger steps of {found.manipulated.name}, each until "
+            f"{found.output.name} has answered."
+        )
         first = [replace(_models(found), title="", kept=3)]
     elif not every:
         parameters, outputs = _parameters(found), _outputs(found)
