@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from clepsydra.base.words import time_text
+from clepsydra.base.words import digits_apart, share_text, time_text
 
 LENGTH = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 
@@ -25,3 +25,18 @@ def test_a_time_is_what_it_says(time):
 )  # fmt: skip
 def test_the_unit_of_a_time_changes_at_three_of_the_next(time, said):
     assert time_text(time) == said
+
+
+@given(st.floats(1.0, 10.0), st.floats(1e-12, 1e-2))
+def test_a_value_beyond_a_limit_is_shown_beyond_it(limit, beyond):
+    value = limit * (1.0 + beyond)
+    digits = digits_apart(value, limit)
+    assert float(f"{value:.{digits}g}") > float(f"{limit:.{digits}g}")
+    assert digits == 4 or f"{value:.{digits - 1}g}" == f"{limit:.{digits - 1}g}"
+
+
+@given(st.floats(1e-9, 1.0))
+def test_a_share_is_told_in_plain_digits(share):
+    number, unit = share_text(share).split(" ")
+    assert math.isclose(float(number), 100.0 * share, rel_tol=0.051)
+    assert unit == "%" and "e" not in number

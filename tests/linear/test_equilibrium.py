@@ -231,6 +231,15 @@ def test_a_level_above_its_rim_is_named_with_both_heights(minimum):
         find_equilibrium(minimum.process, {"pump_1": 6.0, "pump_2": 6.0})
 
 
+def test_a_level_just_above_its_rim_is_told_from_it(make_process):
+    """The inflow that a level of 1.000013 m lets out; that level and the rim are both "1 m" in
+    four digits."""
+    process = make_process(lambda x, u, d: [0.02 * u[0] - torricelli(x[0])], 1, 1)
+    pumped = 5.0 * math.sqrt(1.000013)
+    with pytest.raises(NoEquilibrium, match=r"would stand at 1\.00001 m, above its rim at 1 m"):
+        find_equilibrium(process, {"pump_1": pumped})
+
+
 def test_outputs_that_hang_together_cannot_be_chosen(make_process):
     process = make_process(
         lambda x, u, d: [0.01 * (u[0] + u[1]) - torricelli(x[0])],

@@ -198,6 +198,7 @@ def test_changes_in_words():
     [
         (2e-7, "largest error of a state at 2.0e−5 % of its range; the balance"),
         (3e-5, "at 0.0030 % of its range, more than the 1.00e−4 % that was aimed at; the balance"),
+        (1.6, "by as much as its whole range: no figure of this run can be relied on"),
         (float("nan"), "The simulation broke down: a state became not a number; the balance"),
         (None, "Integrated by the reference solver to a relative tolerance of 1e−10; the balance"),
     ],

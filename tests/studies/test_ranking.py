@@ -506,3 +506,12 @@ def test_a_coarse_integration_is_said(resting):
     assert "0.0032 % of its range, more than the 0.0001 % aimed at" in caveat.words
     assert "empty" not in caveat.words  # the reason is not known
     assert caveats_after(replace(resting, error_estimate=0.9e-6)) == ()
+
+
+@pytest.mark.parametrize("error", [1.0, 1.6, 4e7, math.inf])
+def test_an_error_of_a_whole_range_is_no_number_to_believe(resting, error):
+    (caveat,) = caveats_after(replace(resting, error_estimate=error))
+    assert "by as much as its whole range" in caveat.words and "relied on" in caveat.words
+    assert "%" not in caveat.words and caveat.seen
+    (caveat,) = caveats_after(replace(resting, error_estimate=0.994))
+    assert "wrong by 99 % of its range" in caveat.words

@@ -82,6 +82,35 @@ def listed(names: Sequence[str]) -> str:
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
+def digits_apart(value: float, *others: float, digits: int = 4) -> int:
+    """Return with how many significant digits a number is told from others, `digits` at least.
+
+    Numbers that are equal, or not finite, are told from nothing.
+
+    Examples
+    --------
+    >>> digits_apart(2.5, 2.0), digits_apart(2.00003, 2.0), digits_apart(2.0, 2.0)
+    (4, 6, 4)
+    """
+    for most in range(digits, 18):
+        text = f"{value:.{most}g}"
+        if all(other == value or f"{other:.{most}g}" != text for other in others):
+            return most
+    return digits
+
+
+def share_text(share: float) -> str:
+    """Return a share of a range in percent, of two digits and without an exponent.
+
+    Examples
+    --------
+    >>> share_text(3.2e-5), share_text(0.163), share_text(0.999)
+    ('0.0032 %', '16 %', '100 %')
+    """
+    rounded = float(f"{100.0 * share:.2g}")
+    return f"{rounded:.15f}".rstrip("0").rstrip(".") + " %"
+
+
 def printable(text: str) -> str:
     r"""Return a text in which control characters are written out, so that none acts on a terminal.
 

@@ -11,8 +11,9 @@ import numpy as np
 from clepsydra.base.remark import Remark
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import convertible, from_si, unit_text
+from clepsydra.base.words import digits_apart
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.linear.signal_words import range_of, shown
+from clepsydra.linear.signal_words import beyond_of_range, shown
 from clepsydra.process.element import Element
 from clepsydra.process.elements.pump import Pump
 
@@ -76,9 +77,15 @@ class InputFlow:
         low, middle, high = (self.at(share) for share in (0.0, 0.5, 1.0))
         return abs(middle - (low + high) / 2.0) <= _STRAIGHT * abs(high - low)
 
-    def shown(self, flow: float) -> str:
+    def shown(self, flow: float, digits: int = 3) -> str:
         """Return a flow [m³/s] as text."""
-        return f"{from_si(flow, _FLOW, self.unit):.3g} {unit_text(self.unit)}"
+        return f"{from_si(flow, _FLOW, self.unit):.{digits}g} {unit_text(self.unit)}"
+
+    def shown_apart(self, flow: float, other: float) -> tuple[str, str]:
+        """Return two flows [m³/s] as texts, with digits that tell them apart."""
+        unit = _FLOW, self.unit
+        digits = digits_apart(from_si(flow, *unit), from_si(other, *unit), digits=3)
+        return self.shown(flow, digits), self.shown(other, digits)
 
 
 def input_flow(point: OperatingPoint, signal: Signal) -> InputFlow | None:
@@ -120,13 +127,14 @@ def beyond_its_range(flow: InputFlow, value: float) -> str:
     needed, end = flow.beyond(share), signal.high if share > 1.0 else signal.low
     words = f"{signal.name} would have to "
     if flow.straight:
-        words += f"be {shown(signal, value)}, outside its range {range_of(signal)}: "
+        words += f"be {beyond_of_range(signal, value)}: "
     else:
         words += f"go beyond {shown(signal, end)}, the end of its range: "
     if needed < 0.0:
         return f"{words}{flow.shown(-needed)} would have to flow back through it"
-    gives = f"at {shown(signal, end)} it gives {flow.shown(flow.at(1.0 if share > 1.0 else 0.0))}"
-    return f"{words}{gives}, and {flow.shown(needed)} are needed{_percent_forgotten(flow, value)}"
+    given, asked = flow.shown_apart(flow.at(1.0 if share > 1.0 else 0.0), needed)
+    gives = f"at {shown(signal, end)} it gives {given}, and {asked} are needed"
+    return f"{words}{gives}{_percent_forgotten(flow, value)}"
 
 
 def _percent_forgotten(flow: InputFlow, value: float) -> str:

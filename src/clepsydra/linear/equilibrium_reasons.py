@@ -9,7 +9,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.linear.equilibrium_inputs import beyond_its_range, input_flow
 from clepsydra.linear.equilibrium_search import RANK, EquilibriumSearch, Iterate
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.linear.signal_words import range_of, shown
+from clepsydra.linear.signal_words import beyond_of_range, shown_apart
 from clepsydra.process.process import Process
 
 # A share of the range that rounding may add to a value at its limit.
@@ -42,12 +42,12 @@ def reasons_outside_ranges(search: EquilibriumSearch, solved: Iterate) -> tuple[
     beyond = [
         (signal, value, input_flow(point, signal))
         for signal, value in zip(process.inputs, inputs, strict=True)
-        if _outside(signal, value)
+        if _is_outside(signal, value)
     ]
     reasons = [
         beyond_its_range(flow, value)
         if flow
-        else f"{signal.name} would have to be {shown(signal, value)}, {_outside(signal, value)}"
+        else f"{signal.name} would have to be {beyond_of_range(signal, value)}"
         for signal, value, flow in beyond
     ]
     moved = [signal.name for signal, *_ in beyond]
@@ -56,16 +56,12 @@ def reasons_outside_ranges(search: EquilibriumSearch, solved: Iterate) -> tuple[
             continue
         if value > signal.high + _AT_LIMIT * abs(signal.high):
             where = "its rim" if signal.unit == "m" else "the top of its range,"
-            reasons.append(
-                f"{signal.name} would stand at {shown(signal, value)}, above {where} at "
-                f"{shown(signal, signal.high)}"
-            )
+            height, limit = shown_apart(signal, value, signal.high)
+            reasons.append(f"{signal.name} would stand at {height}, above {where} at {limit}")
         slack = _AT_LIMIT * (signal.span if np.isfinite(signal.span) else abs(signal.low))
         if signal.unit != "m" and value < signal.low - slack:
-            reasons.append(
-                f"{signal.name} would be {shown(signal, value)}, below its range from "
-                f"{shown(signal, signal.low)}"
-            )
+            found, limit = shown_apart(signal, value, signal.low)
+            reasons.append(f"{signal.name} would be {found}, below its range from {limit}")
     # An input that pumps backwards is the cause; the levels below the floor only follow.
     return tuple(reasons or _levels_below(search, solved.unknowns, solved))
 
@@ -142,20 +138,18 @@ def warnings_of_sensors(process: Process, measured: np.ndarray) -> list[Remark]:
     """
     return [
         Remark(
-            f"{signal.name} would read {shown(signal, value)}, {outside}",
+            f"{signal.name} would read {beyond_of_range(signal, value)}",
             "it cannot be controlled there",
         )
         for signal, value in zip(process.measurements, measured, strict=True)
-        if (outside := _outside(signal, value))
+        if _is_outside(signal, value)
     ]
 
 
-def _outside(signal: Signal, value: float) -> str:
-    """Return in words that a value is beyond its range by more than rounding, "" where not."""
+def _is_outside(signal: Signal, value: float) -> bool:
+    """Return whether a value is beyond its range by more than rounding."""
     slack = _AT_LIMIT * (signal.span if np.isfinite(signal.span) else 0.0)
-    if signal.low - slack <= value <= signal.high + slack:
-        return ""
-    return f"outside its range {range_of(signal)}"
+    return not signal.low - slack <= value <= signal.high + slack
 
 
 def _accumulation(search: EquilibriumSearch, stuck: Iterate) -> tuple[str, ...]:

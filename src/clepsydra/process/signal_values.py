@@ -6,6 +6,7 @@ import math
 
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import convertible, from_si, split_quantity, to_si, with_percent_hint
+from clepsydra.base.words import digits_apart
 from clepsydra.process.table_reader import TableReader, shown_value
 
 
@@ -149,9 +150,9 @@ def beyond_range(signal: Signal, value: float, what: str) -> tuple[str, str] | N
     if signal.low <= value <= signal.high:
         return None
     unit = signal.shown_unit
-    low, high, found = (
-        f"{from_si(each, signal.unit, unit):.6g}" for each in (signal.low, signal.high, value)
-    )
+    shown_values = [from_si(each, signal.unit, unit) for each in (signal.low, signal.high, value)]
+    digits = digits_apart(shown_values[2], *shown_values[:2], digits=6)
+    low, high, found = (f"{each:.{digits}g}" for each in shown_values)
     shown = "" if unit == "1" else f" {unit}"
     expected = f"{what} from {low} to {high}{shown}, the range of {signal.name}"
     return f"{found}{shown}", expected

@@ -179,6 +179,8 @@ by step halving"
     """
     known = [error for error in errors if error is not None]
     error = f"at most {max(known):.1e} of the state's range, by step halving" if known else ""
+    if known and max(known) >= 1.0:
+        error = "as large as the state's whole range, by step halving"
     solver = "reference solver to a relative tolerance of 1e−10"
     if substeps:
         solver = f"Runge-Kutta of order 4, steps in a sample: {substeps}"

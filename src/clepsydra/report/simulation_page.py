@@ -174,6 +174,11 @@ def trust_sentence(run: Simulation) -> str:
         sure = f"Step halving estimates the largest error of a state at {error} % of its range"
         if math.isnan(run.error_estimate):
             sure = "The simulation broke down: a state became not a number"
+        elif run.error_estimate >= 1.0:
+            sure = (
+                "Halving the integration step moves a state by as much as its whole range: no "
+                "figure of this run can be relied on, so compare with the reference solver"
+            )
         elif run.error_estimate > TOLERANCE:
             sure += f", more than the {number_text(100.0 * TOLERANCE)} % that was aimed at"
     if not run.balances:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from clepsydra.base.remark import Remark
-from clepsydra.base.words import time_text
+from clepsydra.base.words import share_text, time_text
 from clepsydra.linear.signal_words import shown
 from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.run import Run
@@ -82,14 +82,21 @@ def caveats_after(run: Run) -> tuple[Caveat, ...]:
     """
     found = []
     if run.error_estimate is not None and run.error_estimate > _ERROR:
-        error, aim = 100.0 * run.error_estimate, 100.0 * _ERROR
+        error = run.error_estimate
         words = Remark(
-            f"Halving the integration step shows that a state may be wrong by {error:.2g} % of its "
-            f"range, more than the {aim:g} % aimed at",
+            f"Halving the integration step shows that a state may be wrong by {share_text(error)} "
+            f"of its range, more than the {share_text(_ERROR)} aimed at",
             "smaller differences between runs say nothing",
             "compare with the reference solver",
         )
-        found.append(Caveat(words, "accuracy", error, seen=run.error_estimate >= _SEEN))
+        if error >= 1.0:
+            words = Remark(
+                "Halving the integration step moves a state by as much as its whole range",
+                "the steps are too long for what happens in this run, and none of its figures can "
+                "be relied on",
+                "compare with the reference solver, or shorten the sampling period",
+            )
+        found.append(Caveat(words, "accuracy", 100.0 * error, seen=error >= _SEEN))
     for name in run.process.averaging:
         steps = [segment for segment in run.scenario.segments if segment.kind != "noise"]
         shares = {segment: _still_moving(name, segment, run) for segment in steps}

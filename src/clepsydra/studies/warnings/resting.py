@@ -14,7 +14,7 @@ from clepsydra.linear.dead_time import at_rest
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.linear.signal_words import shown
+from clepsydra.linear.signal_words import shown, shown_apart
 from clepsydra.loop.moves_at_rest import moves_at_rest
 from clepsydra.loop.scenario import Scenario, Segment
 
@@ -134,12 +134,12 @@ def resting_saturation_words(
             if not signal.low <= value <= signal.high:
                 segment = rest.segment
                 stepped = process.signal(segment.signal)
-                end = _nearer_end(signal, value)
+                asked, end = shown_apart(signal, value, _nearer_end(signal, value))
                 yield Remark(
                     f"{name} saturates",
                     f"to hold the {segment.kind} step of {segment.signal} by "
                     f"{shown(stepped, segment.size)} it would have to rest at about "
-                    f"{shown(signal, value)}, beyond {shown(signal, end)}",
+                    f"{asked}, beyond {end}",
                     "make the step smaller, or give it another size",
                 )
                 break
