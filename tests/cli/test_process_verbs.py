@@ -130,6 +130,17 @@ def test_a_plant_without_rest_is_drawn_and_the_reason_given(command, tmp_path):
     assert "9.99" not in (tmp_path / "quadruple-tank.svg").read_text(encoding="utf-8")
 
 
+def test_what_a_plant_does_not_use_is_said_and_the_rest_is_drawn(command, tmp_path):
+    text = catalogue_file("quadruple-tank").read_text(encoding="utf-8")
+    (tmp_path / "lake.toml").write_text(text + "\n[reservoirs.lake]\n", encoding="utf-8")
+    status, output, errors = command("draw", "lake.toml", "-o", "lake.svg")
+    assert (status, output) == (0, "Drawing: lake.svg\n")
+    line = text.count("\n") + 2
+    assert f"reservoirs.lake (line {line}) of lake.toml has no effect" in " ".join(errors.split())
+    assert command("draw", "quadruple-tank", "-o", "without.svg")[0] == 0
+    assert (tmp_path / "lake.svg").read_bytes() == (tmp_path / "without.svg").read_bytes()
+
+
 def test_a_new_file_loads(command, tmp_path):
     """That it can be studied as well, the README shows."""
     status, output, _ = command("new", "my-plant")

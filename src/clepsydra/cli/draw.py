@@ -34,6 +34,8 @@ def draw(
     if controller is not None:
         made = study_of(request, controller, None, target.parent, quiet=False)[controller]
     without = draw_plant(plant, target, made)
+    for warning in plant.process.warnings:
+        typer.echo(f"clepsydra: {warning}", err=True)
     if without is not None:
         # A plant that never rests has a picture all the same.
         typer.echo(f"clepsydra: drawn without values, since {without}", err=True)

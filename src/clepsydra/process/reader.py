@@ -31,6 +31,7 @@ from clepsydra.process.process import Process
 from clepsydra.process.process_name import check_process_name
 from clepsydra.process.table_reader import TableReader, checked_name
 from clepsydra.process.tags import read_tags
+from clepsydra.process.unused import without_unused
 from clepsydra.process.variants import (
     VARIANT_KEYS,
     choose_variants,
@@ -173,7 +174,8 @@ def _process(document: Document, path: Path | None, asked: tuple[str, ...] | Non
     name = general.text("name", "a name", 'write as in name = "my-tanks"')
     check_process_name(name, general.place("name"))
     components = read_components(document, general)
-    elements = _elements(document, general, components, own_kinds)
+    read = _elements(document, general, components, own_kinds)
+    elements, components, unused = without_unused(document, read, components)
     _check_complete(general, elements)
     check_wiring(elements, document.place)
     check_sensor_ranges(document, elements)
@@ -206,7 +208,7 @@ def _process(document: Document, path: Path | None, asked: tuple[str, ...] | Non
         components=components,
         variant=chosen.names,
         variants=chosen.descriptions,
-        warnings=() if path is None else (*chosen.warnings, *vanished),
+        warnings=() if path is None else (*chosen.warnings, *unused, *vanished),
         averaging=averaging,
         bands=read_bands(document, elements, averaging, nominal_outputs),
         tags=read_tags(document, elements),
