@@ -14,7 +14,6 @@ from rich.console import Console
 
 import clepsydra as cl
 from clepsydra import Signal
-from clepsydra.identification.record import Record
 from clepsydra.report.identification_page import (
     estimate_cells,
     identification_answer,
@@ -104,18 +103,16 @@ def test_it_answers_in_a_screen(kind, width, request):
     assert any(line.startswith("Next:") for line in lines[-2:])
 
 
-def test_what_gives_no_settings_is_not_told_to_be_entered(models):
+def test_what_gives_no_settings_is_not_told_to_be_entered(models, tmp_path):
     """A level that rises whatever the pump does tells nothing of it."""
     assert "enter the settings" in str(identification_answer(models))
-    time = np.arange(120.0)
-    rising = Record(
-        "tank.csv",
-        (Signal("pump", "V", low=0.0, high=10.0), Signal("level", "m")),
-        {"pump": np.where(time < 60.0, 3.0, 4.0), "level": 0.12 + 1e-5 * time},
-        2.0,
-    )
-    found = cl.identify(rising)
-    answer = str(identification_answer(found))
+    time = np.arange(0.0, 240.0, 2.0)
+    record = tmp_path / "rising.csv"
+    pumped = np.where(time < 120.0, 3.0, 4.0)
+    pandas.DataFrame(
+        {"time [s]": time, "pump [V]": pumped, "level [m]": 0.12 + 5e-6 * time}
+    ).to_csv(record, index=False)
+    answer = str(identification_answer(cl.identify(record)))
     assert "No control settings follow" in answer and "enter the settings" not in answer
     assert "record more and larger steps of pump" in answer
 
