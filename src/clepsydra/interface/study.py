@@ -346,6 +346,6 @@ def _of_plant(found: results.StudyResult, plant: Plant, accept: float, *, named:
         )
         for each in told_of_single_precision(found.ranking, found.model, accept)
     )
-    said = verdict(plant.process, ranking, accept)
+    said = verdict(plant.process, ranking, accept, found.out_of_reach)
     how = {"ranking": ranking, "plant": plant, "accept": accept, "verdict": said, "named": named}
     return lifted(Study, found, **how)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,16 +12,17 @@ from clepsydra.base.errors import ClepsydraError
 from clepsydra.base.remark import Remark
 from clepsydra.base.rounding import rounded
 from clepsydra.linear.equilibrium_continuation import by_homotopy, by_pseudo_transient
-from clepsydra.linear.equilibrium_inputs import warnings_of_inputs
+from clepsydra.linear.equilibrium_inputs import BeyondRange, warnings_of_inputs
 from clepsydra.linear.equilibrium_mixtures import beyond_mixtures
 from clepsydra.linear.equilibrium_reasons import (
+    inputs_beyond,
     reasons_of_harm,
     reasons_outside_ranges,
     reasons_without_solution,
     undetermined,
     warnings_of_sensors,
 )
-from clepsydra.linear.equilibrium_request import Given, read_request
+from clepsydra.linear.equilibrium_request import EquilibriumRequest, Given, read_request
 from clepsydra.linear.equilibrium_search import EquilibriumSearch, Iterate
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.linear.signal_words import shown
@@ -151,6 +152,42 @@ def find_equilibrium(
             )
         )
     return replace(point, warnings=(*process.warnings, *warnings))
+
+
+def inputs_beyond_at(
+    point: OperatingPoint, outputs: Mapping[str, float], disturbances: np.ndarray
+) -> list[BeyondRange]:
+    """Return the inputs that would have to leave their ranges to hold outputs under loads.
+
+    Parameters
+    ----------
+    point : OperatingPoint
+        Where the search begins.
+    outputs : mapping
+        Measurement to its value [its SI unit], as many as there are inputs.
+    disturbances : ndarray [k]
+
+    Returns
+    -------
+    list of BeyondRange
+        Empty as well where nothing was found that rests.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> point = find_equilibrium(load_process("wet-well"))
+    >>> (found,) = inputs_beyond_at(point, {"level": 1.5}, 10.0 * point.disturbances)
+    >>> found.signal.name
+    'pump'
+    """
+    process = point.process
+    places = tuple(i for i, each in enumerate(process.measurements) if each.name in outputs)
+    targets = np.array([outputs[process.measurements[place].name] for place in places])
+    free = tuple(range(len(process.inputs)))
+    request = EquilibriumRequest(point.inputs, free, disturbances, places, targets)
+    search = EquilibriumSearch(process, request)
+    solution = _first_found(search)
+    return inputs_beyond(search, solution) if solution.solved else []
 
 
 def _warnings_at(point: OperatingPoint) -> list[Remark]:

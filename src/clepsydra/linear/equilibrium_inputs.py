@@ -88,6 +88,45 @@ class InputFlow:
         return self.shown(flow, digits), self.shown(other, digits)
 
 
+@dataclass(frozen=True, eq=False)
+class BeyondRange:
+    """An input that would have to leave its range to hold an equilibrium.
+
+    Parameters
+    ----------
+    value : float
+        The one that it would have to have [its unit].
+    flow : InputFlow or None
+        What it moves; None where that is no flow of an element, or it is a flow itself.
+    """
+
+    signal: Signal
+    value: float
+    flow: InputFlow | None
+
+    @property
+    def share(self) -> float:
+        """Where the value lies: below 0 or above 1, as a share of the range."""
+        return (self.value - self.signal.low) / self.signal.span
+
+    @property
+    def end(self) -> float:
+        """The end of the range beyond which the value lies [its unit]."""
+        return self.signal.high if self.share > 1.0 else self.signal.low
+
+    @property
+    def excess(self) -> float:
+        """How far beyond that end the value lies [its unit]."""
+        return abs(self.value - self.end)
+
+    @property
+    def flows(self) -> tuple[float, float] | None:
+        """The flow at that end, and the one that is needed [m³/s]; None without a flow."""
+        if self.flow is None:
+            return None
+        return self.flow.at(1.0 if self.share > 1.0 else 0.0), self.flow.beyond(self.share)
+
+
 def input_flow(point: OperatingPoint, signal: Signal) -> InputFlow | None:
     """Return the flow that an input moves; None where it is no flow of an element, or itself one.
 
@@ -120,20 +159,21 @@ def _unit_of_flow(element: Element, signal: Signal) -> str:
     return "m^3/h"
 
 
-def beyond_its_range(flow: InputFlow, value: float) -> str:
+def beyond_its_range(beyond: BeyondRange) -> str:
     """Return what an input would have to be beyond its range, and the flow that it is about."""
-    signal = flow.signal
-    share = (value - signal.low) / signal.span
-    needed, end = flow.beyond(share), signal.high if share > 1.0 else signal.low
+    signal, value, flow, flows = beyond.signal, beyond.value, beyond.flow, beyond.flows
     words = f"{signal.name} would have to "
+    if flow is None or flows is None:
+        return f"{words}be {beyond_of_range(signal, value)}"
+    most, needed = flows
     if flow.straight:
         words += f"be {beyond_of_range(signal, value)}: "
     else:
-        words += f"go beyond {shown(signal, end)}, the end of its range: "
+        words += f"go beyond {shown(signal, beyond.end)}, the end of its range: "
     if needed < 0.0:
         return f"{words}{flow.shown(-needed)} would have to flow back through it"
-    given, asked = flow.shown_apart(flow.at(1.0 if share > 1.0 else 0.0), needed)
-    gives = f"at {shown(signal, end)} it gives {given}, and {asked} are needed"
+    given, asked = flow.shown_apart(most, needed)
+    gives = f"at {shown(signal, beyond.end)} it gives {given}, and {asked} are needed"
     return f"{words}{gives}{_percent_forgotten(flow, value)}"
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from clepsydra.base.remark import Remark
 from clepsydra.base.signal import Signal
-from clepsydra.linear.equilibrium_inputs import beyond_its_range, input_flow
+from clepsydra.linear.equilibrium_inputs import BeyondRange, beyond_its_range, input_flow
 from clepsydra.linear.equilibrium_search import RANK, EquilibriumSearch, Iterate
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.linear.signal_words import beyond_of_range, shown_apart
@@ -37,20 +37,10 @@ def reasons_outside_ranges(search: EquilibriumSearch, solved: Iterate) -> tuple[
     'tank_1.level would stand at 110.4 cm, above its rim at 20 cm'
     """
     process = search.process
-    state, inputs = search.values(solved.unknowns)
-    point = OperatingPoint.at(process, state, inputs, search.request.disturbances)
-    beyond = [
-        (signal, value, input_flow(point, signal))
-        for signal, value in zip(process.inputs, inputs, strict=True)
-        if _is_outside(signal, value)
-    ]
-    reasons = [
-        beyond_its_range(flow, value)
-        if flow
-        else f"{signal.name} would have to be {beyond_of_range(signal, value)}"
-        for signal, value, flow in beyond
-    ]
-    moved = [signal.name for signal, *_ in beyond]
+    state, _ = search.values(solved.unknowns)
+    beyond = inputs_beyond(search, solved)
+    reasons = [beyond_its_range(each) for each in beyond]
+    moved = [each.signal.name for each in beyond]
     for signal, value in zip(process.state, state, strict=True):
         if signal.owner in moved:  # an actuator follows its signal
             continue
@@ -64,6 +54,24 @@ def reasons_outside_ranges(search: EquilibriumSearch, solved: Iterate) -> tuple[
             reasons.append(f"{signal.name} would be {found}, below its range from {limit}")
     # An input that pumps backwards is the cause; the levels below the floor only follow.
     return tuple(reasons or _levels_below(search, solved.unknowns, solved))
+
+
+def inputs_beyond(search: EquilibriumSearch, solved: Iterate) -> list[BeyondRange]:
+    """Return the inputs that are outside their ranges.
+
+    Parameters
+    ----------
+    solved : Iterate
+        Where all derivatives vanish.
+    """
+    process = search.process
+    state, inputs = search.values(solved.unknowns)
+    point = OperatingPoint.at(process, state, inputs, search.request.disturbances)
+    return [
+        BeyondRange(signal, float(value), input_flow(point, signal))
+        for signal, value in zip(process.inputs, inputs, strict=True)
+        if _is_outside(signal, value)
+    ]
 
 
 def reasons_of_harm(

@@ -51,6 +51,10 @@ class Scenario:
         """From its begin to the end of its last sample [s]."""
         return self.samples * self.sampling_period
 
+    def sample_of(self, segment: Segment) -> int:
+        """Return the first sample of a segment."""
+        return min(round(segment.start / self.sampling_period), self.samples - 1)
+
     @property
     def time(self) -> np.ndarray:
         """Start of each sample [s]."""

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.remark import Remark
 from clepsydra.process.process import Process
 from clepsydra.scores.band import TIME_OUTSIDE
 from clepsydra.scores.effort import IDLE, NOISE_MOVEMENT
@@ -162,7 +163,12 @@ def rank(trials: Sequence[Trial], scores: Sequence[str] = ()) -> tuple[Candidate
     return tuple(ranking)
 
 
-def verdict(process: Process, ranking: Sequence[Candidate], accept: float = ACCEPTED) -> str:
+def verdict(
+    process: Process,
+    ranking: Sequence[Candidate],
+    accept: float = ACCEPTED,
+    out_of_reach: Sequence[Remark] = (),
+) -> str:
     """Return the answer of a study in one sentence: what to use, and what speaks for it.
 
     Parameters
@@ -171,6 +177,9 @@ def verdict(process: Process, ranking: Sequence[Candidate], accept: float = ACCE
         Best first.
     accept : float
         As of `recommend`.
+    out_of_reach : sequence of Remark
+        What the scenario asks of final elements that they cannot give: where no controller can be
+        recommended, that is told first.
 
     Examples
     --------
@@ -182,9 +191,10 @@ def verdict(process: Process, ranking: Sequence[Candidate], accept: float = ACCE
         return f"No controller of this study applies to {process.title}; the reasons are listed."
     best, advice = ranking[0], recommend(ranking, accept)
     if advice is None:
+        first = "".join(f"{each.brief} " for each in out_of_reach)
         return (
-            f"No controller of this study can be recommended for {process.title}; the least bad "
-            f"is {best.controller.title}: {best.reason[0].lower()}{best.reason[1:]}"
+            f"{first}No controller of this study can be recommended for {process.title}; "
+            f"the least bad is {best.controller.title}: {best.reason[0].lower()}{best.reason[1:]}"
         )
     use = f"Use {advice.simplest.controller.title} on {process.title}"
     if advice.simplest is best:

@@ -134,6 +134,8 @@ class StudyResult:
         Of the study file; None where there is none.
     accept : float
         The relative error that is good enough.
+    out_of_reach : tuple of Remark
+        Those of the warnings that say which final element cannot give what the scenario asks.
     """
 
     process: Process
@@ -147,6 +149,7 @@ class StudyResult:
     rule: str = ""
     path: Path | None = None
     accept: float = ACCEPTED
+    out_of_reach: tuple[Remark, ...] = ()
 
     def __repr__(self) -> str:
         """Return what was studied and what came first, in a line."""

@@ -27,6 +27,7 @@ from clepsydra.studies.trial import trial_of
 from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.tuning.tune import Progress, Search
 from clepsydra.studies.usual_tuning import UsualTuning
+from clepsydra.studies.warnings.out_of_reach import out_of_reach
 
 #: Names of controllers that a refusal shows.
 _NAMES_SAID = 8
@@ -149,14 +150,16 @@ class _Study:
             except NotApplicable as refusal:
                 refused.append((each.name, refusal.reason))
         ranking = rank(self.trials, request.scores)
+        beyond = out_of_reach(self.model, request.scenario)
         return StudyResult(
             process=request.process,
             analysis=request.analysis,
             scenario=request.scenario,
             ranking=ranking,
             not_applicable=tuple(refused),
-            verdict=verdict(request.process, ranking),
-            warnings=request.analysis.operating_point.warnings,
+            verdict=verdict(request.process, ranking, out_of_reach=beyond),
+            warnings=(*beyond, *request.analysis.operating_point.warnings),
+            out_of_reach=beyond,
             title=request.title,
             rule=rule_of(request.scores),
             path=request.path,

@@ -78,9 +78,9 @@ def resting_after(controller: Controller, model: LinearModel, scenario: Scenario
     for segment in scenario.segments:
         if segment.kind == "noise":
             continue
-        sample = min(round(segment.start / scenario.sampling_period), scenario.samples - 1)
+        sample = scenario.sample_of(segment)
         loads = scenario.disturbances[sample] - point.disturbances
-        if segment.kind == "load" and _passes(resting, point, scenario, segment, loads):
+        if segment.kind == "load" and passes(resting, point, scenario, segment):
             continue
         wanted = np.concatenate([-resting.E @ loads, scenario.setpoints[sample, places] - start])
         moved = moves_at_rest(resting, wanted)
@@ -89,18 +89,19 @@ def resting_after(controller: Controller, model: LinearModel, scenario: Scenario
     return found
 
 
-def _passes(
-    model: LinearModel,
-    point: OperatingPoint,
-    scenario: Scenario,
-    segment: Segment,
-    loads: np.ndarray,
-) -> bool:
-    """Return whether a load ends before a state leaves its range without any control."""
+def passes(model: LinearModel, point: OperatingPoint, scenario: Scenario, segment: Segment) -> bool:
+    """Return whether a load ends before a state leaves its range without any control.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Without dead time; see `at_rest`.
+    """
     from scipy.linalg import expm
 
     place = model.disturbances.index(segment.signal)
-    first = min(round(segment.start / scenario.sampling_period), scenario.samples - 1)
+    first = scenario.sample_of(segment)
+    loads = scenario.disturbances[first] - point.disturbances
     course = scenario.disturbances[first:, place]
     over = np.flatnonzero(course != course[0])
     if not over.size or course[over[0]] != point.disturbances[place]:
