@@ -15,6 +15,7 @@ from clepsydra.linear.controllability import (
     controllability_margins,
     observability_margins,
     reach_of,
+    words_about_reach,
     words_on_reach,
 )
 from clepsydra.linear.distance_to_uncontrollability import distance_to_uncontrollability
@@ -240,14 +241,25 @@ def test_the_matrices_of_a_search_are_never_all_in_memory(random_system):
 def test_distances_of_many_states_are_left_out_and_said(minimum, monkeypatch):
     model = linearise(find_equilibrium(minimum.process))
     whole = reach_of(model)
-    assert whole.distance_to_uncontrollability > 0.0 and not whole.distances_note
+    assert whole.distance_to_uncontrollability > 0.0 and not whole.note
     monkeypatch.setattr("clepsydra.linear.controllability.MOST_STATES", 3)
     found = reach_of(model).as_dict()
     assert found["distance_to_uncontrollability"] is found["distance_to_unobservability"] is None
-    assert "4 states, more than 3" in found["distances_note"]
+    assert "4 states, more than 3" in found["note"]
     assert [mode["margin"] for mode in found["controllability"]] == [
         mode.margin for mode in whole.controllability
     ]
+
+
+def test_margins_of_very_many_states_are_left_out_and_said(minimum, monkeypatch):
+    model = linearise(find_equilibrium(minimum.process))
+    for name in ("MOST_STATES", "MOST_MODES"):
+        monkeypatch.setattr(f"clepsydra.linear.controllability.{name}", 3)
+    found = reach_of(model)
+    assert found.controllability == found.observability == []
+    assert "each mode" in found.note and "4 states, more than 3" in found.note
+    assert words_about_reach(model) == [found.note]
+    assert len(found.hankel.values) == 4
 
 
 def test_distance_of_an_uncontrollable_pair():

@@ -19,6 +19,9 @@ from clepsydra.linear.poles import poles
 from clepsydra.linear.ranges import in_known_ranges
 from clepsydra.linear.roots import PADE_ORDER
 
+#: Above so many states the margins of the modes would take minutes: each mode costs work with the
+#: third power of the states.
+MOST_MODES = 150
 # Below this share a mode counts as not reached at all.
 NOT_AT_ALL = 1e-10
 # So much more weight has it to be an eigenvector than to be out of reach.
@@ -165,9 +168,9 @@ class Reach:
     ----------
     distance_to_uncontrollability, distance_to_unobservability : float or None
         [1/s], the smallest change of the matrices that cuts some mode off; None without states,
-        and where `distances_note` says why.
-    distances_note : str
-        Why the distances are left out, of a model of many states; else empty.
+        and where `note` says why.
+    note : str
+        What is left out of a model of many states, the distances or the margins too; else empty.
     hankel : HankelSingularValues
         [1]
     """
@@ -176,7 +179,7 @@ class Reach:
     observability: list[ModeMargin]
     distance_to_uncontrollability: float | None
     distance_to_unobservability: float | None
-    distances_note: str
+    note: str
     hankel: HankelSingularValues
 
     def as_dict(self) -> dict[str, Any]:
@@ -204,13 +207,15 @@ def reach_of(model: LinearModel) -> Reach | None:
             f"The distances to uncontrollability and unobservability are left out, since the "
             f"model has {states} states, more than {MOST_STATES}, and their search takes long; "
             "the margin of each mode bounds them from above."
+            if states <= MOST_MODES
+            else _left_out(states)
         )
     elif states:
         moved = distance_to_uncontrollability(resting.A, resting.B).value
         shown = distance_to_uncontrollability(resting.A.T, resting.C.T).value
     return Reach(
-        controllability_margins(resting),
-        observability_margins(resting),
+        controllability_margins(resting) if states <= MOST_MODES else [],
+        observability_margins(resting) if states <= MOST_MODES else [],
         moved,
         shown,
         note,
@@ -221,5 +226,14 @@ def reach_of(model: LinearModel) -> Reach | None:
 def words_about_reach(model: LinearModel) -> list[str]:
     """Return sentences on modes that are hardly reached or shown; none without ranges."""
     shares = in_known_ranges(model)
+    if shares is not None and len(shares.states) > MOST_MODES:
+        return [_left_out(len(shares.states))]
     # Two modes alike, as of two equal pumps, are one sentence.
     return [] if shares is None else list(dict.fromkeys(words_on_reach(at_rest(shares))))
+
+
+def _left_out(states: int) -> str:
+    return (
+        f"How well inputs reach each mode and outputs show it is left out, since the model has "
+        f"{states} states, more than {MOST_MODES}, and the search takes long."
+    )

@@ -140,13 +140,15 @@ def frequency_grid_table(analysis: Analysis) -> Table:
 def reach_grid(analysis: Analysis) -> Table | None:
     """Return how well each mode is reached and shown; None where a range is missing.
 
+    And where the margins of many modes are left out, which a sentence says.
+
     Examples
     --------
     >>> import clepsydra as cl
     >>> reach_grid(cl.load("wet-well").analysis).rows[0][1]
     'well.level'
     """
-    if analysis.reach is None:
+    if analysis.reach is None or not analysis.reach.controllability:
         return None
     # The state that moves most in the mode, its right eigenvector, is that of observability.
     found = zip(analysis.reach.controllability, analysis.reach.observability, strict=True)
