@@ -13,7 +13,8 @@ SLIGHT, GRAVE = (Caveat(f"It is {x} % wrong.", "error", float(x)) for x in (1, 9
         ({"PI": [GRAVE], "PID": [], "LQI": []}, "PI: It is 9 % wrong."),
         ({"PI": [SLIGHT], "PID": [GRAVE], "LQI": []},
          "2 of 3 controllers, most of all PID: It is 9 % wrong."),
-        ({"PI": [GRAVE], "PID": [SLIGHT], "LQI": [SLIGHT]}, "Every controller: It is 9 % wrong."),
+        ({"PI": [GRAVE], "PID": [SLIGHT], "LQI": [SLIGHT]},
+         "Every controller, most of all PI: It is 9 % wrong."),
         ({"PI": [GRAVE]}, "PI: It is 9 % wrong."),
     ],
 )  # fmt: skip

@@ -82,7 +82,7 @@ def caveats_after(run: Run) -> tuple[Caveat, ...]:
     """
     found = []
     if run.error_estimate is not None and run.error_estimate > _ERROR:
-        error = run.error_estimate
+        error, about = run.error_estimate, "accuracy"
         words = Remark(
             f"Halving the integration step shows that a state may be wrong by {share_text(error)} "
             f"of its range, more than the {share_text(_ERROR)} aimed at",
@@ -90,13 +90,15 @@ def caveats_after(run: Run) -> tuple[Caveat, ...]:
             "compare with the reference solver",
         )
         if error >= 1.0:
+            # Beside others that are a little wrong, it is told of those alone of which it is true.
+            about = "no accuracy"
             words = Remark(
                 "Halving the integration step moves a state by as much as its whole range",
                 "the steps are too long for what happens in this run, and none of its figures can "
                 "be relied on",
                 "compare with the reference solver, or shorten the sampling period",
             )
-        found.append(Caveat(words, "accuracy", 100.0 * error, seen=error >= _SEEN))
+        found.append(Caveat(words, about, 100.0 * error, seen=error >= _SEEN))
     for name in run.process.averaging:
         steps = [segment for segment in run.scenario.segments if segment.kind != "noise"]
         shares = {segment: _still_moving(name, segment, run) for segment in steps}

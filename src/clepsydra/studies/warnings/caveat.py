@@ -36,7 +36,7 @@ def told_once(runs: Iterable[tuple[str, Sequence[Caveat]]]) -> tuple[str, ...]:
     --------
     >>> coarse, coarser = (Caveat(Remark(f"It is {x} % wrong"), "error", x) for x in (1, 2))
     >>> told_once([("PI", [coarse]), ("PID", [coarser])])
-    ('Every controller: It is 2 % wrong.',)
+    ('Every controller, most of all PID: It is 2 % wrong.',)
     >>> told_once([("PI", [coarse]), ("PID", [coarser]), ("LQI", [])])
     ('2 of 3 controllers, most of all PID: It is 2 % wrong.',)
     """
@@ -50,7 +50,9 @@ def told_once(runs: Iterable[tuple[str, Sequence[Caveat]]]) -> tuple[str, ...]:
         farthest, name = max(found, key=lambda entry: entry[0].extent)
         who = name
         if len(found) > 1:
-            some = f"{len(found)} of {len(runs)} controllers, most of all {name}"
+            some = f"{len(found)} of {len(runs)} controllers"
             who = "Every controller" if len(found) == len(runs) else some
+            if len({entry[0].extent for entry in found}) > 1:
+                who = f"{who}, most of all {name}"
         said.append(f"{who}: {farthest.words}")
     return tuple(said)
