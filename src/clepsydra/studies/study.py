@@ -26,7 +26,7 @@ from clepsydra.studies.result import Candidate, StudyResult
 from clepsydra.studies.trial import trial_of
 from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.tuning.tune import Progress, Search
-from clepsydra.studies.usual_tuning import UsualTuning
+from clepsydra.studies.usual_tuning import usual_tunings
 from clepsydra.studies.warnings.out_of_reach import out_of_reach
 
 #: Names of controllers that a refusal shows.
@@ -75,8 +75,8 @@ def run_study(
     Parameters
     ----------
     request : StudyRequest
-        Where it names no controllers, every design that applies is tried, and PI control is tuned
-        by simulation.
+        Where it names no controllers, every design that applies is tried, and PI and PID
+        control are tuned by simulation.
     progress : callable, optional
         Takes a `StudyProgress` before each controller, and while one is tuned.
     tuning_folder : Path, optional
@@ -84,7 +84,7 @@ def run_study(
         the best so far; the same study then goes on from there.
     only : str, optional
         Name of the one controller that is wanted, from `controller_names`; the others are left
-        out, but for the one that its tuning starts from.
+        out, but for those that its tuning starts from.
 
     Raises
     ------
@@ -121,7 +121,7 @@ def controller_names(request: Process | StudyRequest) -> tuple[str, ...]:
     if isinstance(request, StudyRequest) and request.controllers:
         return tuple(wanted.name for wanted in request.controllers)
     process = request.process if isinstance(request, StudyRequest) else request
-    return (*studied_designs(), UsualTuning(process, ()).name)
+    return (*studied_designs(), *(each.name for each in usual_tunings(process, ())))
 
 
 class _Study:
@@ -166,16 +166,17 @@ class _Study:
         )
 
     def _wanted(self, only: str | None) -> list[ControllerRequest]:
-        """Return what is asked for, or every design and the usual tuning; or one and its start."""
+        """Return what is asked for, or all designs and the usual tunings; or one and its starts."""
         needed, wanted = {only}, list(self.request.controllers)
         if not wanted:
-            usual = UsualTuning(self.request.process, self.trials)
-            needed |= {usual.first} if only == usual.name else set()
+            usual = usual_tunings(self.request.process, self.trials)
+            for each in reversed(usual):  # one starts from another that stands before it
+                needed |= {each.first} if each.name in needed else set()
             wanted = [
                 ControllerRequest(name, _made_by(design), None)
                 for name, design in studied_designs().items()
             ]
-            wanted.append(ControllerRequest(usual.name, usual.make, usual))
+            wanted += [ControllerRequest(each.name, each.make, each) for each in usual]
         return [each for each in wanted if only is None or each.name in needed]
 
     def _try(self, wanted: ControllerRequest, now: StudyProgress) -> None:

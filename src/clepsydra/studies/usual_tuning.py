@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.applicability import NotApplicable
@@ -10,31 +14,42 @@ from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
+from clepsydra.scores.effort import NOISE_MOVEMENT as MOVEMENT
 from clepsydra.studies.ranking import Trial
+from clepsydra.studies.tuning.derivative_space import DerivativeSpace, with_derivative
 from clepsydra.studies.tuning.law_space import LawSpace
 from clepsydra.studies.tuning.parameters import settings_of
 from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.tuning.tune import Search, tune
-from clepsydra.studies.usual_goal import usual_goal
+from clepsydra.studies.usual_goal import NOISE_MOVEMENT, usual_goal
 
 #: The design whose controller is tuned, and that of levels which average.
 _START, _AVERAGING_START = "PI, SIMC", "PI, arrest time"
+#: From this share of what noise may move an input by, nothing is left for a derivative.
+_NOISY = 0.99
+#: A derivative that leaves more than this share of the error is not worth its filter.
+WORTH = 0.97
+#: Generations of the search for a PID: its start is the best PI, near which the best PID lies.
+_GENERATIONS = 1
 
 
-class UsualTuning:
-    """What a study tunes beside its designs: from one of them, for what ranks it.
+class UsualTuning(ABC):
+    """What a study tunes beside its designs: from one of its trials, for what ranks it.
 
     Parameters
     ----------
+    name : str
+        Of what it finds.
+    first : str
+        Of the controller that it starts from.
     trials : sequence of Trial
         Those of the study, among which it finds its start.
     """
 
-    def __init__(self, process: Process, trials: Sequence[Trial]) -> None:
-        self.process, self._trials = process, trials
-        self.first = _AVERAGING_START if process.averaging else _START
-        self.name = f"{self.first}, tuned"
+    def __init__(self, name: str, first: str, trials: Sequence[Trial]) -> None:
+        self.name, self.first, self._trials = name, first, trials
 
+    @abstractmethod
     def make(self, analysis: Analysis, model: LinearModel) -> Controller:
         """Return the controller that it starts from.
 
@@ -43,14 +58,77 @@ class UsualTuning:
         NotApplicable
             The study has none.
         """
-        found = next((t for t in self._trials if t.controller.name == self.first), None)
-        if found is None:
-            raise NotApplicable(f"it starts from {self.first}, which does not apply")
-        return found.controller
 
+    @abstractmethod
     def run(
         self, controller: Controller, model: LinearModel, scenario: Scenario, search: Search
     ) -> TuningResult:
         """Tune the start for what ranks it; raises as `clepsydra.studies.tuning.tune.tune`."""
+
+    def _tried(self) -> Trial:
+        """Return the trial that it starts from."""
+        found = next((t for t in self._trials if t.controller.name == self.first), None)
+        if found is None:
+            raise NotApplicable(f"it starts from {self.first}, which does not apply")
+        return found
+
+
+class _TunedPi(UsualTuning):
+    def make(self, analysis: Analysis, model: LinearModel) -> Controller:
+        return self._tried().controller
+
+    def run(
+        self, controller: Controller, model: LinearModel, scenario: Scenario, search: Search
+    ) -> TuningResult:
         space = LawSpace(controller, settings_of(controller))
         return tune(space, usual_goal(controller, model, scenario), search)
+
+
+class _TunedPid(UsualTuning):
+    """The tuned PI with a derivative that is sought beside the other settings.
+
+    Where noise moves every input as far as it may, a derivative only costs gain.
+    """
+
+    def make(self, analysis: Analysis, model: LinearModel) -> Controller:
+        tried = self._tried()
+        moved = [u for u in tried.run.process.inputs if u.name in tried.controller.manipulated]
+        shares = [tried.scores.get(f"{MOVEMENT.key}[{u.name}]", 0.0) / u.span for u in moved]
+        if min(shares) > _NOISY * NOISE_MOVEMENT:
+            raise NotApplicable(
+                f"in {self.first} noise moves the inputs as far as it may, which leaves no room "
+                "for a derivative"
+            )
+        return with_derivative(tried.controller, analysis)
+
+    def run(
+        self, controller: Controller, model: LinearModel, scenario: Scenario, search: Search
+    ) -> TuningResult:
+        goal = usual_goal(controller, model, scenario)
+        search = replace(search, generations=_GENERATIONS, front=())
+        found = tune(DerivativeSpace.around(controller, scenario.sampling_period), goal, search)
+        before = self._tried().scores
+        left = float(np.mean([found.scores[key] / before[key] for key in goal.objective.names]))
+        if left > WORTH:
+            raise NotApplicable(
+                f"a derivative takes less than {100 * (1 - WORTH):.0f} % off the errors of "
+                f"{self.first}"
+            )
+        return found
+
+
+def usual_tunings(process: Process, trials: Sequence[Trial]) -> tuple[UsualTuning, ...]:
+    """Return what a study of a process tunes, in the order in which one starts from the other.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> [each.name for each in usual_tunings(load_process("wet-well"), ())]
+    ['PI, SIMC, tuned', 'PID, SIMC, tuned']
+    >>> [each.name for each in usual_tunings(load_process("equalisation-tank"), ())]
+    ['PI, arrest time, tuned']
+    """
+    if process.averaging:
+        return (_TunedPi(f"{_AVERAGING_START}, tuned", _AVERAGING_START, trials),)
+    pi = _TunedPi(f"{_START}, tuned", _START, trials)
+    return pi, _TunedPid("PID, SIMC, tuned", pi.name, trials)

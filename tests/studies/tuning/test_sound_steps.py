@@ -20,7 +20,7 @@ SCORE = "iae[level_1]"
 @pytest.fixture
 def plant(monkeypatch) -> cl.Plant:
     """A time constant of 23 s in a step of a minute: RK4 is at the end of its reach."""
-    monkeypatch.setattr(step_size, "_REACH", 10.0)
+    monkeypatch.setattr(step_size, "REACH", 10.0)
     process = dataclasses.replace(cl.load("quadruple-tank").process, sampling_period=PERIOD)
     return cl.Plant(process)
 
@@ -43,7 +43,7 @@ def test_the_steps_of_a_tuning_are_halved_until_the_start_is_sound(plant, monkey
     assert found.status.tolist() == [0]
     coarse, fine = (loop.run(plan, substeps=n).true_measurement("level_1") for n in (1, 64))
     assert np.max(np.abs(coarse - fine)) > 0.01 * np.ptp(fine)
-    monkeypatch.setattr(step_size, "_REACH", 0.05)
+    monkeypatch.setattr(step_size, "REACH", 0.05)
     truth = BatchEvaluation(controller, model, plan, [SCORE]).run({}).scores[SCORE]
     assert found.scores[SCORE] == pytest.approx(truth, rel=1e-3)
 
