@@ -8,8 +8,10 @@ from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.studies.tuning.law_space import LawSpace
 from clepsydra.studies.tuning.objective import Goal, Limits, minimax
-from clepsydra.studies.tuning.parameters import TunedParameter
+from clepsydra.studies.tuning.parameters import TunedParameter, settings_of
+from clepsydra.studies.tuning.problem import TuningProblem
 from clepsydra.studies.tuning.tune import Search, tune
+from clepsydra.studies.usual_goal import usual_goal
 
 SCORES = ("outflow_rate[level]", "variance_ratio[level]")
 
@@ -39,6 +41,17 @@ def test_a_study_tunes_a_basin_for_the_scores_that_rank_it():
     levels = [np.abs(each.run.values["basin.level"] - 2.5).max() for each in (start, tuned)]
     assert levels[1] <= levels[0] * (1.0 + 1e-5)
     assert "basin.level at most 4.47 m" in tuned.tuning.binding
+
+
+def test_a_basin_that_takes_longer_to_rest_than_its_loads_last_may_stay_as_it_is(basin, controller):
+    """Two modes that take 58 h to a hundredth, and load steps of 17 h."""
+    scenario = default_scenario(basin.measured)
+    goal = usual_goal(controller, basin.measured, scenario)
+    problem = TuningProblem(LawSpace(controller, settings_of(controller)), goal)
+    problem.begin()
+    loads = [part.stop - part.start for part in scenario.segments if part.kind == "load"]
+    assert min(loads) < problem.decay_time(problem.space.start)
+    assert problem.best is not None and problem.best.objective == pytest.approx(1.0)
 
 
 @pytest.mark.thorough

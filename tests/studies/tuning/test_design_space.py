@@ -48,8 +48,9 @@ def test_a_design_that_does_not_apply_is_never_the_best(setting):
     goal = Goal(model, scenario, minimax("total_variation[outflow]"))
     found = tune(space, goal, Search(generations=12))
     assert LOWEST <= found.tuned["root"] < 1.05 * LOWEST
+    # Half of the sixth digit, to which a controller's gain is rounded.
     assert found.controller.values["level.proportional_gain"] == pytest.approx(
-        start.values["level.proportional_gain"] * found.tuned["root"] ** 2
+        start.values["level.proportional_gain"] * found.tuned["root"] ** 2, rel=5e-6
     )
     values = space.values_at(np.array([[0.0], [1.0]]))["level.proportional_gain"]
     assert np.isnan(values[0]) and values[1] == pytest.approx(
