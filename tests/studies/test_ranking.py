@@ -364,7 +364,7 @@ def test_a_buffer_is_ranked_by_its_outflow_and_not_by_its_level(averaging):
     assert second.criteria == {"outflow change": 3.0, "outflow variance": 1.25}
     assert second.reason.endswith("most of all by the outflow change (3.00 against 1.00).")
     sentence = verdict(first.run.process, [first, second])
-    assert "with a mean of outflow change and outflow variance 53 % below that of tight" in sentence
+    assert "with 53 % less outflow change and outflow variance on average than tight" in sentence
 
 
 def test_a_buffer_that_overflows_is_no_good_however_smooth_its_outflow(averaging):
@@ -394,12 +394,12 @@ def test_a_pump_that_trips_is_unsafe(tmp_path, resting, controller):
 def test_the_verdict_compares_the_errors_of_winner_and_best_rival(trial, process):
     sentence = verdict(process, rank([trial("a", (3, 3)), trial("b", (4, 4)), trial("c", (5, 5))]))
     assert sentence.startswith("Use a on Quadruple tank")
-    assert re.search(r"25 % below that of b", sentence)
+    assert re.search(r"with 25 % less .* on average than b", sentence)
 
 
 def test_the_verdict_names_who_is_as_good_beside_the_rival_that_is_not(trial, process):
     ranking = rank([trial("a", (3, 3)), trial("b", (3.03, 3.03), (2, 2)), trial("c", (4, 4))])
-    assert re.search(r"25 % below that of c; b is as good\.$", verdict(process, ranking))
+    assert re.search(r"25 % less .* on average than c; b is as good\.$", verdict(process, ranking))
 
 
 def test_the_verdict_names_robustness_where_it_decided(trial, process):

@@ -132,7 +132,7 @@ def test_the_verdict_names_the_first_and_what_decided(result):
     if not result.verdict.startswith(f"Use {result.ranking[0].controller.title} on "):
         assert result.verdict.endswith(": the simplest that is good enough.")
         return
-    said = re.search(r"([\d.]+) % below that of (.+)\.$", result.verdict)
+    said = re.search(r"with ([\d.]+) % less .+ on average than (.+)\.$", result.verdict)
     assert said is not None
     assert said[2] == result.ranking[1].controller.title
     first, second = (sum(pair) / 2 for pair in errors_of(result)[:2])

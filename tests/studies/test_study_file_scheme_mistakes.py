@@ -176,8 +176,8 @@ TUNING = [
     ),
     (
         tuned("overshoot = 10"),
-        "overshoot: got 10, expected a limit of the overshoot of every setpoint step, a share of "
-        "the step of at most 1; write as in",
+        "overshoot: got 10, expected a limit of the overshoot of every setpoint step, "
+        "10 % if left out, a share of the step of at most 1; write as in",
     ),
     (
         tuned('total_variation = { outflow = "0 %" }'),

@@ -114,9 +114,7 @@ def _fitting(table: Table, width: int) -> tuple[RenderableType, int]:
     else:
         shown = _pieces(table, width)
     found = [_rich(each, breaks=_narrowest(each) > width) for each in shown]
-    between: list[RenderableType] = [] if table.title else [""]
-    below: list[RenderableType] = [part for each in found[1:] for part in (*between, each)]
-    return Group(found[0], *below), len(table.head) - columns
+    return Group(*found), len(table.head) - columns
 
 
 def _pieces(table: Table, width: int) -> list[Table]:

@@ -223,8 +223,9 @@ def _beside(best: Candidate, rival: Candidate) -> str:
     if rival.mean_error > TIE * best.mean_error:
         saved = 100 * (1 - best.mean_error / rival.mean_error)
         judged = " and ".join(in_sentence(title) for title in best.criteria)
-        what = f"a mean of {judged}" if len(best.criteria) > 1 else with_article(judged)
-        return f", with {what} {percent(saved)} below that of {name}"
+        if len(best.criteria) > 1:
+            return f", with {percent(saved)} less {judged} on average than {name}"
+        return f", with {with_article(judged)} {percent(saved)} below that of {name}"
     return f", as good as {name} with less movement of the inputs"
 
 

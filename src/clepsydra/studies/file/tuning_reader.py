@@ -112,8 +112,8 @@ class Tuning:
     )
     overshoot: float = quantity(
         "1",
-        "a limit of the overshoot of every setpoint step, a share of the step; left out, "
-        f"{OVERSHOOT:g} %",
+        f"a limit of the overshoot of every setpoint step, {OVERSHOOT:g} % if left out, a share of "
+        "the step",
         at_least=0.0,
         at_most=1.0,
         default=math.inf,
@@ -129,8 +129,8 @@ class Tuning:
     )
     damping: float = quantity(
         "1",
-        "a limit of the damping ratio of the loops, 0 for none; left out, "
-        f"{DAMPING:g} where a level averages",
+        f"a limit of the damping ratio of the loops, {DAMPING:g} where a level averages if left "
+        "out, 0 for none, a ratio",
         at_least=0.0,
         at_most=1.0,
         default=math.inf,
