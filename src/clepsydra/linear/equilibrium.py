@@ -175,10 +175,13 @@ def inputs_beyond_at(
     Examples
     --------
     >>> from clepsydra.process.reader import load_process
-    >>> point = find_equilibrium(load_process("wet-well"))
-    >>> (found,) = inputs_beyond_at(point, {"level": 1.5}, 10.0 * point.disturbances)
-    >>> found.signal.name
-    'pump'
+    >>> point = find_equilibrium(load_process("equalisation-tank"))
+    >>> (found,) = inputs_beyond_at(point, {"level": 0.9}, 3.0 * point.disturbances)
+
+    0.921 m³/s of inflow, and the pump gives 0.5 m³/s:
+
+    >>> found.signal.name, round(found.value, 3)
+    ('outflow', 1.842)
     """
     process = point.process
     places = tuple(i for i, each in enumerate(process.measurements) if each.name in outputs)

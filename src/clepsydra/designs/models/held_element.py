@@ -55,8 +55,9 @@ def held_element(
     >>> model = LinearModel(A, np.array([[1.0, -1.0]]), one[:, :0], np.array([[1.0], [1.0]]),
     ...                     np.array([[0.0, 0.0], [0.0, 1.0]]), ("x",), ("v", "u"), (),
     ...                     ("level", "flow"))
-    >>> held_element(model, ("level", "v"), (("flow", "u"),))
-    TransferElement(gain=1.0, poles=(), zeros=(), integrators=1, dead_time=0.0)
+    >>> found = held_element(model, ("level", "v"), (("flow", "u"),))
+    >>> round(found.gain, 12), found.integrators, found.poles, found.zeros
+    (1.0, 1, (), ())
     """
     outputs, inputs = zip(pair, *others, strict=True)
     whole, rest = (list(outputs), list(inputs)), (list(outputs[1:]), list(inputs[1:]))
