@@ -75,7 +75,7 @@ def test_all_adds_the_table_its_notes_and_the_versions(command, proved):
     assert out.startswith(brief) and out.endswith(following)
     rows = [line.split()[:4] for line in out.splitlines()]
     assert all(["Structured", "Text,", name, "double"] in rows for name in ("matiec", "scl"))
-    assert "; clepsydra 0." in out and "slow: single precision" in out
+    assert "; Clepsydra 0." in out and " with CasADi 3." in out and "slow: single precision" in out
 
 
 @pytest.mark.thorough
