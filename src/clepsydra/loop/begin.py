@@ -142,13 +142,12 @@ def begin_from(
         moving = dict(start.contents), dict(start.rings)
         begin = Begin(words + but, state, inputs, *moving, way, kept, dict(law), start.substeps)
     else:
-        words = {"rest": "at rest", "empty": "empty"}.get(str(start), "at another operating point")
-        point = rest
+        point, words = rest, "at rest"
         if isinstance(start, OperatingPoint):
-            point = start
+            point, words = start, "at another operating point"
             check_point(process, start)
         elif start == "empty":
-            point = emptied(rest)
+            point, words = emptied(rest), "empty"
         at = point.as_dict()
         state, inputs = (
             {signal.name: at[signal.name] for signal in group}
