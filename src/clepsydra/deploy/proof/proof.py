@@ -115,11 +115,12 @@ def prove(
         if not isinstance(value, Integral) or value < least:
             expected = f"a whole number of at least {least:,}"
             raise InputError(f"proof, {what}", value, expected, "choose more")
+    # A folder is looked at first, and refused before any tool is asked for.
+    memory = read_memory(folder / f"{stem}.json") if folder else {}
     begun, tell = time.monotonic(), progress or (lambda _: None)
     compiler, chosen = find_compiler("proof"), proved_targets(to)
     jobs = {kind: runs_of(kind, compiler, chosen) for kind in ("controller", "process")}
     versions = sorted({run.version for runs in jobs.values() for run in runs})
-    memory = read_memory(folder / f"{stem}.json") if folder else {}
     rows, coverage = list[ProofRow](), dict[str, Coverage]()
 
     def so_far(*, interrupted: bool = False) -> Proof:
