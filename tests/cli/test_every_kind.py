@@ -134,6 +134,27 @@ PARTS = {
     if not {"name", "variants"} & set(tomllib.loads(part))
 }
 
+#: Beside a pump that is strong, or draws from a tank, a plant that rests.
+WIDE = """
+[orifices.outlet_1]
+source = "tank_1"
+destination = "basin"
+area = "1 cm^2"
+
+[orifices.outlet_2]
+source = "tank_2"
+destination = "channel_1"
+area = "1 cm^2"
+
+[pumps.pump_2]
+source = "basin"
+destination = "splitter_1"
+gain = "33.3 cm^3/(s V)"
+range = ["0 V", "10 V"]
+nominal = "5 V"
+"""
+BESIDE = {"Pump 2": WIDE, "Pump 3": WIDE}
+
 
 @pytest.fixture
 def plant_file(request, tmp_path):
@@ -141,7 +162,10 @@ def plant_file(request, tmp_path):
     if request.param in OWN_ELEMENTS:
         files, name = OWN_ELEMENTS[request.param]
     else:
-        files, name = {"plant.toml": plant_with(PARTS[request.param])}, "plant.toml"
+        files, name = (
+            {"plant.toml": plant_with(PARTS[request.param] + BESIDE.get(request.param, ""))},
+            "plant.toml",
+        )
     for file, text in files.items():
         (tmp_path / file).write_text(text, "utf-8")
     return name

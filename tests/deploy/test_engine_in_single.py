@@ -42,6 +42,8 @@ def test_the_engine_has_every_bit_of_the_c_with_float(name, shelled, tmp_path):
     in_engine = engine_run(in_single_arithmetic(program), inputs)
     in_c = CompiledC(program, tmp_path, "single").run(inputs)
     np.testing.assert_array_equal(single_bits(in_engine), single_bits(in_c))
+    if name == "Start/stop levels" and not shelled:
+        return  # by comparisons alone, which rounded inputs leave as they are
     in_double = engine_run(program, inputs)
     assert not np.array_equal(single_bits(in_engine), single_bits(in_double.astype(np.float32)))
 

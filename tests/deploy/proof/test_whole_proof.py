@@ -155,7 +155,7 @@ def test_nothing_is_written_wider_than_a_terminal(monkeypatch, whole, columns):
     proof = prove([item(), process_item(plant(ONE_TANK).point)], scans=1000)
     text = screen(proof, whole=whole, columns=columns)
     assert max(len(line.rstrip()) for line in text.splitlines()) <= columns
-    assert "…" not in text and ("; clepsydra 0." in text) is whole
+    assert "…" not in text and ("; Clepsydra 0." in text) is whole
     assert text.strip().splitlines()[-1].startswith("Next: ")
 
 

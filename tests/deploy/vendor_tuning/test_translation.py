@@ -132,15 +132,14 @@ def test_a_series_controller_is_the_series_block_to_the_printed_digits(three):
     found = translate(controller, three.process)
     row = row_of(found, "level_3", "emerson-deltav-series")
     values = controller.values
-    assert {setting.name: setting.value for setting in row.filled.settings} == pytest.approx(
-        {
-            "GAIN": values["level_3.proportional_gain"] * 0.7 / 1e-4,
-            "RESET": values["level_3.integral_time"],
-            "RATE": values["level_3.derivative_time"],
-            "ALPHA": 0.1,
-        },
-        rel=5e-5,
-    )
+    expected = {
+        "GAIN": values["level_3.proportional_gain"] * 0.7 / 1e-4,
+        "RESET": values["level_3.integral_time"],
+        "RATE": values["level_3.derivative_time"],
+        "ALPHA": 0.1,
+    }
+    settings = {setting.name: setting.value for setting in row.filled.settings}
+    assert {name: settings[name] for name in expected} == pytest.approx(expected, rel=5e-5)
     assert not row.filled.differs and row.by_block < 1e-4
     assert row.by_block == pytest.approx(row.by_numbers, rel=1e-9)
 
