@@ -55,6 +55,10 @@ MISTAKES = {
         lambda plant, pi: plant.with_values({"tank_1.aera": "1 m^2"}),
         ("plant, values", "tank_1.aera", "a parameter of quadruple-tank", "'tank_1.area' was"),
     ),
+    "parameter below nothing": (
+        lambda plant, pi: plant.with_values({"tank_1.area": "-35 cm^2"}),
+        ("plant, values, tank_1.area", "-35 cm^2", "a value of 0 cm^2 or more", "inside the range"),
+    ),
     "symbol of an argument": (
         lambda plant, pi: cl.design.simc(plant, tau_c="10 s"),
         ("simc", "tau_c", "pairing, form", "'closed_loop_time_constant' was meant"),

@@ -13,7 +13,7 @@ from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.section import Mark, Section, Table, marked
 from clepsydra.base.signal import Signal
 from clepsydra.interface.analysis import Analysis
-from clepsydra.interface.quantities import Quantity, read_values
+from clepsydra.interface.quantities import Quantity, check_within, read_values
 from clepsydra.interface.shown import Answered, lifted
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.equilibrium import find_equilibrium
@@ -93,11 +93,19 @@ class Plant(Answered):
         >>> bigger = load("quadruple-tank").with_values({"tank_1.area": "30 cm^2"})
         >>> bigger.process.signal("tank_1.area").initial
         0.003
+
+        Raises
+        ------
+        InputError
+            A parameter is unknown, or a value no quantity of it or beyond what it can be.
         """
         remedy, words = 'write as in {"tank_1.area": "30 cm^2"}', "parameters with their values"
         require_type(values, Mapping, "plant, values", words, remedy)
         words = f"a parameter of {self.process.name}"
         found = read_values("plant, values", values, self.process.parameters, words)
+        for name, value in found.items():
+            parameter = self.process.signal(name)
+            check_within("plant, values", name, parameter, value, values[name], "a value")
         changed = tuple(
             replace(each, initial=found.get(each.name, each.initial))
             for each in self.process.parameters

@@ -154,5 +154,10 @@ def beyond_range(signal: Signal, value: float, what: str) -> tuple[str, str] | N
     digits = digits_apart(shown_values[2], *shown_values[:2], digits=6)
     low, high, found = (f"{each:.{digits}g}" for each in shown_values)
     shown = "" if unit == "1" else f" {unit}"
-    expected = f"{what} from {low} to {high}{shown}, the range of {signal.name}"
-    return f"{found}{shown}", expected
+    if math.isinf(signal.high):
+        span = f"of {low}{shown} or more"
+    elif math.isinf(signal.low):
+        span = f"of {high}{shown} or less"
+    else:
+        span = f"from {low} to {high}{shown}"
+    return f"{found}{shown}", f"{what} {span}, the range of {signal.name}"
