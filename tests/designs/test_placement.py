@@ -6,16 +6,17 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_sylvester
 from scipy.optimize import linear_sum_assignment
+from scipy.signal import besselap, place_poles
 
 from clepsydra import InputError, NotApplicable
+from clepsydra.designs.states.bessel_filter import bessel_poles, bessel_radius
 from clepsydra.designs.states.observed_process import observed_process
 from clepsydra.designs.states.placement import (
-    bessel_poles,
-    bessel_radius,
     correction,
     placed_gain,
     slow_modes_gain,
 )
+from clepsydra.designs.states.robust_assignment import assigned_gain
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 
@@ -99,6 +100,32 @@ def test_bessel_pattern_overshoots_by_less_than_one_percent(order):
     # The bandwidth is where the gain is 1/√2.
     assert abs(np.prod(-rates) / np.prod(1j - rates)) == pytest.approx(math.sqrt(0.5), rel=1e-9)
     assert bessel_radius(order) == pytest.approx(np.abs(rates).min(), rel=1e-9)
+
+
+@pytest.mark.parametrize("order", [1, 2, 9, 24, 41])
+def test_bessel_pattern_by_scipy(order):
+    found = np.log(bessel_poles(order, 1.0, 0.01)) / 0.01
+    wanted = besselap(order, norm="mag")[1]
+    assert distance(found, wanted) < 1e-12 * np.abs(wanted).max()
+
+
+@pytest.mark.parametrize("real", range(6))
+def test_eigenvectors_are_as_orthogonal_as_those_of_scipy(real):
+    random = np.random.default_rng(real)
+    A, B = random.normal(size=(real + 4, real + 4)), random.normal(size=(real + 4, 3))
+    pairs = np.array([-1.0 + 1.0j, -2.0 + 0.5j])
+    wanted = np.concatenate([pairs, pairs.conj(), -1.0 - np.arange(real)])
+    found, reference = assigned_gain(A, B, wanted), place_poles(A, B, wanted).gain_matrix
+    assert found == pytest.approx(reference, rel=1e-6)
+    assert distance(np.linalg.eigvals(A - B @ found), wanted) < 1e-9
+
+
+def test_a_complex_pole_without_its_conjugate_and_inputs_that_act_alike_are_refused():
+    A, alike = np.diag([1.0, 2.0, 3.0]), np.ones((3, 2))
+    with pytest.raises(np.linalg.LinAlgError):
+        assigned_gain(A, alike[:, :1], np.array([-1.0, -2.0, -3.0 + 1.0j]))
+    with pytest.raises(NotApplicable, match="too much alike"):
+        placed_gain(A, alike, [0.5, 0.4, 0.3], np.ones(3), np.ones(2), 1.0)
 
 
 def test_fast_modes_stay_and_slow_ones_have_the_pattern(three_tanks):

@@ -91,7 +91,7 @@ def design_pole_placement(
     """Design state feedback with a precompensator by placing the poles of the sampled loop.
 
     u = u° − F x + N (r − r°). By default the poles have Bessel's pattern
-    (`designs.states.placement`) with the largest bandwidth at which a setpoint step of a tenth
+    (`designs.states.bessel_filter`) with the largest bandwidth at which a setpoint step of a tenth
     of a measurement's range does not saturate an input, and at which a sample is at most half of
     the pattern's time 1/ω.
 

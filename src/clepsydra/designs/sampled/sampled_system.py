@@ -48,9 +48,13 @@ class SampledSystem(NamedTuple):
         >>> float((found.C @ found.B)[0, 0]), float(found.D[0, 0])
         (0.2, 2.1)
         """
-        from scipy.signal import cont2discrete
+        from scipy.linalg import solve
 
-        return cls(*cont2discrete(matrices, period, "bilinear")[:4])
+        A, B, C, D = matrices
+        identity, half = np.eye(len(A)), 0.5 * period * A
+        moved = solve(identity - half, period * B)
+        shown = solve((identity - half).T, C.T).T
+        return cls(solve(identity - half, identity + half), moved, shown, D + 0.5 * (C @ moved))
 
     @property
     def is_stable(self) -> bool:

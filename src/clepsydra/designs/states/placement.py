@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Sequence
-from functools import cache
 from numbers import Complex
 
 import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.states.bessel_filter import bessel_poles, bessel_radius
+from clepsydra.designs.states.robust_assignment import assigned_gain
 
 #: A mode is out of reach where the inputs move it by less than this share.
 _UNREACHED = 1e-10
@@ -66,8 +66,6 @@ def placed_gain(
     >>> float(placed_gain(one, 0.5 * one, [0.8], one[0], one[0], 1.0)[0, 0].round(9))
     0.4
     """
-    from scipy.signal import place_poles
-
     wanted = checked_poles(poles, len(held), place)
     A = (held - np.eye(len(held))) / period * sizes / sizes[:, None]
     B = moved / period * moves / sizes[:, None]
@@ -75,13 +73,11 @@ def placed_gain(
     rank = int(np.linalg.matrix_rank(B))
     rates = (wanted - 1.0) / period
     _check_multiplicity(rates, rank, place)
-    with warnings.catch_warnings():
-        # That the eigenvectors could be more orthogonal still is no fault; the poles are checked.
-        warnings.simplefilter("ignore", UserWarning)
-        try:
-            gain = place_poles(A, B, rates).gain_matrix
-        except ValueError as error:
-            raise NotApplicable(f"the poles cannot be placed: {error}") from error
+    try:
+        gain = assigned_gain(A, B, rates)
+    except np.linalg.LinAlgError as error:
+        reason = f"the poles cannot be placed, for inputs or modes are too much alike ({error})"
+        raise NotApplicable(reason) from error
     if _distance(np.linalg.eigvals(A - B @ gain), rates) > _ACCURACY * np.abs(rates).max():
         raise NotApplicable("the poles cannot be placed accurately")
     placed: np.ndarray = moves[:, None] * gain / sizes
@@ -144,65 +140,14 @@ def _check_multiplicity(rates: np.ndarray, rank: int, place: str) -> None:
 
 def _distance(found: np.ndarray, wanted: np.ndarray) -> float:
     """Return the largest distance between the poles, each taken with its own partner."""
+    distances = np.abs(found[:, None] - wanted)
+    nearest = distances.argmin(axis=1)
+    if len(set(nearest.tolist())) == len(found):
+        return float(distances.min(axis=1).max(initial=0.0))
     from scipy.optimize import linear_sum_assignment
 
-    distances = np.abs(found[:, None] - wanted)
     rows, columns = linear_sum_assignment(distances)
     return float(distances[rows, columns].max(initial=0.0))
-
-
-def bessel_poles(order: int, bandwidth: float, period: float) -> np.ndarray:
-    """Return the poles of Bessel's filter, taken to the unit circle by z = e^(sT).
-
-    Bessel's patterns respond to a step with an overshoot below 1 %, where Butterworth's and
-    those of least ITAE overshoot the more the higher the order: a tank must not overflow. All
-    poles are different, as placement by few inputs needs them.
-
-    Parameters
-    ----------
-    order : int
-        Number of poles.
-    bandwidth : float
-        Where the filter's gain is 1/√2 [rad/s].
-    period : float
-        T, the sampling period [s].
-
-    References
-    ----------
-    W. E. Thomson, Delay networks having maximally flat frequency characteristics, Proceedings
-    of the IEE 96(44), 1949, 487-490.
-    G. F. Franklin, J. D. Powell and A. Emami-Naeini, Feedback Control of Dynamic Systems,
-    chapter 7.
-
-    Examples
-    --------
-    The pattern of second order is s² + 3 s + 3 in its own time scale:
-
-    >>> s = np.log(bessel_poles(2, 1.0, 0.1)) / 0.1
-    >>> round(float(-s[0].real / abs(s[0])), 6)  # the damping √3/2
-    0.866025
-    """
-    poles: np.ndarray = np.exp(np.array(_prototype(order)) * bandwidth * period)
-    return poles
-
-
-def bessel_radius(order: int) -> float:
-    """Return the smallest |s| among the poles of Bessel's filter of a bandwidth of 1 rad/s.
-
-    Examples
-    --------
-    >>> round(bessel_radius(1), 12)
-    1.0
-    """
-    return float(np.min(np.abs(_prototype(order))))
-
-
-@cache
-def _prototype(order: int) -> tuple[complex, ...]:
-    """Return the poles for a bandwidth of 1 rad/s; a search asks hundreds of times for few."""
-    from scipy.signal import besselap
-
-    return tuple(np.asarray(besselap(order, norm="mag")[1], complex).tolist())
 
 
 #: A mode slower than the pattern by less than this share counts as fast enough.
