@@ -9,6 +9,7 @@ from scipy.optimize import minimize_scalar
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.sampled.sampled_loop import SampledLoop, sampled_loop
+from clepsydra.designs.sampled.sensitivity_peaks import sensitivity_peaks
 from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linearise import linearise
@@ -203,3 +204,12 @@ def test_two_coupled_loops_against_a_sweep_of_singular_values():
     # Both sensors have the same range, so that no scaling is seen.
     sampled = sampled_loop(controller, model)
     assert sampled.maximum_sensitivity == pytest.approx(refined_peak(sensitivity), rel=1e-8)
+
+
+def test_peaks_of_many_loops_are_those_of_each(tank):
+    largest = critical_gain(tank, 30.0)
+    loops = [tank.sampled(share * largest, 30.0) for share in (0.1, 0.3, 1.1, 0.5)]
+    loops.append(SampledLoop(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.eye(1)))
+    found = sensitivity_peaks(loops)
+    assert found == [each.maximum_sensitivity for each in loops]
+    assert np.isfinite(found).tolist() == [True, True, False, True, True]

@@ -10,6 +10,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from clepsydra.linear.frequency_peak import largest_gain
+from clepsydra.linear.largest_gains import largest_gains
 
 
 def random_system(seed):
@@ -181,6 +182,16 @@ def test_a_peak_that_rounding_hides_from_level_sets():
 
 def test_no_peak_of_random_systems_is_missed():
     assert judged_exactly(range(12)) > 5
+
+
+def test_side_by_side_each_peak_is_the_one_that_is_found_alone():
+    alike = {}
+    for system in map(random_system, range(100)):
+        alike.setdefault((len(system[0]), len(system[3])), []).append(system)
+    for systems in alike.values():
+        together = largest_gains(*map(np.array, zip(*systems, strict=True)))
+        assert together.tolist() == [largest_gain(*system).peak for system in systems]
+    assert max(map(len, alike.values())) > 5
 
 
 @pytest.mark.thorough

@@ -7,14 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from clepsydra.linear.highest_points import highest_points
 from clepsydra.linear.response import evaluate_transfer
 
-# A maximum that can rise by less than this share is found: nine digits, and four of its place.
-_RISE = 1e-9
-# A maximum is looked at again at so many points between its neighbours.
-_POINTS = 21
-# Each look is ten times closer: after so many, neighbours differ in their last digits only.
-_LOOKS = 16
 _PER_DECADE = 8
 # Each pole turns the phase by half a turn; so many frequencies follow it.
 _PER_POLE = 8
@@ -45,10 +40,7 @@ def highest_point(
 ) -> tuple[float, float]:
     """Return the maximum of a curve over frequency, and where it stands.
 
-    Every maximum on the grid that can be the highest is looked at more closely between its
-    neighbours, and so on with what is seen there. A parabola through three points rises above
-    the middle one by an eighth of the drop to the lower side at most; half of it is
-    allowed.
+    As `clepsydra.linear.highest_points.highest_points` looks for it.
 
     Parameters
     ----------
@@ -70,25 +62,7 @@ def highest_point(
     >>> round(found[0], 6), round(found[1], 3)
     (5.025189, 0.99)
     """
-    best = (0.0, float(grid[0]))
-    rows = np.log(grid)[None]
-    for _ in range(_LOOKS):
-        frequencies = np.exp(rows)
-        values = curve(frequencies.ravel()).reshape(rows.shape)
-        place = np.unravel_index(int(values.argmax()), values.shape)
-        best = max(best, (float(values[place]), float(frequencies[place])))
-        before = np.concatenate([values[:, :1], values[:, :-1]], axis=1)
-        after = np.concatenate([values[:, 1:], values[:, -1:]], axis=1)
-        reach = values + (values - np.minimum(before, after)) / 2.0
-        tops = (values >= before) & (values >= after) & (reach > best[0] * (1.0 + _RISE))
-        row, column = np.nonzero(tops)
-        if not row.size:
-            break
-        low = rows[row, np.maximum(column - 1, 0)]
-        high = rows[row, np.minimum(column + 1, rows.shape[1] - 1)]
-        steps = (high - low) / (_POINTS - 1)
-        rows = np.append(steps * np.arange(_POINTS - 1)[:, None] + low, [high], axis=0).T
-    return best
+    return highest_points(lambda which, frequencies: curve(frequencies), [grid])[0]
 
 
 def frequencies_of(poles: np.ndarray) -> np.ndarray:

@@ -11,9 +11,10 @@ from clepsydra.studies.tuning.standing import standings
 
 def problem_of(violation, rooms):
     evaluated = SimpleNamespace(objective=np.full(len(rooms), 0.5), violation=np.array(violation))
+    by_point = np.array(rooms)
     return SimpleNamespace(
         evaluate=lambda points: evaluated,
-        rooms=lambda point, limit: [rooms[int(point[0])]],
+        loops=SimpleNamespace(rooms=lambda points, limit: by_point[points.astype(int)]),
         limits=Limits(2.0),
     )
 

@@ -61,14 +61,13 @@ def _not_beaten(problem: TuningProblem) -> tuple[np.ndarray, np.ndarray, np.ndar
     points = np.array(list(problem.proper.values()))
     found = problem.evaluate(points)
     kept = (found.violation <= ON_LIMIT) & np.isfinite(found.objective)
+    kept[kept] = np.all(problem.loops.rooms(points[kept], np.inf) >= -ON_LIMIT, axis=1)
     points, objective = points[kept], found.objective[kept]
+    sensitivities = problem.loops.sensitivities(points)
     front: list[int] = []
-    sensitivities: list[float] = []
+    least = np.inf
     for place in np.argsort(objective, kind="stable"):
-        sensitivity = problem.sensitivity(points[place])
-        if min(problem.rooms(points[place], np.inf), default=0.0) < -ON_LIMIT:
-            continue
-        if sensitivity < (1.0 - _APART) * min(sensitivities, default=np.inf):
+        if sensitivities[place] < (1.0 - _APART) * least:
             front.append(int(place))
-            sensitivities.append(sensitivity)
-    return points[front], objective[front], np.array(sensitivities)
+            least = sensitivities[place]
+    return points[front], objective[front], sensitivities[front]

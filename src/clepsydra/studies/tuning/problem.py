@@ -14,12 +14,12 @@ from numpy.typing import ArrayLike
 
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
-from clepsydra.designs.sampled.sampled_loop import SampledLoop, SampledLoops
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.lane_status import LaneStatus
 from clepsydra.loop.running_scores import running_scores
 from clepsydra.scores.score_key import score_key
 from clepsydra.studies.tuning.batch import BatchEvaluation
+from clepsydra.studies.tuning.candidate_loops import CandidateLoops
 from clepsydra.studies.tuning.memory import Memory
 from clepsydra.studies.tuning.objective import ON_LIMIT, Goal
 from clepsydra.studies.tuning.search_space import SearchSpace
@@ -94,13 +94,12 @@ class TuningProblem:
         self.limited = _limited(goal, space.controller)
         self.names = tuple(dict.fromkeys([*goal.objective.names, *self.limited]))
         self.batch = BatchEvaluation(space.controller, model, goal.scenario, self.names)
-        self._loops = SampledLoops(space.controller, model)
         self.memory = Memory(len(space.start), len(self.names) + 1, self._digest(goal))
+        self.loops = CandidateLoops(space, model, self.limits, self.memory)
         self.best: BestSoFar | None = None
         self.history: list[tuple[int, float]] = []
         self.on_progress: Callable[[], None] = lambda: None
         self._asked: set[bytes] = set()
-        self._modes: dict[bytes, tuple[float, float]] = {}
         self.proper: dict[bytes, np.ndarray] = {}
 
     def begin(self) -> None:
@@ -136,7 +135,7 @@ class TuningProblem:
 
     def _judged(self, values: Mapping[str, float], rows: np.ndarray) -> Judgement:
         found = self._evaluation(rows)
-        loop = self._loops.at(values)
+        loop = self.loops.of.at(values)
         return Judgement(
             self._named(rows),
             float(found.objective[0]),
@@ -206,61 +205,19 @@ class TuningProblem:
         found = self.batch.run({name: np.atleast_1d(value) for name, value in values.items()})
         return np.stack([*(found.scores[name] for name in self.names), found.status], axis=1)
 
-    def sensitivity(self, point: np.ndarray) -> float:
-        """Return max|S| of all loops together at one point [p]; infinite if unstable."""
-        key = point.tobytes()
-        if key not in self.memory.sensitivities:
-            loop = self._loop(point)
-            self.memory.sensitivities[key] = math.inf if loop is None else loop.maximum_sensitivity
-        return self.memory.sensitivities[key]
-
-    def damping(self, point: np.ndarray) -> float:
-        """Return the smallest damping ratio of the loops at one point [p]; below 0 if unstable."""
-        return self._swinging(point)[0]
-
-    def decay_time(self, point: np.ndarray) -> float:
-        """Return in which time the slowest mode of the loops comes down to a hundredth [s]."""
-        return self._swinging(point)[1] * self.batch.loop.process.sampling_period
-
-    def _swinging(self, point: np.ndarray) -> tuple[float, float]:
-        key = point.tobytes()
-        if key not in self._modes:
-            loop = self._loop(point)
-            self._modes[key] = (-1.0, math.inf) if loop is None else (loop.damping, loop.decay)
-        return self._modes[key]
-
-    def _loop(self, point: np.ndarray) -> SampledLoop | None:
-        values = self.space.controller_values(point)
-        return self._loops.at(values) if all(map(math.isfinite, values.values())) else None
-
-    def rooms(self, point: np.ndarray, sensitivity_limit: float) -> list[float]:
-        """Return the room to the limits of the linear loop, as shares; below 0 beyond one.
-
-        Of max|S| that of 1/S, since it goes to zero, not to infinity, where a loop gets unstable.
-        """
-        found = []
-        if math.isfinite(sensitivity_limit):
-            found.append(sensitivity_limit / self.sensitivity(point) - 1.0)
-        if self.limits.damping > 0.0:
-            found.append(self.damping(point) / self.limits.damping - 1.0)
-        if math.isfinite(self.limits.rest):
-            found.append(max(-1.0, 1.0 - self.decay_time(point) / self.limits.rest))
-        return found
-
     def _consider(self, points: np.ndarray, found: Evaluation) -> None:
         """Keep the best of the first candidates if it beats the best and keeps all limits."""
-        for place in np.argsort(found.objective[: len(points)], kind="stable"):
-            value = float(found.objective[place])
-            if not np.isfinite(value) or (self.best and value >= self.best.objective):
-                return
-            if found.violation[place] > ON_LIMIT:
-                continue
-            room = self.rooms(points[place], self.limits.maximum_sensitivity)
-            if min(room, default=0.0) >= -ON_LIMIT:
-                sensitivity = self.sensitivity(points[place])
-                self.best = BestSoFar(points[place].copy(), value, sensitivity)
-                self.history.append((self.evaluations, value))
-                return
+        objective = found.objective[: len(points)]
+        best = self.best.objective if self.best else np.inf
+        better = (objective < best) & (found.violation[: len(points)] <= ON_LIMIT)
+        places = [place for place in np.argsort(objective, kind="stable") if better[place]]
+        rooms = self.loops.rooms(points[places], self.limits.maximum_sensitivity)
+        kept = np.flatnonzero(np.all(rooms >= -ON_LIMIT, axis=1))
+        if kept.size:
+            place = places[kept[0]]
+            point, value = points[place].copy(), float(objective[place])
+            self.best = BestSoFar(point, value, float(self.loops.sensitivities(point[None])[0]))
+            self.history.append((self.evaluations, value))
 
     def _digest(self, goal: Goal) -> str:
         """Return what tells this problem from any other."""

@@ -105,8 +105,7 @@ class _Neighbourhood:
         steps = np.where(point + _DIFFERENCE <= 1.0, _DIFFERENCE, -_DIFFERENCE)
         points = np.vstack([point, point + np.diag(steps)])
         found = self._problem.evaluate(points, proper=1)
-        rooms = [self._problem.rooms(each, self._limit) for each in points]
-        margins = np.hstack([found.margins, np.reshape(rooms, (len(points), -1))])
+        margins = np.hstack([found.margins, self._problem.loops.rooms(points, self._limit)])
         parts = found.parts
         broken = ~np.all(np.isfinite(parts), axis=1)
         if broken[0]:

@@ -31,10 +31,9 @@ def standings(
     found = _standing(evaluated.objective, evaluated.violation)
     wins = np.isfinite(evaluated.objective)
     wins &= evaluated.violation <= ON_LIMIT if than is None else found <= than
-    for place in np.flatnonzero(wins):
-        room = min(problem.rooms(points[place], problem.limits.maximum_sensitivity), default=0.0)
-        violation = max(float(evaluated.violation[place]), -room)
-        found[place] = _standing(evaluated.objective[[place]], np.array([violation]))[0]
+    rooms = problem.loops.rooms(points[wins], problem.limits.maximum_sensitivity)
+    violation = np.maximum(evaluated.violation[wins], np.max(-rooms, axis=1, initial=0.0))
+    found[wins] = _standing(evaluated.objective[wins], violation)
     return found
 
 
