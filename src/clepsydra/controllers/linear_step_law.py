@@ -10,7 +10,7 @@ import numpy as np
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.status import Mode
 from clepsydra.controllers.blocks.validity import LARGEST_NUMBER
-from clepsydra.controllers.parameters import remembered_parameters
+from clepsydra.controllers.parameters import remembers
 from clepsydra.program.entries import is_ring
 from clepsydra.program.step_law import StepLaw
 
@@ -57,6 +57,15 @@ class StepLawDerivatives:
         self._longer = {
             place: entry.length - 1 for place, entry in enumerate(law.state) if is_ring(entry)
         }
+        usual = {"mode": float(Mode.AUTOMATIC), "good": 1.0}
+        ends = {"low_limit": -LARGEST_NUMBER, "high_limit": LARGEST_NUMBER}
+        self._states = [entry.name for entry in law.state]
+        self._inputs = [(signal.name, usual.get(signal.part)) for signal in law.inputs]
+        self._parameters = [(each.name, ends.get(each.part)) for each in law.parameters]
+        self._remembered = remembers(law, {name for name, _ in self._parameters})
+        self._outputs = _places(law.outputs, "out")
+        self._setpoints = _places(law.inputs, "sp")
+        self._measurements = _places(law.inputs, "pv")
 
     def at(
         self,
@@ -76,29 +85,22 @@ class StepLawDerivatives:
             law's order; the last output, for one, is left out, and the bias of proportional
             control.
         """
-        law = self.law
-        usual = {"mode": float(Mode.AUTOMATIC), "good": 1.0}
-        ends = {"low_limit": -LARGEST_NUMBER, "high_limit": LARGEST_NUMBER}
         # Gains that are as they were: no change of them is differentiated.
-        at = {**state, **remembered_parameters(law, values)}
-        step_x, step_u, output_x, output_u = (
-            np.array(matrix)
-            for matrix in law.jacobians(
-                [at.get(entry.name, 0.0) for entry in law.state],
-                [usual.get(s.part, inputs.get(s.name, 0.0)) for s in law.inputs],
-                [ends[p.part] if p.part in ends else values[p.name] for p in law.parameters],
-            )
+        at = {**state, **{name: values[parameter] for name, parameter in self._remembered}}
+        step_x, step_u, output_x, output_u = self.law.jacobians(
+            [at.get(name, 0.0) for name in self._states],
+            [inputs.get(name, 0.0) if usual is None else usual for name, usual in self._inputs],
+            [values[name] if end is None else end for name, end in self._parameters],
         )
         step_x, step_u, output_x = self._with_rings(step_x, step_u, output_x)
-        rows = _places(law.outputs, "out")
-        setpoints, measurements = _places(law.inputs, "sp"), _places(law.inputs, "pv")
+        rows, setpoints, measurements = self._outputs, self._setpoints, self._measurements
         read = np.any(step_x != 0.0, axis=0) | np.any(output_x[rows] != 0.0, axis=0)
         # What nothing moves is a constant, as the bias of a P controller, and no mode of the loop.
         moved = np.any(step_x != np.eye(len(step_x)), axis=1)
         moved |= np.any(step_u[:, [*setpoints, *measurements]] != 0.0, axis=1)
         read &= moved
         return LinearStepLaw(
-            A=step_x[np.ix_(read, read)],
+            A=step_x[read][:, read],
             B_setpoint=step_u[read][:, setpoints],
             B_measurement=step_u[read][:, measurements],
             C=output_x[rows][:, read],

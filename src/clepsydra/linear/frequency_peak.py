@@ -1,22 +1,16 @@
-"""The highest point of a curve over frequency, exact with dead time, and where to look for it."""
+"""The largest gains of linear systems over frequency, and where they are."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
-from clepsydra.linear.highest_points import highest_points
+from clepsydra.linear.highest_points import frequencies_of, highest_points
 from clepsydra.linear.response import evaluate_transfer
 
-_PER_DECADE = 8
-# Each pole turns the phase by half a turn; so many frequencies follow it.
-_PER_POLE = 8
-# So far beyond the poles, and ten times farther, the curve is the one at zero or at infinity.
-_BEYOND = np.array([1e2, 1e3])
-# Nearer to each other than this share of the least damping ratio, frequencies are one.
-_APART = 1e-3
+#: So many numbers of A are looked at together.
+_TOGETHER = 20_000
 
 
 class SensitivityPeak(NamedTuple):
@@ -35,74 +29,8 @@ class SensitivityPeak(NamedTuple):
     frequency: float
 
 
-def highest_point(
-    curve: Callable[[np.ndarray], np.ndarray], grid: np.ndarray
-) -> tuple[float, float]:
-    """Return the maximum of a curve over frequency, and where it stands.
-
-    As `clepsydra.linear.highest_points.highest_points` looks for it.
-
-    Parameters
-    ----------
-    curve : function
-        Of frequencies [l] to values [l], none below zero.
-    grid : ndarray [l]
-        Rising, above zero [rad/s], close enough to show every maximum.
-
-    Returns
-    -------
-    tuple of float
-        The value, to nine digits, and the frequency, to four [rad/s].
-
-    Examples
-    --------
-    The resonance 1/(s² + 0.2 s + 1):
-
-    >>> found = highest_point(lambda w: 1.0 / abs(1.0 - w**2 + 0.2j * w), np.geomspace(0.1, 10, 9))
-    >>> round(found[0], 6), round(found[1], 3)
-    (5.025189, 0.99)
-    """
-    return highest_points(lambda which, frequencies: curve(frequencies), [grid])[0]
-
-
-def frequencies_of(poles: np.ndarray) -> np.ndarray:
-    """Return frequencies that show every maximum of a rational response with these poles.
-
-    Eight a decade, and at equal steps of the phase that each pole turns: so they stand close
-    around a resonance, and where many poles turn the phase fast.
-
-    Parameters
-    ----------
-    poles : ndarray [n], complex
-        None at zero [rad/s].
-
-    Returns
-    -------
-    ndarray [l]
-        Rising [rad/s], above zero.
-    """
-    sizes = np.abs(poles)
-    low, high = sizes.min() / 10.0, sizes.max() * 10.0
-    decades = np.geomspace(low, high, int(np.ceil(_PER_DECADE * np.log10(high / low))) + 1)
-    # Those of each pole stand between those of the others: equal poles share one fast turn.
-    shift = (np.arange(len(poles))[:, None] + 0.5) / len(poles)
-    turns = np.pi * ((np.arange(_PER_POLE) + shift) / _PER_POLE - 0.5)
-    around = (poles.imag[:, None] + np.abs(poles.real)[:, None] * np.tan(turns)).ravel()
-    around = around[(around > low) & (around < high)]
-    far = np.concatenate([sizes.min() / _BEYOND, sizes.max() * _BEYOND])
-    grid = np.sort(np.concatenate([decades, around, far]))
-    # Between two that agree but for rounding no slope is seen.
-    apart = _APART * np.min(np.abs(poles.real) / sizes)
-    return grid[np.diff(grid, prepend=0.0) > apart * grid]
-
-
 def largest_gain(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> SensitivityPeak:
     """Return the H∞ norm of a stable transfer function and the frequency of its peak.
-
-    It is the highest of the gains at rest, at infinity, and at every maximum seen from the
-    frequencies that the poles call for. The level sets of Boyd and Balakrishnan would need no
-    such frequencies, but rounding in the eigenvalues of their Hamiltonian matrix hides peaks
-    where speeds span many decades.
 
     Parameters
     ----------
@@ -112,7 +40,7 @@ def largest_gain(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> 
     Returns
     -------
     SensitivityPeak
-        Accurate to about nine digits.
+        Accurate to about nine digits, see `largest_gains`.
 
     Examples
     --------
@@ -123,17 +51,69 @@ def largest_gain(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> 
     ...                    np.zeros((1, 1))).peak, 6)
     5.025189
     """
-    direct = float(np.linalg.norm(D, 2)) if D.size else 0.0
-    at_infinity = SensitivityPeak(direct, float("inf"))
-    if not len(A):
-        return at_infinity
+    return largest_gains(A[None], B[None], C[None], D[None])[0]
 
-    def gains(frequencies: np.ndarray) -> np.ndarray:
-        responses = evaluate_transfer(A, B, C, D, 1j * frequencies)
-        # The root of the largest eigenvalue of GᴴG is as exact as an SVD and takes half its time.
-        squares = np.linalg.eigvalsh(responses.conj().swapaxes(1, 2) @ responses)[:, -1]
-        return np.sqrt(np.maximum(squares, 0.0))
 
-    at_rest = SensitivityPeak(float(np.linalg.norm(D - C @ np.linalg.solve(A, B), 2)), 0.0)
-    between = SensitivityPeak(*highest_point(gains, frequencies_of(np.linalg.eigvals(A))))
-    return max(at_infinity, at_rest, between, key=lambda peak: peak.peak)
+def largest_gains(
+    A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray
+) -> list[SensitivityPeak]:
+    """Return the H∞ norms of k stable transfer functions; that of each is as if it were alone.
+
+    A norm is the highest of the gains at rest, at infinity, and at every maximum seen from the
+    frequencies that the poles call for. The level sets of Boyd and Balakrishnan would need no
+    such frequencies, but rounding in the eigenvalues of their Hamiltonian matrix hides peaks
+    where speeds span many decades.
+
+    Parameters
+    ----------
+    A, B, C, D : ndarray [k, n, n], [k, n, m], [k, q, n], [k, q, m]
+        All eigenvalues of each A in the left half-plane.
+
+    Examples
+    --------
+    Lags of 1 and of 2 with a gain of 3:
+
+    >>> ones = np.ones((2, 1, 1))
+    >>> rates = np.array([[[-1.0]], [[-0.5]]])
+    >>> [round(each.peak, 9) for each in largest_gains(rates, ones, -3.0 * rates, 0.0 * ones)]
+    [3.0, 3.0]
+    """
+    states, half = A.shape[1], len(A) // 2
+    if half and len(A) * states**2 > _TOGETHER:
+        matrices = A, B, C, D
+        first, second = (
+            [each[part] for each in matrices] for part in (slice(half), slice(half, None))
+        )
+        return largest_gains(*first) + largest_gains(*second)
+    if not states:
+        return [SensitivityPeak(gain, float("inf")) for gain in _gains(D).tolist()]
+    rest = D - C @ np.linalg.solve(A, B)
+    at_infinity, at_rest = _gains(D), _gains(rest)
+
+    def gains(frequencies: np.ndarray, of: np.ndarray) -> np.ndarray:
+        return _gains(evaluate_transfer(A[of], B[of], C[of], D[of], 1j * frequencies))
+
+    known = np.maximum(at_infinity, at_rest)
+    peaks, frequencies = highest_points(gains, frequencies_of(np.linalg.eigvals(A)), known)
+    ends = np.where(at_rest > at_infinity, 0.0, np.inf)
+    places = np.where(np.isnan(frequencies), ends, frequencies)
+    return [SensitivityPeak(*each) for each in zip(peaks.tolist(), places.tolist(), strict=True)]
+
+
+def _gains(responses: np.ndarray) -> np.ndarray:
+    """Return the largest singular values of matrices [..., q, m], each within a few units."""
+    if not responses.size:
+        return np.zeros(responses.shape[:-2])
+    # The root of the largest eigenvalue of GᴴG is as exact as an SVD and takes half its time.
+    turned = responses.conj().swapaxes(-1, -2)
+    wide = responses.shape[-2] < responses.shape[-1]
+    squares = responses @ turned if wide else turned @ responses
+    first = squares[..., 0, 0].real
+    if squares.shape[-1] == 1:
+        largest = first
+    elif squares.shape[-1] == 2:
+        last = squares[..., 1, 1].real
+        largest = (first + last) / 2.0 + np.hypot((first - last) / 2.0, np.abs(squares[..., 0, 1]))
+    else:
+        largest = np.linalg.eigvalsh(squares)[..., -1]
+    return np.sqrt(np.maximum(largest, 0.0))

@@ -1,77 +1,137 @@
-"""The highest points of many curves over frequency, looked for side by side."""
+"""The highest points of curves over frequency, looked for side by side, and where to look."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
 # A maximum that can rise by less than this share is found: nine digits, and four of its place.
 _RISE = 1e-9
-# A maximum is looked at again at so many points between its neighbours.
-_POINTS = 21
-# Each look is ten times closer: after so many, neighbours differ in their last digits only.
-_LOOKS = 16
+# A maximum is looked at again at its neighbours, and ever closer to where a parabola has it.
+_CLOSER = np.array([1.0, 0.25, 0.0625, 0.015625, 0.00390625])
+_AROUND = np.concatenate([-_CLOSER, [0.0], _CLOSER[::-1]])
+# Three looks are usual; where a parabola is no help, each halves what is between the neighbours.
+_LOOKS = 40
+_PER_DECADE = 8
+# Each pole turns the phase by half a turn; so many frequencies follow it.
+_PER_POLE = 8
+# So far beyond the poles, and ten times farther, the curve is the one at zero or at infinity.
+_BEYOND = np.array([1e2, 1e3])
+# Nearer to each other than this share of the least damping ratio, frequencies are one.
+_APART = 1e-3
 
 
 def highest_points(
-    curves: Callable[[np.ndarray, np.ndarray], np.ndarray], grids: Sequence[np.ndarray]
-) -> list[tuple[float, float]]:
-    """Return the maximum of each curve over frequency, and where it stands.
+    curves: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    grids: np.ndarray,
+    known: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the maximum over frequency of each of some curves.
 
-    Every maximum on the grid that can be the highest of its curve is looked at more closely
-    between its neighbours, and so on with what is seen there. A parabola through three points
-    rises above the middle one by an eighth of the drop to the lower side at most; half of it is
-    allowed.
+    Every maximum on a grid that can be the highest is looked at more closely between its
+    neighbours, and so on with what is seen there. Between neighbours at equal distances a
+    parabola through the three points rises by an eighth of the drop to the lower one at most,
+    and else by what its formula says; four times that is allowed.
 
     Parameters
     ----------
     curves : function
-        Of which curves [l], by their places, and at which frequencies [l] to values [l], none
-        below zero. What it says of one curve must not depend on the others.
-    grids : sequence of ndarray
-        Frequencies of each curve, rising, above zero [rad/s], close enough to show every maximum.
+        Of frequencies [r, l] and the curve that each row is of [r] to values [r, l], none below
+        zero.
+    grids : ndarray [k, l]
+        Of each curve frequencies above zero [rad/s], none lower than that before it and close
+        enough to show every maximum.
+    known : ndarray [k]
+        A value of each curve, such as that at rest; only a higher one is looked for.
 
     Returns
     -------
-    list of tuple of float
-        The value, to nine digits, and the frequency, to four [rad/s].
+    ndarray [k], ndarray [k]
+        Values, to nine digits, and frequencies, to four [rad/s]; not a number where none is
+        higher than the one that was known.
 
     Examples
     --------
     The resonances 1/(s² + 2 ζ s + 1) with ζ = 0.1 and 0.2:
 
-    >>> damping = np.array([0.1, 0.2])
-    >>> found = highest_points(
-    ...     lambda which, w: 1.0 / abs(1.0 - w**2 + 2j * damping[which] * w),
-    ...     [np.geomspace(0.1, 10, 9), np.geomspace(0.1, 10, 12)])
-    >>> [round(value, 6) for value, _ in found]
-    [5.025189, 2.551552]
+    >>> damping, grid = np.array([[0.1], [0.2]]), np.geomspace(0.1, 10, 9)
+    >>> values, at = highest_points(lambda w, of: 1.0 / abs(1.0 - w**2 + 2j * damping[of] * w),
+    ...                             np.stack([grid, grid]), np.ones(2))
+    >>> values.round(6), at.round(3)
+    (array([5.025189, 2.551552]), array([0.99 , 0.959]))
     """
-    best = [(0.0, float(grid[0])) for grid in grids]
-    which = np.arange(len(grids))
-    # A shorter grid stays at its last frequency, where nothing rises any more.
-    longest = max(map(len, grids), default=0)
-    rows = np.log([np.append(grid, np.full(longest - len(grid), grid[-1])) for grid in grids])
+    best, at = np.array(known), np.full(len(known), np.nan)
+    rows, of = np.log(grids), np.arange(len(grids))
     for _ in range(_LOOKS):
         frequencies = np.exp(rows)
-        owners = np.repeat(which, rows.shape[1])
-        values = curves(owners, frequencies.ravel()).reshape(rows.shape)
-        highest = np.arange(len(rows)), values.argmax(axis=1)
-        seen = zip(values[highest].tolist(), frequencies[highest].tolist(), strict=True)
-        for curve, there in zip(which, seen, strict=True):
-            best[curve] = max(best[curve], there)
-        before = np.concatenate([values[:, :1], values[:, :-1]], axis=1)
-        after = np.concatenate([values[:, 1:], values[:, -1:]], axis=1)
-        reach = values + (values - np.minimum(before, after)) / 2.0
-        known = np.array([best[curve][0] for curve in which])[:, None]
-        tops = (values >= before) & (values >= after) & (reach > known * (1.0 + _RISE))
-        row, column = np.nonzero(tops)
-        if not row.size:
+        values = curves(frequencies, of)
+        for row in np.flatnonzero(values.max(axis=1) > best[of]):
+            column = values[row].argmax()
+            if values[row, column] > best[of[row]]:  # of several rows of one curve the highest
+                best[of[row]], at[of[row]] = values[row, column], frequencies[row, column]
+        rows, of = _closer(rows, of, values, best)
+        if not len(of):
             break
-        low = rows[row, np.maximum(column - 1, 0)]
-        high = rows[row, np.minimum(column + 1, rows.shape[1] - 1)]
-        steps = (high - low) / (_POINTS - 1)
-        which = which[row]
-        rows = np.append(steps * np.arange(_POINTS - 1)[:, None] + low, [high], axis=0).T
-    return best
+    return best, at
+
+
+def _closer(
+    rows: np.ndarray, of: np.ndarray, values: np.ndarray, best: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return rows around the maxima that can rise above the best, and the curve of each."""
+    tops = np.ones(values.shape, bool)
+    tops[:, 1:] &= values[:, 1:] >= values[:, :-1]
+    tops[:, :-1] &= values[:, :-1] >= values[:, 1:]
+    row, column = np.nonzero(tops)
+    low, high = np.maximum(column - 1, 0), np.minimum(column + 1, rows.shape[1] - 1)
+    top, place = values[row, column], rows[row, column]
+    before, after = place - rows[row, low], rows[row, high] - place
+    left, right = top - values[row, low], top - values[row, high]
+    # A parabola through the three, where they are three and not on one level.
+    tilt, bend = left * after**2 - right * before**2, left * after + right * before
+    width = before * after * (before + after)
+    level = bend * width <= 0.0
+    bend[level] = width[level] = 1.0
+    shift, rise = tilt / (2.0 * bend), tilt**2 / (4.0 * width * bend)
+    shift[level] = rise[level] = 0.0
+    reach = top + np.maximum(np.maximum(left, right) / 2.0, 4.0 * rise)
+    higher = reach > best[of[row]] * (1.0 + _RISE)
+    before, after = (before + shift)[higher, None], (after - shift)[higher, None]
+    closer = (place + shift)[higher, None] + np.where(_AROUND < 0.0, before, after) * _AROUND
+    return closer, of[row[higher]]
+
+
+def frequencies_of(poles: np.ndarray) -> np.ndarray:
+    """Return frequencies that show every maximum of rational responses with these poles.
+
+    Eight a decade, and at equal steps of the phase that each pole turns: so they stand close
+    around a resonance, and where many poles turn the phase fast.
+
+    Parameters
+    ----------
+    poles : ndarray [k, n], complex
+        Of k responses, none at zero [rad/s].
+
+    Returns
+    -------
+    ndarray [k, l]
+        Rising [rad/s], above zero; the last stands several times where others have more.
+    """
+    sizes = np.abs(poles)
+    low, high = sizes.min(axis=1, keepdims=True) / 10.0, sizes.max(axis=1, keepdims=True) * 10.0
+    steps = np.ceil(_PER_DECADE * np.log10(high / low))
+    decades = low * (high / low) ** np.minimum(np.arange(steps.max() + 1.0) / steps, 1.0)
+    # Those of each pole stand between those of the others: equal poles share one fast turn.
+    shift = (np.arange(poles.shape[1])[:, None] + 0.5) / poles.shape[1]
+    turns = np.pi * ((np.arange(_PER_POLE) + shift) / _PER_POLE - 0.5)
+    around = poles.imag[..., None] + np.abs(poles.real)[..., None] * np.tan(turns)
+    around = np.clip(around.reshape(len(poles), -1), low, high)
+    grids = np.concatenate([low * 10.0 / _BEYOND, decades, around, high / 10.0 * _BEYOND], axis=1)
+    grids.sort(axis=1)
+    # Between two that agree but for rounding no slope is seen.
+    apart = _APART * np.min(np.abs(poles.real) / sizes, axis=1, keepdims=True)
+    grids[np.diff(grids, axis=1, prepend=0.0) <= apart * grids] = np.inf
+    grids.sort(axis=1)
+    grids = grids[:, : np.isfinite(grids).sum(axis=1).max()]
+    return np.asarray(np.minimum(grids, high / 10.0 * _BEYOND[-1]))

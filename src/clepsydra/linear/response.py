@@ -101,13 +101,14 @@ def evaluate_transfer(
 
     Parameters
     ----------
-    A, B, C, D : ndarray [n, n], [n, m], [q, n], [q, m]
-    points : ndarray [l]
+    A, B, C, D : ndarray [..., n, n], [..., n, m], [..., q, n], [..., q, m]
+        Of one model, or stacks of several.
+    points : ndarray [..., l]
         Values of s [rad/s].
 
     Returns
     -------
-    ndarray [l, q, m], complex
+    ndarray [..., l, q, m], complex
 
     Examples
     --------
@@ -118,11 +119,14 @@ def evaluate_transfer(
     array([[[1.5]]])
     """
     points = np.asarray(points)
-    if len(A) > _LARGE:
+    if A.shape[-1] <= _LARGE:
+        pencils = points[..., None, None] * np.eye(A.shape[-1]) - A[..., None, :, :]
+        inner = _solved(pencils, B[..., None, :, :], points)
+        return np.asarray(C[..., None, :, :] @ inner + D[..., None, :, :])
+    if A.ndim == 2:
         return _by_triangle(A, B, C, points) + D
-    pencils = points[:, None, None] * np.eye(len(A)) - A
-    inner = _solved(pencils, B, points)
-    return np.asarray(C @ inner + D)
+    stacks = zip(A, B, C, D, points, strict=True)
+    return np.stack([evaluate_transfer(*each) for each in stacks])
 
 
 def _by_triangle(A: np.ndarray, B: np.ndarray, C: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -149,7 +153,7 @@ def _solved(pencils: np.ndarray, driven: np.ndarray, points: np.ndarray) -> np.n
     try:
         return np.linalg.solve(pencils, driven)
     except np.linalg.LinAlgError:
-        raise _at_pole(points[np.argmin(np.linalg.matrix_rank(pencils))]) from None
+        raise _at_pole(points.flat[np.argmin(np.linalg.matrix_rank(pencils))]) from None
 
 
 def _at_pole(point: complex) -> InputError:

@@ -216,13 +216,11 @@ class SampledLoops:
         return self._closed(law), B, self._shown(law)
 
     def _closed(self, law: LinearStepLaw) -> np.ndarray:
-        C, moved = self.measured, self.moved
-        return np.block(
-            [
-                [self.held + moved @ law.D_measurement @ C, moved @ law.C],
-                [law.B_measurement @ C, law.A],
-            ]
-        )
+        C, moved, n = self.measured, self.moved, len(self.held)
+        closed = np.empty((n + len(law.A), n + len(law.A)))
+        closed[:n, :n], closed[:n, n:] = self.held + moved @ law.D_measurement @ C, moved @ law.C
+        closed[n:, :n], closed[n:, n:] = law.B_measurement @ C, law.A
+        return closed
 
     def _shown(self, law: LinearStepLaw) -> np.ndarray:
         return np.hstack([self._controlled, np.zeros((len(self._sizes), len(law.A)))])

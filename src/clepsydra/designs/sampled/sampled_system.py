@@ -59,7 +59,13 @@ class SampledSystem(NamedTuple):
     @property
     def is_stable(self) -> bool:
         """Whether every eigenvalue stands inside the unit circle, and none on it."""
-        return bool(np.max(np.abs(np.linalg.eigvals(self.A)), initial=0.0) < 1.0 - _ROUNDING)
+        return bool(self.are_stable)
+
+    @property
+    def are_stable(self) -> np.ndarray:
+        """The same of each of a stack of systems."""
+        largest = np.max(np.abs(np.linalg.eigvals(self.A)), axis=-1, initial=0.0)
+        return np.asarray(largest < 1.0 - _ROUNDING)
 
     @property
     def largest_gain(self) -> float:
@@ -69,11 +75,11 @@ class SampledSystem(NamedTuple):
         return largest_gain(*self.continuous_image()).peak
 
     def continuous_image(self) -> SampledSystem:
-        """Return the continuous system of s = (z − 1)/(z + 1).
+        """Return the continuous system of s = (z − 1)/(z + 1), or a stack of them of a stack.
 
         It has the same gains, Hankel singular values and coprime factors.
         """
-        identity = np.eye(len(self.A))
+        identity = np.eye(self.A.shape[-1])
         inverse = np.linalg.inv(self.A + identity)
         root = np.sqrt(2.0)
         return SampledSystem(

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from clepsydra.designs.sampled.sampled_loop import SampledLoop
-from clepsydra.linear.largest_gains import largest_gains
+from clepsydra.designs.sampled.sampled_system import SampledSystem
+from clepsydra.linear.frequency_peak import largest_gains
 
 
 def sensitivity_peaks(loops: Sequence[SampledLoop]) -> list[float]:
@@ -26,11 +27,11 @@ def sensitivity_peaks(loops: Sequence[SampledLoop]) -> list[float]:
     found = [math.inf] * len(loops)
     alike: dict[tuple[int, ...], list[int]] = {}
     for place, loop in enumerate(loops):
-        if loop.is_stable:
-            alike.setdefault((*loop.B.shape, len(loop.C)), []).append(place)
+        alike.setdefault((*loop.B.shape, len(loop.C)), []).append(place)
     for places in alike.values():
-        images = [loops[place].continuous_image() for place in places]
-        peaks = largest_gains(*map(np.array, zip(*images, strict=True)))
-        for place, peak in zip(places, peaks.tolist(), strict=True):
-            found[place] = peak
+        stack = SampledSystem(*map(np.array, zip(*(loops[each] for each in places), strict=True)))
+        stable = np.flatnonzero(stack.are_stable)
+        images = SampledSystem(*(matrix[stable] for matrix in stack)).continuous_image()
+        for place, peak in zip(stable.tolist(), largest_gains(*images), strict=True):
+            found[places[place]] = peak.peak
     return found
