@@ -13,36 +13,10 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.usual_units import usual_unit
 
 if TYPE_CHECKING:
     import pint
-
-#: The units that process files are usually written in, in Pint's notation. They load in a few
-#: milliseconds; any other unit is looked up in Pint's own list, which takes a fifth of a second.
-_COMMON_UNITS = """
-micro- = 1e-6 = µ- = μ- = u-
-milli- = 1e-3 = m-
-centi- = 1e-2 = c-
-deci- = 1e-1 = d-
-hecto- = 1e2 = h-
-kilo- = 1e3 = k-
-meter = [length] = m = metre
-second = [time] = s = sec
-volt = [voltage] = V
-ampere = [current] = A
-percent = 0.01 = %
-gram = 1e-3 * kilogram = g
-kilogram = [mass] = kg
-mole = [substance] = mol
-inch = 0.0254 * meter = in
-foot = 12 * inch = ft = feet
-minute = 60 * second = min
-hour = 60 * minute = h = hr
-day = 24 * hour = d
-hertz = 1 / second = Hz
-liter = 1e-3 * meter ** 3 = l = L = litre
-gallon = 231 * inch ** 3 = gal
-"""
 
 #: Units that are often written, of a kind each, the SI unit first.
 _OFTEN_WRITTEN = (
@@ -203,11 +177,9 @@ def convertible(unit: str, to: str) -> bool:
     >>> convertible("kmol/m^3", "mol/m^3"), convertible("kmol/m^3", "kg/m^3")
     (True, False)
     """
-    import pint
-
     try:
         factor_of(unit, to)
-    except (pint.UndefinedUnitError, pint.DimensionalityError, ValueError):
+    except ValueError:
         return False
     return True
 
@@ -244,17 +216,23 @@ def _factor_of_user(
     unit_text: str, unit: str, text: object, place: str, expected: str, example: str
 ) -> Fraction:
     """Return the factor from a unit as a user wrote it, or say what is wrong with it."""
-    import pint
-
     try:
         return factor_of(unit_text, unit)
-    except pint.UndefinedUnitError:
+    except UnknownUnit:
         problem = f"the unit {unit_text!r} is unknown"
-    except pint.DimensionalityError:
+    except OtherKind:
         problem = f"{unit_text!r} measures something else"
     except ValueError:
         problem = f"{_shortened(unit_text)!r} cannot be used as a unit"
     raise InputError(place, text, expected, f"{problem}: {example}") from None
+
+
+class UnknownUnit(ValueError):
+    """A name that is that of no unit."""
+
+
+class OtherKind(ValueError):
+    """Two units that measure different things."""
 
 
 @cache
@@ -263,37 +241,42 @@ def factor_of(source: str, target: str) -> Fraction:
 
     Raises
     ------
+    UnknownUnit, OtherKind
+        There is none.
     ValueError
         The text is not a product of powers of units, or the scale does not begin at zero.
     """
-    import pint
-
     source = _with_marked_powers(source)
     remainder = re.sub(r"\A *1 *(?=/)", "", source)
     if len(source) > _LONGEST_UNIT or _UNIT_TOKEN.sub("", remainder).strip(" "):
         raise ValueError(source)
-    target = "dimensionless" if target == "1" else target
-    try:
-        return _factor_in(_common_units(), source, target)
-    except pint.UndefinedUnitError:
-        return _factor_in(_all_units(), source, target)
+    found, wanted = usual_unit(source), usual_unit(target)
+    if found is None or wanted is None:
+        return _factor_by_pint(source, target)
+    if found.powers != wanted.powers:
+        raise OtherKind(source)
+    return found.factor / wanted.factor
 
 
 def _with_marked_powers(unit: str) -> str:
     return _UNMARKED_POWER.sub("^", unit.replace("²", "^2").replace("³", "^3"))
 
 
-def _factor_in(registry: pint.UnitRegistry, source: str, target: str) -> Fraction:
+def _factor_by_pint(source: str, target: str) -> Fraction:
     import pint
 
+    registry = _pint_units()
+    target = "dimensionless" if target == "1" else target
     try:
         unit = registry.Unit(source)
         zero, one = (
             Fraction(registry.Quantity(Fraction(number), unit).to(registry.Unit(target)).magnitude)
             for number in (0, 1)
         )
-    except (pint.UndefinedUnitError, pint.DimensionalityError):
-        raise
+    except pint.UndefinedUnitError as error:
+        raise UnknownUnit(source) from error
+    except pint.DimensionalityError as error:
+        raise OtherKind(source) from error
     except Exception as error:  # Pint's parser raises many kinds on malformed unit text
         raise ValueError(source) from error
     if zero != 0:  # degrees Celsius or Fahrenheit: no factor converts them
@@ -302,16 +285,7 @@ def _factor_in(registry: pint.UnitRegistry, source: str, target: str) -> Fractio
 
 
 @cache
-def _common_units() -> pint.UnitRegistry:
-    import pint
-
-    registry: pint.UnitRegistry = pint.UnitRegistry(None, non_int_type=Fraction)
-    registry.load_definitions(_COMMON_UNITS.strip().splitlines())
-    return registry
-
-
-@cache
-def _all_units() -> pint.UnitRegistry:
+def _pint_units() -> pint.UnitRegistry:
     import pint
 
     registry: pint.UnitRegistry = pint.UnitRegistry(non_int_type=Fraction)
