@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from clepsydra.linear.circles import circles
+
 
 def balanced_groups(A: np.ndarray) -> list[np.ndarray]:
     """Return the parts of A [1/s] among states that act on each other in a circle, balanced.
@@ -21,15 +23,9 @@ def balanced_groups(A: np.ndarray) -> list[np.ndarray]:
     [[[-0.02]], [[-0.5]]]
     """
     from scipy.linalg import matrix_balance
-    from scipy.sparse.csgraph import connected_components
 
     A = np.asarray(A, float)
-    if not A.size:
-        return []
-    count, group = connected_components(A != 0.0, connection="strong")
-    members = [np.flatnonzero(group == part) for part in range(count)]
-    members.sort(key=lambda places: int(places[0]))
-    parts = [A[np.ix_(places, places)] for places in members]
+    parts = [A[np.ix_(places, places)] for places in circles(A != 0.0)]
     return [matrix_balance(part, permute=False)[0] if len(part) > 1 else part for part in parts]
 
 

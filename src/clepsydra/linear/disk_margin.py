@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from clepsydra.linear.circles import circles
+
 _SWEEPS = 12
 # A coupling below this share of the matrix is balanced as if it were so large.
 _LEAST = 1e-12
@@ -41,14 +43,10 @@ def structured_singular_values(matrices: np.ndarray) -> np.ndarray:
     >>> structured_singular_values(np.array([[[0.5, 100.0], [0.0, 0.25]]])).round(6)
     array([0.5])
     """
-    from scipy.sparse.csgraph import connected_components
-
     # Channels that act on others but not back form a triangle, in which only the blocks count.
     coupled = np.abs(matrices).max(axis=0, initial=0.0) > 0.0
-    count, block_of = connected_components(coupled, connection="strong")
     bounds = np.zeros(len(matrices))
-    for block in range(count):
-        channels = np.flatnonzero(block_of == block)
+    for channels in circles(coupled):
         bounds = np.maximum(bounds, _bounds(matrices[:, channels[:, None], channels]))
     return bounds
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from clepsydra.base.errors import InputError
+from clepsydra.linear.assignment import cheapest_assignment
 from clepsydra.linear.dead_time import same_at_the_origin
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.poles import integrators, origin_radius, poles
@@ -171,15 +172,11 @@ def _cheapest_assignment(cost: np.ndarray) -> list[tuple[int, int]]:
     rows, columns = cost.shape
     if rows > columns:
         return sorted((row, column) for column, row in _cheapest_assignment(cost.T))
-    if columns <= 6:  # at most 720 choices: quicker than loading an optimiser
+    if columns <= 6:  # at most 720 choices, of which the first is taken where several are best
         every = np.arange(rows)
         best = min(permutations(range(columns), rows), key=lambda p: cost[every, list(p)].sum())
         return list(enumerate(best))
-    from scipy.optimize import linear_sum_assignment
-
-    return [
-        (int(row), int(column)) for row, column in zip(*linear_sum_assignment(cost), strict=True)
-    ]
+    return cheapest_assignment(cost)
 
 
 def relative_gain_response(model: LinearModel, omegas: ArrayLike) -> np.ndarray:

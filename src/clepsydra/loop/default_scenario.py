@@ -10,6 +10,7 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.designs.loops.averaging_room import longest_arrest
+from clepsydra.linear.assignment import cheapest_assignment
 from clepsydra.linear.dead_time import at_rest
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
@@ -315,8 +316,6 @@ def _held(process: Process, model: LinearModel) -> LinearModel:
     the product of the gains is the largest, by its whole range for the range of the output: a
     tank that integrates then has the time constant in which the range of the input fills it.
     """
-    from scipy.optimize import linear_sum_assignment
-
     if not np.all(np.isfinite(time_constants(model))):
         return model
     widths = np.array([width_of_range(process.signal(name)) for name in model.inputs])
@@ -325,7 +324,7 @@ def _held(process: Process, model: LinearModel) -> LinearModel:
     gains = (model.D - model.C @ np.linalg.solve(model.A, model.B)) * widths / spans[:, None]
     gain = np.zeros((len(widths), len(spans)))
     strength = np.log(np.maximum(np.abs(gains), np.finfo(float).tiny))
-    for row, column in zip(*linear_sum_assignment(strength, maximize=True), strict=True):
+    for row, column in cheapest_assignment(-strength):
         if abs(gains[row, column]) > INTEGRATING_GAIN:
             gain[column, row] = math.copysign(widths[column] / spans[row], gains[row, column])
     return replace(model, A=model.A - model.B @ gain @ model.C) if gain.any() else model

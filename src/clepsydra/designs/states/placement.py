@@ -11,6 +11,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.states.bessel_filter import bessel_poles, bessel_radius
 from clepsydra.designs.states.robust_assignment import assigned_gain
+from clepsydra.linear.assignment import cheapest_assignment
 
 #: A mode is out of reach where the inputs move it by less than this share.
 _UNREACHED = 1e-10
@@ -141,13 +142,7 @@ def _check_multiplicity(rates: np.ndarray, rank: int, place: str) -> None:
 def _distance(found: np.ndarray, wanted: np.ndarray) -> float:
     """Return the largest distance between the poles, each taken with its own partner."""
     distances = np.abs(found[:, None] - wanted)
-    nearest = distances.argmin(axis=1)
-    if len(set(nearest.tolist())) == len(found):
-        return float(distances.min(axis=1).max(initial=0.0))
-    from scipy.optimize import linear_sum_assignment
-
-    rows, columns = linear_sum_assignment(distances)
-    return float(distances[rows, columns].max(initial=0.0))
+    return max((float(distances[pair]) for pair in cheapest_assignment(distances)), default=0.0)
 
 
 #: A mode slower than the pattern by less than this share counts as fast enough.
