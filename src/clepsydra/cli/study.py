@@ -46,7 +46,7 @@ def study(
     """Design, tune, simulate, score and rank controllers; write report and data."""
     from clepsydra.cli.output import print_json, results_folder, show, written_files
     from clepsydra.cli.progress import shown_progress
-    from clepsydra.interface.study import so_far
+    from clepsydra.interface.study import newest, so_far
     from clepsydra.interface.study import study as study_of
     from clepsydra.interface.subject import read_subject
 
@@ -54,7 +54,7 @@ def study(
     request = read_subject(subject, seed)
     named = {"report": "html", "trajectories": "parquet"}
     files = written_files(place, request.file_stem, **named)
-    with shown_progress(so_far, quiet=as_json) as tell:
+    with shown_progress(so_far, newest, quiet=as_json) as tell:
         result = study_of(request, seed=seed, accept=accept, progress=tell, folder=place)
     if not as_json:
         show(result.shown(every=every, why=why, refused=refused))

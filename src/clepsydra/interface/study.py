@@ -280,10 +280,23 @@ def so_far(progress: StudyProgress) -> RenderableType:
     >>> so_far(StudyProgress(0, 15, "PI, SIMC")).section.parts
     ()
     """
-    from clepsydra.report.study_answer import RANKED, ranking_glance
+    from clepsydra.report.ranking_rows import RANKED, ranking_glance
 
     first = progress.ranking[:RANKED]
     return screen(Section("", (ranking_glance(first),) if first else ()))
+
+
+def newest(progress: StudyProgress) -> str:
+    """Return the controller that was tried last in a line; empty before there is one.
+
+    Examples
+    --------
+    >>> newest(StudyProgress(0, 15, "PI, SIMC"))
+    ''
+    """
+    from clepsydra.report.ranking_rows import trial_line
+
+    return trial_line(progress.trials[-1]).text if progress.trials else ""
 
 
 def names_of(subject: Plant | StudyRequest) -> tuple[str, ...]:

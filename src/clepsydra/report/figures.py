@@ -24,7 +24,7 @@ from clepsydra.scores.band import TIME_OUTSIDE
 from clepsydra.scores.score import SCORES
 from clepsydra.scores.score_key import by_signal
 from clepsydra.studies.departure import departures
-from clepsydra.studies.result import Candidate
+from clepsydra.studies.result import Candidate, TriedController
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Figure:
         in_its_unit = SCORES[self.score].powers == (1, 0)
         return value / process.signal(name).span if in_its_unit else value
 
-    def worst(self, process: Process, candidate: Candidate) -> tuple[str, float] | None:
+    def worst(self, process: Process, candidate: TriedController) -> tuple[str, float] | None:
         """Return the signal that is worst beside its range, and its value [SI]; None for none."""
         told = by_signal(candidate.scores, self.score)
         unasked = process.averaging if self.held else ()
@@ -76,7 +76,7 @@ class Figure:
         name = max(found, key=lambda each: self.compared(process, each, found[each]))
         return name, found[name]
 
-    def cell(self, process: Process, candidate: Candidate) -> str:
+    def cell(self, process: Process, candidate: TriedController) -> str:
         """Return the number in a unit that all signals share; a dash for none, or for nothing."""
         worst = self.worst(process, candidate)
         if worst is None or not worst[1]:

@@ -36,14 +36,9 @@ from clepsydra.report.overlay_picture import overlay_figure
 from clepsydra.report.page import STILL_WORDS, page_assets, rendered, svg_text
 from clepsydra.report.pid_tables import loop_settings
 from clepsydra.report.quantities import RESOLUTION_WORDS, number_text, quantity_text
+from clepsydra.report.ranking_rows import standing_word
 from clepsydra.report.scheme_tables import scheme_blocks
-from clepsydra.report.score_tables import (
-    glossary,
-    ranking_notes,
-    score_tables,
-    standing_word,
-    tuning_grid,
-)
+from clepsydra.report.score_tables import glossary, ranking_notes, score_tables, tuning_grid
 from clepsydra.report.study_answer import cards, counted_words, headline, lead, ranking_columns
 from clepsydra.report.trends import segment_words
 from clepsydra.studies.recommendation import Recommendation, recommend, rival_of

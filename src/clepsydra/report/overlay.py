@@ -26,7 +26,7 @@ from clepsydra.report.quantities import (
     sensor_scale,
     shown_signal,
 )
-from clepsydra.report.score_tables import standing_word
+from clepsydra.report.ranking_rows import standing_word
 from clepsydra.scores.plant_flows import forced_flows
 from clepsydra.studies.result import Candidate, StudyResult
 from clepsydra.studies.warnings.loop_response import LoopResponse

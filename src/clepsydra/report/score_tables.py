@@ -25,17 +25,9 @@ from clepsydra.scores.effort import IDLE
 from clepsydra.scores.score import SCORES, Of, Score, in_sentence
 from clepsydra.scores.score_key import score_key
 from clepsydra.studies.ranking import RULE
-from clepsydra.studies.result import Candidate, Standing, StudyResult
+from clepsydra.studies.result import Candidate, StudyResult
 from clepsydra.studies.tuning.result import TuningResult
 
-#: The standing of a controller in a word.
-STANDING_WORDS = {
-    Standing.ROBUST: "robust",
-    Standing.NERVOUS: "nervous",
-    Standing.STABLE: "thin margins",
-    Standing.OUTSIDE: "leaves its band",
-    Standing.UNSAFE: "unsafe",
-}
 #: Units that the definition of the score says at length.
 _SHARES = {"% of the step": "%", "% of the tank": "%", "% of range per h": "%/h"}
 #: Percentages of a whole, of which a millionth says nothing.
@@ -46,13 +38,6 @@ _IN_SECONDS = 3.0 * 3600.0
 _FULL_REASONS = 3
 #: Where the numbers of a reason end, and where further ones begin.
 _NUMBERS_END, _NUMBERS_BEGIN = "total variation. ", ", most of all by "
-
-
-def standing_word(candidate: Candidate) -> str:
-    """Return how far a controller can be trusted, in a word."""
-    if candidate.standing is Standing.ROBUST and math.isnan(candidate.maximum_sensitivity):
-        return "safe"
-    return STANDING_WORDS[candidate.standing]
 
 
 _COLUMNS_NOTE = (

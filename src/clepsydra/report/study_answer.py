@@ -12,20 +12,21 @@ from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT
 from clepsydra.process.process import Process
 from clepsydra.report.analysis_tables import margin_table
-from clepsydra.report.facts import first_rows, told_table
+from clepsydra.report.facts import first_rows
 from clepsydra.report.figures import figures_of, performance_words
 from clepsydra.report.pid_tables import settings_table
 from clepsydra.report.quantities import number_text, time_cell
+from clepsydra.report.ranking_rows import RANKED, ranking_glance, standing_word
 from clepsydra.report.scheme_tables import added_table
-from clepsydra.report.score_tables import ranking_notes, reasons, standing_word
+from clepsydra.report.score_tables import ranking_notes, reasons
 from clepsydra.scores.score import in_sentence
 from clepsydra.studies.ranking import QUIET
 from clepsydra.studies.ranking_words import TIE, trust_sentence
 from clepsydra.studies.recommendation import Recommendation, recommend, watched
 from clepsydra.studies.result import Candidate, Standing, StudyResult
 
-#: Of the answer: rows of the ranking, of settings, and warnings.
-RANKED, _SETTINGS, _WATCHED = 5, 3, 2
+#: Of the answer: rows of settings, and warnings.
+_SETTINGS, _WATCHED = 3, 2
 _MORE = "{} more rows: in the report"
 _EMPTY = Line("")
 
@@ -72,29 +73,6 @@ def study_answer(
         step = "Next: open the report, and change the process or its sampling."
         parts += [_EMPTY, Line(step, Mark.NEXT)]
     return Section("", tuple(parts))
-
-
-def ranking_glance(shown: Sequence[Candidate]) -> Table:
-    """Return candidates of a ranking in physical numbers, then beside the first of it."""
-    process = shown[0].run.process
-    figures = figures_of(process)
-    standings = [standing_word(each) for each in shown]
-    several = len(set(standings)) > 1
-    head = ("", "controller", "slowed", "standing", *(each.title for each in figures))
-    slowed = [each.controller.slowed for each in shown]
-    rows = [
-        (
-            str(each.rank),
-            each.controller.name,
-            "" if factor == 1.0 else f"{factor:.3g}×",
-            standing if several else "",
-            *(figure.cell(process, each) for figure in figures),
-            number_text(each.relative_error),
-            number_text(each.maximum_sensitivity),
-        )
-        for each, standing, factor in zip(shown, standings, slowed, strict=True)
-    ]
-    return told_table((*head, "relative error", "max|S|"), rows, names=2, kept=3)
 
 
 def advised(
