@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from clepsydra.scores.effort import TOTAL_VARIATION, peak_move, reversals, travel
+from clepsydra.scores.effort import TOTAL_VARIATION, peak_move, reversals, travel, turns
 
 HOUR = np.arange(3600.0)
 
@@ -95,3 +95,24 @@ def test_turns_are_the_changes_of_sign_of_the_moves(signal: np.ndarray) -> None:
     signs = [sign for sign in np.sign(np.diff(signal)) if sign]
     changes = sum(a != b for a, b in pairwise(signs))
     assert reversals(np.arange(30.0), signal, -64.0, 64.0) == changes
+
+
+def turns_by_every_value(signal: list[float], band: float) -> int:
+    """Return the turns by looking at every value in its turn, also where it only goes on."""
+    extreme, found, up = [signal[0], signal[0]], [], None
+    for value in signal:
+        extreme = [min(extreme[0], value), max(extreme[1], value)]
+        for rises in (False, True) if up is None else (not up,):
+            if abs(value - extreme[0 if rises else 1]) > band:
+                found.append(rises)
+                up, extreme[rises] = rises, value
+                break
+    return len(found) - 1 if found else 0
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_what_lies_between_two_turns_does_not_count(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    signal = np.cumsum(random.choice([0.0, 0.3, 1.0, -1.0, -0.4, 2.0, -2.0], 300))
+    for band in (0.0, 0.5, 1.5, 4.0):
+        assert turns(signal, band) == turns_by_every_value(signal.tolist(), band)

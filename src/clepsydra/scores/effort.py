@@ -106,9 +106,13 @@ def turns(signal: FloatArray, band: float) -> int:
     >>> turns(np.array([0.0, 4.0, 3.0, 5.0, 2.0]), 1.5)
     1
     """
+    rises = np.sign(np.diff(signal))
+    places = np.flatnonzero(rises)
+    # Only where it turns, by however little, is it higher or lower than it was.
+    turning = np.append(rises[places[1:]] != rises[places[:-1]], True)[: places.size]
     highest = lowest = float(signal[0])
     direction, count = 0, 0
-    for value in _moved(signal):
+    for value in signal[places[turning] + 1].tolist():
         highest, lowest = max(highest, value), min(lowest, value)
         if direction >= 0 and highest - value > band:
             count += direction > 0

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import casadi as ca
 import numpy as np
 
+from clepsydra.engine.many_points import at_many_points
 from clepsydra.process.elements.pump import Pump
 from clepsydra.process.elements.sensor import Sensor
 from clepsydra.process.elements.tank import Tank
 from clepsydra.process.motion import FlowPath
 from clepsydra.process.process import Process
+from clepsydra.process.vessels.vessel import Vessel
 from clepsydra.scores.plant_flows import plant_flows
 from clepsydra.scores.trajectory import FloatArray
 
@@ -159,12 +162,22 @@ def _buffer(
     parameters: Mapping[str, float],
 ) -> BufferTrajectories:
     useful = [(path, rate) for path, rate in flows if not is_own_loss(path, tank.name)]
-    sizes = {p.name: ca.SX(parameters[f"{tank.name}.{p.name}"]) for p in tank.vessel.parameters()}
-    level = ca.SX.sym("level")
-    volume = ca.Function("volume", [level], [tank.vessel.volume(level, sizes)])
-    held = np.array(volume(np.asarray(values[tank.level])[None, :])).ravel()
+    sizes = [parameters[f"{tank.name}.{each.name}"] for each in tank.vessel.parameters()]
+    filling = at_many_points(_filling(tank.vessel), [values[tank.level][None], sizes])
     return BufferTrajectories(
         inflow=_sum(useful, time, destination=tank.name),
         outflow=_sum(useful, time, source=tank.name),
-        filling=held / tank.vessel.capacity,
+        filling=filling[0],
     )
+
+
+@lru_cache(maxsize=16)
+def _filling(vessel: Vessel) -> ca.Function:
+    """Return the function of level and sizes that is the volume over the capacity of a vessel.
+
+    Every run of a study asks for it, and it is compiled once.
+    """
+    level, names = ca.SX.sym("level"), [each.name for each in vessel.parameters()]
+    sizes = ca.SX.sym("sizes", len(names))
+    volume = vessel.volume(level, {name: sizes[place] for place, name in enumerate(names)})
+    return ca.Function("filling", [level, sizes], [volume / vessel.capacity])
