@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -240,7 +241,7 @@ class LinearModel:
         """
         rows = _places("outputs", self.outputs, outputs)
         columns = _places("inputs", self.inputs, inputs)
-        return self._part(range(len(self.states)), columns, rows)
+        return _selected(self, tuple(rows), tuple(columns))
 
     def of_states(self, kept: Sequence[int]) -> LinearModel:
         """Return the model of the states at some places, in the order given; the others rest."""
@@ -334,6 +335,18 @@ class LinearModel:
             disturbances=tuple(disturbances),
             outputs=tuple(system.output_labels),
         )
+
+
+@lru_cache(maxsize=16)
+def _selected(model: LinearModel, rows: tuple[int, ...], columns: tuple[int, ...]) -> LinearModel:
+    """Return the part of a model, one for all who ask: so its zeros, too, are found once.
+
+    Every controller of a study looks at the same few parts.
+    """
+    found = model._part(range(len(model.states)), columns, rows)
+    for matrix in (found.A, found.B, found.C, found.D, found.E):
+        matrix.flags.writeable = False
+    return found
 
 
 def _places(what: str, names: tuple[str, ...], wanted: Sequence[str] | None) -> list[int]:

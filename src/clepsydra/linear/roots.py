@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -47,8 +48,9 @@ class Roots(NamedTuple):
     note: str = ""
 
 
+@lru_cache(maxsize=16)
 def roots_of(model: LinearModel) -> Roots:
-    """Return poles, time constants and zeros.
+    """Return poles, time constants and zeros; the controllers of a study ask for the same ones.
 
     With dead time in no loop the poles are those of the states alone, exactly; and where the
     dead times only shift the outputs against the inputs, so are the zeros of what is shifted.
