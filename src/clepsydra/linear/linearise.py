@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import casadi as ca
 import numpy as np
@@ -106,6 +107,12 @@ def linearise(point: OperatingPoint) -> LinearModel:
     require_type(
         point, OperatingPoint, "point", "an OperatingPoint", "find it with find_equilibrium"
     )
+    return _linearised(point)
+
+
+@lru_cache(maxsize=16)
+def _linearised(point: OperatingPoint) -> LinearModel:
+    """Return the model of a point, one for all who ask, so that its parts are found once."""
     process = point.process
     for signal, value in zip(process.state, point.state, strict=True):
         if signal.unit == "m" and value <= signal.low:

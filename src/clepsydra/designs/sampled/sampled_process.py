@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +32,7 @@ class SampledProcess(NamedTuple):
     moved: np.ndarray
 
 
+@lru_cache(maxsize=16)
 def sampled_process(model: LinearModel, period: float) -> SampledProcess:
     """Return the model from one sample to the next, with the inputs held between them.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from functools import lru_cache
 
 import numpy as np
 
@@ -53,6 +54,7 @@ def all_states_are_measured(model: LinearModel) -> bool:
     return model.delays is None and all(state in shown for state in model.states)
 
 
+@lru_cache(maxsize=16)
 def with_outputs(model: LinearModel, measurements: tuple[str, ...]) -> LinearModel:
     """Return the model with other measurements of its process as outputs.
 
@@ -104,6 +106,7 @@ def of_measurements(
     return found
 
 
+@lru_cache(maxsize=16)
 def without_idle_states(model: LinearModel) -> LinearModel:
     """Return the model without the states that act on no output, neither at once nor later.
 
