@@ -70,7 +70,7 @@ def test_beside_one_document_nothing_is_said(tmp_path):
 #: A design that says when it begins, in the place where rows are printed.
 LATE = """
 import sys
-from clepsydra.designs.applicability import NotApplicable
+from clepsydra import NotApplicable
 from clepsydra.designs.design import design
 @design("late", "what comes last")
 def design_late(model):

@@ -13,7 +13,8 @@ from clepsydra.linear.linearise import linearise
 from clepsydra.loop.default_scenario import NOISE_SHARE, default_scenario
 from clepsydra.process.catalogue_names import catalogue_file
 from clepsydra.process.reader import load_process
-from clepsydra.studies.file.reader import is_study_file, read_study
+from clepsydra.studies.file.kind import is_study_file
+from clepsydra.studies.file.reader import read_study
 
 QUADRUPLE = 'process = "quadruple-tank"\n'
 BASIN = 'process = "equalisation-tank"\n'

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import wraps
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
-from clepsydra.base.registry import Registry
+from clepsydra.base.registry import AnnouncedRegistry
+from clepsydra.designs.announced import Announced, announced_in, first_place
+from clepsydra.designs.announced import Studied as Studied
 from clepsydra.designs.applicability import told_by
 from clepsydra.designs.arguments.argument import Argument, of_key
 
@@ -17,25 +19,6 @@ if TYPE_CHECKING:
     from clepsydra.controllers.controller import Controller
 
 F = TypeVar("F", bound="Callable[..., Controller]")
-
-
-@dataclass(frozen=True)
-class Studied:
-    """A controller by a design that a study of all controllers tries.
-
-    Parameters
-    ----------
-    place : float
-        Studies go from the lowest to the highest.
-    name : str
-        What the reader sees: "PID, SIMC".
-    arguments : mapping
-        As in a study file: {"actions": "PID"}.
-    """
-
-    place: float
-    name: str
-    arguments: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -109,10 +92,14 @@ class Design:
     @property
     def place(self) -> tuple[float, str]:
         """Where it stands among the designs: as in a study, what no study tries at the end."""
-        return min((each.place for each in self.studied), default=float("inf")), self.name
+        return first_place(self.studied), self.name
 
 
-DESIGNS: Registry[Design] = Registry("clepsydra.designs", order=lambda design: design.place)
+DESIGNS: AnnouncedRegistry[Design, Announced] = AnnouncedRegistry(
+    "clepsydra.designs",
+    order=lambda each: each.place,
+    announced=lambda text: {each.name: each for each in announced_in(text)},
+)
 
 
 def design(
@@ -124,8 +111,10 @@ def design(
 ) -> Callable[[F], F]:
     """Return a decorator that registers a function as a design; all as in `Design`.
 
-    What it refuses says the method, the words if none is given. A key among `keys` is a quantity
-    above its low bound. Before the function is called its arguments are checked as declared.
+    Name, words and what is studied are literals, or constants of the file: they are read in its
+    text. What it refuses says the method, the words if none is given. A key among `keys` is a
+    quantity above its low bound. Before the function is called its arguments are checked as
+    declared.
 
     The function takes the linear model of a process at an operating point. Its docstring leaves out
     what designs share: `pairing`, which the relative gains suggest where none is given, and `form`,
@@ -151,7 +140,7 @@ def design(
                         each.check(given[each.name])
                 return function(*args, **kwargs)
 
-        DESIGNS.add(name, Design(name, words, designed, studied, declared))
+        DESIGNS.add(name, Design(name, words, designed, studied, declared), function.__module__)
         return cast(F, designed)
 
     return register

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clepsydra.interface.analysis import Analysis
 from clepsydra.interface.controller import AnyController, of_plant
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.subject import StudyRequest, Subject, plant_of
@@ -21,6 +20,8 @@ from clepsydra.studies.warnings.loop_response import loop_response
 if TYPE_CHECKING:
     import control
     import pandas
+
+    from clepsydra.interface.analysis import Analysis
 
 
 def analyse(plant: Subject) -> Analysis:

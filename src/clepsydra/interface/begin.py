@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import Any, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from clepsydra.base.arguments import require_known, require_signal, require_type
-from clepsydra.base.signal import Signal
-from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.wiring import controller_name
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity, check_within, read_signal
-from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.begin import Begin, ControllerStart, begin_from
 from clepsydra.loop.loop_state import LoopState
 from clepsydra.loop.open_loop_plan import Start
 from clepsydra.program.entries import signal_of
+
+if TYPE_CHECKING:
+    from clepsydra.base.signal import Signal
+    from clepsydra.controllers.controller import Controller
+    from clepsydra.linear.operating_point import OperatingPoint
 
 #: Where a simulation begins: at rest, with empty tanks, at rest at another operating point of the
 #: plant, or where another run ended, its `final_state`.

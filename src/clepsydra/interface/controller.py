@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
@@ -14,13 +14,13 @@ from clepsydra.controllers import controller as inner
 from clepsydra.controllers.controller import plain_name as plain_name
 from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.interface.loop_settings import Settings
-from clepsydra.interface.plant import Plant
 from clepsydra.interface.settings import values_of
 from clepsydra.interface.shown import Answered, lifted
 from clepsydra.interface.subject import Subject, plant_of
-from clepsydra.loop.loop import Loop
 from clepsydra.studies.result import TriedController
-from clepsydra.studies.tuning.resting_states import rested_elsewhere
+
+if TYPE_CHECKING:
+    from clepsydra.interface.plant import Plant
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -93,6 +93,9 @@ class Controller(Answered, inner.Controller):
         """Return it at rest at its plant, as the one that it was made from is at its own."""
         if isinstance(self.law, PythonLaw):
             return self
+        from clepsydra.loop.loop import Loop
+        from clepsydra.studies.tuning.resting_states import rested_elsewhere
+
         loops = (Loop(each, each.plant.measured) for each in (before, self))
         return replace(self, initial_state=rested_elsewhere(*loops))
 

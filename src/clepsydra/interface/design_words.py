@@ -11,4 +11,4 @@ def design_words() -> tuple[tuple[str, str], ...]:
     >>> design_words()[1]
     ('simc', 'PI or PID by SIMC')
     """
-    return tuple((name, each.words) for name, each in DESIGNS.items())
+    return tuple((name, each.words) for name, each in DESIGNS.known().items())

@@ -5,19 +5,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from clepsydra.base.arguments import require_signal, require_type, sequence_of
 from clepsydra.base.errors import InputError
 from clepsydra.base.keywords import keywords_checked
-from clepsydra.base.signal import Signal
 from clepsydra.base.units import to_si
-from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity, check_within, read_signal, read_time
 from clepsydra.interface.subject import Subject, plant_of
 from clepsydra.loop.default_scenario import segment_samples
 from clepsydra.loop.profile import Change as Change
 from clepsydra.loop.profile import read_assignment
 from clepsydra.loop.profile_csv import read_profile_csv
+
+if TYPE_CHECKING:
+    from clepsydra.base.signal import Signal
+    from clepsydra.interface.plant import Plant
 
 _EXAMPLE = 'write as in [cl.step("level_1", "+1 V")]'
 

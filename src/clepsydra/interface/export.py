@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.arguments import sequence_of
 from clepsydra.base.errors import InputError
@@ -16,12 +16,14 @@ from clepsydra.base.section import Line, Mark, Section, marked
 from clepsydra.deploy.printing.identifiers import identifier_of as identifier_of
 from clepsydra.deploy.target import Delivery, ExportedFiles, Target, targets_of
 from clepsydra.interface.controller import AnyController, of_plant
-from clepsydra.interface.plant import Plant
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.shell import Settings, plant_shell
 from clepsydra.interface.shown import Answered
 from clepsydra.interface.subject import Subject, plant_of
-from clepsydra.loop.scenario import Scenario
+
+if TYPE_CHECKING:
+    from clepsydra.interface.plant import Plant
+    from clepsydra.loop.scenario import Scenario
 
 
 @dataclass(frozen=True, repr=False)

@@ -7,18 +7,20 @@ import inspect
 import re
 from collections.abc import Callable, Iterable, Mapping
 from types import MappingProxyType
-from typing import Any, Concatenate, ParamSpec
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec
 
 from clepsydra.base.keywords import check_keywords
 from clepsydra.controllers import controller as inner
-from clepsydra.designs.arguments.argument import Argument
 from clepsydra.designs.arguments.weights import OfModel
 from clepsydra.interface.controller import Controller, of_plant
-from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import arguments, with_unit
 from clepsydra.interface.subject import Subject, plant_of
-from clepsydra.linear.linear_model import LinearModel
-from clepsydra.process.process import Process
+
+if TYPE_CHECKING:
+    from clepsydra.designs.arguments.argument import Argument
+    from clepsydra.interface.plant import Plant
+    from clepsydra.linear.linear_model import LinearModel
+    from clepsydra.process.process import Process
 
 P = ParamSpec("P")
 

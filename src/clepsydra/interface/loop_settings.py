@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from clepsydra.base.errors import UnknownKey
 from clepsydra.base.section import Section, Table
 from clepsydra.base.suggestion import suggestion, symbol_of
 from clepsydra.base.units import from_si, unit_text
-from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.pid_form import PidForm
-from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.designs.gain_units import gain_factor, percent_gain
-from clepsydra.designs.loops.pid_settings import Action
 from clepsydra.interface.shown import Answered
 from clepsydra.process.joined_unit import BESIDE
 from clepsydra.report.facts import gain_unit
@@ -21,6 +17,12 @@ from clepsydra.report.quantities import (
     number_text,
 )
 from clepsydra.studies.file.law_parameters import GAINS, key_of, loops_of
+
+if TYPE_CHECKING:
+    from clepsydra.controllers.controller import Controller
+    from clepsydra.controllers.pid_form import PidForm
+    from clepsydra.controllers.structure.pid_block import PidBlock
+    from clepsydra.designs.loops.pid_settings import Action
 
 T = TypeVar("T")
 _DIGITS = 4

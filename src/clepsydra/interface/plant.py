@@ -6,22 +6,25 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import ClepsydraError
 from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.section import Mark, Section, Table, marked
-from clepsydra.base.signal import Signal
 from clepsydra.interface.analysis import Analysis
 from clepsydra.interface.quantities import Quantity, check_within, read_values
 from clepsydra.interface.shown import Answered, lifted
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
-from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
+
+if TYPE_CHECKING:
+    from clepsydra.base.signal import Signal
+    from clepsydra.linear.linear_model import LinearModel
+    from clepsydra.linear.operating_point import OperatingPoint
 
 
 class Plant(Answered):

@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from numbers import Real
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.arguments import require_signal, require_type
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
 from clepsydra.base.units import to_si
 from clepsydra.process.document import Document
 from clepsydra.process.signal_values import check_in_range, read_value
 from clepsydra.process.table_reader import TableReader
+
+if TYPE_CHECKING:
+    from clepsydra.base.signal import Signal
 
 #: Text with a unit, "5 cm", "10 %" or "2 min", or a number in the display unit of its signal, the
 #: one that tables show, and in seconds for a time.

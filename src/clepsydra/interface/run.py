@@ -11,20 +11,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from clepsydra.base.section import Line, Section
-from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si, unit_text
 from clepsydra.base.words import time_text
 from clepsydra.interface.scores import Scores
 from clepsydra.interface.shown import Answered
 from clepsydra.loop import run as inner
 from clepsydra.loop.open_loop import Simulation
-from clepsydra.loop.open_loop_plan import Plan
-from clepsydra.loop.profile import Change
 from clepsydra.studies.trial import scores_of
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
+
+    from clepsydra.base.signal import Signal
+    from clepsydra.loop.open_loop_plan import Plan
+    from clepsydra.loop.profile import Change
 
 
 #: An output that moves by less than this share of its range stands still.

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import groupby
+from typing import TYPE_CHECKING
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.words import time_text
 from clepsydra.interface.events import changes_of
-from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity, read_time
-from clepsydra.loop.begin import Begin
 from clepsydra.loop.beginning import with_beginning
 from clepsydra.loop.default_scenario import MOST_SAMPLES, default_scenario, segment_samples
 from clepsydra.loop.profile import Change, samples_before
 from clepsydra.loop.scenario import Scenario, Segment, scenario_of_changes
+
+if TYPE_CHECKING:
+    from clepsydra.interface.plant import Plant
+    from clepsydra.loop.begin import Begin
 
 
 def scenario_of(

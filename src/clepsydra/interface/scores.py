@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from clepsydra.base.errors import UnknownKey
 from clepsydra.base.section import Section, Table
 from clepsydra.base.suggestion import suggestion
 from clepsydra.interface.shown import Answered
-from clepsydra.process.process import Process
 from clepsydra.scores.score import SCORES
 from clepsydra.scores.score_key import score_key
+
+if TYPE_CHECKING:
+    from clepsydra.process.process import Process
 
 #: What says most of a loop, in the order of a table.
 _SHORT = ("iae", "overshoot", "settling_time", "total_variation")

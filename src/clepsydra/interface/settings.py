@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.arguments import is_finite_number, require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion, symbol_of
-from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.designs.gain_units import gain_factor, percent_gain
 from clepsydra.interface.loop_settings import Setting
 from clepsydra.interface.quantities import arguments, with_unit
@@ -26,6 +24,10 @@ from clepsydra.studies.file.law_parameters import (
     new_name,
     parameter_of,
 )
+
+if TYPE_CHECKING:
+    from clepsydra.controllers.controller import Controller
+    from clepsydra.controllers.structure.pid_block import PidBlock
 
 _PLACE = "values"
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import overload
+from typing import TYPE_CHECKING, overload
 
 from clepsydra.base.arguments import require_signal, require_type
 from clepsydra.base.errors import InputError
@@ -11,7 +11,6 @@ from clepsydra.base.keywords import keywords_checked
 from clepsydra.interface.begin import AnyStart, begin_of, known_start
 from clepsydra.interface.controller import AnyController, of_plant
 from clepsydra.interface.events import Events, changes_of
-from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity, with_unit
 from clepsydra.interface.run import OpenLoopRun, Run
 from clepsydra.interface.scenario import scenario_of
@@ -23,6 +22,9 @@ from clepsydra.loop.loop import Loop
 from clepsydra.loop.loop_state import LoopState
 from clepsydra.loop.open_loop_plan import Start, plan_simulation, read_state
 from clepsydra.loop.step_size import Solver, check_solver
+
+if TYPE_CHECKING:
+    from clepsydra.interface.plant import Plant
 
 
 @overload

@@ -14,10 +14,7 @@ from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.section import Section
 from clepsydra.controllers import controller as inner
 from clepsydra.interface.controller import AnyController, Controller, of_plant
-from clepsydra.interface.events import Events
-from clepsydra.interface.loop_settings import Settings
 from clepsydra.interface.plant import Plant
-from clepsydra.interface.quantities import Quantity
 from clepsydra.interface.run import Run
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.scores import Scores
@@ -35,6 +32,10 @@ from clepsydra.studies.study import StudyProgress, controller_names, run_study
 if TYPE_CHECKING:
     import pandas
     from rich.console import RenderableType
+
+    from clepsydra.interface.events import Events
+    from clepsydra.interface.loop_settings import Settings
+    from clepsydra.interface.quantities import Quantity
 
 
 class Candidate(Told, results.Candidate):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from clepsydra.base.arguments import require_type
 from clepsydra.interface.plant import Plant, load
-from clepsydra.studies.file.reader import is_study_file, read_study
+from clepsydra.studies.file.kind import is_study_file
 from clepsydra.studies.file.request import StudyRequest as StudyRequest
 
 #: What every call takes for its plant: one that is loaded, the name of a process, the path of its
@@ -33,7 +33,11 @@ def read_subject(subject: str | Path, seed: int | None = None) -> Plant | StudyR
     >>> read_subject("quadruple-tank").file_stem
     'quadruple-tank'
     """
-    return read_study(subject, seed=seed) if is_study_file(str(subject)) else load(subject)
+    if not is_study_file(str(subject)):
+        return load(subject)
+    from clepsydra.studies.file.reader import read_study
+
+    return read_study(subject, seed=seed)
 
 
 def plant_of(subject: Subject) -> Plant:

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.arguments import require_known, require_type
 from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.section import Line, Section
 from clepsydra.interface.controller import AnyController, Controller, of_plant
-from clepsydra.interface.events import Events
-from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity, arguments, with_unit
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.settings import setting_of, unit_of
@@ -23,6 +21,10 @@ from clepsydra.studies.file.law_parameters import loops_of
 from clepsydra.studies.file.tuning_reader import Tuning, read_tuning
 from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.tuning.tune import Progress, Search
+
+if TYPE_CHECKING:
+    from clepsydra.interface.events import Events
+    from clepsydra.interface.plant import Plant
 
 #: The limits of a tuning, and the keys that study files have for them.
 _LIMITS = {

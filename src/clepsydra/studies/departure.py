@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from clepsydra.base.words import time_text
 from clepsydra.linear.signal_words import shown
-from clepsydra.process.process import Process
+
+if TYPE_CHECKING:
+    from clepsydra.process.process import Process
 
 #: A share of the measurement's range that no sensor shows, and rounding and integration may leave.
 _NOTHING = 1e-4

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from typing import TYPE_CHECKING
 
-from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.designs import design
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.linear.analysis import Analysis
+
+if TYPE_CHECKING:
+    from clepsydra.controllers.controller import Controller
+    from clepsydra.designs.announced import Studied
+    from clepsydra.linear.analysis import Analysis
 
 
-def _designed(entry: design.Design, studied: design.Studied, analysis: Analysis) -> Controller:
+def _designed(name: str, studied: Studied, analysis: Analysis) -> Controller:
+    entry = design.DESIGNS[name]
     given = dict(studied.arguments)
     actions = given.pop("actions", None)
     if actions is not None:
@@ -48,9 +53,10 @@ def studied_designs() -> dict[str, Callable[[Analysis], Controller]]:
     >>> list(studied_designs())[:2]
     ['PI, arrest time', 'PI, SIMC']
     """
-    every = [(each, entry) for entry in design.DESIGNS.values() for each in entry.studied]
+    known = design.DESIGNS.known().items()
+    every = [(each, name) for name, announced in known for each in announced.studied]
     every.sort(key=lambda pair: pair[0].place)
-    return {each.name: partial(_designed, entry, each) for each, entry in every}
+    return {each.name: partial(_designed, name, each) for each, name in every}
 
 
 #: Those that come with Clepsydra.

@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.remark import Remark
-from clepsydra.process.process import Process
 from clepsydra.scores.band import TIME_OUTSIDE
 from clepsydra.scores.effort import IDLE, NOISE_MOVEMENT
 from clepsydra.scores.score import SCORES, Ranks, in_sentence
@@ -28,6 +27,10 @@ from clepsydra.studies.result import ACCEPTED, Candidate, Standing, TriedControl
 from clepsydra.studies.warnings.harm import harms
 from clepsydra.studies.warnings.margins import LARGEST_PEAK
 from clepsydra.studies.warnings.strokes import STROKES, driven_to_and_fro
+
+if TYPE_CHECKING:
+    from clepsydra.base.remark import Remark
+    from clepsydra.process.process import Process
 
 _GROUPS = (
     "safe, robust and quiet controllers first (levels stay in their tanks, nothing runs dry, "

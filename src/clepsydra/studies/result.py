@@ -6,19 +6,21 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from enum import IntEnum
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from clepsydra.base.remark import Remark
-from clepsydra.controllers.controller import Controller
-from clepsydra.linear.analysis import Analysis
-from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.loop.run import Run
-from clepsydra.loop.scenario import Scenario
-from clepsydra.process.process import Process
-from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.warnings.caveat import Caveat, told_once
-from clepsydra.studies.warnings.loop_response import LoopResponse
+
+if TYPE_CHECKING:
+    from clepsydra.base.remark import Remark
+    from clepsydra.controllers.controller import Controller
+    from clepsydra.linear.analysis import Analysis
+    from clepsydra.linear.linear_model import LinearModel
+    from clepsydra.linear.operating_point import OperatingPoint
+    from clepsydra.loop.run import Run
+    from clepsydra.loop.scenario import Scenario
+    from clepsydra.process.process import Process
+    from clepsydra.studies.tuning.result import TuningResult
+    from clepsydra.studies.warnings.loop_response import LoopResponse
 
 #: The relative error that is good enough beside the best.
 ACCEPTED = 1.5

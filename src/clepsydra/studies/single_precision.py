@@ -5,19 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.remark import Remark
 from clepsydra.controllers.python_law import PythonLaw
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.loop import Loop
-from clepsydra.loop.run import Run
 from clepsydra.studies.ranking import Trial, rank
 from clepsydra.studies.recommendation import recommend
-from clepsydra.studies.result import Candidate
 from clepsydra.studies.trial import scores_of
+
+if TYPE_CHECKING:
+    from clepsydra.linear.linear_model import LinearModel
+    from clepsydra.loop.run import Run
+    from clepsydra.studies.result import Candidate
 
 #: A share of a signal's range, and one of the error that ranks, which an engineer would see.
 _SEEN, _WORSE = 0.01, 0.05

@@ -7,27 +7,29 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import nearest_few
-from clepsydra.controllers.controller import Controller
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.linear.analysis import Analysis
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.run_cost import weigh_run
 from clepsydra.loop.step_size import substeps_for
-from clepsydra.process.process import Process
 from clepsydra.studies.designs import studied_designs
 from clepsydra.studies.file.request import ControllerRequest, Maker, StudyRequest
 from clepsydra.studies.ranking import Trial, rank, rule_of, verdict
 from clepsydra.studies.result import Candidate, StudyResult
 from clepsydra.studies.trial import trial_of
-from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.tuning.tune import Progress, Search
 from clepsydra.studies.usual_tuning import usual_tunings
 from clepsydra.studies.warnings.out_of_reach import out_of_reach
+
+if TYPE_CHECKING:
+    from clepsydra.controllers.controller import Controller
+    from clepsydra.linear.analysis import Analysis
+    from clepsydra.linear.linear_model import LinearModel
+    from clepsydra.process.process import Process
+    from clepsydra.studies.tuning.result import TuningResult
 
 #: Names of controllers that a refusal shows.
 _NAMES_SAID = 8

@@ -4,26 +4,29 @@ from __future__ import annotations
 
 import math
 from contextlib import suppress
+from typing import TYPE_CHECKING
 
 from clepsydra.base.errors import ClepsydraError
 from clepsydra.base.remark import Remark
-from clepsydra.controllers.controller import Controller
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.loop import Loop
-from clepsydra.loop.run import Run
-from clepsydra.loop.scenario import Scenario
 from clepsydra.scores.evaluate import score_run
 from clepsydra.scores.plant import plant_trajectories
 from clepsydra.scores.scored_run import ScoredRun
 from clepsydra.studies.ranking import Trial
-from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.warnings.after import caveats_after, warnings_after
 from clepsydra.studies.warnings.before import caveats_before, warnings_before
 from clepsydra.studies.warnings.caveat import Caveat
 from clepsydra.studies.warnings.loop_response import LoopResponse, loop_response
 from clepsydra.studies.warnings.overshooting import overshooting
+
+if TYPE_CHECKING:
+    from clepsydra.controllers.controller import Controller
+    from clepsydra.linear.linear_model import LinearModel
+    from clepsydra.loop.run import Run
+    from clepsydra.loop.scenario import Scenario
+    from clepsydra.studies.tuning.result import TuningResult
 
 #: A loop that noise drives from limit to limit converges slowly; its estimate is then told.
 _REFINEMENT = 4

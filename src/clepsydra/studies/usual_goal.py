@@ -4,25 +4,28 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.controllers.controller import Controller
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.loop import Loop
-from clepsydra.loop.run import Run
 from clepsydra.loop.running_scores import RunningScores
-from clepsydra.loop.scenario import Scenario
-from clepsydra.process.process import Process
 from clepsydra.studies.ranking import QUIET, usual_criteria
 from clepsydra.studies.trial import scores_of
 from clepsydra.studies.tuning.objective import Goal, Limits, Objective, mean
 from clepsydra.studies.warnings.overshooting import OVERSHOOT
+
+if TYPE_CHECKING:
+    from clepsydra.controllers.controller import Controller
+    from clepsydra.linear.linear_model import LinearModel
+    from clepsydra.loop.run import Run
+    from clepsydra.loop.scenario import Scenario
+    from clepsydra.process.process import Process
 
 #: Smallest damping ratio of the loops of a process whose levels average [1].
 DAMPING = 0.7

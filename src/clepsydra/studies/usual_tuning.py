@@ -5,23 +5,26 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clepsydra.controllers.controller import Controller
 from clepsydra.designs.applicability import NotApplicable
-from clepsydra.linear.analysis import Analysis
-from clepsydra.linear.linear_model import LinearModel
-from clepsydra.loop.scenario import Scenario
-from clepsydra.process.process import Process
 from clepsydra.scores.effort import NOISE_MOVEMENT as MOVEMENT
-from clepsydra.studies.ranking import Trial
 from clepsydra.studies.tuning.derivative_space import DerivativeSpace, with_derivative
 from clepsydra.studies.tuning.law_space import LawSpace
 from clepsydra.studies.tuning.parameters import settings_of
-from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.tuning.tune import Search, tune
 from clepsydra.studies.usual_goal import NOISE_MOVEMENT, usual_goal
+
+if TYPE_CHECKING:
+    from clepsydra.controllers.controller import Controller
+    from clepsydra.linear.analysis import Analysis
+    from clepsydra.linear.linear_model import LinearModel
+    from clepsydra.loop.scenario import Scenario
+    from clepsydra.process.process import Process
+    from clepsydra.studies.ranking import Trial
+    from clepsydra.studies.tuning.result import TuningResult
 
 #: The design whose controller is tuned, and that of levels which average.
 _START, _AVERAGING_START = "PI, SIMC", "PI, arrest time"

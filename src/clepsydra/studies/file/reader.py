@@ -9,7 +9,7 @@ from typing import Any
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
-from clepsydra.base.input_file import check_path, read_input
+from clepsydra.base.input_file import check_path
 from clepsydra.base.standing import Standing, standing_at
 from clepsydra.base.suggestion import suggestion
 from clepsydra.linear.analysis import analyse
@@ -25,6 +25,7 @@ from clepsydra.scores.score import SCORES
 from clepsydra.scores.score_key import score_key
 from clepsydra.studies.file.controller_reader import controller_schema, read_controllers
 from clepsydra.studies.file.fields import table_below
+from clepsydra.studies.file.kind import study_text
 from clepsydra.studies.file.request import ControllerRequest, StudyRequest
 from clepsydra.studies.file.scenario_reader import ScenarioTable, read_scenario
 
@@ -153,7 +154,7 @@ def read_study(path: str | Path, *, seed: int | None = None) -> StudyRequest:
     """
     require_type(path, (str, Path), "study", "the path of a study file", "give it as text or Path")
     path = Path(path)
-    document = parse(_content(path), str(path), "study")
+    document = parse(study_text(path), str(path), "study")
     if kind_of(document) == "process":
         raise InputError(
             str(path),
@@ -179,20 +180,3 @@ def read_study(path: str | Path, *, seed: int | None = None) -> StudyRequest:
         scores=scores,
         seed=chosen,
     )
-
-
-def is_study_file(text: str) -> bool:
-    """Return whether a text that a user gave names a study file, rather than a process.
-
-    A file that cannot be read or parsed is none: whoever reads it as a process says what is wrong.
-    """
-    try:
-        return text.lower().endswith(".toml") and (
-            kind_of(parse(_content(Path(text)), text, "study")) == "study"
-        )
-    except InputError:
-        return False
-
-
-def _content(path: Path) -> bytes:
-    return read_input(path, "a study file", inside="the .toml file")

@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.loop.scenario import Scenario
-from clepsydra.process.process import Process
-from clepsydra.studies.tuning.result import TuningResult
-from clepsydra.studies.tuning.tune import Search
+
+if TYPE_CHECKING:
+    from clepsydra.loop.scenario import Scenario
+    from clepsydra.process.process import Process
+    from clepsydra.studies.tuning.result import TuningResult
+    from clepsydra.studies.tuning.tune import Search
 
 #: Takes the analysis of the process and its linear model with all measurements.
 Maker = Callable[[Analysis, LinearModel], Controller]

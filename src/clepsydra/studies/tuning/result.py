@@ -4,19 +4,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from clepsydra.base.words import time_text
-from clepsydra.controllers.controller import Controller
 from clepsydra.designs.designed_values import designed_values
 from clepsydra.designs.request import in_shown_unit
 from clepsydra.linear.linearise import operating_point_of
-from clepsydra.process.process import Process
 from clepsydra.scores.score_key import score_key
-from clepsydra.studies.tuning.pareto import ParetoFront
-from clepsydra.studies.tuning.problem import Judgement, TuningProblem
 from clepsydra.studies.tuning.resting_states import resting_states
+
+if TYPE_CHECKING:
+    from clepsydra.controllers.controller import Controller
+    from clepsydra.process.process import Process
+    from clepsydra.studies.tuning.pareto import ParetoFront
+    from clepsydra.studies.tuning.problem import Judgement, TuningProblem
 
 #: A limit this near counts as one that binds, a share of it.
 _BINDS = 1e-3
