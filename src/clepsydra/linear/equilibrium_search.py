@@ -93,6 +93,7 @@ class EquilibriumSearch:
         self.process = process
         self.request = request
         self.derivatives = Derivatives(process)
+        self._rows, self._columns = list(request.outputs), list(request.free_inputs)
         free = [process.inputs[place] for place in request.free_inputs]
         self._signals = [*process.state, *free]
         asked = [process.measurements[place] for place in request.outputs]
@@ -131,14 +132,20 @@ class EquilibriumSearch:
         """Return the state [n] and all inputs [m] that the unknowns stand for, SI."""
         states = len(self.process.state)
         floored = self.floored[:states]
-        # Of a zero a processor leaves nothing, and another one a share of its own.
-        straight = self.spans * np.where(np.abs(unknowns) <= FLOOR**2, 0.0, unknowns)
+        straight = self._straight(unknowns)
         risen = np.where(unknowns[:states] <= FLOOR, 0.0, unknowns[:states]) ** 2
         levels = self._origins + self.spans[:states] * risen
         state = np.where(floored, levels, straight[:states])
+        return state, self._inputs(unknowns)
+
+    def _inputs(self, unknowns: np.ndarray) -> np.ndarray:
         inputs = self.request.inputs.copy()
-        inputs[list(self.request.free_inputs)] = straight[states:]
-        return state, inputs
+        inputs[self._columns] = self._straight(unknowns)[len(self.process.state) :]
+        return inputs
+
+    def _straight(self, unknowns: np.ndarray) -> np.ndarray:
+        # Of a zero a processor leaves nothing, and another one a share of its own.
+        return np.asarray(self.spans * np.where(np.abs(unknowns) <= FLOOR**2, 0.0, unknowns))
 
     def unknowns_at(self, state: np.ndarray, inputs: np.ndarray) -> np.ndarray:
         """Return the unknowns that stand for a state [n] and inputs [m], SI."""
@@ -191,13 +198,13 @@ class EquilibriumSearch:
 
     def _evaluate(self, unknowns: np.ndarray) -> Iterate:
         request, states = self.request, len(self.process.state)
-        rows, columns = list(request.outputs), list(request.free_inputs)
+        rows, columns = self._rows, self._columns
         above = np.where(self.floored, np.maximum(unknowns, _CONTINUED), unknowns)
         inside = np.clip(above, self._least + _INSIDE, self._most - _INSIDE)
         above = np.where((above < self._least) | (above > self._most), inside, above)
         scaled, spans = above[:states], self.spans[:states]
         risen = self._origins + spans * np.where(self.floored[:states], scaled**2, scaled)
-        _, inputs = self.values(above)
+        inputs = self._inputs(above)
         local = self.derivatives.at(risen, inputs, request.disturbances)
         slopes = self.state_slopes(above)
         jacobian = np.zeros((states + len(rows), states + len(columns)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import casadi as ca
@@ -32,18 +33,22 @@ class DenseFunction:
     """
 
     def __init__(self, name: str, symbols: Sequence[ca.SX], results: Sequence[ca.SX]) -> None:
-        self._function = ca.Function(name, list(symbols), [ca.densify(each) for each in results])
-        self._shapes = [result.shape for result in results]
+        # One vector each way: every further one would cost as much as the numbers in it.
+        whole = ca.vertcat(*(ca.vec(ca.densify(each)) for each in results))
+        self._function = ca.Function(name, [ca.vertcat(*symbols)], [whole])
+        ends = np.cumsum([0, *(each.numel() for each in results)]).tolist()
+        self._parts = [
+            (slice(*between), each.shape)
+            for between, each in zip(pairwise(ends), results, strict=True)
+        ]
+        self._size = ends[-1]
 
     def __call__(self, *vectors: ArrayLike) -> list[np.ndarray]:
         """Return each result as a matrix of its own."""
-        arguments = [np.ascontiguousarray(vector, float) for vector in vectors]
-        found = [np.empty(shape, order="F") for shape in self._shapes]
+        given, found = np.concatenate(vectors, dtype=float), np.empty(self._size)
         buffer: Any  # CasADi's types ask for a size, which a view brings along
         buffer, evaluate = self._function.buffer()
-        for place, values in enumerate(arguments):
-            buffer.set_arg(place, values.data)
-        for place, matrix in enumerate(found):
-            buffer.set_res(place, matrix.T.data)
+        buffer.set_arg(0, given.data)
+        buffer.set_res(0, found.data)
         evaluate()
-        return found
+        return [found[part].reshape(shape, order="F") for part, shape in self._parts]
