@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import partial
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -50,6 +50,10 @@ from clepsydra.linear.relative_degree import VectorRelativeDegree, relative_degr
 NAME = "Feedback linearisation"
 #: No effect is divided by that is less than this share of what it is at the operating point.
 SMALLEST_EFFECT = 1e-3
+
+
+# Its equations do not depend on the settings, of which a search tries several.
+_law = lru_cache(maxsize=8)(feedback_linearisation_law)
 
 
 @design(
@@ -226,9 +230,7 @@ def feedback_linearisation_controller(
     point = operating_point_of(model)
     at = point.as_dict()
     try:
-        law = feedback_linearisation_law(
-            linearised, anti_windup=anti_windup, alpha_on=alpha_on, observer=observer
-        )
+        law = _law(linearised, anti_windup=anti_windup, alpha_on=alpha_on, observer=observer)
     except InputError as refusal:
         raise NotApplicable(
             f"{refusal.value} is neither measured nor estimated; {refusal.remedy}"

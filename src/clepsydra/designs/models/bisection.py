@@ -29,5 +29,7 @@ def last_before(
         if high <= low * (1.0 + accuracy):
             break
         middle = math.sqrt(low * high)
+        if not low < middle < high:  # neighbouring numbers
+            break
         low, high = (middle, high) if holds(middle) else (low, middle)
     return low
