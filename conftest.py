@@ -2,8 +2,13 @@
 
 `pytest --last-skipped` runs just what the run before skipped: the checks use it when they have
 installed the optional packages, so that no test runs twice.
+
+Where several workers collect all tests, every other one begins at the end: each file is then
+rewritten and compiled by one of them, and read by the others.
 """
 
+import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -20,7 +25,30 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
 
 
+class FromTheEnd(pytest.Dir):
+    """A folder of which the last file is collected first."""
+
+    def collect(self) -> Iterator[pytest.Item | pytest.Collector]:
+        """Yield its files and folders."""
+        return reversed(list(super().collect()))
+
+
+def _from_the_end(config: pytest.Config) -> bool:
+    worker = os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")
+    return int(worker) % 2 == 1 and config.args_source is pytest.Config.ArgsSource.TESTPATHS
+
+
+def pytest_collect_directory(path: Path, parent: pytest.Collector) -> pytest.Collector | None:
+    if _from_the_end(parent.config) and not (path / "__init__.py").exists():
+        return FromTheEnd.from_parent(parent, path=path)
+    return None
+
+
+@pytest.hookimpl(tryfirst=True)  # before anything else puts them into an order
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if _from_the_end(config):
+        folders = [config.rootpath / folder for folder in config.args]
+        items.sort(key=lambda item: ([not item.path.is_relative_to(f) for f in folders], item.path))
     reason = "" if REQUIRE else missing("fmpy", "tree_sitter_iec61131_3_st", compiler=True)
     if reason:
         for item in items:

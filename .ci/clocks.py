@@ -29,15 +29,15 @@ _CLOCKS = {
 
 def clocks(text: str) -> list[int]:
     """Return the lines of a file of Python in which a clock is read, or imported to be read."""
-    tree = ast.parse(text)
+    nodes = list(ast.walk(ast.parse(text)))
     aliases = {}
     found = []
-    for node in ast.walk(tree):
+    for node in nodes:
         for module, name, known_as in _imported(node):
             aliases[known_as] = (name or module).rpartition(".")[2]
             if module in _MODULES or name in _CLOCKS.get(module, ()):
                 found.append(node.lineno)
-    for node in ast.walk(tree):
+    for node in nodes:
         if isinstance(node, ast.Attribute):
             owner = node.value
             called = owner.id if isinstance(owner, ast.Name) else getattr(owner, "attr", "")

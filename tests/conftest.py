@@ -7,9 +7,11 @@ import errno
 import fcntl
 import hashlib
 import os
+import pickle
 import tempfile
 from collections import defaultdict
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -66,6 +68,26 @@ def alone(tmp_path_factory):
             yield folder
 
     return locked
+
+
+@pytest.fixture(scope="session")
+def studied(alone):
+    """Return a function: a process, or a file of the folder -> its whole study, made once.
+
+    The worker that is first makes it, and the others read what it found.
+    """
+
+    @cache
+    def found(name):
+        import clepsydra as cl
+
+        with alone(f"study-{name}") as folder:
+            file = folder / f"study-{name}.pickle"
+            if not file.exists():
+                file.write_bytes(pickle.dumps(cl.study(name)))
+            return pickle.loads(file.read_bytes())
+
+    return found
 
 
 @pytest.fixture

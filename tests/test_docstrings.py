@@ -9,6 +9,7 @@ import pytest
 
 SOURCE = Path(__file__).resolve().parents[1] / "src"
 _SECTION = re.compile(r"^Parameters\n-{4,}\n(.*?)(?=^\w[\w ]*\n-{4,}\n|\Z)", re.M | re.S)
+_DEFINED = ast.FunctionDef | ast.ClassDef
 _ENTRY = re.compile(r"^(\*{0,2}\w+(?:, *\*{0,2}\w+)*)(?: *:.*)?$", re.M)
 
 
@@ -26,11 +27,16 @@ def arguments(function: ast.FunctionDef) -> set[str]:
     return {each.arg for each in named if each is not None}
 
 
-def classes_of(trees: dict[str, ast.Module]) -> dict[str, list[ast.ClassDef]]:
+def defined(text: str) -> list[_DEFINED]:
+    """Return the functions and classes of a file."""
+    return [node for node in ast.walk(ast.parse(text)) if isinstance(node, _DEFINED)]
+
+
+def classes_of(files: dict[str, list[_DEFINED]]) -> dict[str, list[ast.ClassDef]]:
     """Return the classes of these files by their names, of which there may be several."""
     found: dict[str, list[ast.ClassDef]] = {}
-    for tree in trees.values():
-        for node in ast.walk(tree):
+    for nodes in files.values():
+        for node in nodes:
             if isinstance(node, ast.ClassDef):
                 found.setdefault(node.name, []).append(node)
     return found
@@ -52,13 +58,11 @@ def fields(node: ast.ClassDef, classes: dict[str, list[ast.ClassDef]]) -> set[st
     return found
 
 
-def unknown(trees: dict[str, ast.Module]) -> list[str]:
+def unknown(files: dict[str, list[_DEFINED]]) -> list[str]:
     """Return, a line each, what is documented as a parameter and is none."""
-    classes, said = classes_of(trees), []
-    for file, tree in trees.items():
-        for node in ast.walk(tree):
-            if not isinstance(node, ast.FunctionDef | ast.ClassDef):
-                continue
+    classes, said = classes_of(files), []
+    for file, nodes in files.items():
+        for node in nodes:
             names = documented(ast.get_docstring(node) or "")
             known = arguments(node) if isinstance(node, ast.FunctionDef) else fields(node, classes)
             said += [
@@ -70,18 +74,15 @@ def unknown(trees: dict[str, ast.Module]) -> list[str]:
 
 
 def test_docstrings_of_the_source_name_parameters_that_there_are():
-    trees = {
-        path.relative_to(SOURCE).as_posix(): ast.parse(path.read_text("utf-8"))
+    files = {
+        path.relative_to(SOURCE).as_posix(): defined(path.read_text("utf-8"))
         for path in sorted(SOURCE.rglob("*.py"))
     }
     count = sum(
-        len(documented(ast.get_docstring(node) or ""))
-        for tree in trees.values()
-        for node in ast.walk(tree)
-        if isinstance(node, ast.FunctionDef | ast.ClassDef)
+        len(documented(ast.get_docstring(node) or "")) for nodes in files.values() for node in nodes
     )
     assert count > 1000
-    assert unknown(trees) == []
+    assert unknown(files) == []
 
 
 FUNCTION = '''
@@ -118,6 +119,6 @@ class Round(Shape):
 
 @pytest.mark.parametrize("text", [FUNCTION, CLASSES])
 def test_a_name_that_is_no_parameter_is_found(text):
-    assert unknown({"a.py": ast.parse(text.format("radius"))}) == []
-    (line,) = unknown({"a.py": ast.parse(text.format("diameter"))})
+    assert unknown({"a.py": defined(text.format("radius"))}) == []
+    (line,) = unknown({"a.py": defined(text.format("diameter"))})
     assert "has no diameter" in line

@@ -82,9 +82,10 @@ def test_surge_drum_by_its_rule(drum):
 
 
 @pytest.mark.thorough
-def test_surge_drum(drum):
+def test_surge_drum(studied, monkeypatch):
     """PI with a damping of 0.7 changes the outflow by 0.64 ΔF²/(A y), and a ramp by 0.50."""
-    study = cl.study(drum)
+    monkeypatch.chdir(FOLDER)
+    study = studied("surge-drum.toml")
     best = study.best
     assert best.controller.name == "PI, arrest time, tuned"
     ramp = 0.5 * 15.0**2 / 0.4  # [m³/h per h] by m²
@@ -233,9 +234,9 @@ def test_the_blending_station_rests_where_salt_and_liquid_balance():
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", [path.name for path in sorted(FOLDER.glob("*.toml"))])
-def test_a_plant_is_studied_in_a_screen_and_exported(name, tmp_path, monkeypatch):
+def test_a_plant_is_studied_in_a_screen_and_exported(studied, name, tmp_path, monkeypatch):
     monkeypatch.chdir(FOLDER)
-    study = cl.study(name)
+    study = studied(name)
     for columns in (80, 100):
         console = Console(width=columns)
         with console.capture() as shown:

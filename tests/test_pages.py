@@ -109,19 +109,19 @@ def test_the_record_of_the_readme_gives_the_settings_of_the_study_of_its_tank(
 
 
 @pytest.mark.thorough
-def test_the_picture_of_the_readme_shows_what_its_study_finds():
+def test_the_picture_of_the_readme_shows_what_its_study_finds(studied):
     """Where it does not, .ci/report_picture.py makes it again."""
     with Image.open(ROOT / "docs" / "report.png") as picture:
-        assert picture.text["Description"] == cl.study("quadruple-tank").verdict
+        assert picture.text["Description"] == studied("quadruple-tank").verdict
 
 
 @pytest.mark.thorough
-def test_the_readme_begins_with_what_its_study_prints():
+def test_the_readme_begins_with_what_its_study_prints(studied):
     """Numbers within what a tuning leaves to the last digits of another processor."""
     (told,) = (block.text for block in blocks("README.md", "text"))
     console = Console(width=80)
     with console.capture() as shown:
-        console.print(cl.study("quadruple-tank"))
+        console.print(studied("quadruple-tank"))
     length = len(told.splitlines())
     printed = "\n".join(line.rstrip() for line in shown.get().splitlines()[:length])
     number = re.compile(r"\d+(?:\.\d+)?")

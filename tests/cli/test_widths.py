@@ -3,6 +3,7 @@
 import pytest
 
 import clepsydra as cl
+from clepsydra.cli.output import show
 
 PI = ("--controller", "PI, SIMC")
 SCREENS = {
@@ -26,15 +27,48 @@ SCREENS = {
 _ROWS = 27
 
 
-@pytest.mark.parametrize("case", SCREENS)
-def test_nothing_is_wider_and_no_word_is_broken(command, tmp_path, monkeypatch, case):
-    step = [cl.step("pump_1", "+0.5 V", at="20 s"), cl.step("pump_1", "-0.6 V", at="3 min")]
-    cl.simulate(cl.load("quadruple-tank"), None, step, duration="6 min").save(tmp_path / "run.csv")
+#: Of terminals, and the last one where no line has to be broken [columns].
+_WIDTHS = (80, 100, 1000)
+
+
+@pytest.fixture(scope="module")
+def record(tmp_path_factory):
+    """Return the path of the record that the screens identify from."""
+    moves = [cl.step("pump_1", "+0.5 V", at="20 s"), cl.step("pump_1", "-0.6 V", at="3 min")]
+    path = tmp_path_factory.mktemp("record") / "run.csv"
+    cl.simulate(cl.load("quadruple-tank"), None, moves, duration="6 min").save(path)
+    return path
+
+
+@pytest.fixture
+def at_widths(command, capsys, monkeypatch):
+    """Return a function: arguments -> what a verb prints at each width.
+
+    The verb runs once. How wide the terminal is asks nothing but `show`, which shows its result
+    at each width here.
+    """
     told = {}
-    for width in (80, 100, 1000):
-        monkeypatch.setenv("COLUMNS", str(width))
-        status, told[width], errors = command(*SCREENS[case])
+
+    def shown(result):
+        for width in _WIDTHS:
+            monkeypatch.setenv("COLUMNS", str(width))
+            show(result)
+            told[width] = capsys.readouterr().out
+
+    monkeypatch.setattr("clepsydra.cli.output.show", shown)
+
+    def run(*arguments):
+        status, after, errors = command(*arguments)
         assert (status, errors) == (0, "")
+        return {width: text + after for width, text in told.items()}
+
+    return run
+
+
+@pytest.mark.parametrize("case", SCREENS)
+def test_nothing_is_wider_and_no_word_is_broken(at_widths, tmp_path, record, case):
+    (tmp_path / record.name).write_bytes(record.read_bytes())
+    told = at_widths(*SCREENS[case])
     for columns in (80, 100):
         lines = told[columns].splitlines()
         assert max(map(len, lines)) <= columns

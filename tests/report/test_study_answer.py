@@ -25,8 +25,8 @@ def screen(result, width, **more):
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", catalogue_names())
-def test_a_study_of_every_process_answers_in_a_screen(name):
-    found = cl.study(name)
+def test_a_study_of_every_process_answers_in_a_screen(studied, name):
+    found = studied(name)
     for width in (80, 100):
         lines = screen(found, width)
         assert len(lines) <= 24 and max(map(len, lines)) <= width  # one more says what was written

@@ -42,7 +42,8 @@ def error(scores, start):
 
 @pytest.fixture(scope="module")
 def wet_well():
-    return cl.study("wet-well", only=TUNED)
+    """What is tuned there: a PI, and a PID for which noise leaves no room."""
+    return cl.study("wet-well", only=TUNED_PID)
 
 
 def test_the_wet_well_gets_settings_no_worse_than_those_that_were_found_by_hand(wet_well):
@@ -67,9 +68,9 @@ def test_the_quadruple_tank_lowers_b_and_overshoots_by_no_more_than_a_tenth():
     assert all(found.scores[f"overshoot[{key}]"] < 10.01 for key in loops)
 
 
-@pytest.fixture(scope="module")
-def eight_tanks():
-    return cl.study("eight-tanks")
+@pytest.fixture
+def eight_tanks(studied):
+    return studied("eight-tanks")
 
 
 def test_no_loop_beats_the_recommended_one_of_eight_tanks(eight_tanks):
@@ -97,9 +98,8 @@ def test_the_tuned_pid_keeps_the_limits_and_filters_what_it_differentiates(eight
     assert values["tracking_time"] == pytest.approx(own, rel=1e-5)
 
 
-def test_where_noise_takes_all_room_a_derivative_is_not_sought():
-    found = cl.study("wet-well", only=TUNED_PID)
-    assert "leaves no room for a derivative" in dict(found.not_applicable)[TUNED_PID]
+def test_where_noise_takes_all_room_a_derivative_is_not_sought(wet_well):
+    assert "leaves no room for a derivative" in dict(wet_well.not_applicable)[TUNED_PID]
 
 
 def test_the_study_file_that_is_written_tunes_alike(wet_well, tmp_path):
@@ -124,8 +124,8 @@ def test_an_overshoot_is_told_with_the_setpoint_weight_that_ends_it():
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", [p.name for p in cl.catalogue()])
-def test_the_recommended_controller_overshoots_little(name):
-    found = cl.study(name).recommended
+def test_the_recommended_controller_overshoots_little(studied, name):
+    found = studied(name).recommended
     largest = max((v for k, v in found.scores.items() if k.startswith("overshoot[")), default=0.0)
     assert largest <= 15.0 or found.overshoots
 
