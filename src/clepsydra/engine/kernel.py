@@ -269,6 +269,8 @@ class Job:
         rings = self.initial_rings()
         function = self.kernel.function(self.lanes)
         pace = max(_BEGUN_WITH // max(_computed(program.block, self.turns), 1), 1)
+        if groups * self.samples <= pace:
+            threads = 1  # to begin another takes longer than the first call
 
         def call(start: int, stop: int, first: int, last: int) -> None:
             function.call(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -191,9 +192,12 @@ def in_manual(loop: WiredLoop, now: Mapping[str, float], parameters: Array, most
             np.repeat(column[:, None], parameters.shape[1], axis=1) for column in (start, inputs)
         )
     state = start
+    held: tuple[Array | ca.DM, ...] = (inputs, parameters)
+    if isinstance(law.function, ca.Function):
+        held = ca.DM(inputs), ca.DM(parameters)  # which a call would do again in every sample
     for sample in range(most):
         before = state
-        state = np.reshape(np.array(law.function(before, inputs, parameters)[0]), before.shape)
+        state = np.reshape(np.array(law.function(before, *held)[0]), before.shape)
         still = np.abs(state - before) <= ROUNDING * np.maximum(1.0, np.abs(state))
         if sample >= SAMPLES and np.all(still):
             break

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import islice
 from typing import Literal
 
@@ -141,16 +142,20 @@ class MotionBlock:
         """
         if self.substeps == 1 and not self.motion.delays and not self.adjustable:
             return tuple(self._step(builder, list(state), [], list(outside))[0])
-        size, rings = len(self.state), len(self.rings)
-        inner = BlockBuilder(size + rings + len(outside))
-        given = range(size + rings + len(outside))
-        held, ring, rest = _parts(given, size, rings)
-        following, written = self._step(inner, held, ring, rest)
-        body = inner.finish([*following, *written])
+        turn = MotionBlock._turn if self.watched else _unwatched_turn
+        body = turn(self, len(outside))
         return builder.loop(
             "integration", body, self.substeps, (), state, outside, self.rings,
             adjustable=self.adjustable,
         )  # fmt: skip
+
+    def _turn(self, outside: int) -> Block:
+        """Return the body of the loop of steps, with so many values that are held outside."""
+        sizes = len(self.state), len(self.rings), outside
+        inner = BlockBuilder(sum(sizes))
+        held, ring, rest, _ = _parts(range(sum(sizes)), *sizes)
+        following, written = self._step(inner, held, ring, rest)
+        return inner.finish([*following, *written])
 
     def move_part(
         self,
@@ -270,6 +275,12 @@ class MotionBlock:
         arguments = [h, now, *integral, *ring, *count, *time, *m, *outside, *told]
         located = located_step(step, check, cut=cut)
         return inner.finish(inline(inner, located, arguments, fused=True))
+
+
+@lru_cache(maxsize=4)
+def _unwatched_turn(block: MotionBlock, outside: int) -> Block:
+    """Return `MotionBlock._turn`, read once for all controllers of a study."""
+    return block._turn(outside)
 
 
 def _parts(values: Iterable[int], *sizes: int) -> list[list[int]]:
