@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.controllers.wiring import controller_name
 from clepsydra.engine.kernel import Kernel
+from clepsydra.engine.trajectories import Trajectories
 from clepsydra.loop.closed_loop import closed_loop, loop_inputs
 from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.law_begin import loop_begin
+from clepsydra.loop.loop_kernel import loop_kernel
 from clepsydra.loop.loop_state import LoopState, loop_state
-from clepsydra.loop.motion_block import recorded_signals, step_told
+from clepsydra.loop.motion_block import recorded_signals, steps_told
 from clepsydra.loop.run import Run
 from clepsydra.loop.run_cost import weigh_run
 from clepsydra.loop.scenario import Scenario
@@ -31,7 +34,6 @@ from clepsydra.loop.step_size import (
 from clepsydra.loop.stepped_loop import stepped_loop
 from clepsydra.loop.wired_loop import WiredLoop
 from clepsydra.program.precision import Precision, in_single_arithmetic
-from clepsydra.program.program import Program
 from clepsydra.scores.plant_flows import forced_flows
 
 
@@ -95,13 +97,20 @@ class Loop(WiredLoop):
         if precision == "single":
             law = in_single_arithmetic(self.controller.program())
             told = {controller_name(each.name): each.initial for each in law.parameters}
-            kernel = self._kernel(scenario, count, law=law)
-            return self._by_kernel(scenario, kernel, count, told, rounded=True)
+            kernel = Kernel(
+                closed_loop(
+                    self.process, self.controller, substeps=count,
+                    constant=self._fixed(scenario), law=law,
+                )
+            )  # fmt: skip
+            (run,) = self._by_kernel(scenario, kernel, [count], told, rounded=True)
+            return run
         if solver == "reference" or isinstance(self.controller.law, PythonLaw):
             found, final = stepped_loop(self, scenario, count, solver)
             steps = 0 if solver == "reference" else count
             return self._collect(scenario, found, final, substeps=steps)
-        return self._by_kernel(scenario, self._kernel(scenario, count), count, {})
+        (run,) = self._by_kernel(scenario, self._kernel(scenario, count), [count], {})
+        return run
 
     def run_checked(self, scenario: Scenario, largest: int = LARGEST_REFINEMENT) -> Run:
         """Simulate, estimate the error by halving the step, and refine until it is small.
@@ -120,40 +129,44 @@ class Loop(WiredLoop):
         return replace(run, error_estimate=estimate)
 
     def _refinable(self, scenario: Scenario) -> Callable[[int], Run]:
-        """Return steps in a sampling period → run; one kernel makes them all where it can."""
+        """Return steps in a sampling period → run; one kernel makes them all where it can.
+
+        The first three, which any estimate asks for, are made side by side.
+        """
         if isinstance(self.controller.law, PythonLaw) or self.process.motion.delays:
             return lambda count: self._run(scenario, count)
         kernel = self._kernel(scenario, self.substeps, adjustable=True)
-        period = self.process.sampling_period
-        return lambda count: self._by_kernel(scenario, kernel, count, step_told(period, count))
+        period, made = self.process.sampling_period, dict[int, Run]()
 
-    def _kernel(
-        self,
-        scenario: Scenario,
-        substeps: int,
-        *,
-        adjustable: bool = False,
-        law: Program | None = None,
-    ) -> Kernel:
+        def run(count: int) -> Run:
+            if count not in made:
+                counts = [count] if made else [count, 2 * count, 4 * count]
+                runs = self._by_kernel(scenario, kernel, counts, steps_told(period, counts))
+                made.update(zip(counts, runs, strict=True))
+            return made[count]
+
+        return run
+
+    def _kernel(self, scenario: Scenario, substeps: int, *, adjustable: bool = False) -> Kernel:
+        fixed = self._fixed(scenario)
+        return loop_kernel(self.process, self.controller, fixed, substeps, adjustable=adjustable)
+
+    def _fixed(self, scenario: Scenario) -> dict[str, float]:
+        """Return the inputs of the loop that a scenario says nothing of, at rest."""
         given = self.inputs_of(scenario)
-        constant = {k: v for k, v in self.at_rest().items() if k not in given}
-        return Kernel(
-            closed_loop(
-                self.process, self.controller, substeps=substeps, constant=constant,
-                adjustable=adjustable, law=law,
-            )
-        )  # fmt: skip
+        return {name: value for name, value in self.at_rest().items() if name not in given}
 
     def _by_kernel(
         self,
         scenario: Scenario,
         kernel: Kernel,
-        substeps: int,
-        told: dict[str, float],
+        counts: Sequence[int],
+        told: Mapping[str, ArrayLike],
         *,
         rounded: bool = False,
-    ) -> Run:
-        state, rings = loop_begin(self, scenario, substeps)
+    ) -> list[Run]:
+        """Return a run for each number of steps in a sampling period, made side by side."""
+        state, rings = loop_begin(self, scenario, counts[0])
         if rounded:  # as a controller in single precision holds them
             own = {controller_name(entry.name) for entry in self.controller.law.state}
             state |= {name: float(np.float32(state[name])) for name in own}
@@ -162,13 +175,19 @@ class Loop(WiredLoop):
             inputs=self.inputs_of(scenario),
             state=state,
             rings=rings,
-            parameters=self.law_parameters() | told,
-            turns=substeps,
+            parameters={**self.law_parameters(), **told},
+            turns=max(counts),
         )
-        computed = {signal.name: result.output(signal.name)[0] for signal in kernel.program.outputs}
-        names = (entry.name for entry in kernel.program.state)
-        found = dict(zip(names, result.final_state[:, 0].tolist(), strict=True))
-        held = {name: content[0] for name, content in result.rings().items()}
+        return [self._run_of(scenario, result, place, count) for place, count in enumerate(counts)]
+
+    def _run_of(self, scenario: Scenario, result: Trajectories, place: int, substeps: int) -> Run:
+        """Return one run of several that a kernel made."""
+        program = result.program
+        rows = np.ascontiguousarray(result.record_of(place).T)
+        computed = {signal.name: row for signal, row in zip(program.outputs, rows, strict=True)}
+        names = (entry.name for entry in program.state)
+        found = dict(zip(names, result.final_state[:, place].tolist(), strict=True))
+        held = {name: content[place] for name, content in result.rings().items()}
         inputs = {u.name: float(computed[u.name][-1]) for u in self.process.inputs}
         final = loop_state(self.process, self.controller, found, inputs, held, substeps)
         return self._collect(scenario, computed, final, substeps=substeps)

@@ -24,8 +24,9 @@ from clepsydra.program.reader import inline
 
 #: Number of integration steps since the start of a run, which dates the events.
 CLOCK = "clock.steps"
-#: Parameter of a program whose number of integration steps each run is told.
+#: Parameters of a program whose integration steps each run is told: how long, and how many.
 STEP_LENGTH = Signal("integration.step_length", "s")
+STEPS = Signal("integration.steps", kind="integer", low=1.0, initial=1.0)
 #: What a ring keeps of a delayed quantity for each integration step.
 RING_PARTS = ("start", "mean", "end")
 
@@ -69,8 +70,10 @@ class MotionBlock:
         The process, where each step is to be checked for a status, see
         `clepsydra.loop.lane_status`.
     adjustable : bool
-        Whether each run is told how many turns the loop of steps makes, and as a parameter how
-        long a step then is. Not where there is a delay, whose rings are as long as it has steps.
+        Whether each run is told as parameters how long a step is and how many there are. Runs that
+        stand side by side may have different steps: the loop turns for the one that has most, and
+        where a run has made its steps it stands still. Not where there is a delay, whose rings are
+        as long as it has steps.
 
     Examples
     --------
@@ -113,7 +116,7 @@ class MotionBlock:
     @property
     def parameters(self) -> tuple[Signal, ...]:
         """What a run is told beside the parameters of the process."""
-        return (STEP_LENGTH,) if self.adjustable else ()
+        return (STEP_LENGTH, STEPS) if self.adjustable else ()
 
     @property
     def rings(self) -> tuple[DelayRing, ...]:
@@ -143,18 +146,24 @@ class MotionBlock:
         if self.substeps == 1 and not self.motion.delays and not self.adjustable:
             return tuple(self._step(builder, list(state), [], list(outside))[0])
         turn = MotionBlock._turn if self.watched else _unwatched_turn
-        body = turn(self, len(outside))
-        return builder.loop(
-            "integration", body, self.substeps, (), state, outside, self.rings,
-            adjustable=self.adjustable,
+        counted = [builder.constant(0.0)] if self.adjustable else []
+        carried = builder.loop(
+            "integration", turn(self, len(outside)), self.substeps, (), [*state, *counted],
+            outside, self.rings, adjustable=self.adjustable,
         )  # fmt: skip
+        return carried[: len(state)]
 
     def _turn(self, outside: int) -> Block:
         """Return the body of the loop of steps, with so many values that are held outside."""
-        sizes = len(self.state), len(self.rings), outside
+        sizes = len(self.state), int(self.adjustable), len(self.rings), outside
         inner = BlockBuilder(sum(sizes))
-        held, ring, rest, _ = _parts(range(sum(sizes)), *sizes)
+        held, counted, ring, rest, _ = _parts(range(sum(sizes)), *sizes)
         following, written = self._step(inner, held, ring, rest)
+        if self.adjustable:
+            moves = inner.operation("less", *counted, rest[-1])
+            pairs = zip(following, held, strict=True)
+            following = [inner.operation("select", moves, after, now) for after, now in pairs]
+            following.append(inner.operation("add", *counted, inner.constant(1.0)))
         return inner.finish([*following, *written])
 
     def move_part(
@@ -252,7 +261,7 @@ class MotionBlock:
     def _held(self, builder: BlockBuilder, outside: list[int]) -> tuple[int, list[int]]:
         """Return the length of a step, and what else is held."""
         if self.adjustable:
-            return outside[-1], outside[:-1]
+            return outside[-2], outside[:-2]
         return builder.constant(self.step_length), outside
 
     def _located(
@@ -289,13 +298,14 @@ def _parts(values: Iterable[int], *sizes: int) -> list[list[int]]:
     return [*(list(islice(rest, size)) for size in sizes), list(rest)]
 
 
-def step_told(period: float, substeps: int) -> dict[str, float]:
-    """Return the parameter by which a run is told how long a step is.
+def steps_told(period: float, substeps: Sequence[int]) -> dict[str, np.ndarray]:
+    """Return the parameters by which runs are told their steps [runs].
 
-    >>> step_told(1.0, 4)
-    {'integration.step_length': 0.25}
+    >>> steps_told(1.0, [1, 4])
+    {'integration.step_length': array([1.  , 0.25]), 'integration.steps': array([1., 4.])}
     """
-    return {STEP_LENGTH.name: period / substeps}
+    steps = np.array(substeps, float)
+    return {STEP_LENGTH.name: period / steps, STEPS.name: steps}
 
 
 def motion_at_rest(point: OperatingPoint) -> dict[str, float]:

@@ -17,7 +17,7 @@ from clepsydra.loop.motion_block import (
     motion_at_rest,
     process_period,
     recorded_signals,
-    step_told,
+    steps_told,
 )
 from clepsydra.loop.reference_motion import ReferenceMotion
 from clepsydra.loop.shown_levels import shown_levels
@@ -165,7 +165,7 @@ def simulations(
     if point.process.motion.delays:
         return run.by_kernel
     kernel = run.kernel(1, adjustable=True)
-    return lambda substeps: run.moved(kernel, substeps, step_told(run.period, substeps))
+    return lambda substeps: run.moved(kernel, substeps, steps_told(run.period, [substeps]))
 
 
 def state_from(point: OperatingPoint, state: Mapping[str, float]) -> np.ndarray:
@@ -211,7 +211,7 @@ class _OpenLoop:
     def by_kernel(self, substeps: int) -> Simulation:
         return self.moved(self.kernel(substeps), substeps, {})
 
-    def moved(self, kernel: Kernel, substeps: int, told: dict[str, float]) -> Simulation:
+    def moved(self, kernel: Kernel, substeps: int, told: Mapping[str, np.ndarray]) -> Simulation:
         """Return the run by a kernel that is told about its steps, or knows them."""
         contents = {
             s.name: float(v)
