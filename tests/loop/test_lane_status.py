@@ -9,7 +9,8 @@ import pytest
 
 from clepsydra import Kernel
 from clepsydra.loop.lane_status import LaneStatus, lane_status
-from clepsydra.loop.motion_block import MotionBlock, motion_at_rest, process_period
+from clepsydra.loop.motion_block import MotionBlock, motion_at_rest
+from clepsydra.loop.process_period import process_period
 
 Z = 0.5
 LEFT = 1 - Z + Z**2 / 2 - Z**3 / 6 + Z**4 / 24

@@ -10,7 +10,8 @@ from random_plants import random_plant
 from clepsydra import Kernel
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.lane_status import STEP_BOUND, LaneStatus, lane_status
-from clepsydra.loop.motion_block import MotionBlock, motion_at_rest, process_period
+from clepsydra.loop.motion_block import MotionBlock, motion_at_rest
+from clepsydra.loop.process_period import process_period
 from clepsydra.loop.step_size import delay_substeps
 from clepsydra.process.catalogue_names import catalogue_names
 from clepsydra.process.process import Process

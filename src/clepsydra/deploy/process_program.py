@@ -7,7 +7,8 @@ from dataclasses import replace
 from clepsydra.base.signal import Signal
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.loop.motion_block import MotionBlock, motion_at_rest, process_period
+from clepsydra.loop.motion_block import MotionBlock, motion_at_rest
+from clepsydra.loop.process_period import process_period
 from clepsydra.loop.step_size import substeps_for
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.entries import with_signal

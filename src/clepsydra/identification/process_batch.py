@@ -10,8 +10,9 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.equilibrium import NoEquilibrium, find_equilibrium
-from clepsydra.loop.motion_block import MotionBlock, motion_from, process_period
+from clepsydra.loop.motion_block import MotionBlock, motion_from
 from clepsydra.loop.open_loop_plan import plan_simulation
+from clepsydra.loop.process_period import process_period
 from clepsydra.process.process import Process
 
 

@@ -15,10 +15,10 @@ from clepsydra.loop.events import Occurrence, events_of
 from clepsydra.loop.motion_block import (
     MotionBlock,
     motion_at_rest,
-    process_period,
     recorded_signals,
     steps_told,
 )
+from clepsydra.loop.process_period import process_period
 from clepsydra.loop.reference_motion import ReferenceMotion
 from clepsydra.loop.shown_levels import shown_levels
 from clepsydra.loop.step_size import Solver
