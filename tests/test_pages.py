@@ -86,7 +86,10 @@ def test_the_readme_activates_what_it_installed_before_it_calls_it_by_its_name()
     first = next(b for b in blocks("README.md", "sh") if not b.not_run)
     assert lines(first.text)[0] == ACTIVATE
     installed = next(b.text for b in blocks("README.md", "sh") if b.not_run)
-    assert f"pip --python {ACTIVATE[1].removesuffix('activate')}python install" in installed
+    assert (
+        f"pip --python {ACTIVATE[1].removesuffix('activate')}python install --no-compile"
+        in installed
+    )
 
 
 def test_the_record_of_the_readme_gives_the_settings_of_the_study_of_its_tank(

@@ -62,7 +62,7 @@ def process(code: str, *arguments: str, folder: Path, **environment: str):
 
 COMMAND = "from clepsydra.cli import main; main()"
 #: What takes long to load, for tables, pictures and models of other libraries.
-UNUSED = {"jinja2", "matplotlib", "pandas", "pyarrow", "rich", "xarray", "control", "sympy"}
+UNUSED = {"jinja2", "matplotlib", "pandas", "pyarrow", "rich", "xarray", "control"}
 
 
 @pytest.fixture

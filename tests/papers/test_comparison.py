@@ -1,9 +1,9 @@
 """Verdicts follow from numbers alone."""
 
 import pytest
-from sympy import symbols
 
 from clepsydra.papers.printed import Printed, printed_number
+from clepsydra.papers.rational_function import symbols
 
 
 def line(text, **more):

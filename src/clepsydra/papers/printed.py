@@ -6,12 +6,10 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
+from clepsydra.papers.formula import read_formula
+from clepsydra.papers.rational_function import RationalFunction, exact
 from clepsydra.papers.row import Row, Verdict, joined
-
-if TYPE_CHECKING:
-    from sympy import Expr
 
 #: What the document itself says elsewhere, in words, and whether it holds.
 Evidence = tuple[str, bool]
@@ -69,7 +67,7 @@ class Printed:
     name : str
         What it is: "IAE of C, constant outflow, by hand". No two of one place have one name.
     text : str
-        As printed: a number with all its digits, a formula for SymPy, or words.
+        As printed: a number with all its digits, a formula as `read_formula` takes it, or words.
     unit : str
     digits : int, optional
         Significant digits, where the print leaves out trailing zeros.
@@ -165,30 +163,33 @@ class Printed:
         difference = None if are_zero else _difference(float(computed), number.value)
         return replace(row, printed=number.value, difference=difference)
 
-    def formula(self, computed: Expr, *, names: Mapping[str, Expr] | None = None) -> Row:
+    def formula(
+        self,
+        computed: RationalFunction | int,
+        *,
+        names: Mapping[str, RationalFunction] | None = None,
+    ) -> Row:
         """Compare a printed formula with the one that follows from the document's equations.
 
         It is "reproduced" where the difference is zero for all values of its symbols, else a
         "misprint", since the derivation is the document's own. `names` are those of the print that
-        are not those of the computed symbols.
+        mean other symbols of the derivation.
 
         Examples
         --------
-        >>> from sympy import symbols
+        >>> from clepsydra.papers.rational_function import symbols
         >>> s, k = symbols("s K_p2")
         >>> Printed("(52)", "V loop", "K_p2/(s + K_p2)").formula(1 / (1 + s / k)).verdict
         'reproduced'
         """
-        from sympy import simplify
-        from sympy.parsing.sympy_parser import parse_expr
-
-        known = {symbol.name: symbol for symbol in computed.free_symbols} | dict(names or {})
-        same = simplify(parse_expr(self.text, known) - computed) == 0
+        same = read_formula(self.text, names) == exact(computed)
         if not same and not self.note:
             raise ValueError(f"{self.place}, {self.name}: the formula differs, and has no reason")
         return self._row("reproduced" if same else "misprint", str(computed))
 
-    def formula_in(self, cases: Iterable[tuple[Expr, Mapping[str, Expr]]]) -> Row:
+    def formula_in(
+        self, cases: Iterable[tuple[RationalFunction, Mapping[str, RationalFunction]]]
+    ) -> Row:
         """Compare one printed formula in several cases, each with what its names mean there.
 
         The row shows one that differs, if any does, and else the first.

@@ -5,13 +5,11 @@ from __future__ import annotations
 import csv
 from collections.abc import Mapping
 from importlib import resources
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from clepsydra.papers.printed import Printed
+from clepsydra.papers.rational_function import RationalFunction
 from clepsydra.papers.row import Row
-
-if TYPE_CHECKING:
-    from sympy import Expr
 
 
 class PrintedTable(dict[tuple[str, str], Printed]):
@@ -34,7 +32,7 @@ class PrintedTable(dict[tuple[str, str], Printed]):
         """Compare the numbers of a place by name, whose notes say what they come from."""
         return [self[place, name].compared(float(value)) for name, value in computed.items()]
 
-    def formulas(self, place: str, computed: Mapping[str, Expr]) -> list[Row]:
+    def formulas(self, place: str, computed: Mapping[str, RationalFunction | int]) -> list[Row]:
         """Compare the formulas of a place by name, whose notes say what they follow from."""
         return [self[place, name].formula(value) for name, value in computed.items()]
 

@@ -2,23 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from fractions import Fraction
+from typing import NamedTuple
 
-from sympy import (
-    Expr,
-    Matrix,
-    Poly,
-    Rational,
-    denom,
-    expand,
-    limit,
-    re,
-    roots,
-    simplify,
-    solve,
-    symbols,
-    together,
-)
+import numpy as np
 
 from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.symbols import (
@@ -37,10 +24,12 @@ from clepsydra.papers.averaging_tank.symbols import (
     s,
 )
 from clepsydra.papers.document import Found
+from clepsydra.papers.exact_matrix import inverse, with_values
 from clepsydra.papers.printed_table import entries
+from clepsydra.papers.rational_function import RationalFunction, symbols
 from clepsydra.papers.row import Row, Rows
 
-_A = symbols("A")
+(_A,) = symbols("A")
 _STRUCTURE = "Taken from the print, chosen and not computed: by (49) T11 alone compensates."
 #: The elements of T by row and column, as (40) names them.
 _ELEMENTS = {(0, 0): "T12", (0, 1): "T22", (1, 0): "T11", (1, 1): "T21"}
@@ -74,8 +63,7 @@ def run() -> Found:
     """Return the rows on the loops in symbols."""
     for section in _SECTIONS:
         G = plant(section.variant).transfer
-        gains = G.multiply_elementwise(G.inv().T).applyfunc(simplify)
-        yield from PRINTED.compared(section.rga, entries("RGA", gains))
+        yield from PRINTED.compared(section.rga, entries("RGA", G * inverse(G).T))
     yield from _decoupler()
     for section in _SECTIONS:
         yield from _plain(section, section.p, K1, K2)
@@ -86,10 +74,10 @@ def run() -> Found:
 
 def _decoupler() -> Rows:
     first, second, wanted = symbols("G_p11 G_p12 T_11")
-    (solved,) = solve(wanted * second + first, wanted)
+    solved = (wanted * second + first).root("T_11")
     T = decoupler("outflow")
     yield from PRINTED.formulas("(49)", {"T11": solved})
-    for ending, found in (("", T), (" at rest", T.subs(AT_REST))):
+    for ending, found in (("", T), (" at rest", with_values(T, AT_REST))):
         for (row, column), element in _ELEMENTS.items():
             line = PRINTED["(50)", f"{element}{ending} (row {row + 1}, column {column + 1})"]
             judged = line.formula(found[row, column])
@@ -97,39 +85,45 @@ def _decoupler() -> Rows:
             yield (judged if element == "T11" else judged.circular(_STRUCTURE))
 
 
-def _loops(section: _Section, first: Expr, second: Expr) -> tuple[Any, Any]:
+def _loops(
+    section: _Section, first: RationalFunction, second: RationalFunction
+) -> tuple[np.ndarray, np.ndarray]:
     return closed_loop(section.variant, controller(first, section.sign * second))
 
 
-def _steady_state(error: Any) -> Any:
-    """Return the limits s → 0 of s G_E A / s."""
-    return error.applyfunc(lambda entry: limit(entry * _A, s, 0))
+def _steady_state(error: np.ndarray) -> np.ndarray:
+    """Return the limits s → 0 of s G_E A / s: a bounded entry, reduced, is continuous there."""
+    return with_values(error * _A, {"s": 0})
 
 
-def _stability(place: str, closed: Any, sign: int) -> Row:
+def _stability(place: str, closed: np.ndarray, sign: int) -> Row:
     """Judge "stable if", for positive parameters or for a K_p2 of the other sign."""
-    parts = [expand(denom(together(closed[i, i]))) for i in range(2)]
+    parts = [closed[i, i].denominator for i in range(2)]
     if sign > 0:
         # Of first or second order: stable where all coefficients agree in sign.
-        coefficients = [Poly(part, s).all_coeffs() for part in parts]
-        stable = all(len(each) <= 3 and all(k.is_positive for k in each) for each in coefficients)
+        stable = all(
+            max(part.exponents("s")) <= 2 and all(k > 0 for k in part.terms.values())
+            for part in parts
+        )
         found = "stable for positive parameters"
     else:
-        example = {K2: -1, Ti2: 1, Td2: Rational(1, 10)}
-        (right, *_) = sorted((re(r) for r in roots(Poly(parts[1].subs(example), s))), reverse=True)
-        stable, found = bool(right <= 0), f"pole at {float(right):.3g} for K_p2 = -1"
+        example = {"K_p2": -1, "T_i2": 1, "T_d2": Fraction(1, 10)}
+        of_example = RationalFunction(parts[1]).with_values(example).numerator
+        coefficients = [float(each.value) for each in of_example.all_coefficients("s")]
+        right = max(np.roots(coefficients).real)
+        stable, found = bool(right <= 0), f"pole at {right:.3g} for K_p2 = -1"
     line = PRINTED[place, f"stability, {place}"].told(first=parts[0], second=parts[1])
     return line.claimed(stable, found)
 
 
-def _plain(section: _Section, places: tuple[str, str, str], *loops: Expr) -> Rows:
+def _plain(section: _Section, places: tuple[str, str, str], *loops: RationalFunction) -> Rows:
     """Judge loops without derivative action: closed, their stability, error and steady state."""
     closed, error = _loops(section, *loops)
-    if section.sign < 0 and not closed[1, 1].has(Ti2):
+    if section.sign < 0 and "T_i2" not in closed[1, 1].symbols:
         # The -1 of f_out is left out here, to be found missing.
         bare, _ = closed_loop("inflow", controller(K1, K2))
-        (pole,) = solve(denom(together(bare[1, 1])), s)
-        holds = bool(pole.subs(K2, -K2).is_negative and pole.is_positive)
+        pole = RationalFunction(bare[1, 1].denominator).root("s")
+        holds = pole == K2  # above zero for positive gains, below it for negative ones
         yield from PRINTED.formulas(places[0], entries("GCL", bare))
         without = PRINTED[places[0], "stability without the gain of -1"]
         yield without.claimed(holds, f"pole at s = {pole}")
@@ -153,5 +147,5 @@ def _derivative(section: _Section) -> Rows:
     yield from PRINTED.formulas(place, loops)
     yield _stability(place, closed, section.sign)
     yield PRINTED[place, f"steady state, {place}"].claimed(
-        _steady_state(error) == Matrix.zeros(2, 2), "zero in both loops"
+        not np.any(_steady_state(error) != 0), "zero in both loops"
     )

@@ -5,13 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from sympy import Derivative, Function, Matrix, symbols
 
 from clepsydra.linear.analysis import analyse
 from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.symbols import AT_REST, VARIANTS, Variant, plant
 from clepsydra.papers.document import Found
+from clepsydra.papers.exact_matrix import with_values
 from clepsydra.papers.printed_table import entries
+from clepsydra.papers.rational_function import symbol, symbols
 from clepsydra.papers.row import Row, Rows
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
@@ -50,12 +51,11 @@ def numbers(constant: Variant) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _balances() -> Rows:
-    t = symbols("t")
-    C, V = Function("C")(t), Function("V")(t)
-    inflow, outflow, inlet = symbols("f_in f_out C_in")
-    product = Derivative(V * C, t).doit()
-    mixed = product.subs(Derivative(V, t), inflow - outflow)
+    C, V, inflow, outflow, inlet = symbols("C(t) V(t) f_in f_out C_in")
+    dC, dV = (symbol(f"Derivative({each}, t)") for each in (C, V))
+    product = (V * C).derivative(str(C)) * dC + (V * C).derivative(str(V)) * dV
     volume_balance = inflow - outflow
+    mixed = product.with_values({str(dV): volume_balance})
     solved = (inflow * inlet - outflow * C - volume_balance * C) / V
     for place, name, found in (
         ("(3)", "left side", product), ("(4)", "left side", mixed), ("(6)", "dC/dt", solved),
@@ -69,12 +69,12 @@ def _evaporation() -> Row:
     C, V, inflow, outflow, inlet, z = symbols("C V f_in f_out C_in z")
     of_volume = inflow - outflow - z
     of_concentration = (inflow * inlet - outflow * C - of_volume * C) / V
-    at_rest = dict(zip((C, V), symbols("C_0 V_0"), strict=True))
+    at_rest = dict(zip("CV", symbols("C_0 V_0"), strict=True))
     volume, concentration = (
-        z * rate.diff(z).subs(at_rest) for rate in (of_volume, of_concentration)
+        z * rate.derivative("z").with_values(at_rest) for rate in (of_volume, of_concentration)
     )
     return PRINTED["section 3.1", "evaporation z(t)"].claimed(
-        volume.diff(z) != 0, f"dV/dt by {volume}, dC/dt by {concentration}"
+        volume.derivative("z") != 0, f"dV/dt by {volume}, dC/dt by {concentration}"
     )
 
 
@@ -97,8 +97,8 @@ def _linear_model() -> Rows:
         ("(34)", entries("A", inflow_constant.A) | entries("B", inflow_constant.B)),
         ("(45)", entries("Gp", by)),
         ("(63)", entries("Gp", inflow_constant.transfer)),
-        ("(46)", entries("Gp at rest ", by.subs(AT_REST))),
-        ("(64)", entries("Gp at rest ", inflow_constant.transfer.subs(AT_REST))),
+        ("(46)", entries("Gp at rest ", with_values(by, AT_REST))),
+        ("(64)", entries("Gp at rest ", with_values(inflow_constant.transfer, AT_REST))),
     ):
         yield from PRINTED.formulas(place, found)
 
@@ -120,7 +120,7 @@ def _controllability() -> Rows:
     variants = tuple(zip(("(94)", "(96)"), VARIANTS, strict=True))
     for place, variant in variants:
         found = plant(variant)
-        matrix = Matrix.hstack(found.B, found.A * found.B)
+        matrix = np.hstack([found.B, found.A @ found.B])
         yield from PRINTED.formulas(place, entries("M", matrix))
     A, _ = numbers("outflow")
     flat = (

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from clepsydra.linear.static_gain import static_gain
 from clepsydra.papers.document import Found
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.six_designs import GAIN, MINUTE, TANKS, chain
+from clepsydra.papers.rational_function import RationalFunction, symbols
 from clepsydra.papers.row import Rows
 
 _DIAMETER, _TIME, _AREA, _K1 = PRINTED.numbers(
@@ -56,29 +55,25 @@ def _transfer_function() -> Rows:
 
 
 def _formulas() -> Rows:
-    from sympy import solve, symbols
+    s, T, K1, h = symbols("s T K_1 h")
+    inflow, second_inflow, first_level = symbols("q_I q_2I h_1")
+    F = T * K1
 
-    s, T, K1, F = symbols("s T K_1 F", positive=True)
-    inflow, outflow, level = symbols("q_I q_O h")
-    second_inflow, first_level = symbols("q_2I h_1")
+    def outflow(level: RationalFunction) -> RationalFunction:
+        return K1 * level
 
-    def tank(into: Any) -> dict[Any, Any]:
-        """Solve equations (2) of one tank for its level and outflow."""
-        found = solve(
-            [F * s * level - (into - outflow), outflow - K1 * level], [level, outflow], dict=True
-        )[0]
-        return {name: value.subs(F, T * K1) for name, value in found.items()}
+    def level(into: RationalFunction) -> RationalFunction:
+        """Solve equations (2) of one tank for its level."""
+        return (F * s * h - (into - outflow(h))).root("h")
 
-    first = tank(inflow)
-    last, into = first, inflow
-    for _ in range(TANKS):
-        last = tank(into)
-        into = last[outflow]
+    last = level(inflow)
+    for _ in range(TANKS - 1):
+        last = level(outflow(last))
     found = {
-        ("(3)", "level over inflow of a tank"): first[level] / inflow,
-        ("(4)", "level of tank 1"): first[level],
-        ("(5)", "level of tank 2"): tank(second_inflow)[level],
-        ("(5)", "level of tank 2 by that of tank 1"): tank(K1 * first_level)[level],
-        ("(6), (7)", "level of tank n over inflow of tank 1, n = 8"): last[level] / inflow,
+        ("(3)", "level over inflow of a tank"): level(inflow) / inflow,
+        ("(4)", "level of tank 1"): level(inflow),
+        ("(5)", "level of tank 2"): level(second_inflow),
+        ("(5)", "level of tank 2 by that of tank 1"): level(outflow(first_level)),
+        ("(6), (7)", "level of tank n over inflow of tank 1, n = 8"): last / inflow,
     }
     yield from (PRINTED[line].formula(value) for line, value in found.items())

@@ -18,6 +18,7 @@ from clepsydra.designs.polynomial.two_degree_of_freedom import (
 from clepsydra.papers.document import Found
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.six_designs import PENALTIES, POLES, SIX, printed_model
+from clepsydra.papers.rational_function import RationalFunction, square_root, symbols
 from clepsydra.papers.row import Row, Rows
 
 #: What the numerical roots leave of rounding.
@@ -65,24 +66,21 @@ def _counts() -> Rows:
 
 
 def _feedforward() -> Row:
-    from sympy import solve, symbols
-
     S, B, R, D, back = symbols("S B R D x")
     # S (1 − x) + B R = D at x = 1.
-    left = (S * (1 - back) + B * R).subs(back, 1)
-    (solution,) = solve(left - D, R)
+    left = (S * (1 - back) + B * R).with_values({"x": 1})
+    solution = (left - D).root("R")
     return PRINTED["(24)", "r0"].stated(f"{solution} at z = 1", solution == D / B)
 
 
 def _poles() -> Rows:
-    from sympy import I, Poly, expand, symbols
-
-    z, a, b, c = symbols("z alpha beta gamma", real=True)
+    z, a, b, c = symbols("z alpha beta gamma")
+    i = square_root(-1)
     for place, product_of in (
         ("(31)", (z - a) * (z - b) * (z - c)),
-        ("(33)", (z - a - I * b) * (z - a + I * b) * (z - c)),
+        ("(33)", (z - a - i * b) * (z - a + i * b) * (z - c)),
     ):
-        found = Poly(expand(product_of), z).all_coeffs()[1:]
+        found = map(RationalFunction, product_of.numerator.all_coefficients("z")[1:])
         names = ("d1", "d2", "d3")
         yield from PRINTED.formulas(place, dict(zip(names, found, strict=True)))
 

@@ -7,7 +7,6 @@ not printed, so that no row judges these; what the command finds is in `second_o
 from __future__ import annotations
 
 import numpy as np
-from sympy import Expr, Function, Poly, symbols
 
 from clepsydra.identification.arx import fit_arx, fits_by_delay
 from clepsydra.papers.document import Found
@@ -21,6 +20,7 @@ from clepsydra.papers.eight_tanks.six_designs import (
     printed_model,
     sampled_chain,
 )
+from clepsydra.papers.rational_function import RationalFunction, exact, symbol, symbols
 from clepsydra.papers.row import Row, Rows
 
 #: Terms of a series in z^-1 that are compared.
@@ -67,18 +67,25 @@ def _held_chain() -> Row:
 def _second_order() -> Rows:
     """Write (10) with the operator x = z^-1 as an equation of samples, and with d = 5."""
     x, z, k, d, a1, a2, b1, b2 = symbols("x z k d a1 a2 b1 b2")
-    y, u, noise = Function("y"), Function("u"), Function("e_s")
     A, B = 1 + a1 * x + a2 * x**2, b1 * x + b2 * x**2
 
-    def moved(operator: Expr, signal: Function, late: Expr) -> Expr:
-        terms = Poly(operator, x).terms()
-        return sum(factor * signal(k - power - late) for (power,), factor in terms)
+    def moved(
+        operator: RationalFunction, signal: str, late: RationalFunction | int
+    ) -> RationalFunction:
+        terms = operator.numerator.coefficients("x").items()
+        return sum(
+            (
+                RationalFunction(factor) * symbol(f"{signal}({k - power - late})")
+                for power, factor in terms
+            ),
+            start=exact(0),
+        )
 
-    predicted = moved(B, u, d) - moved(A - 1, y, 0 * d)
-    yield PRINTED["(13)", "y(k)"].formula(predicted + noise(k))
+    predicted = moved(B, "u", d) - moved(A - 1, "y", 0)
+    yield PRINTED["(13)", "y(k)"].formula(predicted + symbol("e_s(k)"))
     yield PRINTED["(15)", "predicted output"].formula(predicted)
     yield PRINTED["(18)", "model with five steps of delay"].formula(
-        (B / A * x**PRINTED_D).subs(x, 1 / z)
+        (B / A * x**PRINTED_D).with_values({"x": 1 / z})
     )
 
 

@@ -22,6 +22,7 @@ from clepsydra.papers.eight_tanks.six_designs import (
     sampled_chain,
 )
 from clepsydra.papers.figure import Curve, Figure, Panel, curves
+from clepsydra.papers.rational_function import symbols
 from clepsydra.papers.row import Rows
 
 _STEP = 0.04  # [m³/min]
@@ -71,12 +72,10 @@ def _coefficients() -> Rows:
 
 
 def _gain() -> Rows:
-    from sympy import symbols
-
     b1, b2, a1, a2, back = symbols("b1 b2 a1 a2 x")
-    formula = ((b1 * back + b2 * back**2) / (1 + a1 * back + a2 * back**2) * back**5).subs(back, 1)
+    model = (b1 * back + b2 * back**2) / (1 + a1 * back + a2 * back**2) * back**5
     low, high = _gain_range()
-    yield PRINTED["(20)", "static gain of (18)"].formula(formula)
+    yield PRINTED["(20)", "static gain of (18)"].formula(model.with_values({"x": 1}))
     gain = printed_model().static_gain
     line = PRINTED["(21)", "static gain, the same as in (8)"].told(low=low, high=high)
     yield line.compared(gain, tolerance=(high - low) / 2.0 / gain)

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from clepsydra.linear.relative_gain_array import relative_gain_array
 from clepsydra.linear.static_gain import static_gain
 from clepsydra.linear.zeros import zeros
 from clepsydra.papers.document import Found
+from clepsydra.papers.exact_matrix import (
+    determinant,
+    identity,
+    inverse,
+    jacobian,
+    matrix,
+    with_values,
+)
 from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     MINIMUM,
@@ -18,6 +24,7 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     course_model,
 )
 from clepsydra.papers.printed_table import entries
+from clepsydra.papers.rational_function import RationalFunction, square_root, symbols
 from clepsydra.papers.row import Rows
 
 
@@ -27,58 +34,50 @@ def run() -> Found:
 
 
 def _linear_model() -> Rows:
-    import sympy as sp
-
-    A, a, h = (sp.symbols(f"{name}_1:5", positive=True) for name in "Aah")
-    T = sp.symbols("T_1:5", positive=True)
-    gamma, k, u = (sp.symbols(f"{n}_1:3", positive=True) for n in ("gamma", "k", "u"))
-    g, kc, s = sp.Symbol("g", positive=True), sp.Symbol("k_c", positive=True), sp.Symbol("s")
-    out = [a[i] * sp.sqrt(2 * g * h[i]) for i in range(4)]
+    A, a, h, T = (symbols(f"{x}_1 {x}_2 {x}_3 {x}_4") for x in "AahT")
+    gamma, k, u = (symbols(f"{name}_1 {name}_2") for name in ("gamma", "k", "u"))
+    g, kc, s = symbols("g k_c s")
+    out = [a[i] * square_root(2 * g * h[i]) for i in range(4)]
     # (4), the balances of the four tanks
-    rates = sp.Matrix(
-        [
-            (-out[0] + out[2] + gamma[0] * k[0] * u[0]) / A[0],
-            (-out[1] + out[3] + gamma[1] * k[1] * u[1]) / A[1],
-            (-out[2] + (1 - gamma[1]) * k[1] * u[1]) / A[2],
-            (-out[3] + (1 - gamma[0]) * k[0] * u[0]) / A[3],
-        ]
-    )
-    state = rates.jacobian(sp.Matrix(h))
-    inputs = rates.jacobian(sp.Matrix(u))
-    times = [
-        (sp.simplify(-1 / state[i, i]), {"A_1": A[i], "a_1": a[i], "h_1": h[i]}) for i in range(4)
+    rates = [
+        (-out[0] + out[2] + gamma[0] * k[0] * u[0]) / A[0],
+        (-out[1] + out[3] + gamma[1] * k[1] * u[1]) / A[1],
+        (-out[2] + (1 - gamma[1]) * k[1] * u[1]) / A[2],
+        (-out[3] + (1 - gamma[0]) * k[0] * u[0]) / A[3],
     ]
-    state = sp.simplify(state.subs({a[i]: A[i] / T[i] * sp.sqrt(2 * h[i] / g) for i in range(4)}))
+    state, inputs = jacobian(rates, h), jacobian(rates, u)
+    times = [(-1 / state[i, i], {"A_1": A[i], "a_1": a[i], "h_1": h[i]}) for i in range(4)]
+    holes = {str(a[i]): A[i] / T[i] * square_root(2 * h[i] / g) for i in range(4)}
+    state = with_values(state, holes)
     matrices = entries("A, row {}, column {}", state) | entries("B, row {}, column {}", inputs)
-    show = sp.Matrix([[kc, 0, 0, 0], [0, kc, 0, 0]])
-    G = (show * (s * sp.eye(4) - state).inv() * inputs).applyfunc(sp.factor)
-    determinant = sp.factor(G.det())
-    plugged = {a[0]: 0, a[1]: 0, a[2]: 0, a[3]: 0, gamma[0]: 1, gamma[1]: 1}
+    show = matrix([[kc, 0, 0, 0], [0, kc, 0, 0]])
+    G = show @ inverse(identity(4) * s - state) @ inputs
+    plugged = {str(symbol): 0 for symbol in a} | {str(symbol): 1 for symbol in gamma}
     by_place = {
         "(9)": {name: value for name, value in matrices.items() if value != 0},
         "(11)": entries("g", G),
         "(21)": {
-            f"rise of tank {i + 1} with its holes closed": rates[i].subs(plugged) for i in (0, 1)
+            f"rise of tank {i + 1} with its holes closed": rates[i].with_values(plugged)
+            for i in (0, 1)
         },
-        "(12)": {f"det G, {line} line": determinant for line in ("first", "second")},
+        "(12)": {f"det G, {line} line": determinant(G) for line in ("first", "second")},
         **_array(G),
     }
     yield PRINTED["(10)", "T_i"].formula_in(times)
     yield from (row for place, found in by_place.items() for row in PRINTED.formulas(place, found))
 
 
-def _array(G: Any) -> dict[str, dict[str, Any]]:
+def _array(G: np.ndarray) -> dict[str, dict[str, RationalFunction]]:
     """Return the relative gains of G by the place and name of their formulas."""
-    import sympy as sp
-
-    g = sp.Matrix(2, 2, sp.symbols("g_11 g_12 g_21 g_22"))
-    array = sp.simplify(g.multiply_elementwise(g.inv().T))
-    at_rest = array[0, 0].subs(dict(zip(g, G, strict=True))).subs(sp.Symbol("s"), 0)
+    names = "g_11 g_12 g_21 g_22"
+    g = matrix(symbols(names)).reshape(2, 2)
+    array = g * inverse(g).T
+    of_gains = array[0, 0].with_values(dict(zip(names.split(), G.flat, strict=True)))
     return {
         "(15)": entries("RGA, row {}, column {}", array),
         "(16)": {"λ": array[0, 0]},
         "(17)": {"RGA, entry beside λ": array[0, 1]},
-        "(18)": {"λ at s = 0": sp.factor(at_rest)},
+        "(18)": {"λ at s = 0": of_gains.with_values({"s": 0})},
     }
 
 

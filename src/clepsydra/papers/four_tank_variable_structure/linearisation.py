@@ -1,46 +1,44 @@
 """Sections 2 and 3 in symbols: balances, Lie derivatives, decoupling and what (10) leaves.
 
 What is computed comes from the equations of the process that is simulated, and from the Lie
-derivatives that the controller is made of, turned into SymPy.
+derivatives that the controller is made of, turned into exact expressions.
 """
 
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
 
 from clepsydra.linear.relative_degree import VectorRelativeDegree, relative_degree
 from clepsydra.papers.document import Found
+from clepsydra.papers.exact_matrix import determinant, diagonal, inverse, jacobian, matrix
 from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.rig import at_target
-from clepsydra.papers.four_tank_variable_structure.symbolic import to_sympy
+from clepsydra.papers.four_tank_variable_structure.symbolic import exactly
 from clepsydra.papers.printed_table import entries
+from clepsydra.papers.rational_function import RationalFunction, exact, square_root, symbols
 from clepsydra.papers.row import Rows
-
-if TYPE_CHECKING:
-    import casadi as ca
-    from sympy import Expr, Matrix
 
 
 class Derived:
     """The symbols of the document, and what the program's equations are in them."""
 
     def __init__(self) -> None:
-        from sympy import Integer, symbols
-
-        self.g = symbols("g", positive=True)
-        self.A = symbols("A1:5", positive=True)
-        self.a = symbols("a1:5", positive=True)
-        self.h = symbols("h1:5", positive=True)
-        self.gamma = symbols("gamma1:3", positive=True)
-        self.k = symbols("k1:3", positive=True)
-        self.v = symbols("v1:3", positive=True)
+        (self.g,) = symbols("g")
+        self.A = symbols("A1 A2 A3 A4")
+        self.a = symbols("a1 a2 a3 a4")
+        self.h = symbols("h1 h2 h3 h4")
+        self.gamma = symbols("gamma1 gamma2")
+        self.k = symbols("k1 k2")
+        self.v = symbols("v1 v2")
         self.linearised: VectorRelativeDegree = relative_degree(at_target().model)
         equations = self.linearised.equations
-        self.names: dict[str, Any] = {"gravity": self.g}
+        self.names: dict[str, RationalFunction] = {"gravity": self.g}
         for known, named in ((equations.state, self.h), (equations.moved, self.v)):
             self.names |= {known[place].name(): symbol for place, symbol in enumerate(named)}
-        one, zero = Integer(1), Integer(0)
+        one, zero = exact(1), exact(0)
         for j, (area, hole) in enumerate(zip(self.A, self.a, strict=True), start=1):
             # Below its rim a tank loses nothing over it, and the document controls the levels
             # themselves, not what sensors show.
@@ -53,33 +51,29 @@ class Derived:
         self.names |= {"splitter_1_tank_1": g1, "splitter_2_tank_2": g2}
         self.names |= {"splitter_1_tank_4": 1 - g1, "splitter_2_tank_3": 1 - g2}
 
-    def sympy(self, expression: ca.SX) -> list[Expr]:
+    def exactly(self, expression: ca.SX) -> list[RationalFunction]:
         """Return a CasADi vector in the document's symbols."""
-        return to_sympy(expression, self.names)
+        return exactly(expression, self.names)
 
     @cached_property
-    def rates(self) -> list[Expr]:
+    def rates(self) -> list[RationalFunction]:
         """dh/dt of the process."""
-        return self.sympy(self.linearised.equations.rates)
+        return self.exactly(self.linearised.equations.rates)
 
     @cached_property
-    def L(self) -> list[Expr]:
+    def L(self) -> list[RationalFunction]:
         """L of the controller."""
-        return self.sympy(self.linearised.drift)
+        return self.exactly(self.linearised.drift)
 
     @cached_property
-    def E(self) -> Matrix:
+    def E(self) -> np.ndarray:
         """E of the controller."""
-        from sympy import Matrix
-
-        return Matrix([self.sympy(self.linearised.decoupling[j, :].T) for j in range(2)])
+        return matrix([self.exactly(self.linearised.decoupling[j, :].T) for j in range(2)])
 
     @property
-    def out(self) -> list[Expr]:
+    def out(self) -> list[RationalFunction]:
         """What leaves each tank."""
-        from sympy import sqrt
-
-        return [a * sqrt(2 * self.g * h) for a, h in zip(self.a, self.h, strict=True)]
+        return [a * square_root(2 * self.g * h) for a, h in zip(self.a, self.h, strict=True)]
 
 
 def run() -> Found:
@@ -89,13 +83,11 @@ def run() -> Found:
 
 
 def _balances(s: Derived) -> Rows:
-    from sympy import symbols
-
     q_in, q_out = symbols("q_in q_out")
     (g1, _), (k1, _), (v1, v2), q = s.gamma, s.k, s.v, s.out
     # What tank 1 of the process has, with names for what enters and what leaves it.
-    of_tank_1 = (s.A[0] * s.rates[0]).expand().subs(q[0], q_out)
-    balance = (of_tank_1 - (q[2] + g1 * k1 * v1)).expand() + q_in
+    named = {"a1": s.a[0] * q_out / q[0]}
+    balance = (s.A[0] * s.rates[0]).with_values(named) - (q[2] + g1 * k1 * v1) + q_in
     balances = {"A dh/dt of a tank, read without a sign between its terms": balance}
     balances |= {f"A{j + 1} dh{j + 1}/dt": s.A[j] * s.rates[j] for j in range(4)}
     # u is [v1, v2] in section 3.
@@ -106,43 +98,40 @@ def _balances(s: Derived) -> Rows:
 
 
 def _decoupling(s: Derived) -> Rows:
-    from sympy import Matrix
-
     place, degrees = "section 3", s.linearised.degrees
     assert degrees[0] == degrees[1]
     formulas = {"L(x), first entry": s.L[0], "L(x), second entry": s.L[1]}
     formulas |= entries("E(x), row {}, column {}", s.E)
-    determinant = s.E.det()
-    regular = determinant != 0 and not determinant.has(*s.h)
+    of_E = determinant(s.E)
+    regular = of_E != 0 and of_E.symbols.isdisjoint(map(str, s.h))
     # A double integrator, r = 2, tells the general formulas apart.
-    x1, x2 = s.h[:2]
-    state, f, g = Matrix([x1, x2]), Matrix([x2, 0]), Matrix([0, 1])
-    squared = (Matrix([(Matrix([x1]).jacobian(state) * g)[0]]).jacobian(state) * g)[0]
-    mixed = (Matrix([(Matrix([x1]).jacobian(state) * f)[0]]).jacobian(state) * g)[0]
+    state = x1, x2 = s.h[:2]
+    f, g = matrix([x2, 0]), matrix([0, 1])
+
+    def lie(of: RationalFunction, field: np.ndarray) -> RationalFunction:
+        return (jacobian([of], state) @ field)[0]
+
+    squared, mixed = lie(lie(x1, g), g), lie(lie(x1, f), g)
     input_appears = PRINTED[place, "derivative in which the input appears"]
     input_appears = input_appears.told(squared=squared, mixed=mixed)
     yield from PRINTED.compared(place, {"relative degrees r1 = r2": degrees[0]})
     yield from PRINTED.formulas(place, formulas)
-    yield PRINTED[place, "determinant of E"].claimed(bool(regular), str(determinant))
-    yield input_appears.stated("y^(r) = L_f^r h + L_g L_f^(r−1) h u", bool(squared == mixed))
+    yield PRINTED[place, "determinant of E"].claimed(regular, str(of_E))
+    yield input_appears.stated("y^(r) = L_f^r h + L_g L_f^(r−1) h u", squared == mixed)
 
 
 def _new_inputs(s: Derived) -> Rows:
-    from sympy import Matrix, diag, simplify, symbols
-
-    nu, p, m0 = Matrix(symbols("nu1:3")), diag(*symbols("p1:3")), symbols("m0")
-    L, M = Matrix(s.L), Matrix([m0 * s.h[0], m0 * s.h[1]])
+    nu, p = matrix(symbols("nu1 nu2")), diagonal(symbols("p1 p2"))
+    m0, y, K_P, K_I, alpha, excess = symbols("m0 y K_P K_I alpha excess")
+    L, M = matrix(s.L), m0 * matrix(s.h[:2])
     for place, name, u in (
-        ("(9)", "Y under u = −E⁻¹ L + E⁻¹ ν", s.E.inv() * (nu - L)),
-        ("(12)", "Y under (10)", s.E.inv() * (p * nu - L - M)),
+        ("(9)", "Y under u = −E⁻¹ L + E⁻¹ ν", inverse(s.E) @ (nu - L)),
+        ("(12)", "Y under (10)", inverse(s.E) @ (p @ nu - L - M)),
     ):
-        outputs = enumerate(L + s.E * u)
-        cases = [
-            (simplify(entry), {"nu1": nu[j], "p1": p[j, j], "h1": s.h[j]}) for j, entry in outputs
-        ]
+        outputs = enumerate(L + s.E @ u)
+        cases = [(entry, {"nu1": nu[j], "p1": p[j, j], "h1": s.h[j]}) for j, entry in outputs]
         yield PRINTED[place, name].formula_in(cases)
-    closed = (p * nu - M)[0].subs(s.h[0], symbols("y"))
-    K_P, K_I, alpha, excess = symbols("K_P K_I alpha excess", positive=True)
+    closed = (p @ nu - M)[0].with_values({"h1": y})
     told = "; ".join(f"{K_I * (-alpha * excess / gain)} with {gain}" for gain in (K_I, K_P))
     yield from PRINTED.formulas("(11)", {"M1 as a sum up to n − 1": m0 * s.h[0]})
     yield from PRINTED.formulas("(13)", {"dy/dt for r = 1": closed})

@@ -1,41 +1,38 @@
-"""Equations of a process as SymPy expressions, as they are while every tank holds water."""
+"""Equations of a process as exact expressions, as they are while every tank holds water."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from fractions import Fraction
 
 import casadi as ca
 
-if TYPE_CHECKING:
-    from sympy import Expr
+from clepsydra.papers.rational_function import RationalFunction, exact, square_root
 
 
-def to_sympy(expression: ca.SX, names: Mapping[str, Any]) -> list[Expr]:
-    """Return a CasADi vector in SymPy, by the names of its symbols.
+def exactly(expression: ca.SX, names: Mapping[str, RationalFunction]) -> list[RationalFunction]:
+    """Return a CasADi vector exactly, by the names of its symbols.
 
     A level is above any number that it is compared with, the one below which the flow is
     laminar: the equations are those of tanks that hold water.
 
     Examples
     --------
-    >>> import sympy
+    >>> from clepsydra.papers.rational_function import symbol
     >>> x = ca.SX.sym("x")
-    >>> to_sympy(ca.sqrt(ca.fmax(x, 0.001)) + 2 * x**2, {"x": sympy.Symbol("h")})
-    [sqrt(h) + 2*h**2]
+    >>> exactly(ca.sqrt(ca.fmax(x, 0.001)) + 2 * x**2, {"x": symbol("h")})
+    [2*h**2 + sqrt(h)]
     """
-    import sympy
-
-    operations = {
+    operations: dict[int, Callable[..., RationalFunction]] = {
         ca.OP_ADD: lambda a, b: a + b,
         ca.OP_SUB: lambda a, b: a - b,
         ca.OP_MUL: lambda a, b: a * b,
         ca.OP_DIV: lambda a, b: a / b,
-        ca.OP_FMAX: lambda a, b: b if a.is_number else a,
-        ca.OP_LT: lambda a, b: sympy.Integer(not b.is_number),
-        ca.OP_LE: lambda a, b: sympy.Integer(not b.is_number),
+        ca.OP_FMAX: lambda a, b: a if a.symbols else b,
+        ca.OP_LT: lambda a, b: exact(bool(b.symbols)),
+        ca.OP_LE: lambda a, b: exact(bool(b.symbols)),
         ca.OP_IF_ELSE_ZERO: lambda a, b: a * b,
-        ca.OP_SQRT: sympy.sqrt,
+        ca.OP_SQRT: square_root,
         ca.OP_SQ: lambda a: a**2,
         ca.OP_NEG: lambda a: -a,
         ca.OP_INV: lambda a: 1 / a,
@@ -43,11 +40,15 @@ def to_sympy(expression: ca.SX, names: Mapping[str, Any]) -> list[Expr]:
         ca.OP_NOT: lambda a: 1 - a,
     }
 
-    def of(entry: ca.SX) -> Any:
+    def of(entry: ca.SX) -> RationalFunction:
         if entry.is_symbolic():
             return names[entry.name()]
         if entry.is_constant():
-            return sympy.nsimplify(float(entry), rational=True)
-        return operations[entry.op()](*(of(entry.dep(k)) for k in range(entry.n_dep())))
+            return exact(Fraction(repr(float(entry))))
+        first, *others = (entry.dep(place) for place in range(entry.n_dep()))
+        left = of(first)
+        if left == 0 and entry.op() in (ca.OP_MUL, ca.OP_IF_ELSE_ZERO):
+            return left  # nothing runs over a weir that is not there, whatever root it has
+        return operations[entry.op()](left, *map(of, others))
 
-    return [sympy.simplify(of(entry)) for entry in ca.vertsplit(ca.densify(expression))]
+    return [of(entry) for entry in ca.vertsplit(ca.densify(expression))]

@@ -7,18 +7,20 @@ experience, so that no row judges either.
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Any
+from fractions import Fraction
+from typing import Any
 
 import numpy as np
 
 from clepsydra.papers.document import Found
+from clepsydra.papers.exact_matrix import determinant, identity, inverse, jacobian, matrix
+from clepsydra.papers.formula import read_formula
+from clepsydra.papers.printed import Printed
+from clepsydra.papers.rational_function import symbols
 from clepsydra.papers.row import Row, Rows
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.linear_quadratic import SIZES, WEIGHT, quadratic_loop
 from clepsydra.papers.three_tanks.state_feedback import DISTANCES, placed_loop
-
-if TYPE_CHECKING:
-    from sympy import Matrix
 
 _LQC = "design of the LQC"
 #: Two sizes of a sensitivity are one [dB].
@@ -29,87 +31,78 @@ class Symbols:
     """A plant with three states and one input, its feedback, and the weights of its cost."""
 
     def __init__(self) -> None:
-        from sympy import Matrix, Symbol, eye, symbols
-
-        self.s, self.r = symbols("s r")
-        self.A = Matrix(3, 3, symbols("a11:14 a21:24 a31:34"))
-        self.B = Matrix(symbols("b1:4"))
-        self.K = Matrix([symbols("k1:4")])
-        self.X, self.u = Matrix(symbols("x1:4")), Matrix([symbols("u")])
+        (self.s,) = symbols("s")
+        self.A = matrix([symbols(f"a{row}1 a{row}2 a{row}3") for row in "123"])
+        self.B, self.X = (matrix(symbols(f"{x}1 {x}2 {x}3")).reshape(3, 1) for x in "bx")
+        self.K, self.u, self.R = (matrix([symbols(name)]) for name in ("k1 k2 k3", "u", "R"))
         self.P, self.Q = (
-            Matrix(3, 3, lambda i, j, name=name: Symbol(f"{name}{min(i, j)}{max(i, j)}"))
-            for name in "pq"
-        )
-        self.R = Matrix([Symbol("R", positive=True)])
+            matrix([symbols(f"{x}11 {x}12 {x}13"), symbols(f"{x}12 {x}22 {x}23"),
+                    symbols(f"{x}13 {x}23 {x}33")])
+            for x in "pq"
+        )  # fmt: skip
         self.names: dict[str, Any] = {
-            name: getattr(self, name) for name in ("s", "A", "B", "K", "X", "u", "P", "Q", "R")
+            name: getattr(self, name) for name in ("A", "B", "K", "X", "u", "P", "Q", "R")
         }
-        self.names |= {"I": eye(3), "det": lambda matrix: matrix.det()}
+        self.names |= {"I": identity(3)}
 
     @property
-    def slope(self) -> Matrix:
+    def slope(self) -> np.ndarray:
         """The rate of V = Xᵀ P X along dX/dt = A X + B u."""
-        moved = self.A * self.X + self.B * self.u
-        return moved.T * self.P * self.X + self.X.T * self.P * moved
+        moved = self.A @ self.X + self.B @ self.u
+        return moved.T @ self.P @ self.X + self.X.T @ self.P @ moved
 
     @property
-    def cost(self) -> Matrix:
+    def cost(self) -> np.ndarray:
         """What (7) integrates, and dV/dt: J less V(0) is its integral."""
-        return self.X.T * self.Q * self.X + self.u.T * self.R * self.u + self.slope
+        return self.X.T @ self.Q @ self.X + self.u.T @ self.R @ self.u + self.slope
 
     @property
-    def best(self) -> Matrix:
+    def best(self) -> np.ndarray:
         """The input with the least cost."""
-        from sympy import Matrix, solve
+        return matrix([[self.cost[0, 0].derivative("u").root("u")]])
 
-        (u,) = self.u
-        return Matrix(solve(self.cost[0].diff(u), u))
+    def judged(self, line: Printed, right: str, derived: Any) -> Row:
+        """Compare a printed formula with a derived one, which is said as `right` has it."""
+        assert self.are_equal(right, derived), right
+        return line.stated(right, self.are_equal(line.text, derived))
 
     def are_equal(self, text: str, derived: Any) -> bool:
         """Whether a printed formula is a derived one for all values of its symbols."""
-        from sympy import Matrix, expand
-        from sympy.parsing.sympy_parser import parse_expr
-
-        difference = Matrix([parse_expr(text, self.names) - derived])
-        return all(expand(each) == 0 for each in difference)
+        return not np.any(read_formula(text, self.names) != derived)
 
 
 def run() -> Found:
     """Derive what (5) to (7) rest on, and compare."""
-    from sympy import exp, sympify
-
-    symbols = Symbols()
-    gain, delay, lag = (sympify(PRINTED["two-point method", n].text) for n in ("Kp", "td", "τp"))
-    two_points = gain * exp(-delay * symbols.s) / (lag * symbols.s + 1)
-    yield PRINTED["(5)", "G(s)"].formula(two_points)
-    characteristic = (symbols.A - symbols.B * symbols.K).charpoly(symbols.s).as_expr()
+    of = Symbols()
+    gain, delay, lag = (PRINTED["two-point method", name].text for name in ("Kp", "td", "τp"))
+    two_points, printed = f"{gain}*exp(-{delay}*s)/({lag}*s + 1)", PRINTED["(5)", "G(s)"]
+    yield printed.stated(two_points, of.are_equal(printed.text, read_formula(two_points)))
+    characteristic = determinant(of.s * identity(3) - (of.A - of.B @ of.K))
     printed = PRINTED["(6)", "left side, whose roots are the closed-loop poles"]
-    yield printed.stated("det(s*I - A + B*K)", symbols.are_equal(printed.text, characteristic))
-    yield from (*_quadratic_cost(symbols), _weights(), _riccati(), _vector_margin())
+    yield of.judged(printed, "det(s*I - A + B*K)", characteristic)
+    yield from (*_quadratic_cost(of), _weights(), _riccati(), _vector_margin())
 
 
-def _quadratic_cost(symbols: Symbols) -> Rows:
-    from sympy import hessian
-
-    riccati = symbols.A.T * symbols.P + symbols.P * symbols.A + symbols.Q
-    riccati -= symbols.P * symbols.B * symbols.R.inv() * symbols.B.T * symbols.P
+def _quadratic_cost(of: Symbols) -> Rows:
+    riccati = of.A.T @ of.P + of.P @ of.A + of.Q
+    riccati = riccati - of.P @ of.B @ inverse(of.R) @ of.B.T @ of.P
     # With what (CARE) makes of Q the least cost is zero at every state.
-    weight = symbols.Q - riccati
-    least = symbols.cost.subs(symbols.u[0], symbols.best[0])
-    quadratic = hessian(least[0], list(symbols.X)) / 2
+    weight = of.Q - riccati
+    least = of.cost[0, 0].with_values({"u": of.best[0, 0]})
+    state = of.X[:, 0]
+    quadratic = jacobian(jacobian([least], state)[0], state) * Fraction(1, 2)
     for name, derived, right in (
         ("left side of the Riccati equation", quadratic, "A.T*P + P*A + Q - P*B*R**-1*B.T*P"),
         (
             "dV/dt with the Riccati equation",
-            symbols.slope,
+            of.slope,
             "(B.T*P*X + R*u).T*R**-1*(B.T*P*X + R*u) - (X.T*Q*X + u.T*R*u)",
         ),
-        ("control that minimises J", symbols.best, "-R**-1*B.T*P*X"),
+        ("control that minimises J", of.best, "-R**-1*B.T*P*X"),
     ):
-        printed = PRINTED[_LQC, name]
         if name.startswith("dV/dt"):
-            symbols.names["Q"] = weight
-        yield printed.stated(right, symbols.are_equal(printed.text, derived))
+            of.names["Q"] = weight
+        yield of.judged(PRINTED[_LQC, name], right, derived)
 
 
 def _weights() -> Row:
