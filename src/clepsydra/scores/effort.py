@@ -73,10 +73,11 @@ def travel(time: FloatArray, signal: FloatArray, low: float, high: float) -> flo
     0.0
     """
     span = high - low
-    position, way = float(signal[0]), 0.0
+    position, way, least = float(signal[0]), 0.0, RESOLUTION * span
     for value in _moved(signal):
-        if abs(value - position) > RESOLUTION * span:
-            way += abs(value - position)
+        step = abs(value - position)
+        if step > least:
+            way += step
             position = value
     return 100.0 * way / span / (float(np.sum(held_durations(time))) / _HOUR)
 

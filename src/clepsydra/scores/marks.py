@@ -25,10 +25,10 @@ def samples_of(time: FloatArray, segment: Segment, *, with_stop: bool = True) ->
     InputError
         The run has less than two samples of it.
     """
-    # Start and stop were computed as products with the sampling period, time perhaps not.
-    tolerance = 1e-6 * float(np.min(np.diff(time)))
-    first = int(np.searchsorted(time, segment.start - tolerance))
-    after = int(np.searchsorted(time, segment.stop + (tolerance if with_stop else -tolerance)))
+    start, stop = segment.start, segment.stop
+    first = int(np.searchsorted(time, start - _rounding(time, start)))
+    beyond = _rounding(time, stop) if with_stop else -_rounding(time, stop)
+    after = int(np.searchsorted(time, stop + beyond))
     if after - first < (2 if with_stop else 1):
         raise InputError(
             "segments",
@@ -37,6 +37,15 @@ def samples_of(time: FloatArray, segment: Segment, *, with_stop: bool = True) ->
             "lengthen the segment or the run",
         )
     return slice(first, after)
+
+
+def _rounding(time: FloatArray, instant: float) -> float:
+    """Return within which time of an instant a sample is the one at it [s].
+
+    Start and stop were computed as products with the sampling period, time perhaps not.
+    """
+    next_sample = min(max(int(np.searchsorted(time, instant)), 1), time.size - 1)
+    return 1e-6 * float(time[next_sample] - time[next_sample - 1])
 
 
 def marks(time: FloatArray, segments: Sequence[Segment]) -> dict[str, FloatArray]:
