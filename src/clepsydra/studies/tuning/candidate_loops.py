@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -41,7 +42,7 @@ class CandidateLoops:
         known = self._memory.sensitivities
         keys = [point.tobytes() for point in points]
         new = {key: point for key, point in zip(keys, points, strict=True) if key not in known}
-        loops = {key: self._loop(point) for key, point in new.items()}
+        loops = dict(zip(new, self._loops(list(new.values())), strict=True))
         known.update((key, math.inf) for key, loop in loops.items() if loop is None)
         made = {key: loop for key, loop in loops.items() if loop is not None}
         known.update(zip(made, sensitivity_peaks([*made.values()]), strict=True))
@@ -74,10 +75,18 @@ class CandidateLoops:
     def _swinging(self, point: np.ndarray) -> tuple[float, float]:
         key = point.tobytes()
         if key not in self._modes:
-            loop = self._loop(point)
+            (loop,) = self._loops([point])
             self._modes[key] = (-1.0, math.inf) if loop is None else (loop.damping, loop.decay)
         return self._modes[key]
 
-    def _loop(self, point: np.ndarray) -> SampledLoop | None:
-        values = self._space.controller_values(point)
-        return self.of.at(values) if all(map(math.isfinite, values.values())) else None
+    def _loops(self, points: Sequence[np.ndarray]) -> list[SampledLoop | None]:
+        """Return the loop at each point [p]; None where there is no controller."""
+        if not points:
+            return []
+        columns = self._space.values_at(np.array(points))
+        usable = np.all([np.isfinite(column) for column in columns.values()], axis=0)
+        own, rows = self._space.controller.values, zip(*columns.values(), strict=True)
+        return [
+            self.of.at({**own, **dict(zip(columns, row, strict=True))}) if there_is else None
+            for row, there_is in zip(rows, usable, strict=True)
+        ]
