@@ -34,7 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
     if arguments is None:
         # What is imported stays, and to look through it for garbage so often takes a while.
-        gc.set_threshold(100_000)
+        gc.set_threshold(500_000)
         atexit.register(gc.freeze)  # nor is it looked through at the end, when it all goes anyway
         _end_cleanly_by_signals()
         _say_warnings_in_words()

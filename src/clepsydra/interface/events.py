@@ -16,7 +16,6 @@ from clepsydra.interface.subject import Subject, plant_of
 from clepsydra.loop.default_scenario import segment_samples
 from clepsydra.loop.profile import Change as Change
 from clepsydra.loop.profile import read_assignment
-from clepsydra.loop.profile_csv import read_profile_csv
 
 if TYPE_CHECKING:
     from clepsydra.base.signal import Signal
@@ -177,6 +176,8 @@ def profile(path: str | Path, plant: Subject) -> list[Change]:
     InputError
         The file cannot be used, or a signal is none that moves a plant without a controller.
     """
+    from clepsydra.loop.profile_csv import read_profile_csv
+
     return read_profile_csv(path, plant_of(plant).process)
 
 

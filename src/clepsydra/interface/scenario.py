@@ -10,7 +10,6 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.words import time_text
 from clepsydra.interface.events import changes_of
 from clepsydra.interface.quantities import Quantity, read_time
-from clepsydra.loop.beginning import with_beginning
 from clepsydra.loop.default_scenario import MOST_SAMPLES, default_scenario, segment_samples
 from clepsydra.loop.profile import Change, samples_before
 from clepsydra.loop.scenario import Scenario, Segment, scenario_of_changes
@@ -69,6 +68,8 @@ def scenario_of(
     scenario = scenario_of_changes(plant.point, changes, samples, (), seed, begin)
     segments = _segments(changes, plant, samples)
     if begin is not None:
+        from clepsydra.loop.beginning import with_beginning
+
         end = samples * period
         segments = with_beginning(plant.process, begin, scenario.setpoints[0], segments, end)
     return replace(scenario, segments=tuple(segments))

@@ -15,18 +15,14 @@ from clepsydra.base.section import Section
 from clepsydra.controllers import controller as inner
 from clepsydra.interface.controller import AnyController, Controller, of_plant
 from clepsydra.interface.plant import Plant
-from clepsydra.interface.run import Run
 from clepsydra.interface.scenario import scenario_of
-from clepsydra.interface.scores import Scores
 from clepsydra.interface.shown import Answered, Told, lifted, screen
 from clepsydra.interface.subject import Subject, plant_of, read_subject
-from clepsydra.interface.tune import Tuned
 from clepsydra.loop.step_size import substeps_for
 from clepsydra.studies import result as results
 from clepsydra.studies.file.request import ControllerRequest, Maker, StudyRequest
 from clepsydra.studies.ranking import verdict
 from clepsydra.studies.recommendation import recommend
-from clepsydra.studies.single_precision import told_of_single_precision
 from clepsydra.studies.study import StudyProgress, controller_names, run_study
 
 if TYPE_CHECKING:
@@ -36,6 +32,8 @@ if TYPE_CHECKING:
     from clepsydra.interface.events import Events
     from clepsydra.interface.loop_settings import Settings
     from clepsydra.interface.quantities import Quantity
+    from clepsydra.interface.run import Run
+    from clepsydra.interface.tune import Tuned
 
 
 class Candidate(Told, results.Candidate):
@@ -349,6 +347,12 @@ def _made(controller: inner.Controller) -> Maker:
 
 
 def _of_plant(found: results.StudyResult, plant: Plant, accept: float, *, named: bool) -> Study:
+    # A first row needs none of these, nor what they load.
+    from clepsydra.interface.run import Run
+    from clepsydra.interface.scores import Scores
+    from clepsydra.interface.tune import Tuned
+    from clepsydra.studies.single_precision import told_of_single_precision
+
     ranking = tuple(
         lifted(
             Candidate,

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.loop.begin import Begin
 from clepsydra.loop.profile import Change, profiles_of
 from clepsydra.scores.segment import Segment as Segment
+
+if TYPE_CHECKING:
+    from clepsydra.loop.begin import Begin
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,6 @@ from clepsydra.studies.file.request import ControllerRequest, Maker, StudyReques
 from clepsydra.studies.ranking import Trial, rank, rule_of, verdict
 from clepsydra.studies.result import Candidate, StudyResult
 from clepsydra.studies.trial import trial_of
-from clepsydra.studies.tuning.tune import Progress, Search
 from clepsydra.studies.usual_tuning import usual_tunings
 from clepsydra.studies.warnings.out_of_reach import out_of_reach
 
@@ -30,6 +29,7 @@ if TYPE_CHECKING:
     from clepsydra.linear.linear_model import LinearModel
     from clepsydra.process.process import Process
     from clepsydra.studies.tuning.result import TuningResult
+    from clepsydra.studies.tuning.tune import Progress, Search
 
 #: Names of controllers that a refusal shows.
 _NAMES_SAID = 8
@@ -190,6 +190,8 @@ class _Study:
         self.trials.append(trial_of(controller, self.model, scenario, tuning))
 
     def _tuned(self, now: StudyProgress, run: Callable[[Search], TuningResult]) -> TuningResult:
+        from clepsydra.studies.tuning.tune import Search
+
         def tell(progress: Progress) -> None:
             words = f"{now.name}: {progress.stage}, {progress.evaluations} candidates"
             self.tell(now._replace(name=words))

@@ -1,4 +1,7 @@
-"""PI and PID control tuned by simulation, where nobody says for what and within which limits."""
+"""PI and PID control tuned by simulation, where nobody says for what and within which limits.
+
+A study knows by it what it will tune before it loads what tunes, which comes after its first rows.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +14,6 @@ import numpy as np
 
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.scores.effort import NOISE_MOVEMENT as MOVEMENT
-from clepsydra.studies.tuning.derivative_space import DerivativeSpace, with_derivative
-from clepsydra.studies.tuning.law_space import LawSpace
-from clepsydra.studies.tuning.parameters import settings_of
-from clepsydra.studies.tuning.tune import Search, tune
-from clepsydra.studies.usual_goal import NOISE_MOVEMENT, usual_goal
 
 if TYPE_CHECKING:
     from clepsydra.controllers.controller import Controller
@@ -25,6 +23,7 @@ if TYPE_CHECKING:
     from clepsydra.process.process import Process
     from clepsydra.studies.ranking import Trial
     from clepsydra.studies.tuning.result import TuningResult
+    from clepsydra.studies.tuning.tune import Search
 
 #: The design whose controller is tuned, and that of levels which average.
 _START, _AVERAGING_START = "PI, SIMC", "PI, arrest time"
@@ -83,6 +82,11 @@ class _TunedPi(UsualTuning):
     def run(
         self, controller: Controller, model: LinearModel, scenario: Scenario, search: Search
     ) -> TuningResult:
+        from clepsydra.studies.tuning.law_space import LawSpace
+        from clepsydra.studies.tuning.parameters import settings_of
+        from clepsydra.studies.tuning.tune import tune
+        from clepsydra.studies.usual_goal import usual_goal
+
         space = LawSpace(controller, settings_of(controller))
         return tune(space, usual_goal(controller, model, scenario), search)
 
@@ -94,6 +98,9 @@ class _TunedPid(UsualTuning):
     """
 
     def make(self, analysis: Analysis, model: LinearModel) -> Controller:
+        from clepsydra.studies.tuning.derivative_space import with_derivative
+        from clepsydra.studies.usual_goal import NOISE_MOVEMENT
+
         tried = self._tried()
         moved = [u for u in tried.run.process.inputs if u.name in tried.controller.manipulated]
         shares = [tried.scores.get(f"{MOVEMENT.key}[{u.name}]", 0.0) / u.span for u in moved]
@@ -107,6 +114,10 @@ class _TunedPid(UsualTuning):
     def run(
         self, controller: Controller, model: LinearModel, scenario: Scenario, search: Search
     ) -> TuningResult:
+        from clepsydra.studies.tuning.derivative_space import DerivativeSpace
+        from clepsydra.studies.tuning.tune import tune
+        from clepsydra.studies.usual_goal import usual_goal
+
         goal = usual_goal(controller, model, scenario)
         search = replace(search, generations=_GENERATIONS, front=())
         found = tune(DerivativeSpace.around(controller, scenario.sampling_period), goal, search)

@@ -16,7 +16,6 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.run import Run
 from clepsydra.scores.score_key import by_signal
-from clepsydra.studies.tuning.batch import BatchEvaluation
 
 #: An overshoot worth watching [% of the step].
 OVERSHOOT = 10.0
@@ -73,6 +72,8 @@ def _lower_weights(run: Run, model: LinearModel, outputs: list[str]) -> str:
     }
     if not own:
         return ""
+    from clepsydra.studies.tuning.batch import BatchEvaluation
+
     batch = BatchEvaluation(
         run.controller, model, run.scenario, [f"overshoot[{name}]" for name in outputs]
     )
