@@ -1,6 +1,7 @@
 """State feedback and the current observer against matrices, in every mode and at every fault."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -216,3 +217,10 @@ def test_an_observer_that_nobody_can_check_is_refused():
     yes, states = np.ones((41, 41), bool), tuple(Signal(f"x_{j}") for j in range(41))
     with refused(expected="1 to 40"):
         ObserverStructure(states, yes, yes[:, :1], yes[:1], yes[:, :1])
+
+
+def test_structures_with_numbers_in_the_same_places_are_one():
+    again = replace(STRUCTURE, transition=STRUCTURE.transition.copy())
+    assert again == STRUCTURE and hash(again) == hash(STRUCTURE)
+    assert replace(STRUCTURE, moved=~STRUCTURE.moved) != STRUCTURE
+    assert replace(STRUCTURE, estimated=STRUCTURE.estimated[::-1]) != STRUCTURE

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
@@ -27,7 +28,8 @@ class ObserverStructure:
     """What an observer estimates, and where its matrices may differ from zero.
 
     A number of a matrix that is always zero is no parameter of the law: eight tanks in series
-    have 8 × 8 numbers in Φ, of which half are zero.
+    have 8 × 8 numbers in Φ, of which half are zero. Structures of the same content are equal, so
+    that a search for gains, which finds other numbers at each try, writes its law once.
 
     Parameters
     ----------
@@ -59,6 +61,17 @@ class ObserverStructure:
                 f"1 to {MOST_ESTIMATES} quantities",
                 "estimate fewer states, or sample more slowly where dead time needs many",
             )
+
+    @cached_property
+    def _content(self) -> tuple[object, ...]:
+        places = self.transition, self.moved, self.shown, self.corrected
+        return self.estimated, *((each.shape, each.tobytes()) for each in places)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, ObserverStructure) and self._content == other._content
+
+    def __hash__(self) -> int:
+        return hash(self._content)
 
 
 _ESTIMATE = Key("estimate", "{x}", "expected deviation of {x} from the operating point")
