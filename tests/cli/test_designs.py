@@ -46,17 +46,16 @@ def test_what_depends_on_an_argument_says_so(command):
     assert "equalisation-tank: applies" in said
 
 
-@pytest.mark.parametrize("columns", ["80", "100"])
-def test_what_applies_is_answered_in_a_screen(command, monkeypatch, columns):
-    monkeypatch.setenv("COLUMNS", columns)
+def test_what_applies_is_answered_in_a_screen(command, at_widths):
     _, said, _ = command("designs", "--json", "quadruple-tank")
     applying = [each["name"] for each in json.loads(said)["designs"] if each["applies"]]
-    _, said, _ = command("designs", "quadruple-tank")
-    lines = said.splitlines()
-    assert len(lines) <= 25 and max(map(len, lines)) <= int(columns)
-    assert lines[0].startswith(f"{len(applying)} of ")
-    assert ", ".join(applying) in " ".join(said.split())
-    assert "regulator (regulator)" in " ".join(said.split())
+    told = at_widths("designs", "quadruple-tank")
+    for columns in (80, 100):
+        lines = told[columns].splitlines()
+        assert len(lines) <= 25 and max(map(len, lines)) <= columns
+        assert lines[0].startswith(f"{len(applying)} of ")
+        assert ", ".join(applying) in " ".join(told[columns].split())
+        assert "regulator (regulator)" in " ".join(told[columns].split())
 
 
 @pytest.mark.parametrize("columns", ["80", "100"])

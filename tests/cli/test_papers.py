@@ -55,13 +55,12 @@ def test_document_and_page_show_every_row_and_every_figure(command, monkeypatch)
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("columns", ["80", "100"])
-def test_a_document_is_judged_in_a_screen(command, monkeypatch, columns):
+def test_a_document_is_judged_in_a_screen(at_widths, monkeypatch):
     monkeypatch.setattr(os, "cpu_count", lambda: 1)
-    monkeypatch.setenv("COLUMNS", columns)
-    status, out, _ = command("papers", "three-tanks")
-    lines = [line.rstrip() for line in out.splitlines()]
-    assert status == 0 and len(lines) <= 25 and max(map(len, lines)) <= int(columns)
+    told = at_widths("papers", "three-tanks")
+    for columns in (80, 100):
+        lines = [line.rstrip() for line in told[columns].splitlines()]
+        assert len(lines) <= 25 and max(map(len, lines)) <= columns
 
 
 def test_an_unknown_document_is_refused_with_the_names_that_there_are(command):

@@ -37,15 +37,14 @@ def test_a_step_is_told_and_written(simulated, tmp_path):
     assert (table["pump_1"][59], table["pump_1"][60], len(table)) == (3.0, 3.5, 721)
 
 
-@pytest.mark.parametrize("columns", ["80", "100"])
 @pytest.mark.parametrize("name", ["quadruple-tank", "wet-well", "eight-tanks"])
-def test_it_answers_in_a_screen(simulated, monkeypatch, name, columns):
-    monkeypatch.setenv("COLUMNS", columns)
-    status, output, _ = simulated(name, "--start", "empty", "--duration", "30 min")
-    lines = output.splitlines()
-    assert status == 0 and len(lines) <= 25 and max(map(len, lines[:-2])) <= int(columns)
-    rows = [line.split()[0] for line in lines if ".level " in line]
-    assert rows[0] in cl.load(name).process.levels and len(rows) <= 7
+def test_it_answers_in_a_screen(at_widths, name):
+    told = at_widths("simulate", name, "--start", "empty", "--duration", "30 min")
+    for columns in (80, 100):
+        lines = told[columns].splitlines()
+        assert len(lines) <= 25 and max(map(len, lines[:-2])) <= columns
+        rows = [line.split()[0] for line in lines if ".level " in line]
+        assert rows[0] in cl.load(name).process.levels and len(rows) <= 7
 
 
 def test_json_is_what_the_function_returns(simulated, tmp_path):

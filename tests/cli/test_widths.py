@@ -3,7 +3,6 @@
 import pytest
 
 import clepsydra as cl
-from clepsydra.cli.output import show
 
 PI = ("--controller", "PI, SIMC")
 SCREENS = {
@@ -27,10 +26,6 @@ SCREENS = {
 _ROWS = 27
 
 
-#: Of terminals, and the last one where no line has to be broken [columns].
-_WIDTHS = (80, 100, 1000)
-
-
 @pytest.fixture(scope="module")
 def record(tmp_path_factory):
     """Return the path of the record that the screens identify from."""
@@ -38,31 +33,6 @@ def record(tmp_path_factory):
     path = tmp_path_factory.mktemp("record") / "run.csv"
     cl.simulate(cl.load("quadruple-tank"), None, moves, duration="6 min").save(path)
     return path
-
-
-@pytest.fixture
-def at_widths(command, capsys, monkeypatch):
-    """Return a function: arguments -> what a verb prints at each width.
-
-    The verb runs once. How wide the terminal is asks nothing but `show`, which shows its result
-    at each width here.
-    """
-    told = {}
-
-    def shown(result):
-        for width in _WIDTHS:
-            monkeypatch.setenv("COLUMNS", str(width))
-            show(result)
-            told[width] = capsys.readouterr().out
-
-    monkeypatch.setattr("clepsydra.cli.output.show", shown)
-
-    def run(*arguments):
-        status, after, errors = command(*arguments)
-        assert (status, errors) == (0, "")
-        return {width: text + after for width, text in told.items()}
-
-    return run
 
 
 @pytest.mark.parametrize("case", SCREENS)

@@ -41,6 +41,7 @@ def is_refused(program, precision):
 
 
 def check_same(law, values, period):
+    """Return the structured program, which computes what the flat one does."""
     flat, structured = (
         with_defaults(read(law), values) for read in (program_of, structured_program_of)
     )
@@ -59,6 +60,7 @@ def check_same(law, values, period):
     instances = Counter(call.instance for call in structured.calls)
     assert set(instances.values()) == {1}
     check_one_of_a_name(owned)
+    return structured
 
 
 def check_one_of_a_name(program, known=None):
@@ -83,8 +85,7 @@ def test_two_loops_of_every_form_are_two_instances_of_one_block(form, rate_limit
     law = multiloop_pid_law(
         ["level_1", "level_2"], ["pump_1", "pump_2"], form, rate_limited=rate_limited
     )
-    check_same(law, {}, 1.0)
-    first, second = structured_program_of(law).calls[:2]
+    first, second = check_same(law, {}, 1.0).calls[:2]
     assert first.program == second.program and first.instance != second.instance
 
 
