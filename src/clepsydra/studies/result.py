@@ -8,10 +8,10 @@ from enum import IntEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from clepsydra.base.remark import Remark as Remark
 from clepsydra.studies.warnings.caveat import Caveat, told_once
 
 if TYPE_CHECKING:
-    from clepsydra.base.remark import Remark
     from clepsydra.controllers.controller import Controller
     from clepsydra.linear.analysis import Analysis
     from clepsydra.linear.linear_model import LinearModel
