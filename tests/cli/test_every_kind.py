@@ -151,7 +151,8 @@ PARTS = {
     if not {"name", "variants"} & set(tomllib.loads(part))
 }
 
-#: Beside a pump that is strong, or draws from a tank, a plant that rests.
+#: Beside a pump that is strong or draws from a tank a plant that rests, beside a pointed cone one
+#: that does not rest in its tip, where milliseconds count.
 WIDE = """
 [orifices.outlet_1]
 source = "tank_1"
@@ -170,7 +171,7 @@ gain = "33.3 cm^3/(s V)"
 range = ["0 V", "10 V"]
 nominal = "5 V"
 """
-BESIDE = {"Pump 2": WIDE, "Pump 3": WIDE}
+BESIDE = {"Pump 2": WIDE, "Pump 3": WIDE, "Tank 2": WIDE}
 
 
 @pytest.fixture
