@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 import clepsydra as cl
-from clepsydra.base.remark import Remark
-from clepsydra.studies.result import Standing
+from clepsydra.studies.result import Remark, Standing
 
 SENSOR_GAIN = 50.0  # V/m
 #: K [%/%] and Ti [s] of both loops, of which the second set moves pumps to their limits.

@@ -82,6 +82,7 @@ def read_signal(
 
     Examples
     --------
+    >>> from clepsydra.base.signal import Signal
     >>> read_signal("tank", "level", 12.0, Signal("level", "m", "cm"), "a level")
     0.12
     """
