@@ -213,3 +213,8 @@ def test_peaks_of_many_loops_are_those_of_each(tank):
     found = sensitivity_peaks(loops)
     assert found == [each.maximum_sensitivity for each in loops]
     assert np.isfinite(found).tolist() == [True, True, False, True, True]
+
+
+def test_peaks_of_loops_that_are_all_unstable_are_infinite(tank):
+    unstable = [tank.sampled(share * critical_gain(tank, 30.0), 30.0) for share in (1.1, 2.0)]
+    assert sensitivity_peaks(unstable) == [np.inf, np.inf]

@@ -79,6 +79,8 @@ def largest_gains(
     [3.0, 3.0]
     """
     states, half = A.shape[1], len(A) // 2
+    if not len(A):
+        return []
     if half and len(A) * states**2 > _TOGETHER:
         matrices = A, B, C, D
         first, second = (
