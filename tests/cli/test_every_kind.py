@@ -100,13 +100,12 @@ def studied_once(monkeypatch):
     monkeypatch.setattr("clepsydra.cli.subject.study_of", tried)
 
 
-def run(command, verb, subject, *more, may_refuse=False):
+def run(command, verb, subject, *more, may_refuse=False, may_part=False):
     """Run a verb; it works, or where it may refuse says in one message why it cannot."""
     for options in OPTIONS.get(verb, [()]):
         status, shown, said = command(verb, subject, *options, *more)
         refused = status == 2 and (said.startswith("clepsydra: ") or "Usage: " in said)
-        # The random scans of a pointed cone part in its tip, which KNOWN_GAPS has.
-        parted = status == 1 and verb == "verify" and "tank_2.level" in shown
+        parted = may_part and status == 1 and verb == "verify" and "tank_2.level" in shown
         assert status == 0 or parted or (may_refuse and refused), (verb, *options, status, said)
 
 
@@ -206,7 +205,10 @@ def test_an_element_goes_through_every_verb(command, plant_file, tmp_path):
         "simulate": (plant_file, "--start", "empty", "--duration", "5 min"),
         "identify": ("record.csv", "--process", plant_file, "--parameters", varied),
     }
+    # The random scans of a pointed cone part in its tip, which KNOWN_GAPS has.
+    cone = 'shape = "cone"' in (tmp_path / plant_file).read_text("utf-8")
     for verb in VERBS:
         works = verb in ("simulate", "analyse", "draw", "designs")
-        run(command, verb, *given.get(verb, (plant_file,)), may_refuse=not works)
+        asked = given.get(verb, (plant_file,))
+        run(command, verb, *asked, may_refuse=not works, may_part=cone)
     run(command, "export", "it.toml", "--controller", "it", may_refuse=True)

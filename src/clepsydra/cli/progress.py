@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-#: What cannot put one line in the place of another says so by its name.
+#: Values of TERM of terminals that cannot overwrite a line.
 _CANNOT_MOVE = ("dumb", "unknown")
 
 
@@ -76,7 +76,7 @@ def _by_lines(newest: Callable[[Any], str]) -> Callable[[Any], None]:
         line, done = newest(progress), progress.done
         if line not in ("", printed):
             printed = line
-            with suppress(OSError):  # the work is worth more than to be told how far it is
+            with suppress(OSError):  # a closed stderr does not end the work
                 print(line, file=sys.stderr, flush=True)
 
     return tell

@@ -32,7 +32,7 @@ class CandidateLoops:
     def __init__(
         self, space: SearchSpace, model: LinearModel, limits: Limits, memory: Memory
     ) -> None:
-        self.of = SampledLoops(space.controller, model)
+        self.sampled = SampledLoops(space.controller, model)
         self._space, self._limits, self._memory = space, limits, memory
         self._period = operating_point_of(model).process.sampling_period
         self._modes: dict[bytes, tuple[float, float]] = {}
@@ -87,6 +87,6 @@ class CandidateLoops:
         usable = np.all([np.isfinite(column) for column in columns.values()], axis=0)
         own, rows = self._space.controller.values, zip(*columns.values(), strict=True)
         return [
-            self.of.at({**own, **dict(zip(columns, row, strict=True))}) if there_is else None
+            self.sampled.at({**own, **dict(zip(columns, row, strict=True))}) if there_is else None
             for row, there_is in zip(rows, usable, strict=True)
         ]

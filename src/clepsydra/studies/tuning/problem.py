@@ -135,7 +135,7 @@ class TuningProblem:
 
     def _judged(self, values: Mapping[str, float], rows: np.ndarray) -> Judgement:
         found = self._evaluation(rows)
-        loop = self.loops.of.at(values)
+        loop = self.loops.sampled.at(values)
         return Judgement(
             self._named(rows),
             float(found.objective[0]),
