@@ -17,6 +17,7 @@ from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.arguments.argument import argument
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.designed_values import designed_values
+from clepsydra.designs.models.brent import root_between
 from clepsydra.designs.request import positive_number
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
@@ -237,8 +238,6 @@ class _Station:
         self, volume: float, capacity: float, starts_per_hour: float
     ) -> list[tuple[float, float]]:
         """Return start and stop of each stage [m]."""
-        from scipy.optimize import brentq
-
         first, last = (self.low, self.high) if self.empties else (self.high, self.low)
         start, count = self._volume(first), len(self.pumps)
         room = abs(self._volume(last) - start)
@@ -253,7 +252,7 @@ class _Station:
             """Return the level that lies so much liquid from the first, on the way to the last."""
             if volume == 0.0:
                 return first
-            return float(brentq(lambda h: abs(self._volume(h) - start) - volume, first, last))
+            return root_between(lambda h: abs(self._volume(h) - start) - volume, first, last)
 
         shares = [(room - volume) * j / count for j in range(count)]
         return [(level_after(share + volume), level_after(share)) for share in shares]

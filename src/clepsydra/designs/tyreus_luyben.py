@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loops.pid_settings import PidSettings, SeriesSettings, from_series
 from clepsydra.designs.loops.published_rule import AS_PUBLISHED, PublishedRule, RuleActions
+from clepsydra.designs.loops.words import ultimate_words
 from clepsydra.designs.models.ultimate_point import UltimatePoint, ultimate_point
-from clepsydra.designs.ziegler_nichols import words_on_ultimate
 
 if TYPE_CHECKING:
     from clepsydra.controllers.controller import Controller
@@ -99,4 +99,4 @@ def design_tyreus_luyben(
 
 def _rule(loop: PairedLoop, delay: float, actions: RuleActions) -> tuple[PidSettings, str]:
     point = ultimate_point(loop.element, delay)
-    return tyreus_luyben_settings(point, actions), words_on_ultimate(point, loop)
+    return tyreus_luyben_settings(point, actions), ultimate_words(point, loop)

@@ -9,7 +9,7 @@ from clepsydra.designs.arguments.argument import word
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.loops.pid_settings import PidSettings
 from clepsydra.designs.loops.published_rule import AS_PUBLISHED, PublishedRule, RuleActions
-from clepsydra.designs.loops.words import gain, slope
+from clepsydra.designs.loops.words import slope, ultimate_words
 from clepsydra.designs.models.reaction_curve import reaction_curve
 from clepsydra.designs.models.ultimate_point import UltimatePoint, ultimate_point
 
@@ -139,7 +139,7 @@ def _from_ultimate_point(
     loop: PairedLoop, delay: float, actions: RuleActions
 ) -> tuple[PidSettings, str]:
     point = ultimate_point(loop.element, delay)
-    return ziegler_nichols_settings(point, actions), words_on_ultimate(point, loop)
+    return ziegler_nichols_settings(point, actions), ultimate_words(point, loop)
 
 
 def _from_step_response(
@@ -149,9 +149,3 @@ def _from_step_response(
     steepest = slope(curve.slope, loop.output, loop.input)
     words = f"steepest {steepest}, delay {time_text(curve.delay)}"
     return ziegler_nichols_step_settings(curve.slope, curve.delay, actions), words
-
-
-def words_on_ultimate(point: UltimatePoint, loop: PairedLoop) -> str:
-    """Return an ultimate point in words."""
-    ultimate = gain(point.gain, loop.output, loop.input)
-    return f"ultimate gain {ultimate}, ultimate period {time_text(point.period)}"

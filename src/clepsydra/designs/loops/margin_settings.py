@@ -10,6 +10,7 @@ from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.loops.multiloop import DERIVATIVE_FILTER
 from clepsydra.designs.loops.pid_settings import PidSettings
 from clepsydra.designs.models.bisection import last_before
+from clepsydra.designs.models.brent import lowest_between
 from clepsydra.designs.models.transfer_element import TransferElement
 
 
@@ -143,15 +144,9 @@ def phase_of_pid(x: float) -> float:
 @cache
 def _place_of_largest_lead() -> float:
     """Return the x at which the phase of the PID is largest."""
-    from scipy.optimize import minimize_scalar
-
-    found = minimize_scalar(
-        lambda x: -phase_of_pid(math.exp(x)),
-        bounds=(0.0, math.log(100.0)),
-        method="bounded",
-        options={"xatol": 1e-10},
+    return math.exp(
+        lowest_between(lambda x: -phase_of_pid(math.exp(x)), 0.0, math.log(100.0), 1e-10)
     )
-    return math.exp(found.x)
 
 
 def margin_of(element: TransferElement, delay: float, setting: PidSettings) -> tuple[float, float]:

@@ -13,6 +13,7 @@ from clepsydra.designs.gain_units import percent_gain
 if TYPE_CHECKING:
     from clepsydra.designs.loops.pairing import PairedLoop
     from clepsydra.designs.models.delayed_lags import DelayedLags
+    from clepsydra.designs.models.ultimate_point import UltimatePoint
 
 
 def gain(value: float, output: Signal, manipulated: Signal) -> str:
@@ -62,3 +63,9 @@ def model_words(model: DelayedLags, loop: PairedLoop, more: str = "") -> str:
     said = "integrating" if math.isinf(lag) else f"time constant {time_text(lag)}"
     first = f"{slope(model.slope, loop.output, loop.input)}, {said}"
     return f"{first}{more}, delay {time_text(model.delay)}"
+
+
+def ultimate_words(point: UltimatePoint, loop: PairedLoop) -> str:
+    """Return an ultimate point in words."""
+    ultimate = gain(point.gain, loop.output, loop.input)
+    return f"ultimate gain {ultimate}, ultimate period {time_text(point.period)}"

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.models.brent import lowest_between, root_between
 from clepsydra.designs.models.delayed_lags import DelayedLags
 
 if TYPE_CHECKING:
@@ -102,7 +104,6 @@ def reaction_curve(element: TransferElement, delay: float) -> ReactionCurve:
 @lru_cache(maxsize=16)
 def _of_lags(element: TransferElement, late: float) -> ReactionCurve:
     from scipy.linalg import expm
-    from scipy.optimize import brentq, minimize_scalar
 
     A, B, C = _cascade(element)
     size = abs(element.gain)
@@ -117,28 +118,23 @@ def _of_lags(element: TransferElement, late: float) -> ReactionCurve:
 
     span = _LAGS * sum(-1.0 / complex(root).real for root in element.poles)
     step = span / _POINTS
-    advance, state = expm(block * step), np.append(np.zeros(n, complex), 1.0)
-    heights, slopes = np.empty(_POINTS + 1), np.empty(_POINTS + 1)
-    for place in range(_POINTS + 1):
-        heights[place] = (C @ state[:n]).real
-        slopes[place] = (C @ (A @ state[:n] + B)).real
-        state = advance @ state
+    advance = expm(block * step)
+    states = np.zeros((_POINTS + 1, n + 1), complex)
+    states[0, n] = 1.0
+    for before, state in pairwise(states):
+        np.matmul(advance, before, out=state)
+    heights, slopes = (states[:, :n] @ C).real, (states @ block[:n].T @ C).real
     top = int(np.argmax(slopes))
     around = (max(top - 1, 0) * step, (top + 1) * step)
-    at = minimize_scalar(
-        lambda time: -response(time)[1], bounds=around, method="bounded",
-        options={"xatol": 1e-9 * step},
-    ).x  # fmt: skip
+    at = lowest_between(lambda time: -response(time)[1], *around, 1e-9 * step)
     # The search stays off the ends of its interval, and a single lag is steepest at the start.
-    at = float(at) if response(float(at))[1] > slopes[0] else 0.0
+    at = at if response(at)[1] > slopes[0] else 0.0
     height, slope = response(at)
     aim = 1.0 - math.exp(-1.0)
     first = int(np.argmax(heights >= aim))
-    to_63 = brentq(lambda time: response(time)[0] - aim, (first - 1) * step, first * step)
+    to_63 = root_between(lambda time: response(time)[0] - aim, (first - 1) * step, first * step)
     early = at - height / slope
-    return ReactionCurve(
-        element.sign * size * slope, late + early, element.gain, float(to_63) - early
-    )
+    return ReactionCurve(element.sign * size * slope, late + early, element.gain, to_63 - early)
 
 
 def _cascade(element: TransferElement) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache  # several rules ask for the point of the same element
+from functools import lru_cache, partial  # several rules ask for the point of the same element
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.models.brent import root_between
 
 if TYPE_CHECKING:
     from clepsydra.designs.models.transfer_element import TransferElement
@@ -65,8 +66,6 @@ def ultimate_point(element: TransferElement, delay: float) -> UltimatePoint:
     >>> round(found.gain, 9), round(found.period * math.sqrt(3.0) / math.tau, 9)
     (8.0, 1.0)
     """
-    from scipy.optimize import brentq
-
     element.check()
 
     def half_turns_late(omega: float, turn: int = 0) -> float:
@@ -79,8 +78,8 @@ def ultimate_point(element: TransferElement, delay: float) -> UltimatePoint:
         # Whole numbers between the two are crossings; the first is enough of many.
         crossed = math.ceil(min(ends))
         if 0 <= crossed <= max(ends):
-            exact = {"xtol": 1e-15 * low, "rtol": 1e-15}
-            found.append(float(brentq(half_turns_late, low, high, (crossed,), **exact)))
+            late = partial(half_turns_late, turn=crossed)
+            found.append(root_between(late, low, high, absolute=1e-15 * low, relative=1e-15))
     if not found:
         raise NotApplicable(
             "the element is never late by half a turn, so no gain is too large for it"
