@@ -83,6 +83,8 @@ class Kernel:
         self._cache = cache
         self._layout = Layout(program, self._individual)
         self._compiled: dict[int, CompiledFunction] = {}
+        self._turns = _turns(program)
+        self._paces: dict[int, int] = {}
         self._check("lanes", self._batch_lanes, "leave it out")
 
     def __reduce__(self) -> tuple[partial[Kernel], tuple[()]]:
@@ -124,7 +126,7 @@ class Kernel:
         InputError
             An unknown name, a shape that does not fit, no sample or no turn at all.
         """
-        turns = _turns(self.program) if turns is None else turns
+        turns = self._turns if turns is None else turns
         self._check("turns", turns, "leave it out")
         self._check("samples", samples, "ask for a longer run")
         self._check("every", every, "store every sample, or every second, third, …")
@@ -190,6 +192,13 @@ class Kernel:
             code = vector_code(self.program, form)
             self._compiled[lanes] = CompiledFunction(code, KERNEL, kernel_signature(), self._cache)
         return self._compiled[lanes]
+
+    def pace(self, turns: int) -> int:
+        """Return the samples of the first call in a run with so many turns."""
+        if turns not in self._paces:
+            computed = _computed(self.program.block, turns)
+            self._paces[turns] = max(_BEGUN_WITH // max(computed, 1), 1)
+        return self._paces[turns]
 
 
 def _batch_lanes(program: Program) -> int:
@@ -268,7 +277,7 @@ class Job:
         record = np.empty((groups, records, len(program.outputs), self.lanes))
         rings = self.initial_rings()
         function = self.kernel.function(self.lanes)
-        pace = max(_BEGUN_WITH // max(_computed(program.block, self.turns), 1), 1)
+        pace = self.kernel.pace(self.turns)
         if groups * self.samples <= pace:
             threads = 1  # to begin another takes longer than the first call
 
