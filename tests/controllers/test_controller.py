@@ -205,3 +205,30 @@ def test_a_delay_ring_counts_as_a_state_for_every_sample_of_delay():
         seen.append(float(model.C[0] @ state))
         state = model.A @ state
     assert seen == [0.0, 1.0, 0.0, 1.0, 0.0, 0.0]
+
+
+def test_many_linear_models_at_once_are_those_of_each_and_stacks_of_one_size():
+    """u(k) = a y(k−3) + b y(k−1): where b is zero nothing reads the last measurement."""
+    law = step_law(
+        "weighed",
+        inputs=[Signal("level_1.pv")],
+        parameters=[Signal("a"), Signal("b")],
+        state=[DelayRing(Signal("past"), 3), Signal("recent")],
+        outputs=[Signal("pump_1.out")],
+        equations=lambda s: Equations(
+            {"past": s["level_1.pv"], "recent": s["level_1.pv"]},
+            {"pump_1.out": s["a"] * s["past"] + s["b"] * s["recent"]},
+        ),
+    )
+    derivatives, weights = StepLawDerivatives(law), [0.5, 0.0, -2.0]
+    stacks = derivatives.each({"a": 3.0, "b": np.array(weights)}, {}, {})
+    assert [(places.tolist(), stack.A.shape) for places, stack in stacks] == [
+        ([0, 2], (2, 4, 4)),
+        ([1], (1, 3, 3)),
+    ]
+    for places, stack in stacks:
+        for row, place in enumerate(places):
+            one = derivatives.at({"a": 3.0, "b": weights[place]}, {}, {})
+            for name, matrix in vars(one).items():
+                assert np.array_equal(getattr(stack, name)[row], matrix)
+    assert derivatives.each({"a": 3.0, "b": np.array([])}, {}, {}) == []

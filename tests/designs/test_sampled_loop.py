@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from clepsydra.controllers.controller import Controller
-from clepsydra.designs.sampled.sampled_loop import SampledLoop, sampled_loop
+from clepsydra.designs.sampled.sampled_loop import SampledLoop, SampledLoops, sampled_loop
 from clepsydra.designs.sampled.sensitivity_peaks import sensitivity_peaks
 from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
@@ -206,15 +206,36 @@ def test_two_coupled_loops_against_a_sweep_of_singular_values():
     assert sampled.maximum_sensitivity == pytest.approx(refined_peak(sensitivity), rel=1e-8)
 
 
+def together(loops: list[SampledLoop]) -> SampledLoop:
+    return SampledLoop(*map(np.array, zip(*loops, strict=True)))
+
+
 def test_peaks_of_many_loops_are_those_of_each(tank):
     largest = critical_gain(tank, 30.0)
     loops = [tank.sampled(share * largest, 30.0) for share in (0.1, 0.3, 1.1, 0.5)]
-    loops.append(SampledLoop(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.eye(1)))
-    found = sensitivity_peaks(loops)
+    found = sensitivity_peaks(together(loops)).tolist()
     assert found == [each.maximum_sensitivity for each in loops]
-    assert np.isfinite(found).tolist() == [True, True, False, True, True]
+    assert np.isfinite(found).tolist() == [True, True, False, True]
 
 
 def test_peaks_of_loops_that_are_all_unstable_are_infinite(tank):
     unstable = [tank.sampled(share * critical_gain(tank, 30.0), 30.0) for share in (1.1, 2.0)]
-    assert sensitivity_peaks(unstable) == [np.inf, np.inf]
+    assert sensitivity_peaks(together(unstable)).tolist() == [np.inf, np.inf]
+
+
+def test_the_peak_of_a_loop_without_a_state_is_that_of_its_direct_way():
+    gain = SampledLoop(
+        np.zeros((1, 0, 0)), np.zeros((1, 0, 1)), np.zeros((1, 1, 0)), np.eye(1)[None]
+    )
+    assert sensitivity_peaks(gain).tolist() == [1.0]
+
+
+def test_many_loops_of_a_controller_at_once_are_those_of_each(tank):
+    values, key = tank.simc.values, f"{tank.simc.measurements[0]}.proportional_gain"
+    gains = critical_gain(tank, 30.0) * np.array([0.1, 1.1])
+    loops = SampledLoops(tank.simc, tank.model)
+    ((places, stack),) = loops.each(values | {key: gains})
+    assert places.tolist() == [0, 1]
+    for place, gain in enumerate(gains.tolist()):
+        one = loops.at(values | {key: gain})
+        assert all(np.array_equal(whole[place], own) for whole, own in zip(stack, one, strict=True))

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.status import Mode
 from clepsydra.controllers.blocks.validity import LARGEST_NUMBER
 from clepsydra.controllers.parameters import remembers
+from clepsydra.program.dense_function import DenseFunction
 from clepsydra.program.entries import is_ring
 from clepsydra.program.step_law import StepLaw
 
@@ -21,7 +24,7 @@ class LinearStepLaw:
 
     x(k+1) = A x(k) + B_setpoint r(k) + B_measurement y(k),
     u(k) = C x(k) + D_setpoint r(k) + D_measurement y(k), with r, y and u in the order of the
-    law's sp, pv and out.
+    law's sp, pv and out. A stack of models has a stack [k, rows, columns] of each matrix.
     """
 
     A: np.ndarray
@@ -85,41 +88,111 @@ class StepLawDerivatives:
             law's order; the last output, for one, is left out, and the bias of proportional
             control.
         """
+        matrices = self._with_rings(*self.law.jacobians(*self._vectors(values, state, inputs)))
+        return self._among(self._modes(*matrices), *matrices)
+
+    def each(
+        self,
+        values: Mapping[str, ArrayLike],
+        state: Mapping[str, float],
+        inputs: Mapping[str, float],
+    ) -> list[tuple[np.ndarray, LinearStepLaw]]:
+        """Return the linear models for k parameter values, those of the same states as a stack.
+
+        `values`: parameter name to its value for all, or to its values [k]; the others as in `at`.
+
+        Returns
+        -------
+        list of (ndarray, LinearStepLaw)
+            Which of the k are in a stack, and the stack.
+        """
+        jacobians = self.law.jacobians
+        assert isinstance(jacobians, DenseFunction)  # a law in Python is no expression
+        (count,) = np.broadcast_shapes(*map(np.shape, values.values()))
+        tables = (_table(vector, count) for vector in self._vectors(values, state, inputs))
+        matrices = self._with_rings(*jacobians.each(*tables))
+        alike: dict[bytes, list[int]] = {}
+        every = self._modes(*matrices)
+        for place, modes in enumerate(every):
+            alike.setdefault(modes.tobytes(), []).append(place)
+        return [
+            (np.array(places), self._among(every[places[0]], *(each[places] for each in matrices)))
+            for places in alike.values()
+        ]
+
+    def _vectors(
+        self,
+        values: Mapping[str, ArrayLike],
+        state: Mapping[str, float],
+        inputs: Mapping[str, float],
+    ) -> tuple[list[Any], list[Any], list[Any]]:
+        """Return state, inputs and parameters of the law, each a number or numbers [k]."""
         # Gains that are as they were: no change of them is differentiated.
         at = {**state, **{name: values[parameter] for name, parameter in self._remembered}}
-        step_x, step_u, output_x, output_u = self.law.jacobians(
+        return (
             [at.get(name, 0.0) for name in self._states],
             [inputs.get(name, 0.0) if usual is None else usual for name, usual in self._inputs],
             [values[name] if end is None else end for name, end in self._parameters],
         )
-        step_x, step_u, output_x = self._with_rings(step_x, step_u, output_x)
-        rows, setpoints, measurements = self._outputs, self._setpoints, self._measurements
-        read = np.any(step_x != 0.0, axis=0) | np.any(output_x[rows] != 0.0, axis=0)
+
+    def _modes(
+        self, step_x: np.ndarray, step_u: np.ndarray, output_x: np.ndarray, output_u: np.ndarray
+    ) -> np.ndarray:
+        """Return which states move and are read [..., n]."""
+        read = np.any(step_x != 0.0, axis=-2)
+        read |= np.any(output_x[..., self._outputs, :] != 0.0, axis=-2)
         # What nothing moves is a constant, as the bias of a P controller, and no mode of the loop.
-        moved = np.any(step_x != np.eye(len(step_x)), axis=1)
-        moved |= np.any(step_u[:, [*setpoints, *measurements]] != 0.0, axis=1)
-        read &= moved
+        moved = np.any(step_x != np.eye(step_x.shape[-1]), axis=-1)
+        driven = step_u[..., [*self._setpoints, *self._measurements]]
+        moved |= np.any(driven != 0.0, axis=-1)
+        return read & moved
+
+    def _among(
+        self,
+        modes: np.ndarray,
+        step_x: np.ndarray,
+        step_u: np.ndarray,
+        output_x: np.ndarray,
+        output_u: np.ndarray,
+    ) -> LinearStepLaw:
+        """Return the model of some states [n] alone."""
+        step_u, output_x = step_u[..., modes, :], output_x[..., self._outputs, :]
+        output_u = output_u[..., self._outputs, :]
         return LinearStepLaw(
-            A=step_x[read][:, read],
-            B_setpoint=step_u[read][:, setpoints],
-            B_measurement=step_u[read][:, measurements],
-            C=output_x[rows][:, read],
-            D_setpoint=output_u[rows][:, setpoints],
-            D_measurement=output_u[rows][:, measurements],
+            A=step_x[..., modes, :][..., modes],
+            B_setpoint=step_u[..., self._setpoints],
+            B_measurement=step_u[..., self._measurements],
+            C=output_x[..., modes],
+            D_setpoint=output_u[..., self._setpoints],
+            D_measurement=output_u[..., self._measurements],
         )
 
     def _with_rings(
-        self, step_x: np.ndarray, step_u: np.ndarray, output_x: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        self, step_x: np.ndarray, step_u: np.ndarray, output_x: np.ndarray, output_u: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Return the matrices with every number that a ring holds as a state."""
         for place, more in self._longer.items():
-            n = len(step_x)
-            step_x, step_u = np.pad(step_x, (0, more)), np.pad(step_u, ((0, more), (0, 0)))
-            output_x = np.pad(output_x, ((0, 0), (0, more)))
+            n = step_x.shape[-1]
+            step_x = _wider(step_x, more, more)
+            step_u, output_x = _wider(step_u, more, 0), _wider(output_x, 0, more)
             for matrix in (step_x, step_u):
-                matrix[n], matrix[place] = matrix[place], 0.0
-            step_x[[*range(n + 1, n + more), place], range(n, n + more)] = 1.0
-        return step_x, step_u, output_x
+                matrix[..., n, :] = matrix[..., place, :]
+                matrix[..., place, :] = 0.0
+            step_x[..., [*range(n + 1, n + more), place], range(n, n + more)] = 1.0
+        return step_x, step_u, output_x, output_u
+
+
+def _wider(matrix: np.ndarray, rows: int, columns: int) -> np.ndarray:
+    """Return a matrix, or a stack of them, with so many more rows and columns of zeros."""
+    return np.pad(matrix, [(0, 0)] * (matrix.ndim - 2) + [(0, rows), (0, columns)])
+
+
+def _table(vector: Sequence[ArrayLike], count: int) -> np.ndarray:
+    """Return a vector of numbers, some of which have several values, as rows [count, size]."""
+    table = np.empty((count, len(vector)))
+    for column, value in zip(table.T, vector, strict=True):
+        column[:] = value
+    return table
 
 
 def _places(signals: Sequence[Signal], part: str) -> list[int]:

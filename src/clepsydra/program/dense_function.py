@@ -52,3 +52,30 @@ class DenseFunction:
         buffer.set_res(0, found.data)
         evaluate()
         return [found[part].reshape(shape, order="F") for part, shape in self._parts]
+
+    def each(self, *vectors: ArrayLike) -> list[np.ndarray]:
+        """Return each result at k points, a stack of matrices [k, rows, columns].
+
+        Parameters
+        ----------
+        vectors : array_like [k, size]
+
+        Examples
+        --------
+        >>> x = ca.SX.sym("x", 2)
+        >>> products = DenseFunction("products", [x], [x[0] * x[1]])
+        >>> products.each([[3.0, 5.0], [2.0, 1.0]])[0].ravel()
+        array([15.,  2.])
+        """
+        given = np.concatenate(vectors, axis=1, dtype=float)
+        found = np.empty((len(given), self._size))
+        buffer: Any
+        buffer, evaluate = self._function.buffer()
+        for point, values in zip(given, found, strict=True):
+            buffer.set_arg(0, point.data)
+            buffer.set_res(0, values.data)
+            evaluate()
+        return [
+            found[:, part].reshape(len(found), *shape[::-1]).swapaxes(1, 2)
+            for part, shape in self._parts
+        ]

@@ -50,7 +50,7 @@ def test_a_basin_that_takes_longer_to_rest_than_its_loads_last_may_stay_as_it_is
     problem = TuningProblem(LawSpace(controller, settings_of(controller)), goal)
     problem.begin()
     loads = [part.stop - part.start for part in scenario.segments if part.kind == "load"]
-    assert min(loads) < problem.loops.decay_time(problem.space.start)
+    assert min(loads) < problem.loops.decay_times(problem.space.start[None])[0]
     assert problem.best is not None and problem.best.objective == pytest.approx(1.0)
 
 

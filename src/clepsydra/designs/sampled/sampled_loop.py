@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
@@ -197,15 +198,47 @@ class SampledLoops:
         """Return the loop with these parameter values."""
         return self.around(self.law(values))
 
+    def each(self, values: Mapping[str, ArrayLike]) -> list[tuple[np.ndarray, SampledLoop]]:
+        """Return the loops with k parameter values, those of one size as a stack.
+
+        Parameters
+        ----------
+        values : mapping
+            Parameter to its value for all, or to its values [k].
+
+        Returns
+        -------
+        list of (ndarray, SampledLoop)
+            Which of the k are in a stack, and the stack.
+
+        Examples
+        --------
+        >>> import clepsydra as cl
+        >>> plant = cl.load("three-tanks")
+        >>> controller = cl.design.simc(plant)
+        >>> gains = controller.values["tank_3.proportional_gain"] * np.array([1.0, 100.0])
+        >>> loops = SampledLoops(controller, plant.linear)
+        >>> ((places, stack),) = loops.each(controller.values | {"tank_3.proportional_gain": gains})
+        >>> places, stack.are_stable
+        (array([0, 1]), array([ True, False]))
+        """
+        stacks = self._derivatives.each(values, self._state, self._inputs)
+        return [(places, self.around(law)) for places, law in stacks]
+
     def law(self, values: Mapping[str, float]) -> LinearStepLaw:
         """Return the derivatives of the law at rest with these parameter values."""
         return self._derivatives.at(values, self._state, self._inputs)
 
     def around(self, law: LinearStepLaw) -> SampledLoop:
-        """Return the loop with these derivatives of the law."""
-        B = np.vstack([self.moved @ law.D_measurement, law.B_measurement]) @ self._enters
-        shown, sizes = self._shown(law), self._sizes
-        return SampledLoop(self._closed(law), B * sizes, shown / sizes[:, None], np.eye(len(sizes)))
+        """Return the loop with these derivatives of the law; of a stack of them a stack."""
+        entering = [self.moved @ law.D_measurement, law.B_measurement]
+        B = np.concatenate(entering, axis=-2) @ self._enters
+        C, sizes, stack = self._shown(law), self._sizes, law.A.shape[:-2]
+        shown, direct = (
+            np.broadcast_to(matrix, (*stack, *matrix.shape))
+            for matrix in (C / sizes[:, None], np.eye(len(sizes)))
+        )
+        return SampledLoop(self._closed(law), B * sizes, shown, direct)
 
     def from_setpoints(
         self, values: Mapping[str, float]
@@ -217,13 +250,15 @@ class SampledLoops:
 
     def _closed(self, law: LinearStepLaw) -> np.ndarray:
         C, moved, n = self.measured, self.moved, len(self.held)
-        closed = np.empty((n + len(law.A), n + len(law.A)))
-        closed[:n, :n], closed[:n, n:] = self.held + moved @ law.D_measurement @ C, moved @ law.C
-        closed[n:, :n], closed[n:, n:] = law.B_measurement @ C, law.A
+        size = n + law.A.shape[-1]
+        closed = np.empty((*law.A.shape[:-2], size, size))
+        closed[..., :n, :n] = self.held + moved @ law.D_measurement @ C
+        closed[..., :n, n:] = moved @ law.C
+        closed[..., n:, :n], closed[..., n:, n:] = law.B_measurement @ C, law.A
         return closed
 
     def _shown(self, law: LinearStepLaw) -> np.ndarray:
-        return np.hstack([self._controlled, np.zeros((len(self._sizes), len(law.A)))])
+        return np.hstack([self._controlled, np.zeros((len(self._sizes), law.A.shape[-1]))])
 
     def _widened(self, C: np.ndarray) -> np.ndarray:
         """Return C for the sampled states: what is on its way does not show."""

@@ -42,19 +42,15 @@ class CandidateLoops:
         known = self._memory.sensitivities
         keys = [point.tobytes() for point in points]
         new = {key: point for key, point in zip(keys, points, strict=True) if key not in known}
-        loops = dict(zip(new, self._loops(list(new.values())), strict=True))
-        known.update((key, math.inf) for key, loop in loops.items() if loop is None)
-        made = {key: loop for key, loop in loops.items() if loop is not None}
-        known.update(zip(made, sensitivity_peaks([*made.values()]), strict=True))
+        peaks = np.full(len(new), np.inf)
+        for places, loops in self._loops([*new.values()]):
+            peaks[places] = sensitivity_peaks(loops)
+        known.update(zip(new, peaks.tolist(), strict=True))
         return np.array([known[key] for key in keys])
 
-    def damping(self, point: np.ndarray) -> float:
-        """Return the smallest damping ratio of the loops at one point [p]; below 0 if unstable."""
-        return self._swinging(point)[0]
-
-    def decay_time(self, point: np.ndarray) -> float:
-        """Return in which time the slowest mode of the loops comes down to a hundredth [s]."""
-        return self._swinging(point)[1] * self._period
+    def decay_times(self, points: np.ndarray) -> np.ndarray:
+        """Return in which time the slowest mode at points [n, p] comes down to a hundredth [s]."""
+        return self._swinging(points)[1] * self._period
 
     def rooms(self, points: np.ndarray, sensitivity_limit: float) -> np.ndarray:
         """Return the room to the limits of the linear loops [n, limits], as shares.
@@ -66,27 +62,31 @@ class CandidateLoops:
         if math.isfinite(sensitivity_limit):
             found.append(sensitivity_limit / self.sensitivities(points) - 1.0)
         if limits.damping > 0.0:
-            found.append(np.array([self.damping(p) / limits.damping - 1.0 for p in points]))
+            found.append(self._swinging(points)[0] / limits.damping - 1.0)
         if math.isfinite(limits.rest):
-            left = np.array([1.0 - self.decay_time(p) / limits.rest for p in points])
+            left = 1.0 - self.decay_times(points) / limits.rest
             found.append(np.maximum(-1.0, left))
         return np.reshape(found, (len(found), len(points))).T
 
-    def _swinging(self, point: np.ndarray) -> tuple[float, float]:
-        key = point.tobytes()
-        if key not in self._modes:
-            (loop,) = self._loops([point])
-            self._modes[key] = (-1.0, math.inf) if loop is None else (loop.damping, loop.decay)
-        return self._modes[key]
+    def _swinging(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the least damping ratio, below 0 if unstable, and the decay in samples [n]."""
+        known = self._modes
+        keys = [point.tobytes() for point in points]
+        new = {key: point for key, point in zip(keys, points, strict=True) if key not in known}
+        modes = [(-1.0, math.inf)] * len(new)
+        for places, loops in self._loops([*new.values()]):
+            for place, loop in zip(places, map(SampledLoop, *loops), strict=True):
+                modes[place] = loop.damping, loop.decay
+        known.update(zip(new, modes, strict=True))
+        damping, decay = np.reshape([known[key] for key in keys], (-1, 2)).T
+        return damping, decay
 
-    def _loops(self, points: Sequence[np.ndarray]) -> list[SampledLoop | None]:
-        """Return the loop at each point [p]; None where there is no controller."""
+    def _loops(self, points: Sequence[np.ndarray]) -> list[tuple[np.ndarray, SampledLoop]]:
+        """Return which of the points [p] have loops, and stacks of these."""
         if not points:
             return []
         columns = self._space.values_at(np.array(points))
-        usable = np.all([np.isfinite(column) for column in columns.values()], axis=0)
-        own, rows = self._space.controller.values, zip(*columns.values(), strict=True)
-        return [
-            self.sampled.at({**own, **dict(zip(columns, row, strict=True))}) if there_is else None
-            for row, there_is in zip(rows, usable, strict=True)
-        ]
+        usable = np.flatnonzero(np.all([np.isfinite(each) for each in columns.values()], axis=0))
+        values = {name: column[usable] for name, column in columns.items()}
+        stacks = self.sampled.each({**self._space.controller.values, **values})
+        return [(usable[places], loops) for places, loops in stacks]

@@ -96,7 +96,7 @@ def _binding(problem: TuningProblem, point: np.ndarray, judged: Judgement) -> tu
     if problem.limits.damping > 0.0 and judged.damping <= problem.limits.damping * (1.0 + _BINDS):
         said.append(f"damping at least {problem.limits.damping:g}")
     rest = problem.limits.rest
-    if np.isfinite(rest) and problem.loops.decay_time(point) >= rest * (1.0 - _BINDS):
+    if np.isfinite(rest) and problem.loops.decay_times(point[None])[0] >= rest * (1.0 - _BINDS):
         said.append(_rest_words(rest))
     for (name, limit), margin in zip(problem.limited.items(), judged.margins, strict=True):
         if margin <= _BINDS:
