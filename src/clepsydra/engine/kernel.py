@@ -43,7 +43,8 @@ class Kernel:
     record : bool
         Whether outputs are stored.
     lanes : int, optional
-        Lanes of a batch; chosen from the host and the size of the program if omitted.
+        Of every run; if omitted one for one run, and for a batch what suits the host and the size
+        of the program.
     cache : ObjectCache, optional
         Where compiled objects are kept; the user's cache folder if omitted.
 
@@ -133,7 +134,7 @@ class Kernel:
         inputs, parameters, state = inputs or {}, parameters or {}, state or {}
         layout = self._layout
         scenarios = layout.scenarios(inputs, parameters, state)
-        lanes = 1 if scenarios == 1 else self._batch_lanes
+        lanes = 1 if scenarios == 1 and self._given["lanes"] is None else self._batch_lanes
         return Job(
             kernel=self,
             samples=samples,

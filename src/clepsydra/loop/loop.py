@@ -129,23 +129,36 @@ class Loop(WiredLoop):
         return replace(run, error_estimate=estimate)
 
     def _refinable(self, scenario: Scenario) -> Callable[[int], Run]:
-        """Return steps in a sampling period → run; one kernel makes them all where it can.
+        """Return steps in a sampling period → run.
 
-        The first three, which any estimate asks for, are made side by side.
+        The first three, which any estimate asks for, are made side by side where they can.
         """
-        if isinstance(self.controller.law, PythonLaw) or self.process.motion.delays:
-            return lambda count: self._run(scenario, count)
-        kernel = self._kernel(scenario, self.substeps, adjustable=True)
-        period, made = self.process.sampling_period, dict[int, Run]()
+        made = dict[int, Run]()
 
         def run(count: int) -> Run:
             if count not in made:
-                counts = [count] if made else [count, 2 * count, 4 * count]
-                runs = self._by_kernel(scenario, kernel, counts, steps_told(period, counts))
-                made.update(zip(counts, runs, strict=True))
+                alone = made or not self._side_by_side
+                counts = [count] if alone else [count, 2 * count, 4 * count]
+                made.update(zip(counts, self.runs(scenario, counts), strict=True))
             return made[count]
 
         return run
+
+    def runs(self, scenario: Scenario, counts: Sequence[int]) -> list[Run]:
+        """Simulate with each of several numbers of steps in a sampling period.
+
+        They run side by side where they can, in the kernel that any estimate of the error takes:
+        a run in another scenario is then made without compiling another one.
+        """
+        if not self._side_by_side:
+            return [self._run(scenario, count) for count in counts]
+        kernel = self._kernel(scenario, self.substeps, adjustable=True)
+        told = steps_told(self.process.sampling_period, counts)
+        return self._by_kernel(scenario, kernel, counts, told)
+
+    @property
+    def _side_by_side(self) -> bool:
+        return not (isinstance(self.controller.law, PythonLaw) or self.process.motion.delays)
 
     def _kernel(self, scenario: Scenario, substeps: int, *, adjustable: bool = False) -> Kernel:
         fixed = self._fixed(scenario)

@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.engine.kernel import Kernel
 from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.process.process import Process
+
+if TYPE_CHECKING:
+    from clepsydra.loop.running_scores import RunningScores
 
 #: Lanes for the runs of an estimate, of which there are three.
 _SIDE_BY_SIDE = 4
@@ -23,12 +27,14 @@ def loop_kernel(
     constant: Mapping[str, float],
     substeps: int,
     *,
-    adjustable: bool,
+    adjustable: bool = False,
+    scores: RunningScores | None = None,
 ) -> Kernel:
     """Return the kernel of `clepsydra.loop.closed_loop.closed_loop`, which takes the same.
 
     Half of a study's controllers have a law in common, as PI control: what it is wired to and the
-    numbers of the process make its program, its own numbers are parameters.
+    numbers of the process make its program, its own numbers are parameters. With scores it keeps
+    the status of each scenario and stores no trajectories.
 
     Examples
     --------
@@ -38,11 +44,11 @@ def loop_kernel(
     >>> simc = cl.design.simc(plant)
     >>> tuned = replace(simc, values={**simc.values, "level_1.proportional_gain": 2.0})
     >>> first, second = (
-    ...     loop_kernel(plant.process, each, {}, 1, adjustable=False) for each in (simc, tuned))
+    ...     loop_kernel(plant.process, each, {}, 1) for each in (simc, tuned))
     >>> first is second
     True
     """
-    return _kernel(_Form(process, controller, dict(constant), substeps, adjustable))
+    return _kernel(_Form(process, controller, dict(constant), substeps, adjustable, scores))
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +60,7 @@ class _Form:
     constant: dict[str, float]
     substeps: int
     adjustable: bool
+    scores: RunningScores | None
 
     def _compared(self) -> Hashable:
         wired = self.controller
@@ -61,6 +68,7 @@ class _Form:
             id(self.process), id(wired.law), wired.measurements, wired.setpoints,
             wired.manipulated, (*wired.free_inputs.items(),), wired.free_outputs,
             (*self.constant.items(),), self.substeps, self.adjustable,
+            self.scores and self.scores.names,
         )  # fmt: skip
 
     def __eq__(self, other: object) -> bool:
@@ -74,6 +82,7 @@ class _Form:
 def _kernel(form: _Form) -> Kernel:
     program = closed_loop(
         form.process, form.controller, substeps=form.substeps, constant=form.constant,
-        adjustable=form.adjustable,
+        adjustable=form.adjustable, scores=form.scores, statuses=form.scores is not None,
     )  # fmt: skip
-    return Kernel(program, lanes=_SIDE_BY_SIDE if form.adjustable else None)
+    lanes = _SIDE_BY_SIDE if form.adjustable else None
+    return Kernel(program, record=form.scores is None, lanes=lanes)

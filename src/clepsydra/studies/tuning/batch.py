@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -11,12 +12,11 @@ from numpy.typing import ArrayLike
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.wiring import controller_name
-from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.lane_status import STEP_BOUND, LaneStatus, lane_status
 from clepsydra.loop.law_begin import batch_begin, loop_begin
 from clepsydra.loop.loop import Loop
+from clepsydra.loop.loop_kernel import loop_kernel
 from clepsydra.loop.running_scores import RunningScores
 from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.step_size import LARGEST_REFINEMENT, MOST_SUBSTEPS
@@ -89,15 +89,9 @@ class BatchEvaluation:
         process, count = self.loop.process, self.loop.substeps
         most = min(LARGEST_REFINEMENT * count, MOST_SUBSTEPS)
         while True:
-            self.program: Program = closed_loop(
-                process,
-                self.loop.controller,
-                substeps=count,
-                constant=constant,
-                scores=self._scores,
-                statuses=True,
+            self._kernel = loop_kernel(
+                process, self.loop.controller, constant, count, scores=self._scores
             )
-            self._kernel = Kernel(self.program, record=False)
             self._begin = loop_begin(self.loop, self._scenario, count)
             if not self.run({}).status[0] & LaneStatus.STEP_TOO_LONG:
                 return
@@ -110,6 +104,11 @@ class BatchEvaluation:
                     "start from a calmer controller, or shorten the sampling period",
                 )
             count *= 2
+
+    @property
+    def program(self) -> Program:
+        """What runs, by the name of its own controller: others may share the kernel."""
+        return replace(self._kernel.program, name=self.loop.controller.name)
 
     def run(self, values: Mapping[str, np.ndarray]) -> BatchScores:
         """Return the scores of every candidate.

@@ -107,7 +107,7 @@ def _ramp(run: Run, model: LinearModel, outputs: list[str]) -> str:
             setpoints[begin : begin + count, column] -= step.size * (
                 1.0 - np.arange(1, count + 1) / count
             )
-        ramped = loop.run(replace(scenario, setpoints=setpoints))
+        (ramped,) = loop.runs(replace(scenario, setpoints=setpoints), [loop.substeps])
         worst = 0.0
         for step in steps:
             begin, end = round(step.start / period), round(step.stop / period)
