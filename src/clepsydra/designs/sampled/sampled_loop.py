@@ -214,11 +214,11 @@ class SampledLoops:
         Examples
         --------
         >>> import clepsydra as cl
-        >>> plant = cl.load("three-tanks")
+        >>> plant = cl.load("quadruple-tank")
         >>> controller = cl.design.simc(plant)
-        >>> gains = controller.values["tank_3.proportional_gain"] * np.array([1.0, 100.0])
-        >>> loops = SampledLoops(controller, plant.linear)
-        >>> ((places, stack),) = loops.each(controller.values | {"tank_3.proportional_gain": gains})
+        >>> loops, gains = SampledLoops(controller, plant.linear), np.array([3.0, -3.0])
+        >>> values = controller.values | {"level_1.proportional_gain": gains}
+        >>> ((places, stack),) = loops.each(values)
         >>> places, stack.are_stable
         (array([0, 1]), array([ True, False]))
         """
