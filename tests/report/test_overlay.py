@@ -10,7 +10,7 @@ import clepsydra as cl
 from clepsydra.loop.scenario import Segment
 from clepsydra.report.figures import figures_of
 from clepsydra.report.overlay import event_title, event_windows, overlay_data, shown_signals
-from clepsydra.report.overlay_picture import overlay_figure
+from clepsydra.report.overlay_picture import event_charts
 
 DRUM = Path(__file__).parents[2] / "docs" / "examples" / "surge-drum.toml"
 
@@ -56,20 +56,21 @@ def test_the_still_picture_has_a_load_either_way_and_the_ends_of_the_band(drum):
     sizes = [3600.0 * w.segment.size for w in windows if not w.again and w.segment.kind == "load"]
     assert sizes == pytest.approx([10.0, -15.0])
     assert [w.again for w in windows if w.segment.kind == "setpoint"] == [False, True]
-    flows, levels = np.reshape(overlay_figure(windows, signals, first).axes, (2, 3))
-    for axes, lines in ((flows, []), (levels, [30.0, 70.0])):
-        flat = [line.get_ydata() for line in axes[-1].lines if len(line.get_xdata()) == 2]
-        assert [each[0] for each in flat] == pytest.approx(lines)
+    for window in windows:
+        flow, level = event_charts(window, signals, first)
+        assert flow.band == () and level.band == pytest.approx((30.0, 70.0))
+        assert level.ends[0] < 30.0 and level.ends[1] > 70.0
 
 
 def test_in_the_still_picture_what_looks_like_motion_is_motion(result):
     signals, first = shown_signals(result), list(result.ranking[:2])
-    figure = overlay_figure(event_windows(result, signals, first), signals, first)
-    one, other = np.reshape(figure.axes, (3, 3))[:2]  # two levels of 20 cm
-    spans = np.array([[np.ptp(axes.get_ylim()) for axes in row] for row in (one, other)])
-    shares = spans.min(axis=0) / spans.max(axis=0)
+    events = [event_charts(each, signals, first) for each in event_windows(result, signals, first)]
+    spans = np.array([[np.ptp(chart.ends) for chart in charts[:2]] for charts in events])
+    shares = spans.min(axis=1) / spans.max(axis=1)  # of two levels of 20 cm
     assert np.all(shares >= 0.3 - 1e-9) and shares.min() == pytest.approx(0.3)
-    assert np.all(np.ptp(one[0].lines[1].get_ydata()) > 2.0)
+    setpoint, *own = events[0][0].curves
+    assert setpoint.dashes and len(own) == 2
+    assert np.ptp(own[0].y) > 2.0
 
 
 def test_a_cascade_has_a_row_for_what_its_inner_loop_measures(tmp_path):

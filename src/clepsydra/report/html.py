@@ -32,8 +32,8 @@ from clepsydra.report.law_tables import (
     status_words,
 )
 from clepsydra.report.overlay import event_windows, overlay_data, sensitivity_data, shown_signals
-from clepsydra.report.overlay_picture import overlay_figure
-from clepsydra.report.page import STILL_WORDS, page_assets, rendered, svg_text
+from clepsydra.report.overlay_picture import overlay_svg
+from clepsydra.report.page import STILL_WORDS, page_assets, rendered
 from clepsydra.report.pid_tables import loop_settings
 from clepsydra.report.quantities import RESOLUTION_WORDS, number_text, quantity_text
 from clepsydra.report.ranking_rows import standing_word
@@ -59,8 +59,8 @@ def report_text(result: StudyResult) -> str:
     windows = event_windows(result, signals, first) if first else []
     data, still = "", ""
     if windows:
-        figure = overlay_figure(windows, signals, first)
-        still = svg_text(figure, "What the first two controllers make of each event", "still")
+        shows = "What the first two controllers make of each event"
+        still = overlay_svg(windows, signals, first, shows)
         overlay = overlay_data(result, signals, windows, first)
         data = json_text({**overlay, "sensitivity": sensitivity_data(result.ranking)})
 
