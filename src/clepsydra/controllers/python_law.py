@@ -40,6 +40,13 @@ class PythonLaw(StepLaw):
         results, arguments = (self.state, self.outputs)[result], (self.state, self.inputs)[argument]
         return np.ones((len(results), len(arguments)), dtype=bool)
 
+    def next_states(
+        self, state: np.ndarray, inputs: np.ndarray, parameters: np.ndarray
+    ) -> np.ndarray:
+        """Return the state after a sample in k cases [k, n]."""
+        cases = zip(state, inputs, parameters, strict=True)
+        return np.stack([self.function(*case)[0] for case in cases])
+
     def jacobians(
         self, state: Sequence[float], inputs: Sequence[float], parameters: Sequence[float]
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -184,24 +183,22 @@ def in_manual(loop: WiredLoop, now: Mapping[str, float], parameters: Array, most
     -------
     ndarray [n] or [n, candidates]
     """
-    law, controller = loop.controller.law, loop.controller
-    start = np.array([controller.initial_state[entry.name] for entry in law.state])
     inputs = inputs_in_mode(loop, now, Mode.MANUAL)
-    if parameters.ndim > 1:
-        start, inputs = (
-            np.repeat(column[:, None], parameters.shape[1], axis=1) for column in (start, inputs)
-        )
-    state = start
-    held: tuple[Array | ca.DM, ...] = (inputs, parameters)
-    if isinstance(law.function, ca.Function):
-        held = ca.DM(inputs), ca.DM(parameters)  # which a call would do again in every sample
+    return followed(loop.controller, inputs, parameters, most)
+
+
+def followed(controller: Controller, inputs: Array, parameters: Array, most: int) -> Array:
+    """Return the same with inputs of the law [m] in manual."""
+    law, cases = controller.law, np.atleast_2d(parameters.T)
+    start = np.array([controller.initial_state[entry.name] for entry in law.state])
+    state, inputs = (np.tile(each, (len(cases), 1)) for each in (start, inputs))
     for sample in range(most):
         before = state
-        state = np.reshape(np.array(law.function(before, *held)[0]), before.shape)
+        state = law.next_states(before, inputs, cases)
         still = np.abs(state - before) <= ROUNDING * np.maximum(1.0, np.abs(state))
         if sample >= SAMPLES and np.all(still):
             break
-    return state
+    return np.reshape(state.T, (len(start), *parameters.shape[1:]))
 
 
 def inputs_in_mode(loop: WiredLoop, now: Mapping[str, float], mode: Mode) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -67,15 +68,46 @@ class DenseFunction:
         >>> products.each([[3.0, 5.0], [2.0, 1.0]])[0].ravel()
         array([15.,  2.])
         """
-        given = np.concatenate(vectors, axis=1, dtype=float)
-        found = np.empty((len(given), self._size))
-        buffer: Any
-        buffer, evaluate = self._function.buffer()
-        for point, values in zip(given, found, strict=True):
-            buffer.set_arg(0, point.data)
-            buffer.set_res(0, values.data)
-            evaluate()
+        found = at_rows(self._function, [np.concatenate(vectors, axis=1)])
         return [
             found[:, part].reshape(len(found), *shape[::-1]).swapaxes(1, 2)
             for part, shape in self._parts
         ]
+
+
+def at_rows(function: ca.Function, vectors: Sequence[np.ndarray]) -> np.ndarray:
+    """Return the first result of a function of vectors at k points, a row each.
+
+    CasADi goes through the points by itself, with the bits of each.
+
+    Parameters
+    ----------
+    vectors : sequence of ndarray [k, size]
+
+    Examples
+    --------
+    >>> x, y = ca.SX.sym("x", 2), ca.SX.sym("y")
+    >>> sums = ca.Function("sums", [x, y], [x + y])
+    >>> at_rows(sums, [np.array([[1.0, 2.0], [5.0, 6.0]]), np.array([[0.5], [0.0]])])
+    array([[1.5, 2.5],
+           [5. , 6. ]])
+    """
+    count = len(vectors[0])
+    given = [np.ascontiguousarray(vector, float) for vector in vectors]
+    found = np.empty((count, function.numel_out(0)))
+    if count:
+        buffer: Any
+        buffer, evaluate = _mapped(function, count).buffer()
+        for place, rows in enumerate(given):
+            buffer.set_arg(place, rows.data)
+        buffer.set_res(0, found.data)
+        evaluate()
+    return found
+
+
+@lru_cache(maxsize=64)
+def _mapped(function: ca.Function, count: int) -> ca.Function:
+    """Return the function of that many points, which CasADi would make anew in every call."""
+    symbols = [ca.MX.sym("vector", function.size_in(place)) for place in range(function.n_in())]
+    first = ca.densify(function.call(symbols)[0])
+    return ca.Function("first", symbols, [first]).map(count)

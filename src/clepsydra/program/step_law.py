@@ -12,7 +12,7 @@ import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.dense_function import DenseFunction
+from clepsydra.program.dense_function import DenseFunction, at_rows
 from clepsydra.program.equations import Equations as Equations
 from clepsydra.program.equations import Symbols as Symbols
 from clepsydra.program.equations import function_of
@@ -99,6 +99,27 @@ class StepLaw:
             symbols,
             [ca.jacobian(of, by) for of in (next_state, outputs) for by in symbols[:2]],
         )
+
+    def next_states(
+        self, state: np.ndarray, inputs: np.ndarray, parameters: np.ndarray
+    ) -> np.ndarray:
+        """Return the state after a sample in k cases [k, n].
+
+        Parameters
+        ----------
+        state, inputs, parameters : ndarray [k, n], [k, m], [k, p]
+
+        Examples
+        --------
+        >>> law = step_law(
+        ...     "counter", inputs=[Signal("step")], parameters=[], state=[Signal("count")],
+        ...     outputs=[], equations=lambda s: Equations({"count": s["count"] + s["step"]}, {}),
+        ... )
+        >>> none = np.zeros((2, 0))
+        >>> law.next_states(np.array([[1.0], [2.0]]), np.array([[0.5], [4.0]]), none).ravel()
+        array([1.5, 6. ])
+        """
+        return at_rows(self.function, [state, inputs, parameters])
 
     def depends(self, result: int, argument: int) -> np.ndarray:
         """Return where a result depends on an argument in the same sample.

@@ -21,7 +21,7 @@ from clepsydra.loop.running_scores import RunningScores
 from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.step_size import LARGEST_REFINEMENT, MOST_SUBSTEPS
 from clepsydra.program.program import Program
-from clepsydra.studies.tuning.resting_states import resting_states
+from clepsydra.studies.tuning.resting_states import RestingStates
 
 
 class BatchScores(NamedTuple):
@@ -68,6 +68,7 @@ class BatchEvaluation:
         self, controller: Controller, model: LinearModel, scenario: Scenario, names: Sequence[str]
     ) -> None:
         self.loop = Loop(controller, model)
+        self.resting = RestingStates(self.loop)
         self._scores = RunningScores(self.loop.process, tuple(names))
         self._samples, self._scenario = scenario.samples, scenario
         self.loop.check(scenario)
@@ -121,7 +122,7 @@ class BatchEvaluation:
         """
         begin = self._scenario.begin
         starts: Mapping[str, ArrayLike] = (
-            resting_states(self.loop, values)
+            self.resting.at(values)
             if begin is None
             else batch_begin(self.loop, self._scenario, begin, values)
         )

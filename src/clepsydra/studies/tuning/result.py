@@ -13,7 +13,6 @@ from clepsydra.designs.designed_values import designed_values
 from clepsydra.designs.request import in_shown_unit
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.scores.score_key import score_key
-from clepsydra.studies.tuning.resting_states import resting_states
 
 if TYPE_CHECKING:
     from clepsydra.controllers.controller import Controller
@@ -142,9 +141,7 @@ def outcome(
         f"{problem.evaluations} candidates simulated, seed {seed}"
         + (", stopped before the end." if interrupted else "."),
     ]
-    resting = resting_states(
-        problem.batch.loop, {name: np.array([value]) for name, value in values.items()}
-    )
+    resting = problem.batch.resting.at({name: np.array([each]) for name, each in values.items()})
     controller = replace(
         start,
         name=f"{start.name}, tuned",
