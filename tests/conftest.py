@@ -31,7 +31,11 @@ SAMPLE = 3
 _folder = None
 if "PYTEST_XDIST_WORKER" not in os.environ:  # a worker inherits the folder of its parent
     _folder = tempfile.TemporaryDirectory(prefix="clepsydra-test-")
-    os.environ["CLEPSYDRA_CACHE"] = _folder.name + "/kernels"
+    kernels = Path(_folder.name, "kernels")
+    kernels.mkdir(mode=0o700)
+    os.environ["CLEPSYDRA_CACHE"] = str(kernels)
+    # A file in the place of the folder of studies: no test sees what another one has designed.
+    (kernels / "studies").touch()
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:

@@ -144,6 +144,10 @@ class AnnouncedRegistry(Registry[T], Generic[T, A]):
             for name, said in self._announced_in(file.read_text(encoding="utf-8")).items()
         }
 
+    def is_own(self, name: str) -> bool:
+        """Return whether a file of the folder defines it, and nobody else."""
+        return name in self._announced
+
     def known(self) -> dict[str, T | A]:
         """Return what is known of each without importing a file: itself, or its announcement."""
         said: dict[str, T | A] = {name: each for name, (_, each) in self._announced.items()}

@@ -38,10 +38,12 @@ class ObjectCache:
     folder : Path or None
         Made with mode 0700 where it is missing. None keeps nothing, and neither does a system
         on which files are not opened relative to a folder.
+    holding : str
+        What the objects are, for the warning that they are not kept.
     """
 
-    def __init__(self, folder: Path | None) -> None:
-        self.folder = folder
+    def __init__(self, folder: Path | None, holding: str = "compiled kernels") -> None:
+        self.folder, self.holding = folder, holding
 
     def load(self, key: str) -> bytes | None:
         """Return the object of a key, or None where there is none that can be trusted."""
@@ -83,7 +85,8 @@ class ObjectCache:
         try:
             status = os.fstat(folder)
             if not _is_private(status):
-                _tell_left_alone(self.folder, status.st_uid, stat.S_IMODE(status.st_mode))
+                mode = stat.S_IMODE(status.st_mode)
+                _tell_left_alone(self.folder, self.holding, status.st_uid, mode)
                 raise PermissionError(f"{self.folder} is open to others")
             yield folder
         finally:
@@ -120,14 +123,14 @@ def _is_private(status: os.stat_result) -> bool:
 
 
 @functools.cache
-def _tell_left_alone(folder: Path, owner: int, mode: int) -> None:
-    """Say once a process why objects are not kept: each kernel is compiled anew."""
+def _tell_left_alone(folder: Path, holding: str, owner: int, mode: int) -> None:
+    """Say once a process why objects are not kept: each is made anew."""
     if owner != os.geteuid():
         why, remedy = "belongs to another user", "name one of your own in CLEPSYDRA_CACHE"
     else:
         why = f"is open to others (mode {mode:o})"
         remedy = f"close it, chmod 700 {folder}, or name another in CLEPSYDRA_CACHE"
-    _LOG.warning("compiled kernels are not kept, since the folder %s %s; %s", folder, why, remedy)
+    _LOG.warning("%s are not kept, since the folder %s %s; %s", holding, folder, why, remedy)
 
 
 def _make_private(folder: Path) -> None:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from clepsydra.controllers.pid_form import PidForm
@@ -16,16 +15,43 @@ if TYPE_CHECKING:
     from clepsydra.linear.analysis import Analysis
 
 
-def _designed(name: str, studied: Studied, analysis: Analysis) -> Controller:
-    entry = design.DESIGNS[name]
-    given = dict(studied.arguments)
-    actions = given.pop("actions", None)
-    if actions is not None:
-        given["form"] = PidForm(actions)
-    if "pairing" in entry.arguments:
-        given["pairing"] = analysis.pairing
-    controller = entry.function(analysis.model, **given)
-    return _differentiated(controller, analysis) if actions == "PID" else controller
+@dataclass(frozen=True)
+class StudiedDesign:
+    """A controller that a study of all designs tries.
+
+    Parameters
+    ----------
+    method : str
+        The name of the design that makes it.
+    studied : Studied
+        What the reader calls it, and with which arguments it is made.
+    """
+
+    method: str
+    studied: Studied
+
+    def __call__(self, analysis: Analysis) -> Controller:
+        """Return the controller of a plant.
+
+        Raises
+        ------
+        NotApplicable
+            The design does not apply; it says why.
+        """
+        entry = design.DESIGNS[self.method]
+        given = dict(self.studied.arguments)
+        actions = given.pop("actions", None)
+        if actions is not None:
+            given["form"] = PidForm(actions)
+        if "pairing" in entry.arguments:
+            given["pairing"] = analysis.pairing
+        controller = entry.function(analysis.model, **given)
+        return _differentiated(controller, analysis) if actions == "PID" else controller
+
+    @property
+    def asked(self) -> object:
+        """What tells it from any other of the same plant; None where a user's own code makes it."""
+        return (self.method, self.studied) if design.DESIGNS.is_own(self.method) else None
 
 
 def _differentiated(controller: Controller, analysis: Analysis) -> Controller:
@@ -45,8 +71,8 @@ def _differentiated(controller: Controller, analysis: Analysis) -> Controller:
     return controller
 
 
-def studied_designs() -> dict[str, Callable[[Analysis], Controller]]:
-    """Return what the reader calls each, and how it is designed; what does not apply says why.
+def studied_designs() -> dict[str, StudiedDesign]:
+    """Return what the reader calls each, and how it is designed.
 
     Examples
     --------
@@ -56,7 +82,7 @@ def studied_designs() -> dict[str, Callable[[Analysis], Controller]]:
     known = design.DESIGNS.known().items()
     every = [(each, name) for name, announced in known for each in announced.studied]
     every.sort(key=lambda pair: pair[0].place)
-    return {each.name: partial(_designed, name, each) for each, name in every}
+    return {each.name: StudiedDesign(name, each) for each, name in every}
 
 
 #: Those that come with Clepsydra.

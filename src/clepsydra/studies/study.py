@@ -16,7 +16,8 @@ from clepsydra.linear.linearise import linearise
 from clepsydra.loop.run_cost import weigh_run
 from clepsydra.loop.step_size import substeps_for
 from clepsydra.studies.designs import studied_designs
-from clepsydra.studies.file.request import ControllerRequest, Maker, StudyRequest
+from clepsydra.studies.file.request import ControllerRequest, Maker, StudyRequest, Tuner
+from clepsydra.studies.kept_work import KeptWork
 from clepsydra.studies.ranking import Trial, rank, rule_of, verdict
 from clepsydra.studies.result import Candidate, StudyResult
 from clepsydra.studies.trial import trial_of
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from clepsydra.linear.linear_model import LinearModel
     from clepsydra.process.process import Process
     from clepsydra.studies.tuning.result import TuningResult
-    from clepsydra.studies.tuning.tune import Progress, Search
+    from clepsydra.studies.tuning.tune import Progress
 
 #: Names of controllers that a refusal shows.
 _NAMES_SAID = 8
@@ -138,6 +139,7 @@ class _Study:
         weigh_run(request.process, request.scenario.samples, substeps_for(self.model))
         self.tell = progress or (lambda _: None)
         self.folder = tuning_folder
+        self.kept = KeptWork(request.analysis.operating_point)
         self.trials: list[Trial] = []
 
     def run(self, only: str | None) -> StudyResult:
@@ -175,39 +177,56 @@ class _Study:
             for each in reversed(usual):  # one starts from another that stands before it
                 needed |= {each.first} if each.name in needed else set()
             wanted = [
-                ControllerRequest(name, _made_by(design), None)
-                for name, design in studied_designs().items()
+                ControllerRequest(name, _made_by(each), None, each.asked)
+                for name, each in studied_designs().items()
             ]
             wanted += [ControllerRequest(each.name, each.make, each) for each in usual]
         return [each for each in wanted if only is None or each.name in needed]
 
     def _try(self, wanted: ControllerRequest, now: StudyProgress) -> None:
         analysis, scenario = self.request.analysis, self.request.scenario
-        controller, tuning = wanted.make(analysis, self.model), None
+        make, tuning = partial(wanted.make, analysis, self.model), None
+        controller = self.kept.outcome(wanted.asked, make)
         if wanted.tune is not None:
-            tuning = self._tuned(now, partial(wanted.tune.run, controller, self.model, scenario))
+            tuning = self._tuned(now, wanted.tune, controller)
             controller = replace(tuning.controller, name=wanted.name)
         self.trials.append(trial_of(controller, self.model, scenario, tuning))
 
-    def _tuned(self, now: StudyProgress, run: Callable[[Search], TuningResult]) -> TuningResult:
+    def _tuned(self, now: StudyProgress, tuner: Tuner, controller: Controller) -> TuningResult:
+        state = None
+        if self.folder is not None:
+            name = re.sub(r"[^A-Za-z0-9]+", "-", now.name).strip("-").lower()
+            state = self.folder / f"{self.request.file_stem}.{name}.tuning.json"
+        seed, asked = self.request.seed, tuner.asked
+        if asked is not None and (state is None or not state.exists()):
+            asked = asked, controller, self.request.scenario, seed, FRONT
+        else:  # an interrupted tuning goes on, or says that it does not
+            asked = None
+        return self.kept.outcome(
+            asked,
+            lambda: self._tune(now, tuner, controller, state),
+            lasts=lambda found: not found.interrupted,
+        )
+
+    def _tune(
+        self, now: StudyProgress, tuner: Tuner, controller: Controller, state: Path | None
+    ) -> TuningResult:
+        """Tune a controller, with what is computed kept in a file until it is done."""
         from clepsydra.studies.tuning.tune import Search
 
         def tell(progress: Progress) -> None:
             words = f"{now.name}: {progress.stage}, {progress.evaluations} candidates"
             self.tell(now._replace(name=words))
 
-        kept = None
-        if self.folder is not None:
-            name = re.sub(r"[^A-Za-z0-9]+", "-", now.name).strip("-").lower()
-            kept = self.folder / f"{self.request.file_stem}.{name}.tuning.json"
+        search = Search(None, self.request.seed, FRONT, tell, state, afresh=True)
         try:
-            found = run(Search(None, self.request.seed, FRONT, tell, kept, afresh=True))
+            found = tuner.run(controller, self.model, self.request.scenario, search)
         except NotApplicable:  # no candidate keeps the limits: nothing is left to go on with
-            if kept is not None:
-                kept.unlink(missing_ok=True)
+            if state is not None:
+                state.unlink(missing_ok=True)
             raise
-        if kept is not None and not found.interrupted:
-            kept.unlink(missing_ok=True)
+        if state is not None and not found.interrupted:
+            state.unlink(missing_ok=True)
         return found
 
 

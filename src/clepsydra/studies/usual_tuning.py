@@ -51,6 +51,11 @@ class UsualTuning(ABC):
     def __init__(self, name: str, first: str, trials: Sequence[Trial]) -> None:
         self.name, self.first, self._trials = name, first, trials
 
+    @property
+    def asked(self) -> object:
+        """What tells it from any other that tunes the same controller."""
+        return type(self), self.name, self.first
+
     @abstractmethod
     def make(self, analysis: Analysis, model: LinearModel) -> Controller:
         """Return the controller that it starts from.

@@ -152,7 +152,8 @@ def _request(
     rows = read_fields(_Tuned, table)["tune"]
     if rows is None:
         return ControllerRequest(name, make, None)
-    tune = read_tuning(rows, process, weighted)
+    asked = {key: table.raw(key) for key in table.present}
+    tune = read_tuning(rows, process, weighted, asked)
 
     def checked(analysis: Analysis, model: LinearModel) -> Controller:
         controller = make(analysis, model)

@@ -24,6 +24,10 @@ Maker = Callable[[Analysis, LinearModel], Controller]
 class Tuner(Protocol):
     """What tunes a controller by simulation."""
 
+    @property
+    def asked(self) -> object:
+        """What tells it from any other that tunes the same controller; None if nothing does."""
+
     def run(
         self, controller: Controller, model: LinearModel, scenario: Scenario, search: Search
     ) -> TuningResult:
@@ -44,11 +48,14 @@ class ControllerRequest:
         is asked of a tuning is checked as well.
     tune : Tuner or None
         How it is tuned by simulation after that; None if it is not.
+    asked : object
+        What tells `make` from any other of the same plant; None if nothing does.
     """
 
     name: str
     make: Maker
     tune: Tuner | None
+    asked: object = None
 
 
 @dataclass(frozen=True, eq=False)

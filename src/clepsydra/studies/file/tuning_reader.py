@@ -60,6 +60,8 @@ class Tuning:
     weighted : callable or None
         What makes the start of a design by weights, which are tuned unless `bounds` name
         parameters of the law.
+    asked : object
+        What its file says of the controller, by which it is known again.
     objective : Objective or None
         None for what ranks a study.
     bounds : tuple of Bound or None
@@ -73,6 +75,7 @@ class Tuning:
     table: TableReader
     process: Process
     weighted: WeightedStart | None
+    asked: object
     objective: Objective | None = part(
         lambda table, key, known: _objective(table, known["process"]),
         {
@@ -201,7 +204,10 @@ class Tuning:
 
 
 def read_tuning(
-    table: TableReader, process: Process, weighted: WeightedStart | None = None
+    table: TableReader,
+    process: Process,
+    weighted: WeightedStart | None = None,
+    asked: object = None,
 ) -> Tuning:
     """Read what a controller is to be tuned for, from a table with the keys of `Tuning`.
 
@@ -225,7 +231,9 @@ def read_tuning(
     1.7
     """
     with errors_at(table):
-        return Tuning(table, process, weighted, **read_fields(Tuning, table, process=process))
+        return Tuning(
+            table, process, weighted, asked, **read_fields(Tuning, table, process=process)
+        )
 
 
 def _objective(table: TableReader, process: Process) -> Objective | None:
