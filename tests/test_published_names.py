@@ -71,7 +71,7 @@ TYPED = [
     ("cl.simulate(plant)", "clepsydra.interface.run.OpenLoopRun"),
     ("cl.simulate(plant, pi)", "clepsydra.interface.run.Run"),
     ("cl.study(plant, [pi]).best", "clepsydra.interface.study.Candidate"),
-    ('cl.tune(pi, plant, goal="iae")', "clepsydra.interface.tune.TunedController"),
+    ('cl.tune(pi, plant, goal="iae")', "clepsydra.interface.tuned.TunedController"),
     ('cl.identify("record.csv")', "clepsydra.interface.identify.Identification"),
     ("cl.verify(pi, plant).holds", "bool"),
     ("cl.step", "clepsydra.interface.events.Event"),

@@ -48,8 +48,8 @@ from clepsydra.interface.simulate import simulate as simulate
 from clepsydra.interface.study import Candidate as Candidate
 from clepsydra.interface.study import Study as Study
 from clepsydra.interface.study import study as study
-from clepsydra.interface.tune import TunedController as TunedController
 from clepsydra.interface.tune import tune as tune
+from clepsydra.interface.tuned import TunedController as TunedController
 from clepsydra.interface.verify import Proof as Proof
 from clepsydra.interface.verify import verify as verify
 from clepsydra.linear.equilibrium import NoEquilibrium as NoEquilibrium

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from clepsydra.interface.loop_settings import Settings
     from clepsydra.interface.quantities import Quantity
     from clepsydra.interface.run import Run
-    from clepsydra.interface.tune import Tuned
+    from clepsydra.interface.tuned import Tuned
 
 
 class Candidate(Told, results.Candidate):
@@ -350,7 +350,7 @@ def _of_plant(found: results.StudyResult, plant: Plant, accept: float, *, named:
     # A first row needs none of these, nor what they load.
     from clepsydra.interface.run import Run
     from clepsydra.interface.scores import Scores
-    from clepsydra.interface.tune import Tuned
+    from clepsydra.interface.tuned import Tuned
     from clepsydra.studies.single_precision import told_of_single_precision
 
     ranking = tuple(

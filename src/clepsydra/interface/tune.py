@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.arguments import require_known, require_type
 from clepsydra.base.keywords import keywords_checked
-from clepsydra.base.section import Line, Section
 from clepsydra.interface.controller import AnyController, Controller, of_plant
 from clepsydra.interface.quantities import Quantity, arguments, with_unit
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.settings import setting_of, unit_of
-from clepsydra.interface.shown import Answered, lifted
+from clepsydra.interface.shown import lifted
 from clepsydra.interface.subject import Subject, plant_of
+from clepsydra.interface.tuned import Tuned, TunedController
 from clepsydra.process.declared import keys_of
 from clepsydra.studies.file.law_parameters import loops_of
 from clepsydra.studies.file.tuning_reader import Tuning, read_tuning
-from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.tuning.tune import Progress, Search
 
 if TYPE_CHECKING:
@@ -34,42 +33,6 @@ _LIMITS = {
     "damping": "damping",
     "total_variation": "total_variation",
 }
-
-
-class Tuned(Answered, TuningResult):
-    """How a tuning came out: `objective`, `scores`, `binding`, `front` and what it started from."""
-
-    def answer(self) -> Section:
-        """Return what was achieved, what was found and on which limits it stands."""
-        return Section("", (Line(self.controller.design), self.line()))
-
-    def line(self) -> Line:
-        """Return what was achieved, in a sentence."""
-        words = (
-            f"Tuned by {self.evaluations} simulations: objective {self.objective:.3g} from "
-            f"{self.start_objective:.3g}, max|S| {self.maximum_sensitivity:.2f} from "
-            f"{self.start_maximum_sensitivity:.2f}"
-        )
-        return Line(words + (f"; it stands on {', '.join(self.binding)}." if self.binding else "."))
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class TunedController(Controller):
-    """A controller that was tuned by simulation, and how.
-
-    Parameters
-    ----------
-    tuning : Tuned
-        `objective`, `scores` and `maximum_sensitivity`, each also of the start, `binding` limits,
-        `evaluations` and the `front` of score against robustness.
-    """
-
-    tuning: Tuned = field(kw_only=True)
-
-    def answer(self) -> Section:
-        """Return name, what the tuning achieved, and settings."""
-        made = super().answer()
-        return replace(made, parts=(*made.parts, self.tuning.line()))
 
 
 @keywords_checked()

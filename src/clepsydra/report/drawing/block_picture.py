@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Iterable, Iterator
+from itertools import accumulate
 
 from clepsydra.program.program import Program
 from clepsydra.report.colours import INK, MUTED
 from clepsydra.report.drawing.block_diagram import Box, Port, block_box, diagram
+from clepsydra.report.drawing.rising import nearest_rising
 from clepsydra.report.drawing.shapes import (
     FRAME,
     PAPER,
@@ -274,9 +276,6 @@ def _stack(column: list[_Item], pulls: dict[_Item, list[float]]) -> None:
 
     Boxes keep their order. Least squares of the distances: what would overlap moves as one.
     """
-    import numpy as np
-    from scipy.optimize import isotonic_regression
-
     wanted = {item: item.top + statistics.fmean(pulls.get(item, [0.0])) for item in column}
     keys: dict[_Item, float] = {}
     for item in column:
@@ -284,7 +283,7 @@ def _stack(column: list[_Item], pulls: dict[_Item, list[float]]) -> None:
         keys[item] = max(before, wanted[item] + item.height / 2)
     column.sort(key=keys.__getitem__)
     heights = [item.height + _GAP * bool(item.box) + _ROW / 2 for item in column]
-    above = np.cumsum([0.0, *heights[:-1]])
-    tops = isotonic_regression([wanted[item] for item in column] - above).x + above
-    for item, top in zip(column, tops.tolist(), strict=True):
-        item.top = top
+    above = list(accumulate(heights[:-1], initial=0.0))
+    tops = nearest_rising(wanted[item] - top for item, top in zip(column, above, strict=True))
+    for item, top, before in zip(column, tops, above, strict=True):
+        item.top = top + before
