@@ -119,6 +119,8 @@ def by_homotopy(search: EquilibriumSearch) -> Iterate | None:
             unknowns, gone, advance = found.unknowns, share, 2.0 * advance
         else:
             advance /= 2.0
+            while gone + advance >= share:  # the same step to the end again
+                advance /= 2.0
             if advance < _SMALLEST_ADVANCE:
                 return None
     return search.run_from(unknowns)

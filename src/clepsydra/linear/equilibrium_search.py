@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -17,7 +17,10 @@ from clepsydra.process.process import Process
 RANK = 1e-12
 _ITERATIONS = 200
 _ROUNDING = 100.0 * float(np.finfo(float).eps)
-_SMALLEST_STEP = 1e-10
+# Newton's whole step, and where that gains nothing its half, a quarter and so on, down to 1e-10.
+_WHOLE, _PARTS = np.ones(1), 0.5 ** np.arange(1, 34)
+# So many numbers are found together, at points side by side.
+_BLOCK = 2**18
 # A ζ this close to zero is a level on its floor (ζ² = 1e-14 of the tank's height; so small a
 # share of another unknown's span is a zero).
 FLOOR = 1e-7
@@ -37,7 +40,8 @@ class Iterate:
     unknowns : ndarray [n + f]
         ζ of the states, then of the free inputs.
     residuals : ndarray [n + f]
-        ẋ, then the asked outputs minus their targets, SI.
+        ẋ, then the asked outputs minus their targets, SI; no numbers where these, or their
+        derivatives, have no value.
     jacobian : ndarray [n + f, n + f]
         Of the residuals by the unknowns.
     rounding_of : callable
@@ -69,7 +73,7 @@ class Iterate:
     @property
     def finite(self) -> bool:
         """Whether the equations and their derivatives have values here."""
-        return bool(np.isfinite(self.residuals).all() and np.isfinite(self.jacobian).all())
+        return bool(np.isfinite(self.residuals).all())
 
     def newton_step(self) -> np.ndarray:
         """Return Newton's step; the shortest one where the Jacobian is singular."""
@@ -113,6 +117,7 @@ class EquilibriumSearch:
         ]
         self._least, self._most = np.reshape(ends, (-1, 2)).T / self.spans
         self._origins = np.where(floored, self.floors, 0.0)
+        self._continued = np.where(self.floored, _CONTINUED, -np.inf)
 
     def start(self, share: float | None) -> np.ndarray:
         """Return unknowns with every level at a share of its height, or at its initial value."""
@@ -139,8 +144,10 @@ class EquilibriumSearch:
         return state, self._inputs(unknowns)
 
     def _inputs(self, unknowns: np.ndarray) -> np.ndarray:
-        inputs = self.request.inputs.copy()
-        inputs[self._columns] = self._straight(unknowns)[len(self.process.state) :]
+        inputs = np.empty((*unknowns.shape[:-1], len(self.request.inputs)))
+        inputs[...] = self.request.inputs
+        if self._columns:
+            inputs[..., self._columns] = self._straight(unknowns)[..., len(self._origins) :]
         return inputs
 
     def _straight(self, unknowns: np.ndarray) -> np.ndarray:
@@ -157,9 +164,9 @@ class EquilibriumSearch:
         return np.concatenate([scaled, free])
 
     def state_slopes(self, unknowns: np.ndarray) -> np.ndarray:
-        """Return dx/dζ of each state [n], SI."""
-        states = len(self.process.state)
-        scaled, spans = unknowns[:states], self.spans[:states]
+        """Return dx/dζ of each state [..., n], SI."""
+        states = len(self._origins)
+        scaled, spans = unknowns[..., :states], self.spans[:states]
         return np.where(self.floored[:states], 2.0 * spans * scaled, spans)
 
     def run(self, share: float | None) -> Iterate:
@@ -168,7 +175,8 @@ class EquilibriumSearch:
 
     def run_from(self, unknowns: np.ndarray) -> Iterate:
         """Search from given unknowns [n + f] and return the last iterate, solved or not."""
-        current = self._evaluate(unknowns)
+        ((_, first),) = self._evaluated(unknowns[None])
+        current = first()
         for _ in range(_ITERATIONS):
             following = self._improved(current) if current.finite else None
             if following is None:
@@ -186,51 +194,74 @@ class EquilibriumSearch:
     def _improved(self, current: Iterate) -> Iterate | None:
         step, sizes = current.newton_step(), current.row_sizes
         merit = float(np.linalg.norm(current.residuals / sizes))
-        length = 1.0
-        while length > _SMALLEST_STEP:
-            trial = self._evaluate(current.unknowns + length * step)
-            if np.linalg.norm(trial.residuals / sizes) < (1.0 - 1e-4 * length) * merit:
-                return trial
+        for lengths in (_WHOLE, _PARTS):
+            trials = self._evaluated(current.unknowns + lengths[:, None] * step)
+            for length, (residuals, trial) in zip(lengths, trials, strict=True):
+                if np.linalg.norm(residuals / sizes) < (1.0 - 1e-4 * length) * merit:
+                    return trial()
             if current.solved:  # only rounding is left, which no shorter step lessens
                 return None
-            length /= 2.0
         return None
 
-    def _evaluate(self, unknowns: np.ndarray) -> Iterate:
-        request, states = self.request, len(self.process.state)
+    def _evaluated(
+        self, unknowns: np.ndarray
+    ) -> Iterator[tuple[np.ndarray, Callable[[], Iterate]]]:
+        """Return the residuals for each row of unknowns, and the iterate where it is followed.
+
+        Many are found at once, since each takes no time.
+        """
+        size = max(1, _BLOCK // self.derivatives.size)
+        for first in range(0, len(unknowns), size):
+            block = unknowns[first : first + size]
+            residuals, iterate = self._together(block)
+            for place, row in enumerate(residuals):
+                yield row, partial(iterate, place)
+
+    def _together(self, unknowns: np.ndarray) -> tuple[np.ndarray, Callable[[int], Iterate]]:
+        request, states = self.request, len(self._origins)
         rows, columns = self._rows, self._columns
-        above = np.where(self.floored, np.maximum(unknowns, _CONTINUED), unknowns)
-        inside = np.clip(above, self._least + _INSIDE, self._most - _INSIDE)
-        above = np.where((above < self._least) | (above > self._most), inside, above)
-        scaled, spans = above[:states], self.spans[:states]
+        above = np.maximum(unknowns, self._continued)
+        beyond = (above < self._least) | (above > self._most)
+        if beyond.any():
+            inside = np.clip(above, self._least + _INSIDE, self._most - _INSIDE)
+            above = np.where(beyond, inside, above)
+        scaled, spans = above[:, :states], self.spans[:states]
         risen = self._origins + spans * np.where(self.floored[:states], scaled**2, scaled)
         inputs = self._inputs(above)
-        local = self.derivatives.at(risen, inputs, request.disturbances)
-        slopes = self.state_slopes(above)
-        jacobian = np.zeros((states + len(rows), states + len(columns)))
-        jacobian[:states, :states] = local.rates_by_state * slopes
-        jacobian[:states, states:] = local.rates_by_input[:, columns] * self.spans[states:]
-        jacobian[states:, :states] = local.measured_by_state[rows] * slopes
-        residuals = np.concatenate([local.rates, local.measured[rows] - request.targets])
-        if not (np.isfinite(jacobian).all() and np.isfinite(residuals).all()):
-            # There is no number to judge or to follow a trial by, as where 1/A has none.
-            nothing = np.full(len(residuals), np.nan)
-            return Iterate(unknowns, nothing, jacobian, lambda: nothing)
+        local = self.derivatives.at_each(risen, inputs, request.disturbances)
+        slopes = self.state_slopes(above)[:, None]
+        jacobians = np.zeros((len(above), states + len(rows), states + len(columns)))
+        jacobians[:, :states, :states] = local.rates_by_state * slopes
+        jacobians[:, :states, states:] = local.rates_by_input[..., columns] * self.spans[states:]
+        jacobians[:, states:, :states] = local.measured_by_state[:, rows] * slopes
+        shown = local.measured[:, rows] - request.targets
+        residuals = np.concatenate([local.rates, shown], axis=1)
+        known = np.isfinite(jacobians).all(axis=(1, 2)) & np.isfinite(residuals).all(axis=1)
+        apart = unknowns - above
+        for place in np.flatnonzero(known & apart.any(axis=1)):
+            residuals[place] += jacobians[place] @ apart[place]
+        # There is no number to judge or to follow a trial by, as where 1/A has none.
+        residuals[~known] = np.nan
 
-        def rounding() -> np.ndarray:
+        def rounding(place: int) -> np.ndarray:
             # Each term of a sum may be off by its own rounding, so the terms' sizes are added.
             terms = (
-                _size(local.rates_by_state, risen)
-                + _size(local.rates_by_input, inputs)
-                + _size(local.rates_by_disturbance, request.disturbances)
-                + _size(local.rates_by_parameter, self.process.parameter_values)
+                _size(local.rates_by_state[place], risen[place])
+                + _size(local.rates_by_input[place], inputs[place])
+                + _size(local.rates_by_disturbance[place], request.disturbances)
+                + _size(local.rates_by_parameter[place], self.process.parameter_values)
             )
-            shown = _size(local.measured_by_state[rows], risen) + np.abs(request.targets)
-            largest = np.abs(jacobian).max(axis=1, initial=0.0)
-            return np.asarray(_ROUNDING * (np.concatenate([terms, shown]) + largest))
+            measured = _size(local.measured_by_state[place, rows], risen[place])
+            every = np.concatenate([terms, measured + np.abs(request.targets)])
+            return np.asarray(
+                _ROUNDING * (every + np.abs(jacobians[place]).max(axis=1, initial=0.0))
+            )
 
-        moved = residuals + jacobian @ (unknowns - above)
-        return Iterate(unknowns, moved, jacobian, rounding)
+        def iterate(place: int) -> Iterate:
+            found = unknowns[place], residuals[place], jacobians[place]
+            return Iterate(*found, partial(rounding, place))
+
+        return residuals, iterate
 
 
 def _size(slopes: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -62,6 +62,8 @@ class Derivatives:
     def __init__(self, process: Process) -> None:
         self._parameters = process.parameter_values
         self._function = process.derivatives
+        #: How many numbers they are at a point.
+        self.size = self._function.size
 
     def at(
         self, state: np.ndarray, inputs: np.ndarray, disturbances: np.ndarray
@@ -76,6 +78,21 @@ class Derivatives:
         given = (state, inputs, disturbances, self._parameters)
         rates, measured, *matrices = self._function(*given)
         return LocalDerivatives(rates.ravel(), measured.ravel(), *matrices)
+
+    def at_each(
+        self, states: np.ndarray, inputs: np.ndarray, disturbances: np.ndarray
+    ) -> LocalDerivatives:
+        """Return values and derivatives at points, along a first axis of each array.
+
+        Parameters
+        ----------
+        states, inputs, disturbances : ndarray [k, n], [k, m], [d]
+            SI.
+        """
+        alike = np.concatenate([disturbances, self._parameters])
+        same = np.broadcast_to(alike, (len(states), len(alike)))
+        rates, measured, *matrices = self._function.each(states, inputs, same)
+        return LocalDerivatives(rates[..., 0], measured[..., 0], *matrices)
 
 
 def linearise(point: OperatingPoint) -> LinearModel:

@@ -42,11 +42,12 @@ class DenseFunction:
             (slice(*between), each.shape)
             for between, each in zip(pairwise(ends), results, strict=True)
         ]
-        self._size = ends[-1]
+        #: How many numbers the results are together.
+        self.size = ends[-1]
 
     def __call__(self, *vectors: ArrayLike) -> list[np.ndarray]:
         """Return each result as a matrix of its own."""
-        given, found = np.concatenate(vectors, dtype=float), np.empty(self._size)
+        given, found = np.concatenate(vectors, dtype=float), np.empty(self.size)
         buffer: Any  # CasADi's types ask for a size, which a view brings along
         buffer, evaluate = self._function.buffer()
         buffer.set_arg(0, given.data)
