@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cache
 
 import numpy as np
@@ -9,6 +10,10 @@ import numpy as np
 #: Roots converge cubically: one that moved by less than this share has all its digits.
 _STILL = 1e-13
 _ITERATIONS = 100
+#: Binary digits behind the point for each order when θ is summed: more than its terms cancel.
+_DIGITS = 8
+#: Those of a root.
+_OF_ROOT = 60
 
 
 def bessel_poles(order: int, bandwidth: float, period: float) -> np.ndarray:
@@ -67,14 +72,7 @@ def _prototype(order: int) -> tuple[complex, ...]:
 
 
 def _roots(order: int) -> np.ndarray:
-    """Return the roots of the reverse Bessel polynomial θ, by the method of Aberth and Ehrlich.
-
-    Its coefficients hide them above the tenth order. But θ(s) is sⁿ⁺½ eˢ Kₙ₊½(s) to a factor,
-    and so Newton's step θ/θ' is K₊/(K₊ - K₋), with the modified Bessel functions of the orders
-    n + ½ and n - ½.
-    """
-    from scipy.special import kve
-
+    """Return the roots of the reverse Bessel polynomial θ, by the method of Aberth and Ehrlich."""
     # The recurrence yₖ = (2k - 1) x yₖ₋₁ + yₖ₋₂ with x = 1/s, as a matrix: near enough.
     beside = 1.0 / np.sqrt(4.0 * np.arange(1, order) ** 2 - 1.0)
     recurrence = np.diag(beside, 1) - np.diag(beside, -1)
@@ -82,13 +80,40 @@ def _roots(order: int) -> np.ndarray:
     roots = 1.0 / np.linalg.eigvals(recurrence).astype(complex)
     itself = np.diag(np.full(order, np.inf))
     for _ in range(_ITERATIONS):
-        above = kve(order + 0.5, roots)
-        newton = above / (above - kve(order - 0.5, roots))
+        newton = np.array([_newton_step(order, root) for root in roots.tolist()])
         step = newton / (1.0 - newton * np.sum(1.0 / (roots[:, None] - roots + itself), axis=1))
         roots = roots - step
         if np.all(np.abs(step) <= _STILL * np.abs(roots)):
             break
     return np.asarray(roots)
+
+
+def _newton_step(order: int, root: complex) -> complex:
+    """Return θ/θ', the step of Newton's method.
+
+    Above the tenth order the terms of θ hide its roots from numbers of 16 digits, and integers
+    have as many as are asked for.
+    """
+    bits = _DIGITS * (order + 8)
+    x, y = (int(math.ldexp(part, _OF_ROOT)) << (bits - _OF_ROOT) for part in (root.real, root.imag))
+    real = imaginary = slope_real = slope_imaginary = 0
+    coefficient = 1  # (2n - k)!/(2ⁿ⁻ᵏ k! (n - k)!), from k = n down
+    for power in range(order, -1, -1):
+        slope_real, slope_imaginary = (
+            ((slope_real * x - slope_imaginary * y) >> bits) + real,
+            ((slope_real * y + slope_imaginary * x) >> bits) + imaginary,
+        )
+        real, imaginary = (
+            ((real * x - imaginary * y) >> bits) + (coefficient << bits),
+            (real * y + imaginary * x) >> bits,
+        )
+        left = order - power
+        coefficient = coefficient * power * (order + left + 1) // (2 * (left + 1))
+    size = slope_real**2 + slope_imaginary**2
+    return complex(
+        (real * slope_real + imaginary * slope_imaginary) / size,
+        (imaginary * slope_real - real * slope_imaginary) / size,
+    )
 
 
 def _bandwidth(poles: np.ndarray) -> float:
