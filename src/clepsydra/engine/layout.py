@@ -50,7 +50,7 @@ class Layout:
         """
         sizes: dict[int, str] = {}
         for name, value in ((n, v) for group in columns for n, v in group.items()):
-            if not isinstance(value, (int, float)) and np.ndim(value) == 1:
+            if not _is_number(value) and np.ndim(value) == 1:
                 sizes[len(np.asarray(value))] = name
         for name in self._individual:
             if name in inputs and np.ndim(inputs[name]) == 2:
@@ -116,13 +116,16 @@ class Layout:
         if scenarios == 1 and lanes == 1 and _all_numbers(numbers):
             return np.array([list(numbers.values())], dtype=float).reshape(1, -1, 1)
         groups = -(-scenarios // lanes)
-        table = np.empty((len(numbers), groups * lanes))
+        same = {name: _is_number(number) for name, number in numbers.items()}
+        fixed = [number if same[name] else 0.0 for name, number in numbers.items()]
+        table = np.repeat(np.array(fixed, float)[:, None], groups * lanes, axis=1)
         for row, (name, number) in zip(table, numbers.items(), strict=True):
-            value = self._numbers(name, number)
-            if value.ndim > 1:
-                raise self._shape_error(name, value, "a number or [scenarios]")
-            row[:scenarios] = value
-            row[scenarios:] = row[scenarios - 1]
+            if not same[name]:
+                value = self._numbers(name, number)
+                if value.ndim > 1:
+                    raise self._shape_error(name, value, "a number or [scenarios]")
+                row[:scenarios] = value
+                row[scenarios:] = row[scenarios - 1]
         shaped = table.reshape(len(numbers), groups, lanes)
         return np.ascontiguousarray(shaped.transpose(1, 0, 2))
 
@@ -154,4 +157,8 @@ class Layout:
 
 
 def _all_numbers(values: Given) -> bool:
-    return all(isinstance(value, (int, float)) for value in values.values())
+    return all(map(_is_number, values.values()))
+
+
+def _is_number(value: ArrayLike) -> bool:
+    return isinstance(value, (int, float))

@@ -104,6 +104,8 @@ def follow_rings(program: Program, rings: Array, samples: int) -> None:
     rings : ndarray [groups, entries of all rings, lanes]
         As a kernel left them that took the first entry of each for its oldest one.
     """
+    if not rings.size:
+        return
     held = rings_by_name(program, rings)
     for ring, turns in _rings_and_turns(program):
         held[ring.name][:] = np.roll(held[ring.name], -(turns * samples % ring.length), axis=1)
