@@ -14,6 +14,7 @@ def problem_of(violation, rooms):
     by_point = np.array(rooms)
     return SimpleNamespace(
         evaluate=lambda points: evaluated,
+        consider=lambda points, found: None,
         loops=SimpleNamespace(rooms=lambda points, limit: by_point[points.astype(int)]),
         limits=Limits(2.0),
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from typing import NamedTuple
 
@@ -94,6 +94,7 @@ class TuningProblem:
         self.limited = _limited(goal, space.controller)
         self.names = tuple(dict.fromkeys([*goal.objective.names, *self.limited]))
         self.batch = BatchEvaluation(space.controller, model, goal.scenario, self.names)
+        self._room = _Room(self.limited, self.names)
         self.memory = Memory(len(space.start), len(self.names) + 1, self._digest(goal))
         self.loops = CandidateLoops(space, model, self.limits, self.memory)
         self.best: BestSoFar | None = None
@@ -118,7 +119,8 @@ class TuningProblem:
         self._usual = int(rows[0, -1]) & ~int(meaningless)
         self.objective.check_start(self.start_scores)
         self.start = self._judged(own, rows)
-        self.evaluate(self.space.start[None, :])
+        start = self.space.start[None, :]
+        self.consider(start, self.evaluate(start))
 
     @property
     def evaluations(self) -> int:
@@ -159,9 +161,7 @@ class TuningProblem:
         rows = self._rows(points)
         for point in points[:proper]:
             self.proper.setdefault(point.tobytes(), point.copy())
-        found = self._evaluation(rows)
-        self._consider(points[:proper], found)
-        return found
+        return self._evaluation(rows)
 
     def _evaluation(self, rows: np.ndarray) -> Evaluation:
         scores = {name: rows[:, place] for place, name in enumerate(self.names)}
@@ -170,8 +170,7 @@ class TuningProblem:
         status = rows[:, -1].astype(int) & ~self._usual
         objective[status != 0] = np.inf
         objective[~np.isfinite(objective)] = np.inf
-        margins = [_margin(name, scores[name], limit) for name, limit in self.limited.items()]
-        return Evaluation(objective, parts, np.reshape(margins, (len(margins), len(rows))).T)
+        return Evaluation(objective, parts, self._room.of(rows))
 
     def _rows(self, points: np.ndarray) -> np.ndarray:
         """Return scores and status of every candidate [n, scores + 1], simulating new ones."""
@@ -205,8 +204,16 @@ class TuningProblem:
         found = self.batch.run({name: np.atleast_1d(value) for name, value in values.items()})
         return np.stack([*(found.scores[name] for name in self.names), found.status], axis=1)
 
-    def _consider(self, points: np.ndarray, found: Evaluation) -> None:
-        """Keep the best of the first candidates if it beats the best and keeps all limits."""
+    def consider(self, points: np.ndarray, found: Evaluation) -> None:
+        """Keep the best of the first candidates if it beats the best and keeps all limits.
+
+        Parameters
+        ----------
+        points : ndarray [k, p]
+            The first of those that were evaluated.
+        found : Evaluation
+            Of all.
+        """
         objective = found.objective[: len(points)]
         best = self.best.objective if self.best else np.inf
         better = (objective < best) & (found.violation[: len(points)] <= ON_LIMIT)
@@ -267,8 +274,17 @@ def _limited(goal: Goal, controller: Controller) -> dict[str, float]:
     return found
 
 
-def _margin(name: str, scores: np.ndarray, limit: float) -> np.ndarray:
-    """Return the room to a limit, as a share of it [n]."""
-    smaller = running_scores()[score_key(name).score].smaller_is_better
-    room = limit - scores if smaller else scores - limit
-    return np.asarray(room / (abs(limit) or 1.0))
+class _Room:
+    """How much room candidates have to limits of scores, each by name."""
+
+    def __init__(self, limited: Mapping[str, float], names: Sequence[str]) -> None:
+        declared = running_scores()
+        smaller = [declared[score_key(name).score].smaller_is_better for name in limited]
+        self._columns = [names.index(name) for name in limited]
+        self._limits = np.array([*limited.values()])
+        self._signs = np.where(smaller, 1.0, -1.0)
+        self._sizes = np.where(self._limits == 0.0, 1.0, np.abs(self._limits))
+
+    def of(self, rows: np.ndarray) -> np.ndarray:
+        """Return the room to each limit, as a share of it [n, limits], from scores [n, scores]."""
+        return np.asarray(self._signs * (self._limits - rows[:, self._columns]) / self._sizes)

@@ -106,6 +106,7 @@ class _Neighbourhood:
         points = np.vstack([point, point + np.diag(steps)])
         found = self._problem.evaluate(points, proper=1)
         margins = np.hstack([found.margins, self._problem.loops.rooms(points, self._limit)])
+        self._problem.consider(points[:1], found)
         parts = found.parts
         broken = ~np.all(np.isfinite(parts), axis=1)
         if broken[0]:

@@ -34,6 +34,7 @@ def standings(
     rooms = problem.loops.rooms(points[wins], problem.limits.maximum_sensitivity)
     violation = np.maximum(evaluated.violation[wins], np.max(-rooms, axis=1, initial=0.0))
     found[wins] = _standing(evaluated.objective[wins], violation)
+    problem.consider(points, evaluated)  # last, since the loops of all that win are known now
     return found
 
 
