@@ -6,17 +6,63 @@ import argparse
 import sys
 import tempfile
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
 from benchmarks import fuzzy, machine, page, tuning
 from benchmarks.cplusplus import CompilerMissing
-from benchmarks.experiments import FULL, QUICK, Disagreement, Experiments
+from benchmarks.experiments import FULL, QUICK, Disagreement, Experiments, Size
 from benchmarks.exported import page as exported_page
 from benchmarks.exported import times as exported
 from benchmarks.scale import Scale
+from benchmarks.studies import page as studies_page
+from benchmarks.studies import trees
+from benchmarks.studies.installation import InstallationTimes
+from benchmarks.studies.times import StudyTimes
 
 T = TypeVar("T")
+Facts = list[tuple[str, str]]
+
+
+@dataclass(frozen=True)
+class Order:
+    """What is measured of a section, and where.
+
+    Parameters
+    ----------
+    size : Size
+    folder : Path
+        For what is built; empty at the start.
+    facts : list of pairs
+        What a reader must know of this machine.
+    since : str or None
+        Commit that is measured beside the present tree.
+    installation : bool
+        Whether installations are measured too.
+    """
+
+    size: Size
+    folder: Path
+    facts: Facts
+    since: str | None
+    installation: bool
+
+
+@dataclass(frozen=True)
+class Document:
+    """Tables as they are printed, and how they come onto their pages."""
+
+    text: str
+    write: Callable[[], None]
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the documentation that is measured by itself."""
+
+    facts: Callable[[], Facts]
+    measure: Callable[[Order], Document]
 
 
 def _tell(what: str) -> None:
@@ -28,36 +74,101 @@ def _progress(what: str, measure: Callable[[], T]) -> T:
     return measure()
 
 
-def main() -> int:
-    """Run everything and return the exit status."""
+def _engine(order: Order) -> Document:
+    size = order.size
+    experiments = Experiments(size, order.folder)
+    scale = Scale(size.slow_rounds, size.operations, order.folder)
+    text = page.render(
+        page.Results(
+            machine=order.facts,
+            rounds=f"{size.rounds} rounds ({size.slow_rounds} on two cores, "
+            "for first calls, the command line, chains, the catalogue and tuning, "
+            "SciPy's once)",
+            batch=_progress("batch on one core", experiments.batch),
+            one_run=_progress("one run", experiments.one_run),
+            two_cores=_progress("large batch on two cores", experiments.two_cores),
+            first_call=_progress("first calls", experiments.first_call),
+            command_line=_progress("command line", experiments.command_line),
+            chains=_progress("chains of tanks", scale.chains),
+            catalogue=_progress("processes of the catalogue", scale.catalogue),
+            tuning=_progress("tuning", lambda: tuning.measure(size.slow_rounds)),
+            fuzzy=_progress("fuzzy control", lambda: fuzzy.measure(size.slow_rounds)),
+        )
+    )
+    return Document(text, lambda: page.write(text))
+
+
+def _exported(order: Order) -> Document:
+    rounds = order.size.rounds
+    found = exported.measure(rounds, order.folder, lambda name: _tell(f"exported code, {name}"))
+    return Document(
+        exported_page.times(found, order.facts, rounds),
+        lambda: exported_page.write_pages(found, order.facts, rounds),
+    )
+
+
+def _studies(order: Order) -> Document:
+    size, folder = order.size, order.folder
+    after = trees.present(folder / "present")
+    before = trees.earlier(order.since, folder / "earlier") if order.since else None
+    studies = StudyTimes(after, before, folder / "studies", _tell)
+    rows, notes = studies.rows(size.slow_rounds, size.long_rounds), studies.notes
+    rounds = f"{size.slow_rounds} rounds ({size.long_rounds} of the surge drum and vessel"
+    if order.installation:
+        installation = InstallationTimes(after, before, folder / "installation", _tell)
+        rows = [*rows, *installation.rows(size.long_rounds)]
+        notes = [*notes, *installation.notes]
+        rounds += " and of README line 1, line 2 once"
+    text = studies_page.render(rows, order.facts, after, before, f"{rounds})", notes)
+    return Document(text, lambda: studies_page.write_page(text))
+
+
+SECTIONS = {
+    "engine": Section(machine.description, _engine),
+    "exported": Section(exported_page.facts, _exported),
+    "studies": Section(studies_page.facts, _studies),
+}
+
+
+def options(arguments: list[str] | None = None) -> argparse.Namespace:
+    """Return what the command line says; of the program itself where it is left out."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="few rounds, to see that it works")
     parser.add_argument("--write", action="store_true", help=f"update {page.PAGE.name}")
-    arguments = parser.parse_args()
-    size = QUICK if arguments.quick else FULL
+    parser.add_argument("--only", choices=SECTIONS, help="measure and write this section alone")
+    parser.add_argument(
+        "--since", metavar="COMMIT", help="studies: measure this commit too, in the same rounds"
+    )
+    parser.add_argument(
+        "--installation",
+        action="store_true",
+        help="studies: the README's two lines too, which takes tens of minutes a commit",
+    )
+    read = parser.parse_args(arguments)
+    if read.only not in (None, "studies") and (read.since or read.installation):
+        parser.error(f"--since and --installation are about studies, not about {read.only}")
+    return read
+
+
+def main() -> int:
+    """Run everything and return the exit status."""
+    read = options()
+    chosen = [read.only] if read.only else list(SECTIONS)
     try:
-        facts, exported_facts = machine.description(), exported_page.facts()
-        with tempfile.TemporaryDirectory() as folder:
-            experiments = Experiments(size, Path(folder))
-            scale = Scale(size.slow_rounds, size.operations, Path(folder))
-            results = page.Results(
-                machine=facts,
-                rounds=f"{size.rounds} rounds ({size.slow_rounds} on two cores, "
-                "for first calls, the command line, chains, the catalogue and tuning, "
-                "SciPy's once)",
-                batch=_progress("batch on one core", experiments.batch),
-                one_run=_progress("one run", experiments.one_run),
-                two_cores=_progress("large batch on two cores", experiments.two_cores),
-                first_call=_progress("first calls", experiments.first_call),
-                command_line=_progress("command line", experiments.command_line),
-                chains=_progress("chains of tanks", scale.chains),
-                catalogue=_progress("processes of the catalogue", scale.catalogue),
-                tuning=_progress("tuning", lambda: tuning.measure(size.slow_rounds)),
-                fuzzy=_progress("fuzzy control", lambda: fuzzy.measure(size.slow_rounds)),
-            )
-            code = exported.measure(
-                size.rounds, Path(folder) / "exported", lambda name: _tell(f"exported code, {name}")
-            )
+        if read.since:
+            trees.short_name(read.since)
+        facts = {name: SECTIONS[name].facts() for name in chosen}
+        for name in chosen:
+            with tempfile.TemporaryDirectory() as folder:
+                order = Order(
+                    QUICK if read.quick else FULL, Path(folder), facts[name], read.since,
+                    read.installation,
+                )  # fmt: skip
+                document = SECTIONS[name].measure(order)
+            print(document.text)
+            if read.write:
+                document.write()
+                print(f"written: {name}", file=sys.stderr)
     except (CompilerMissing, Disagreement, RuntimeError) as error:
         print(f"benchmarks: {error}", file=sys.stderr)
         return 1
@@ -67,13 +178,6 @@ def main() -> int:
             file=sys.stderr,
         )
         return 1
-    text = page.render(results)
-    print(text)
-    print(exported_page.times(code, exported_facts, size.rounds))
-    if arguments.write:
-        page.write(text)
-        exported_page.write_pages(code, exported_facts, size.rounds)
-        print(f"written: {page.PAGE} and {exported_page.SIZES_PAGE}", file=sys.stderr)
     return 0
 
 

@@ -46,6 +46,7 @@ class Size:
 
     rounds: int
     slow_rounds: int
+    long_rounds: int
     scenarios: int = 8_192
     samples: int = 1_000
     run_samples: int = 10_000
@@ -53,8 +54,8 @@ class Size:
     operations: int = 20_000_000
 
 
-FULL = Size(rounds=15, slow_rounds=5)
-QUICK = Size(rounds=3, slow_rounds=1, operations=2_000_000)
+FULL = Size(rounds=15, slow_rounds=5, long_rounds=3)
+QUICK = Size(rounds=3, slow_rounds=1, long_rounds=1, operations=2_000_000)
 
 
 @dataclass(frozen=True)

@@ -66,8 +66,18 @@ class Timings:
         return Spread.of([a / b for a, b in pairs])
 
 
-def interleave(ways: Sequence[Way], rounds: int, *, warm_up: bool = True) -> Timings:
-    """Time all ways in each round, in an order that moves on by one from round to round."""
+def interleave(
+    ways: Sequence[Way],
+    rounds: int,
+    *,
+    warm_up: bool = True,
+    timed: Callable[[Callable[[], object]], float] | None = None,
+) -> Timings:
+    """Time all ways in each round, in an order that moves on by one from round to round.
+
+    `timed` runs one and returns its seconds; left out, those that went by.
+    """
+    timed = timed or _once
     if warm_up:
         for way in ways:
             way.run()
@@ -75,7 +85,7 @@ def interleave(ways: Sequence[Way], rounds: int, *, warm_up: bool = True) -> Tim
     for number in range(rounds):
         first = number % len(ways)
         for way in [*ways[first:], *ways[:first]]:
-            seconds[way.name].append(statistics.median(_once(way.run) for _ in range(way.calls)))
+            seconds[way.name].append(statistics.median(timed(way.run) for _ in range(way.calls)))
     return Timings(seconds)
 
 

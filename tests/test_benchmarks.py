@@ -25,6 +25,7 @@ from benchmarks.case import (
 from benchmarks.cplusplus import VECTOR_COUNTS, CPlusPlus, recording_arrays
 from benchmarks.experiments import AGREEMENT
 from benchmarks.measure import Spread, Timings, Way, interleave
+from benchmarks.studies.homes import with_kernels_alone
 from clepsydra.scores.score import SCORES
 
 ONE_RUN = make_case(1, 400)
@@ -132,6 +133,24 @@ def test_the_page_keeps_everything_outside_its_marks(tmp_path: Path) -> None:
     path.write_text("no marks", encoding="utf-8")
     with pytest.raises(ValueError, match="lacks the marks"):
         page.write("new", path)
+
+
+def test_a_home_with_kernels_alone_has_nothing_else_that_clepsydra_kept(tmp_path: Path) -> None:
+    kept = tmp_path / "used" / ".cache" / "clepsydra"
+    with_clepsydra.first_call(ONE_RUN, kept / "kernels", cached=True)()
+    (kernel,) = (kept / "kernels").iterdir()
+    (kept / "kernels" / "design.o").write_bytes(b"{}")
+    (kept / "designs").mkdir()
+    (kept / "designs" / "lqi").write_bytes(bytes(1000) + kernel.read_bytes())
+    fonts = tmp_path / "used" / ".cache" / "matplotlib" / "fonts.json"
+    fonts.parent.mkdir()
+    fonts.write_text("{}", encoding="utf-8")
+    (tmp_path / "fresh").mkdir()
+    (tmp_path / "fresh" / "left").touch()
+    home = with_kernels_alone(tmp_path / "used", tmp_path / "fresh")
+    files = {path.name: path.read_bytes() for path in home.rglob("*") if path.is_file()}
+    assert files == {kernel.name: kernel.read_bytes(), "fonts.json": b"{}"}
+    assert (kept / "kernels" / "design.o").exists()
 
 
 def test_each_ratio_is_of_two_calls_that_do_something() -> None:
