@@ -10,6 +10,7 @@ from models_by_hand import late_feedback, rational
 from refusals import refused
 from scipy.integrate import quad_vec
 from scipy.linalg import eig, expm, svdvals
+from scipy.optimize import minimize
 
 from clepsydra.linear.controllability import (
     controllability_margins,
@@ -214,6 +215,25 @@ def test_distance_by_brute_force(seed, random_system):
     assert np.linalg.svd(at_root)[1][-1] == pytest.approx(found.value, rel=1e-12)
     margins = controllability_margins(rational(system.A, system.B, system.C, 0.0))
     assert found.value <= min(mode.margin for mode in margins) * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_descent_of_scipy_ends_lower(seed, random_system):
+    system = random_system(seed, 5, 2, 1)
+    A, B = system.A, system.B
+    found = distance_to_uncontrollability(A, B)
+
+    def squared(place):
+        return svdvals(np.hstack([A - complex(*place) * np.eye(5), B]))[-1] ** 2
+
+    starts = np.random.default_rng(seed).normal(0.0, np.abs(A).max(), (20, 2))
+    lowest = min(minimize(squared, start, options={"gtol": 1e-12}).fun for start in starts)
+    assert found.value <= np.sqrt(lowest) * (1.0 + 1e-12)
+    assert squared([found.root.real, found.root.imag]) == pytest.approx(found.value**2, rel=1e-12)
+
+
+def test_distance_where_all_singular_values_are_one():
+    assert distance_to_uncontrollability(np.zeros((3, 3)), np.eye(3)).value == 1.0
 
 
 def test_blocks_of_matrices_find_what_all_at_once_find(random_system, monkeypatch):

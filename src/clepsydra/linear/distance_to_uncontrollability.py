@@ -10,8 +10,11 @@ import numpy as np
 _SHARP = 0.99
 _MOST = 20_000
 _STARTS = 5
-# Where the height falls by less than this share of a step, it is lowest.
+# Where the square of the height falls by less than this share of height times step, it is lowest.
 _FLAT = 1e-8
+_STEPS = 200
+# Curvature that is taken for flat; that of a square is 2 at most.
+_LEAST = 1e-8
 # So many entries have the matrices that are decomposed together [16 bytes each].
 _BLOCK = 2**18
 #: Above so many states the search would take minutes: each of up to `_MOST` points of the plane
@@ -113,11 +116,33 @@ class _Tests:
         self._whole = np.hstack([A, B]).astype(complex)
         self._diagonal, self._states = A.diagonal(), np.arange(len(A))
 
-    def at(self, points: np.ndarray | complex) -> np.ndarray:
+    def at(self, points: np.ndarray) -> np.ndarray:
         """Return them at points of the plane."""
         found = np.broadcast_to(self._whole, (*np.shape(points), *self._whole.shape)).copy()
         found[..., self._states, self._states] = self._diagonal - np.expand_dims(points, -1)
         return found
+
+    def local(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return at each point σ_min², its slope, and the step of Newton's method downhill.
+
+        Slope and step are complex numbers of the plane. In the basis U of left singular vectors
+        [A - s I, B] [·]ᴴ changes by H = -(G + Gᴴ) with the real part of s and i (G - Gᴴ) with the
+        imaginary part, G = Uᴴ (A - s I) U, and its second derivatives are 2 I and none.
+        """
+        left, sizes, right = np.linalg.svd(self.at(points), full_matrices=False)
+        squares = sizes**2
+        G = sizes[..., None] * (right[..., : len(self._states)] @ left)
+        row, column = G[..., -1, :], G[..., :, -1].conj()
+        H = np.stack([-(row + column), 1j * (row - column)], axis=-2)
+        slopes = H[..., -1].real
+        apart = np.finfo(float).eps * squares[..., :1]  # as near as two can be told apart
+        above = np.maximum(squares[..., :-1] - squares[..., -1:], apart)
+        others = H[..., :-1] / np.sqrt(above)[..., None, :]
+        curvature = 2.0 * (np.eye(2) - (others @ others.conj().swapaxes(-1, -2)).real)
+        values, axes = np.linalg.eigh(curvature)
+        along = (axes.swapaxes(-1, -2) @ slopes[..., None])[..., 0]
+        steps = -(axes @ (along / np.maximum(np.abs(values), _LEAST))[..., None])[..., 0]
+        return squares[..., -1], slopes @ [1.0, 1.0j], steps @ [1.0, 1.0j]
 
     def heights(self, points: np.ndarray) -> np.ndarray:
         """Return σ_min at each point, in blocks, since all at once are gigabytes."""
@@ -129,29 +154,37 @@ class _Tests:
 
 
 def _descend(tests: _Tests, starts: np.ndarray, rounding: float) -> tuple[float, complex]:
-    """Return the lowest place found from the starts, and from none of them uphill."""
-    from scipy.optimize import minimize
+    """Return the lowest place found from the starts, and from none of them uphill.
 
+    With the left singular vector u of σ_min, the square of σ_min is nowhere above that of
+    uᴴ [A - s I, B], a paraboloid which it touches where u was found, so that to step to its lowest
+    point, s = uᴴ A u, is always downhill. Newton's step, with the exact curvature of σ_min², is
+    taken where it leads lower.
+    """
     heights = tests.heights(starts)
     order = np.argsort(heights)[:_STARTS]
     best, root = float(heights[order[0]]), complex(starts[order[0]])
     if best <= rounding:
         return best, root
-
-    def squared(place: np.ndarray) -> tuple[float, np.ndarray]:
-        # As a share of the best, and smooth also where it reaches zero: dσ = -Re(uᴴ v ds).
-        left, sizes, right = np.linalg.svd(tests.at(best * complex(*place)), full_matrices=False)
-        slope = -left[:, -1].conj() @ right[-1, : len(left)].conj()
-        height = sizes[-1] / best
-        return height**2, 2.0 * height * np.array([slope.real, -slope.imag])
-
-    found = [
-        minimize(squared, [start.real, start.imag], jac=True, options={"gtol": _FLAT}).x
-        for start in starts[order] / best
-    ]
-    ends = best * np.array([complex(*place) for place in found])
-    heights = tests.heights(ends)
+    places = starts[order]
+    squares, slopes, steps = tests.local(places)
+    for _ in range(_STEPS):
+        moving = np.abs(slopes) > _FLAT * best
+        if not moving.any():
+            break
+        tried = np.array([places + steps, places - slopes / 2.0])
+        found = tests.local(tried)
+        lower, each = np.argmin(found[0], axis=0), np.arange(len(places))
+        moving &= found[0][lower, each] < squares
+        if not moving.any():
+            break
+        places = np.where(moving, tried[lower, each], places)
+        squares, slopes, steps = (
+            np.where(moving, new[lower, each], old)
+            for new, old in zip(found, (squares, slopes, steps), strict=True)
+        )
+    heights = tests.heights(places)
     lowest = int(np.argmin(heights))
     if heights[lowest] < best:
-        return float(heights[lowest]), complex(ends[lowest])
+        return float(heights[lowest]), complex(places[lowest])
     return best, root
