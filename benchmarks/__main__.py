@@ -113,13 +113,13 @@ def _studies(order: Order) -> Document:
     before = trees.earlier(order.since, folder / "earlier") if order.since else None
     studies = StudyTimes(after, before, folder / "studies", _tell)
     rows, notes = studies.rows(size.slow_rounds, size.long_rounds), studies.notes
-    rounds = f"{size.slow_rounds} rounds ({size.long_rounds} of the surge drum and vessel"
+    rounds = f"rounds: {size.slow_rounds}, of surge drum and vessel {size.long_rounds}"
     if order.installation:
         installation = InstallationTimes(after, before, folder / "installation", _tell)
         rows = [*rows, *installation.rows(size.long_rounds)]
         notes = [*notes, *installation.notes]
-        rounds += " and of README line 1, line 2 once"
-    text = studies_page.render(rows, order.facts, after, before, f"{rounds})", notes)
+        rounds += f", of README line 1 {size.long_rounds}, of line 2 one"
+    text = studies_page.render(rows, order.facts, after, before, rounds, notes)
     return Document(text, lambda: studies_page.write_page(text))
 
 

@@ -11,7 +11,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from benchmarks.__main__ import options
+from benchmarks import __main__ as benchmarks
 from benchmarks.measure import Spread
 from benchmarks.studies import page, trees
 from benchmarks.studies.installation import InstallationTimes
@@ -145,7 +145,7 @@ def test_without_an_earlier_commit_its_columns_are_empty_and_the_page_says_so() 
         Row.of("study [s]", {AFTER: [3.0, 4.0]}, Wanted(0.4, ratio=True), digits=1),
         Row.of("modules", {AFTER: [140.0]}, Wanted(150), digits=0),
     ]
-    text = page.render(rows, [("Processor", "one")], Tree(ROOT, "abc"), None, "2 rounds")
+    text = page.render(rows, [("Processor", "one")], Tree(ROOT, "abc"), None, "rounds: 2")
     cells = [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines()]
     assert ["study [s]", "", "3.5 (3.0 to 4.0)", "", "ratio at most 0.4", "–"] in cells
     assert ["modules", "", "140", "", "after at most 150", "yes"] in cells
@@ -154,7 +154,7 @@ def test_without_an_earlier_commit_its_columns_are_empty_and_the_page_says_so() 
 
 def test_the_page_names_both_commits_and_what_has_to_be_said() -> None:
     sides = (Tree(ROOT, "abc"), Tree(ROOT, "012"))
-    text = page.render([], [], *sides, "2 rounds", ["It could not be installed"])
+    text = page.render([], [], *sides, "rounds: 2", ["It could not be installed"])
     assert "After is commit abc, before is commit 012." in text
     assert text.endswith("It could not be installed")
 
@@ -190,7 +190,29 @@ def test_installations_are_measured_in_copies_and_a_failed_one_is_told(tmp_path:
 @pytest.mark.parametrize("arguments", [["--since", "HEAD~1"], ["--installation"]])
 def test_what_is_about_studies_goes_with_them(arguments: list[str]) -> None:
     for section in ([], ["--only", "studies"]):
-        assert options([*section, *arguments]).quick is False
+        assert benchmarks.options([*section, *arguments]).quick is False
     for section in ("engine", "exported"):
         with pytest.raises(SystemExit):
-            options(["--only", section, *arguments])
+            benchmarks.options(["--only", section, *arguments])
+
+
+def test_one_section_is_measured_and_written_alone(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    done: list[str] = []
+
+    def section(name: str) -> benchmarks.Section:
+        def measure(order: benchmarks.Order) -> benchmarks.Document:
+            done.append(f"{order.facts[0][1]} measured")
+            return benchmarks.Document(f"tables of {name}", lambda: done.append("written"))
+
+        return benchmarks.Section(lambda: [("section", name)], measure)
+
+    monkeypatch.setattr(benchmarks, "SECTIONS", {n: section(n) for n in ("engine", "studies")})
+    monkeypatch.setattr(sys, "argv", ["benchmarks", "--only", "studies", "--write"])
+    assert benchmarks.main() == 0
+    assert done == ["studies measured", "written"]
+    assert capsys.readouterr().out == "tables of studies\n"
+    monkeypatch.setattr(sys, "argv", ["benchmarks"])
+    assert benchmarks.main() == 0
+    assert done[2:] == ["engine measured", "studies measured"]

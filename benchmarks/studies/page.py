@@ -43,7 +43,7 @@ def render(
     return "\n\n".join(
         [
             table(["", ""], described),
-            f"{sides} Median over {rounds}, smallest and largest in brackets; ratios are taken "
+            f"{sides} Medians ({rounds}), smallest and largest in brackets; ratios are taken "
             "within each round.",
             table(
                 ["work", "before", "after", "ratio", "wanted", "met"],

@@ -20,8 +20,12 @@ _START = [sys.executable, "-c", "from clepsydra.cli import main; main()"]
 _OF_PYTHON, _OF_FOLDERS = ("PYTHON", "CLEPSYDRA_"), ("XDG_", "MPLCONFIGDIR")
 
 
+class GitFailed(RuntimeError):
+    """Git refused, or this is no repository."""
+
+
 class NoSuchCommit(RuntimeError):
-    """What was named is no commit of this repository, or this is no repository."""
+    """What was named is no commit of this repository."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +90,10 @@ def short_name(commit: str) -> str:
     ------
     NoSuchCommit
     """
-    return _git("rev-parse", "--verify", "--short=8", f"{commit}^{{commit}}")
+    try:
+        return _git("rev-parse", "--verify", "--short=8", f"{commit}^{{commit}}")
+    except GitFailed:
+        raise NoSuchCommit(f"--since {commit}: no commit of {ROOT}") from None
 
 
 def earlier(commit: str, folder: Path) -> Tree:
@@ -105,5 +112,5 @@ def _git(*arguments: str) -> str:
     command = ["git", "-C", str(ROOT), *arguments]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
-        raise NoSuchCommit(f"{' '.join(command)}: {done.stderr.strip()}")
+        raise GitFailed(f"{' '.join(command)}: {done.stderr.strip()}")
     return done.stdout.strip()
