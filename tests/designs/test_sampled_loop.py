@@ -213,21 +213,21 @@ def together(loops: list[SampledLoop]) -> SampledLoop:
 def test_peaks_of_many_loops_are_those_of_each(tank):
     largest = critical_gain(tank, 30.0)
     loops = [tank.sampled(share * largest, 30.0) for share in (0.1, 0.3, 1.1, 0.5)]
-    found = sensitivity_peaks(together(loops)).tolist()
+    found = sensitivity_peaks(together(loops)).values.tolist()
     assert found == [each.maximum_sensitivity for each in loops]
     assert np.isfinite(found).tolist() == [True, True, False, True]
 
 
 def test_peaks_of_loops_that_are_all_unstable_are_infinite(tank):
     unstable = [tank.sampled(share * critical_gain(tank, 30.0), 30.0) for share in (1.1, 2.0)]
-    assert sensitivity_peaks(together(unstable)).tolist() == [np.inf, np.inf]
+    assert sensitivity_peaks(together(unstable)).values.tolist() == [np.inf, np.inf]
 
 
 def test_the_peak_of_a_loop_without_a_state_is_that_of_its_direct_way():
     gain = SampledLoop(
         np.zeros((1, 0, 0)), np.zeros((1, 0, 1)), np.zeros((1, 1, 0)), np.eye(1)[None]
     )
-    assert sensitivity_peaks(gain).tolist() == [1.0]
+    assert sensitivity_peaks(gain).values.tolist() == [1.0]
 
 
 def test_many_loops_of_a_controller_at_once_are_those_of_each(tank):

@@ -89,8 +89,12 @@ class SampledSystem(NamedTuple):
             self.D - self.C @ inverse @ self.B,
         )
 
+    def among(self, which: np.ndarray) -> SampledSystem:
+        """Return some of a stack of systems."""
+        return SampledSystem(*(matrix[which] for matrix in self))
+
     def response(self, angles: np.ndarray) -> np.ndarray:
-        """Return G(e^jωT) at angles ωT [rad], as [l, q, m]."""
+        """Return G(e^jωT) at angles ωT [l, rad] as [l, q, m]; of a stack at [k, l]."""
         return np.asarray(evaluate_transfer(self.A, self.B, self.C, self.D, np.exp(1j * angles)))
 
     def then(self, second: SampledSystem) -> SampledSystem:

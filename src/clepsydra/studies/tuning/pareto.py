@@ -63,11 +63,13 @@ def _not_beaten(problem: TuningProblem) -> tuple[np.ndarray, np.ndarray, np.ndar
     kept = (found.violation <= ON_LIMIT) & np.isfinite(found.objective)
     kept[kept] = np.all(problem.loops.rooms(points[kept], np.inf) >= -ON_LIMIT, axis=1)
     points, objective = points[kept], found.objective[kept]
-    sensitivities = problem.loops.sensitivities(points)
+    best_first = np.argsort(objective, kind="stable")
+    points, objective = points[best_first], objective[best_first]
+    sensitivities = problem.loops.falling_sensitivities(points)
     front: list[int] = []
     least = np.inf
-    for place in np.argsort(objective, kind="stable"):
-        if sensitivities[place] < (1.0 - _APART) * least:
-            front.append(int(place))
-            least = sensitivities[place]
+    for place, sensitivity in enumerate(sensitivities.tolist()):
+        if sensitivity < (1.0 - _APART) * least:
+            front.append(place)
+            least = sensitivity
     return points[front], objective[front], sensitivities[front]
