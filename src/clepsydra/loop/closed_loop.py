@@ -41,13 +41,13 @@ def wire_conversions(controller: Controller, process: Process) -> dict[str, Conv
     >>> wire_conversions(controller, plant.process)["duty.out"]
     Conversion(code='divide', number=100.0)
     """
-    law = controller.law
+    law, given, told = controller.law, controller.input_wires, controller.output_wires
     units = {s.name: s.unit for s in (*process.measurements, *process.inputs)}
     found: dict[str, Conversion | None] = {}
     for signal in law.inputs:
-        found[signal.name] = conversion(_unit(signal, controller.input_wires, units), signal.unit)
+        found[signal.name] = conversion(_unit(signal, given, units), signal.unit)
     for signal in law.outputs:
-        found[signal.name] = conversion(signal.unit, _unit(signal, controller.output_wires, units))
+        found[signal.name] = conversion(signal.unit, _unit(signal, told, units))
     return {name: way for name, way in found.items() if way is not None}
 
 
@@ -199,7 +199,7 @@ def _control(
             return number
         return builder.operation(ways[name].code, number, builder.constant(ways[name].number))
 
-    wires = controller.input_wires
+    wires, told = controller.input_wires, controller.output_wires
     given = {name: passed(name, value[wire]) for name, wire in wires.items()}
     given["time_step"] = time_step
     arguments = [
@@ -214,7 +214,7 @@ def _control(
             arguments[place] = builder.operation(TO_SINGLE, arguments[place])
         results = append_in_place(builder, in_single.block, arguments)
     outputs = zip(law.outputs, results[len(law.state) :], strict=False)
-    value |= {controller.output_wires[s.name]: passed(s.name, n) for s, n in outputs}
+    value |= {told[s.name]: passed(s.name, n) for s, n in outputs}
     return results[: len(law.state)]
 
 

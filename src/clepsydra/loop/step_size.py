@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from fractions import Fraction
+from functools import lru_cache
 from typing import Literal, Protocol, TypeVar, get_args
 
 import numpy as np
@@ -35,6 +36,7 @@ FEWEST_REFINEMENT = 4
 Solver = Literal["kernel", "reference"]
 
 
+@lru_cache(maxsize=16)
 def substeps_for(model: LinearModel) -> int:
     """Return the number of RK4 steps in a sampling period that the fastest eigenvalue asks for.
 

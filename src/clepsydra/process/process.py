@@ -113,7 +113,7 @@ class Process(Equations):
         """What files about it are called: "laboratory-four-tanks-fitted-volts"."""
         return "-".join((self.name, *self.variant))
 
-    @property
+    @cached_property
     def levels(self) -> tuple[str, ...]:
         """The states of what holds liquid that are heights, "tank_1.level"."""
         held = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import casadi as ca
 
@@ -18,6 +19,8 @@ from clepsydra.program.operation import LIBRARY
 from clepsydra.program.program import Program
 from clepsydra.program.step_law import StepLaw
 
+#: Programs of blocks that are kept: a law in its shell has some dozens.
+_BLOCKS = 128
 _CODES = {getattr(ca, f"OP_{name.upper()}"): name for name in LIBRARY}
 _CODES |= {
     ca.OP_CONSTPOW: "pow",
@@ -181,15 +184,7 @@ def _call(
 ) -> Sequence[int]:
     if kept := (kept_calls() or {}).get(called.name()):
         block, instance = kept
-        program, written = _structured(block, (), block.equations)
-        program = replace(
-            program,
-            description=block.description,
-            constants=block.constants,
-            words=written.words,
-            tables=block.tables,
-        )
-        return builder.call(program, instance, arguments)
+        return builder.call(_program_of_block(block), instance, arguments)
     loop = recover_loop(called)
     if loop is None:
         found = _read(builder, called, arguments, fused)
@@ -259,6 +254,19 @@ def _structured(
     groups = (whole.state, whole.inputs, parameters)
     function, written = function_of(whole.name, groups, whole.outputs, equations)
     return _program(whole, parameters, function, written.intermediates), written
+
+
+@lru_cache(maxsize=_BLOCKS)
+def _program_of_block(block: Block) -> Program:
+    """Return the program of a block, which all its instances share."""
+    program, written = _structured(block, (), block.equations)
+    return replace(
+        program,
+        description=block.description,
+        constants=block.constants,
+        words=written.words,
+        tables=block.tables,
+    )
 
 
 def _program(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import NamedTuple
 
 from clepsydra.scores.score import SCORES, Score
@@ -40,6 +41,7 @@ class ScoreKey(NamedTuple):
         return self.declared.title + (f" of {self.signal}" if self.signal else "")
 
 
+@lru_cache(maxsize=1024)
 def score_key(written: str) -> ScoreKey:
     """Return the score and the signal of a name; text of another form is no score's name.
 

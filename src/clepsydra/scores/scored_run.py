@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -69,6 +70,11 @@ class ScoredRun:
         """The samples in which loads act."""
         return self._of_kind("load")
 
+    @cached_property
+    def _samples(self) -> dict[Segment, slice]:
+        """The samples of each segment, the one at its stop included, found once for all scores."""
+        return {segment: samples_of(self.time, segment) for segment in self.segments}
+
     def _of_kind(self, kind: str) -> list[slice]:
         return [samples_of(self.time, s, with_stop=False) for s in self.segments if s.kind == kind]
 
@@ -96,7 +102,7 @@ class ScoredRun:
             return []
         found = []
         for segment in self._own_steps(name):
-            samples = samples_of(self.time, segment)
+            samples = self._samples[segment]
             target = float(self.setpoints[name][samples.start])
             start = target - segment.size
             found.append((self.time[samples], seen[name][samples], start, target))
@@ -113,7 +119,7 @@ class ScoredRun:
         self, name: str, kinds: Collection[str] = ("setpoint", "load")
     ) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
         """Return time, setpoint and output in each step's segment."""
-        cuts = [samples_of(self.time, s) for s in self.segments if s.kind in kinds]
+        cuts = [samples for segment, samples in self._samples.items() if segment.kind in kinds]
         setpoint, output = self.setpoints[name], self.outputs[name]
         return [(self.time[cut], setpoint[cut], output[cut]) for cut in cuts]
 

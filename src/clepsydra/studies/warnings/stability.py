@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 
 import numpy as np
 
@@ -61,7 +62,7 @@ def stability_warnings(
     4.7 on internal stability.
     """
     yield from _loop(response)
-    yield from _hidden(controller, model)
+    yield from _hidden(model, tuple(dict.fromkeys(controller.measurements)), controller.manipulated)
     yield from _law(response, blocking_zeros)
 
 
@@ -80,19 +81,23 @@ def _loop(response: LoopResponse) -> Iterator[Remark]:
     )
 
 
-def _hidden(controller: Controller, model: LinearModel) -> Iterator[Remark]:
-    sub = model.select(tuple(dict.fromkeys(controller.measurements)), controller.manipulated)
-    shares = in_known_ranges(sub)
+@lru_cache(maxsize=16)
+def _hidden(
+    model: LinearModel, seen: tuple[str, ...], moved: tuple[str, ...]
+) -> tuple[Remark, ...]:
+    """Return what is hidden from all controllers that see and move the same."""
+    shares = in_known_ranges(model.select(seen, moved))
     if shares is None:
-        return
+        return ()
     resting = at_rest(shares)
     poles = np.linalg.eigvals(resting.A)
     if not np.any(poles.real >= -origin_radius(resting.A)):
-        return
-    moved, seen = listed(controller.manipulated), listed(sub.outputs)
+        return ()
     moves, shows = controllability_margins(resting), observability_margins(resting)
-    yield from _drifting(resting, moves, f"{moved} cannot move it", "input")
-    yield from _drifting(resting, shows, f"{seen} cannot show it", "sensor")
+    return (
+        *_drifting(resting, moves, f"{listed(moved)} cannot move it", "input"),
+        *_drifting(resting, shows, f"{listed(seen)} cannot show it", "sensor"),
+    )
 
 
 def _drifting(
