@@ -195,9 +195,10 @@ def followed(controller: Controller, inputs: Array, parameters: Array, most: int
     for sample in range(most):
         before = state
         state = law.next_states(before, inputs, cases)
-        still = np.abs(state - before) <= ROUNDING * np.maximum(1.0, np.abs(state))
-        if sample >= SAMPLES and np.all(still):
-            break
+        if sample >= SAMPLES:
+            still = np.abs(state - before) <= ROUNDING * np.maximum(1.0, np.abs(state))
+            if np.all(still):
+                break
     return np.reshape(state.T, (len(start), *parameters.shape[1:]))
 
 

@@ -40,7 +40,10 @@ class RestingStates:
         at_rest = {**loop.at_rest(), **loop.point.as_dict()}
         self._manual = inputs_in_mode(loop, at_rest, Mode.MANUAL)
         self._automatic = inputs_in_mode(loop, at_rest, Mode.AUTOMATIC)
-        self._own = self._taken_over(loop.controller.values)
+        law, values = loop.controller.law, loop.controller.values
+        self._parameters = np.array([values[each.name] for each in law.parameters])
+        self._places = {each.name: place for place, each in enumerate(law.parameters)}
+        self._own = self._taken_over(self._parameters[None])
 
     def at(self, values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Return the states that rest elsewhere than the controller's own, which they replace.
@@ -56,7 +59,11 @@ class RestingStates:
         dict
             State of the law to its initial value for each candidate [candidates].
         """
-        return self._moved(self._taken_over({**self._controller.values, **values}))
+        (count,) = np.broadcast_shapes((1,), *map(np.shape, values.values()))
+        cases = np.tile(self._parameters, (count, 1))
+        for name, column in values.items():
+            cases[:, self._places[name]] = column
+        return self._moved(self._taken_over(cases))
 
     def of(self, other: RestingStates) -> dict[str, float]:
         """Return the initial state of another loop's controller, whose law is the same."""
@@ -65,23 +72,24 @@ class RestingStates:
 
     def _moved(self, states: np.ndarray) -> dict[str, np.ndarray]:
         """Return the states [states, candidates] that are not where the own ones are, by name."""
-        own = self._controller.initial_state
-        found = {}
-        for entry, one, other in zip(self._controller.law.state, self._own, states, strict=True):
-            by = other - one
-            noticed = np.abs(by) > ROUNDING * np.maximum(1.0, np.abs(one))
-            if np.any(noticed) and not isinstance(entry, DelayRing):
-                found[entry.name] = own[entry.name] + by
-        return found
+        by, initial = states - self._own, self._controller.initial_state
+        noticed = np.abs(by) > ROUNDING * np.maximum(1.0, np.abs(self._own))
+        return {
+            entry.name: initial[entry.name] + moved
+            for entry, moved, is_moved in zip(
+                self._controller.law.state, by, noticed.any(axis=1), strict=True
+            )
+            if is_moved and not isinstance(entry, DelayRing)
+        }
 
-    def _taken_over(self, values: Mapping[str, np.ndarray | float]) -> np.ndarray:
-        """Return the state of the law that took over from manual at rest [states, candidates]."""
-        law = self._controller.law
-        columns = np.broadcast_arrays(*(values[p.name] for p in law.parameters))
-        parameters = np.reshape(columns, (len(law.parameters), -1))
-        state = followed(self._controller, self._manual, parameters, self._most)
-        automatic = np.tile(self._automatic, (parameters.shape[1], 1))
-        return law.next_states(state.T, automatic, parameters.T).T
+    def _taken_over(self, cases: np.ndarray) -> np.ndarray:
+        """Return the state with parameters [candidates, p], after it took over from manual.
+
+        It was at rest there, see above [states, candidates].
+        """
+        state = followed(self._controller, self._manual, cases.T, self._most)
+        automatic = np.tile(self._automatic, (len(cases), 1))
+        return self._controller.law.next_states(state.T, automatic, cases).T
 
 
 def rested_elsewhere(own: Loop, other: Loop) -> dict[str, float]:
