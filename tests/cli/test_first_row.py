@@ -53,6 +53,15 @@ import clepsydra as cl
 getattr(cl.design, sys.argv[1])
 print(json.dumps([(sys.argv[1], sorted(sys.modules))]))
 """
+#: A design made, of the plainest rule: its modules are counted.
+MADE = """
+import json, sys
+import clepsydra as cl
+cl.design.simc(cl.load("quadruple-tank"))
+print(json.dumps([("simc", sorted(sys.modules))]))
+"""
+#: So many modules of Clepsydra it may load: decision 0049 says what they are.
+MOST = 230
 
 
 def rows_of(script, *arguments):
@@ -82,3 +91,11 @@ def test_a_design_loads_its_own_file_and_not_that_of_every_design(name):
     own = DESIGNS[name].function.__module__
     assert own in modules
     assert len((files - {own}) & set(modules)) <= 2  # one may begin with what another found
+
+
+def test_a_design_that_is_made_loads_a_third_of_the_house_at_most():
+    ((_, modules),) = rows_of(MADE)
+    loaded = [name for name in modules if name.partition(".")[0] == "clepsydra"]
+    assert len(loaded) <= MOST
+    assert not unwanted(modules)
+    assert not [name for name in loaded if name.startswith("clepsydra.program.reader")]

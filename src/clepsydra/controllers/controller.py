@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 from clepsydra.controllers.parameters import (
     check_finite,
@@ -20,10 +20,10 @@ from clepsydra.controllers.wiring import (
     input_wires,
     output_wires,
 )
-from clepsydra.program.defaults import with_defaults
-from clepsydra.program.program import Program
-from clepsydra.program.reader import structured_program_of
 from clepsydra.program.step_law import StepLaw
+
+if TYPE_CHECKING:
+    from clepsydra.program.program import Program
 
 
 class Complexity(IntEnum):
@@ -216,4 +216,7 @@ class Controller:
         >>> gain.name, round(gain.initial, 6)
         ('level_1.proportional_gain', 3.0)
         """
+        from clepsydra.program.defaults import with_defaults  # with all that reads a law
+        from clepsydra.program.reader import structured_program_of
+
         return with_defaults(structured_program_of(self.law), {**self.values, **self.initial_state})

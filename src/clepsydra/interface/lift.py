@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec
 
 from clepsydra.base.keywords import check_keywords
 from clepsydra.controllers import controller as inner
-from clepsydra.designs.arguments.weights import OfModel
+from clepsydra.designs.arguments.of_model import OfModel
 from clepsydra.interface.controller import Controller, of_plant
 from clepsydra.interface.quantities import arguments, with_unit
 from clepsydra.interface.subject import Subject, plant_of

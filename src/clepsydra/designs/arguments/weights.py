@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from clepsydra.designs.arguments.argument import argument
+from clepsydra.designs.arguments.of_model import OfModel
 from clepsydra.designs.states.measured_states import without_idle_states
 from clepsydra.designs.states.quadratic_weights import QuadraticWeights, diagonal_weights
 from clepsydra.linear.linear_model import LinearModel
@@ -18,20 +18,7 @@ if TYPE_CHECKING:
 _WEIGHED = ("states", "inputs", "integrals")
 
 
-class OfModel:
-    """An argument that is known only with the model.
-
-    Examples
-    --------
-    >>> OfModel(lambda model: 2).of(None)
-    2
-    """
-
-    def __init__(self, of: Callable[[LinearModel], QuadraticWeights]) -> None:
-        self.of = of
-
-
-def _weights(table: TableReader, key: str, process: Process) -> OfModel:
+def _weights(table: TableReader, key: str, process: Process) -> OfModel[QuadraticWeights]:
     """Read the weights of squares of states, inputs and integrals [1 / SI unit squared]."""
     remedy = (
         f'write as in weights = {{ states = {{ "{process.state[0].name}" = 4.0 }}, '

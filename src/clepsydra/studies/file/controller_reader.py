@@ -9,7 +9,7 @@ from typing import Any
 
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
-from clepsydra.designs.arguments.weights import OfModel
+from clepsydra.designs.arguments.of_model import OfModel
 from clepsydra.designs.design import DESIGNS
 from clepsydra.designs.lqi import WeighedLqi
 from clepsydra.linear.analysis import Analysis
