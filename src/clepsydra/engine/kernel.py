@@ -43,8 +43,8 @@ class Kernel:
     record : bool
         Whether outputs are stored.
     lanes : int, optional
-        Of every run; if omitted one for one run, and for a batch what suits the host and the size
-        of the program.
+        Of every run; if omitted one for one run that is stored, and otherwise what suits the host
+        and the size of the program: a kernel that stores nothing is one for batches.
     cache : ObjectCache, optional
         Where compiled objects are kept; the user's cache folder if omitted.
 
@@ -81,6 +81,7 @@ class Kernel:
         self._individual = frozenset(individual)
         self._fuse = fuse and host().fuses
         self._batch_lanes = _batch_lanes(program) if lanes is None else lanes
+        self._one_alone = record and lanes is None
         self._cache = cache
         self._layout = Layout(program, self._individual)
         self._compiled: dict[int, CompiledFunction] = {}
@@ -134,7 +135,7 @@ class Kernel:
         inputs, parameters, state = inputs or {}, parameters or {}, state or {}
         layout = self._layout
         scenarios = layout.scenarios(inputs, parameters, state)
-        lanes = 1 if scenarios == 1 and self._given["lanes"] is None else self._batch_lanes
+        lanes = 1 if scenarios == 1 and self._one_alone else self._batch_lanes
         return Job(
             kernel=self,
             samples=samples,
