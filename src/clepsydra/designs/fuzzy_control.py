@@ -81,6 +81,7 @@ def standard_sets() -> dict[str, Membership]:
     }
 
 
+@cache
 def standard_system(points: int = 101) -> FuzzySystem:
     """Return the standard table of a loop: from error and change of a signal to a rate.
 
