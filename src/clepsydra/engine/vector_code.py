@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from clepsydra.engine.vector_parts import PartsPrinter, is_large
 from clepsydra.engine.vector_rings import RingPrinter
@@ -11,6 +12,7 @@ from clepsydra.engine.vector_statements import StatementPrinter
 from clepsydra.engine.vector_text import VectorText
 from clepsydra.engine.workspace import Workspace
 from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.operation import Operation
 from clepsydra.program.program import ForLoop, Program, Statement, read_by, written_by
 
 KERNEL = "clepsydra_kernel"
@@ -154,13 +156,17 @@ class _KernelPrinter:
             self.text.store(self.values[value], base, index)
 
     def _statements(self, *, hoisted: bool) -> None:
-        block = self.program.block
-        printer = StatementPrinter(
-            self.text, block, self.values, fuse=self.form.fuse, rings=self.rings
-        )
-        for statement in block.statements:
+        printer = self._printer
+        for statement in self.program.block.statements:
             if _is_within(statement, self.hoisted) == hoisted:
                 printer.statement(statement)
+
+    @cached_property
+    def _printer(self) -> StatementPrinter:
+        block = self.program.block
+        return StatementPrinter(
+            self.text, block, self.values, fuse=self.form.fuse, rings=self.rings
+        )
 
     def _samples(self) -> None:
         text, before = self.text, self.text.label
@@ -315,6 +321,8 @@ def _constant_in_time(program: Program) -> set[int]:
 
 def _is_within(statement: Statement, values: set[int]) -> bool:
     """Whether a statement only assigns values of a set; what a ring holds is never constant."""
+    if isinstance(statement, Operation):
+        return statement.target in values
     return not _has_rings(statement) and values.issuperset(written_by(statement))
 
 

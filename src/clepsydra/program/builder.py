@@ -33,6 +33,10 @@ _FOLDED: dict[str, Callable[..., Any]] = {
     TO_SINGLE: np.float32,
 }
 
+_KNOWN = EXACT | LIBRARY.keys() | {TO_SINGLE}
+_MAKE_TRUTHS = COMPARISONS | LOGIC | {"truth"}
+_ZERO = bytes(8)
+
 
 class BlockBuilder:
     """Collects the statements of one block.
@@ -73,20 +77,21 @@ class BlockBuilder:
 
     def operation(self, code: str, *arguments: int, fused: bool = False) -> int:
         """Return the value of an operation, converting between numbers and truth values."""
-        if code not in EXACT and code not in LIBRARY and code != TO_SINGLE:
+        if code not in _KNOWN:
             raise ValueError(f"unknown operation {code!r}")
-        if code == "number" and arguments[0] not in self._truths:
-            return arguments[0]
-        if code == "truth" and arguments[0] in self._truths:
-            return arguments[0]
-        made = self._made.get(arguments[0]) if arguments else None
-        codes = (code, made.code) if made else ()
-        if made and (
-            codes == ("truth", "number")
-            or (codes == ("number", "truth") and made.arguments[0] in self._flags)
-        ):
-            return made.arguments[0]
-        arguments = self._converted(code, arguments)
+        if code in ("number", "truth"):
+            (value,) = arguments
+            if (value in self._truths) == (code == "truth"):
+                return value
+            made = self._made.get(value)
+            codes = (code, made.code) if made else ()
+            if made and (
+                codes == ("truth", "number")
+                or (codes == ("number", "truth") and made.arguments[0] in self._flags)
+            ):
+                return made.arguments[0]
+        else:
+            arguments = self._converted(code, arguments)
         simpler = self._simplified(code, arguments)
         if simpler is not None:
             return simpler
@@ -183,7 +188,8 @@ class BlockBuilder:
         self, code: str, arguments: tuple[int, ...], constant: float = 0.0, fused: bool = False
     ) -> int:
         # By its bits: equal numbers may be zeros of different sign.
-        key = (code, arguments, struct.pack("<d", constant), fused)
+        bits = struct.pack("<d", constant) if code == "constant" else _ZERO
+        key = (code, arguments, bits, fused)
         if key in self._known:
             return self._known[key]
         target = self._next
@@ -192,14 +198,14 @@ class BlockBuilder:
         self._statements.append(operation)
         self._known[key] = target
         self._made[target] = operation
-        if code in COMPARISONS | LOGIC | {"truth"}:
+        if code in _MAKE_TRUTHS:
             self._truths.add(target)
         return target
 
     def _converted(self, code: str, arguments: tuple[int, ...]) -> tuple[int, ...]:
-        if code in ("number", "truth"):
-            return arguments
         truths = len(arguments) if code in LOGIC else int(code == "select")
+        if not truths and self._truths.isdisjoint(arguments):
+            return arguments
         return tuple(
             self.operation("truth" if place < truths else "number", value)
             for place, value in enumerate(arguments)
@@ -261,7 +267,7 @@ class BlockBuilder:
             return None
         condition, one, zero = first.arguments
         other_condition, other_zero, other = second.arguments
-        plus_zero = self._known.get(("constant", (), bytes(8), False))
+        plus_zero = self._known.get(("constant", (), _ZERO, False))
         if condition == other_condition and zero == other_zero == plus_zero:
             return self.operation("select", condition, one, other)
         return None

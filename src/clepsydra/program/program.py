@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import chain
 
 from clepsydra.base.signal import Signal, identifier
 from clepsydra.program.counted_loop import Table
@@ -199,10 +201,7 @@ class Block:
 
     def uses(self) -> dict[int, int]:
         """Return how often each value is read, results included."""
-        count: dict[int, int] = {}
-        for value in [*self.results, *(v for s in self.statements for v in read_by(s))]:
-            count[value] = count.get(value, 0) + 1
-        return count
+        return Counter(chain(self.results, *map(read_by, self.statements)))
 
     def without_unread(self) -> Block:
         """Return the block without the statements whose values nothing reads.

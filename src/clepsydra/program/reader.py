@@ -117,9 +117,9 @@ def _read(
         raise ClepsydraError(
             f"{function.name()}: {len(arguments)} values for {len(place)} scalar arguments"
         )
+    nodes: ca.SX | None = None
     work: dict[int, int] = {}
     outputs: dict[tuple[int, int], int] = {}
-    nodes = function.instructions_sx()
     # A choice that is made in the expression itself, whatever that is called with: its other half
     # is nothing to add, and some versions of CasADi write the half that counts alone.
     alone, nothing = not any(map(builder.is_constant, arguments)), set[int]()
@@ -127,7 +127,8 @@ def _read(
         code = function.instruction_id(k)
         target, source = function.instruction_output(k), function.instruction_input(k)
         added = [entry for entry in source if entry not in nothing] if code == ca.OP_ADD else []
-        nothing -= set(target)
+        if nothing:
+            nothing -= set(target)
         if alone and code == ca.OP_IF_ELSE_ZERO and builder.known_truth(work[source[0]]) is False:
             nothing.add(target[0])
         if len(added) == 1:
@@ -139,6 +140,8 @@ def _read(
         elif code == ca.OP_CONST:
             work[target[0]] = builder.constant(function.instruction_constant(k))
         elif code == ca.OP_CALL:
+            if nodes is None:
+                nodes = function.instructions_sx()
             called = nodes[k].which_function()
             values = _call(builder, called, [work[entry] for entry in source], fused)
             work.update(zip(target, values, strict=True))
