@@ -6,7 +6,7 @@ import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -192,6 +192,7 @@ def planned_points(
         plan = [along.needed(place) for place in along.checked(points)]
         return along, plan, along.between(plan)
     candidates = (over,) if over is not None else outputs
+    values_at = cache(values_at)  # the model itself is a point along each of them
     changes = [
         (largest_change(plan, {name: along.kinds[name] for name in plan[0].values}), along, plan)
         for along in (Along(model, plain, values_at, name) for name in candidates)
