@@ -120,7 +120,10 @@ def evaluate_transfer(
     """
     points = np.asarray(points)
     if A.shape[-1] <= _LARGE:
-        pencils = points[..., None, None] * np.eye(A.shape[-1]) - A[..., None, :, :]
+        each = np.broadcast_shapes((*A.shape[:-2], 1), points.shape)
+        pencils = np.empty((*each, *A.shape[-2:]), np.result_type(A, points))
+        pencils[...] = -A[..., None, :, :]
+        np.einsum("...ii->...i", pencils)[...] += points[..., None]  # s I, in place
         inner = _solved(pencils, B[..., None, :, :], points)
         return np.asarray(C[..., None, :, :] @ inner + D[..., None, :, :])
     if A.ndim == 2:
