@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -112,37 +112,36 @@ class Loop(WiredLoop):
         (run,) = self._by_kernel(scenario, self._kernel(scenario, count), [count], {})
         return run
 
-    def run_checked(self, scenario: Scenario, largest: int = LARGEST_REFINEMENT) -> Run:
+    def run_checked(
+        self, scenario: Scenario, largest: int = LARGEST_REFINEMENT, made: Iterable[Run] = ()
+    ) -> Run:
         """Simulate, estimate the error by halving the step, and refine until it is small.
 
         The estimate is on the safe side, see `clepsydra.loop.step_size.refined`, and a fraction
         of each state's range; the steps are halved until it is below 1e-6, `largest` times as
         many have been tried, or a sampling period would hold more than 10,000. The run with the
         smallest step is returned, which is no longer than that of the run from whose end it goes
-        on.
+        on. Some runs may be `made` already, see `clepsydra.loop.several_loops`.
         """
-        begins = 1 if scenario.begin is None else scenario.begin.substeps // FEWEST_REFINEMENT
-        count = max(self.substeps, begins)
+        first = self.first_count(scenario)
         self.check(scenario)
-        weigh_run(self.process, scenario.samples, count)
-        run, estimate = refined(self.process, self._refinable(scenario), count, TOLERANCE, largest)
-        return replace(run, error_estimate=estimate)
-
-    def _refinable(self, scenario: Scenario) -> Callable[[int], Run]:
-        """Return steps in a sampling period → run.
-
-        The first three, which any estimate asks for, are made side by side where they can.
-        """
-        made = dict[int, Run]()
+        weigh_run(self.process, scenario.samples, first)
+        known = {run.substeps: run for run in made}
 
         def run(count: int) -> Run:
-            if count not in made:
-                alone = made or not self._side_by_side
-                counts = [count] if alone else [count, 2 * count, 4 * count]
-                made.update(zip(counts, self.runs(scenario, counts), strict=True))
-            return made[count]
+            if count not in known:
+                alone = known or not self.side_by_side
+                wanted = [count] if alone else [count, 2 * count, 4 * count]
+                known.update(zip(wanted, self.runs(scenario, wanted), strict=True))
+            return known[count]
 
-        return run
+        found, estimate = refined(self.process, run, first, TOLERANCE, largest)
+        return replace(found, error_estimate=estimate)
+
+    def first_count(self, scenario: Scenario) -> int:
+        """Return the steps in a sampling period with which an estimate of the error begins."""
+        begins = 1 if scenario.begin is None else scenario.begin.substeps // FEWEST_REFINEMENT
+        return max(self.substeps, begins)
 
     def runs(self, scenario: Scenario, counts: Sequence[int]) -> list[Run]:
         """Simulate with each of several numbers of steps in a sampling period.
@@ -150,14 +149,18 @@ class Loop(WiredLoop):
         They run side by side where they can, in the kernel that any estimate of the error takes:
         a run in another scenario is then made without compiling another one.
         """
-        if not self._side_by_side:
+        if not self.side_by_side:
             return [self._run(scenario, count) for count in counts]
-        kernel = self._kernel(scenario, self.substeps, adjustable=True)
         told = steps_told(self.process.sampling_period, counts)
-        return self._by_kernel(scenario, kernel, counts, told)
+        return self._by_kernel(scenario, self.refining_kernel(scenario), counts, told)
+
+    def refining_kernel(self, scenario: Scenario) -> Kernel:
+        """Return the kernel of runs that are told their steps; loops of one law have one."""
+        return self._kernel(scenario, self.substeps, adjustable=True)
 
     @property
-    def _side_by_side(self) -> bool:
+    def side_by_side(self) -> bool:
+        """Whether runs with different steps can stand side by side."""
         return not (isinstance(self.controller.law, PythonLaw) or self.process.motion.delays)
 
     def _kernel(self, scenario: Scenario, substeps: int, *, adjustable: bool = False) -> Kernel:
@@ -191,9 +194,9 @@ class Loop(WiredLoop):
             parameters={**self.law_parameters(), **told},
             turns=max(counts),
         )
-        return [self._run_of(scenario, result, place, count) for place, count in enumerate(counts)]
+        return [self.run_of(scenario, result, place, count) for place, count in enumerate(counts)]
 
-    def _run_of(self, scenario: Scenario, result: Trajectories, place: int, substeps: int) -> Run:
+    def run_of(self, scenario: Scenario, result: Trajectories, place: int, substeps: int) -> Run:
         """Return one run of several that a kernel made."""
         program = result.program
         rows = np.ascontiguousarray(result.record_of(place).T)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -18,6 +19,7 @@ from clepsydra.loop.step_size import substeps_for
 from clepsydra.studies.designs import studied_designs
 from clepsydra.studies.file.request import ControllerRequest, Maker, StudyRequest, Tuner
 from clepsydra.studies.kept_work import KeptWork
+from clepsydra.studies.long_runs import LongRuns
 from clepsydra.studies.ranking import Trial, rank, rule_of, verdict
 from clepsydra.studies.result import Candidate, StudyResult
 from clepsydra.studies.trial import trial_of
@@ -141,6 +143,8 @@ class _Study:
         self.folder = tuning_folder
         self.kept = KeptWork(request.analysis.operating_point)
         self.trials: list[Trial] = []
+        self.long_runs = LongRuns(self.model, request.scenario)
+        self._designs: dict[int, Controller] = {}
 
     def run(self, only: str | None) -> StudyResult:
         """Try every controller that is wanted, and rank what applies."""
@@ -150,7 +154,7 @@ class _Study:
             now = StudyProgress(place, len(wanted), each.name, trials, request.scores)
             self.tell(now)
             try:
-                self._try(each, now)
+                self._try(each, now, wanted[place + 1 :])
             except NotApplicable as refusal:
                 refused.append((each.name, refusal.reason))
         ranking = rank(self.trials, request.scores)
@@ -183,14 +187,28 @@ class _Study:
             wanted += [ControllerRequest(each.name, each.make, each) for each in usual]
         return [each for each in wanted if only is None or each.name in needed]
 
-    def _try(self, wanted: ControllerRequest, now: StudyProgress) -> None:
-        analysis, scenario = self.request.analysis, self.request.scenario
-        make, tuning = partial(wanted.make, analysis, self.model), None
-        controller = self.kept.outcome(wanted.asked, make)
+    def _try(
+        self, wanted: ControllerRequest, now: StudyProgress, later: Sequence[ControllerRequest]
+    ) -> None:
+        controller, tuning = self._designed(wanted), None
         if wanted.tune is not None:
             tuning = self._tuned(now, wanted.tune, controller)
             controller = replace(tuning.controller, name=wanted.name)
-        self.trials.append(trial_of(controller, self.model, scenario, tuning))
+        run = self.long_runs.of(controller, self._applying(later))
+        self.trials.append(trial_of(controller, self.model, self.request.scenario, tuning, run))
+
+    def _designed(self, wanted: ControllerRequest) -> Controller:
+        if id(wanted) not in self._designs:
+            make = partial(wanted.make, self.request.analysis, self.model)
+            self._designs[id(wanted)] = self.kept.outcome(wanted.asked, make)
+        return self._designs[id(wanted)]
+
+    def _applying(self, later: Sequence[ControllerRequest]) -> Iterator[Controller]:
+        """Yield the controllers that come next without a tuning, as far as they apply."""
+        for each in later:
+            if each.tune is None:
+                with suppress(NotApplicable):
+                    yield self._designed(each)
 
     def _tuned(self, now: StudyProgress, tuner: Tuner, controller: Controller) -> TuningResult:
         state = None

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from clepsydra.studies.tuning.result import TuningResult
 
 #: A loop that noise drives from limit to limit converges slowly; its estimate is then told.
-_REFINEMENT = 4
+REFINEMENT = 4
 
 
 def trial_of(
@@ -37,6 +37,7 @@ def trial_of(
     model: LinearModel,
     scenario: Scenario,
     tuning: TuningResult | None = None,
+    run: Run | None = None,
 ) -> Trial:
     """Return what a controller does in a scenario, and what is to be said of it.
 
@@ -46,6 +47,8 @@ def trial_of(
         With all measurements, at the operating point where the scenario begins.
     tuning : TuningResult, optional
         How the controller was tuned.
+    run : Run, optional
+        What it does, where that is known.
     """
     switches = not controller.setpoints
     response: LoopResponse | None = None
@@ -54,8 +57,10 @@ def trial_of(
             response = loop_response(controller, model)
     before = warnings_before(model, controller, scenario, response)
     loop = Loop(controller, model)
-    # Halving the step of a loop of switches moves a switch by a sample, and converges to nothing.
-    run = loop.run(scenario) if switches else loop.run_checked(scenario, _REFINEMENT)
+    if run is None:
+        # Halving the step of a loop of switches moves a switch by a sample, and converges to
+        # nothing.
+        run = loop.run(scenario) if switches else loop.run_checked(scenario, REFINEMENT)
     scores = scores_of(run)
     peak = math.nan
     if not switches:
