@@ -13,7 +13,7 @@ from clepsydra.base.words import time_unit
 from clepsydra.report.colours import MUTED, PALETTE
 from clepsydra.report.drawing.shapes import FONT, element, path, shortened, text, width
 from clepsydra.report.overlay import EventWindow, ShownSignal, event_title, shown_span
-from clepsydra.report.small_axes import Axes, Curve
+from clepsydra.report.small_axes import TO_BASELINE, Axes, Curve
 from clepsydra.studies.result import Candidate
 
 #: Columns, levels and manipulated variables at most.
@@ -159,6 +159,6 @@ def _legend(middle: float, first: Sequence[Candidate]) -> list[str]:
     for place, each in enumerate(first):
         name = shortened(each.controller.title, room, _LETTERS)
         shapes.append(path(f"M{x:.1f} {middle:.1f}h{_HANDLE:g}", 1.2, stroke=PALETTE[place]))
-        shapes.append(text(x + _HANDLE + 6.0, middle + 2.6, name, "start"))
+        shapes.append(text(x + _HANDLE + 6.0, middle + TO_BASELINE, name, "start"))
         x += _HANDLE + 18.0 + width(name, _LETTERS)
     return shapes

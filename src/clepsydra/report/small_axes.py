@@ -14,7 +14,7 @@ from clepsydra.report.drawing.shapes import path, polygon, text
 #: Intervals between ticks at most, and what they count in, in powers of ten.
 _INTERVALS, _ROUND = 3, (1.0, 2.0, 2.5, 5.0, 10.0)
 #: Of a tick and of the room to its words, and from the middle of a line of words to its baseline.
-_TICK, _TO_WORDS, _TO_BASELINE = 3.0, 2.0, 2.6
+_TICK, _TO_WORDS, TO_BASELINE = 3.0, 2.0, 2.6
 _GRID = "#e6e9ed"
 
 
@@ -117,12 +117,12 @@ class Axes:
             grid += f"M{x:.1f} {self.top:.1f}V{bottom:.1f}"
             lines += f"M{x:.1f} {bottom:.1f}v{_TICK}"
             if named:
-                words.append(text(x, bottom + _TICK + _TO_WORDS + 2.0 * _TO_BASELINE, said))
+                words.append(text(x, bottom + _TICK + _TO_WORDS + 2.0 * TO_BASELINE, said))
         for value, said in ticks(*self.y).items():
             y = self.down(value)
             grid += f"M{self.left:.1f} {y:.1f}H{right:.1f}"
             lines += f"M{self.left:.1f} {y:.1f}h-{_TICK}"
-            words.append(text(self.left - _TICK - _TO_WORDS, y + _TO_BASELINE, said, "end"))
+            words.append(text(self.left - _TICK - _TO_WORDS, y + TO_BASELINE, said, "end"))
         return [path(grid, 0.6, stroke=_GRID), path(lines, 0.7, stroke=MUTED), *words]
 
     def curve(self, curve: Curve) -> str:
