@@ -201,7 +201,7 @@ class Block:
 
     def uses(self) -> dict[int, int]:
         """Return how often each value is read, results included."""
-        return Counter(chain(self.results, *map(read_by, self.statements)))
+        return dict(Counter(chain(self.results, *map(read_by, self.statements))))
 
     def without_unread(self) -> Block:
         """Return the block without the statements whose values nothing reads.
