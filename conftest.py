@@ -7,8 +7,9 @@ Where several workers collect all tests, every other one begins at the end: each
 rewritten and compiled by one of them, and read by the others.
 """
 
+import gc
 import os
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import pytest
@@ -42,6 +43,18 @@ def pytest_collect_directory(path: Path, parent: pytest.Collector) -> pytest.Col
     if _from_the_end(parent.config) and not (path / "__init__.py").exists():
         return FromTheEnd.from_parent(parent, path=path)
     return None
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Look for no garbage while modules and tests are read, which stay, nor among them later."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
+        gc.collect()
+        gc.freeze()
 
 
 @pytest.hookimpl(tryfirst=True)  # before anything else puts them into an order
