@@ -123,3 +123,12 @@ def test_the_reference_solver_agrees(plant, pi):
     )
     difference = np.abs(kernel.values["tank_1.level"] - reference.values["tank_1.level"])
     assert difference.max() < 1e-6 * 0.2
+
+
+def test_a_run_whose_step_was_halved_says_how_far_off_it_may_be(plant, pi):
+    """The kernel halves it where setpoints are followed, not for a start and stop of pumps."""
+    assert 0.0 < cl.simulate(plant, pi, duration="1 min").error_estimate < 1e-6
+    assert cl.simulate(plant, pi, duration="1 min", solver="reference").error_estimate is None
+    well = cl.load("wet-well:start-stop")
+    switched = cl.simulate(well, cl.design.start_stop_levels(well), duration="1 min")
+    assert switched.error_estimate is None
