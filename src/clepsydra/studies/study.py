@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.standing import Standing, standing_at
 from clepsydra.base.suggestion import nearest_few
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.linear.linearise import linearise
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
     from clepsydra.studies.tuning.result import TuningResult
     from clepsydra.studies.tuning.tune import Progress
 
+#: Who names the state file of a tuning, for messages.
+_TUNING = "tuning, state file"
 #: Names of controllers that a refusal shows.
 _NAMES_SAID = 8
 
@@ -215,11 +218,11 @@ class _Study:
         if self.folder is not None:
             name = re.sub(r"[^A-Za-z0-9]+", "-", now.name).strip("-").lower()
             state = self.folder / f"{self.request.file_stem}.{name}.tuning.json"
-        seed, asked = self.request.seed, tuner.asked
-        if asked is not None and (state is None or not state.exists()):
-            asked = asked, controller, self.request.scenario, seed, FRONT
-        else:  # an interrupted tuning goes on, or says that it does not
-            asked = None
+        asked = tuner.asked
+        if asked is not None:
+            asked = asked, controller, self.request.scenario, self.request.seed, FRONT
+        if state is not None and standing_at(state, _TUNING, "its state") is not Standing.NOTHING:
+            asked = None  # an interrupted tuning goes on, or says that it does not
         return self.kept.outcome(
             asked,
             lambda: self._tune(now, tuner, controller, state),
