@@ -1,8 +1,11 @@
 """What the verbs print on terminals of 80 and 100 columns: nothing wider, and no word broken."""
 
+import os
+
 import pytest
 
 import clepsydra as cl
+from clepsydra.cli.output import show
 
 PI = ("--controller", "PI, SIMC")
 SCREENS = {
@@ -61,3 +64,14 @@ def test_a_path_stays_whole_though_the_terminal_is_narrower(command, monkeypatch
     status, out, _ = command("export", "quadruple-tank", *PI, "--to", "c")
     assert status == 0
     assert "Written: quadruple_tank_pi_simc.c" in [line.rstrip() for line in out.splitlines()]
+
+
+@pytest.mark.parametrize(("terminal", "columns"), [(True, 60), (False, 100)])
+def test_on_a_terminal_it_is_as_wide_as_that_and_in_a_file_100_columns(
+    capsys, monkeypatch, terminal, columns
+):
+    monkeypatch.delenv("COLUMNS", raising=False)
+    monkeypatch.setattr("rich.console.Console.is_terminal", terminal)
+    monkeypatch.setattr(os, "get_terminal_size", lambda *_: os.terminal_size((60, 24)))
+    show("word " * 100)
+    assert max(len(line.rstrip()) for line in capsys.readouterr().out.splitlines()) == columns - 1
