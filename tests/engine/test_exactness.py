@@ -1,6 +1,6 @@
 """The engine's first test: a kernel without fused operations is CasADi, bit for bit.
 
-exp, log and pow are the engine's own: see test_elementary_functions.
+exp, sin and others are the engine's own: see test_elementary_functions.
 """
 
 import casadi as ca

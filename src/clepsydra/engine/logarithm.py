@@ -36,8 +36,8 @@ _TWO_PARTS = tuple(
 _TWO_THIRDS = (float.fromhex("0x1.5555555555555p-1"), float.fromhex("0x1.5555555555555p-55"))
 _TWO_FIFTHS = (float.fromhex("0x1.999999999999ap-2"), float.fromhex("-0x1.999999999999ap-56"))
 #: ln 2 with eleven zeros at its end, so that a whole exponent times it is exact.
-_LN2 = float.fromhex("0x1.62e42fefa3800p-1")
-_LN2_REST = float.fromhex("0x1.ef35793c76730p-45")
+LN2 = float.fromhex("0x1.62e42fefa3800p-1")
+LN2_REST = float.fromhex("0x1.ef35793c76730p-45")
 _ROOT_HALF_BITS = 0x3FE6A09E667F3BCD
 _MANTISSA = 0x000FFFFFFFFFFFFF
 _BIAS = 1024
@@ -65,21 +65,78 @@ def logarithm(function: LaneFunction, x: str) -> str:
     f = function
     k, mantissa = _parts(f, x)
     part = f.subtract(mantissa, f.literal(1.0))
-    s = f.divide(part, f.add(mantissa, f.literal(1.0)))
+    return _defined(f, x, _summed(f, k, part))
+
+
+def logarithm_of_one_plus(function: LaneFunction, x: str, rest: str | None = None) -> str:
+    """Append ln(1 + x + rest) and return its name.
+
+    The logarithm of 1 + x, rounded, and what rounding leaves over, divided by it; near 0, x is
+    itself what the mantissa has beyond 1. Within 0.7 units in the last place for rest = 0.
+    ln(1 − 1) = −∞, and not-a-number for x below −1.
+
+    Source: Muller, Elementary Functions, 3rd edition (2016), chapters 5 and 11,
+    doi:10.1007/978-1-4899-7983-4.
+
+    Parameters
+    ----------
+    function : LaneFunction
+    x : str
+    rest : str, optional
+        A number small enough that x + rest rounds to x; 0 if omitted.
+
+    Examples
+    --------
+    >>> function = LaneFunction(8)
+    >>> result = logarithm_of_one_plus(function, "%x")
+    >>> len(function.lines) < 70
+    True
+    """
+    f = function
+    zero, one = f.literal(0.0), f.literal(1.0)
+    whole, lost = f.exact_sum(one, x)
+    k, mantissa = _parts(f, whole)
+    near = f.compare("oeq", k, zero)
+    part = f.choose(near, x, f.subtract(mantissa, one))
+    left = f.choose(near, zero, lost)
+    left = left if rest is None else f.add(left, rest)
+    value = _defined(f, whole, _summed(f, k, part, f.divide(left, whole)))
+    tiny = f.compare("olt", f.magnitude(x), f.literal(2.0**-54))
+    return f.choose(tiny, x, value)
+
+
+def logarithm_of_double(function: LaneFunction, x: str) -> str:
+    """Append ln(2x), of numbers too whose double is beyond the largest one, and return its name.
+
+    Examples
+    --------
+    >>> function = LaneFunction(8)
+    >>> result = logarithm_of_double(function, "%x")
+    >>> len(function.lines) < 60
+    True
+    """
+    f = function
+    k, mantissa = _parts(f, x)
+    part = f.subtract(mantissa, f.literal(1.0))
+    return _defined(f, x, _summed(f, f.add(k, f.literal(1.0)), part))
+
+
+def _summed(f: LaneFunction, k: str, part: str, left: str | None = None) -> str:
+    """Append k ln 2 + ln(1 + part) + left, where what is left is small beside the others."""
+    s = f.divide(part, f.add(f.literal(2.0), part))
     z = f.multiply(s, s)
     half = f.multiply(f.literal(0.5), part)
     square = f.multiply(half, part)
     curved = f.subtract(part, square)
     rest = f.subtract(f.subtract(part, curved), square)
     rest = f.subtract(rest, f.product_error(half, part, square))
-    whole = f.multiply(k, f.literal(_LN2))
+    whole = f.multiply(k, f.literal(LN2))
     total = f.add(whole, curved)
     rest = f.add(rest, f.sum_error(whole, curved, total))
-    rest = f.fused(k, f.literal(_LN2_REST), rest)
+    rest = rest if left is None else f.add(rest, left)
+    rest = f.fused(k, f.literal(LN2_REST), rest)
     rest = f.fused(s, f.fused(z, f.polynomial(z, _ONE_PART), square), rest)
-    value = _at_the_ends(f, x, f.add(total, rest))
-    below = f.compare("olt", x, f.literal(0.0))
-    return f.choose(below, f.literal(math.nan), value)
+    return f.add(total, rest)
 
 
 def logarithm_in_two_parts(function: LaneFunction, x: str) -> tuple[str, str]:
@@ -121,10 +178,10 @@ def logarithm_in_two_parts(function: LaneFunction, x: str) -> tuple[str, str]:
     twice = f.add(s, s)
     near = f.add(twice, bend[0])
     rest = f.add(f.sum_error(twice, bend[0], near), f.fused(f.literal(2.0), s_rest, bend[1]))
-    whole = f.multiply(k, f.literal(_LN2))
+    whole = f.multiply(k, f.literal(LN2))
     total = f.add(whole, near)
     rest = f.add(rest, f.sum_error(whole, near, total))
-    rest = f.fused(k, f.literal(_LN2_REST), rest)
+    rest = f.fused(k, f.literal(LN2_REST), rest)
     return _at_the_ends(f, x, total), rest
 
 
@@ -139,6 +196,12 @@ def _parts(f: LaneFunction, x: str) -> tuple[str, str]:
     k = f.subtract(f.real_of(exponent), shift)
     fraction = f.on_bits("add", f.on_bits("and", above, _MANTISSA), _ROOT_HALF_BITS)
     return k, f.real_of(fraction)
+
+
+def _defined(f: LaneFunction, x: str, value: str) -> str:
+    """Append the value, but not-a-number below 0, and what the logarithm is at 0 and ∞."""
+    value = _at_the_ends(f, x, value)
+    return f.choose(f.compare("olt", x, f.literal(0.0)), f.literal(math.nan), value)
 
 
 def _at_the_ends(f: LaneFunction, x: str, value: str) -> str:
