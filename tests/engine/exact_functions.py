@@ -78,6 +78,14 @@ def _hyperbolic_cosine(x: Decimal) -> Decimal:
     return (x.exp() + (-x).exp()) / 2
 
 
+def _error_function(x: Decimal) -> Decimal:
+    total, term, n = Decimal(0), x, 0
+    while abs(term) > _NEGLIGIBLE * abs(x):
+        total, n = total + term / (2 * n + 1), n + 1
+        term = -term * x * x / n
+    return 2 * total / pi().sqrt()
+
+
 _FORMULAS = {
     "exp": Decimal.exp,
     "log": Decimal.ln,
@@ -97,5 +105,6 @@ _FORMULAS = {
     "asinh": lambda x: (abs(x) + (x * x + 1).sqrt()).ln().copy_sign(x),
     "acosh": lambda x: (x + ((x - 1) * (x + 1)).sqrt()).ln(),
     "atanh": lambda x: ((1 + x) / (1 - x)).ln() / 2,
+    "erf": _error_function,
     "hypot": lambda x, y: (x * x + y * y).sqrt(),
 }

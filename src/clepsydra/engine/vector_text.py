@@ -160,21 +160,3 @@ class VectorText:
         self.declarations.add(f"declare {self.real} {symbol}({types})")
         given = ", ".join(f"{self.real} {argument}" for argument in arguments)
         return self.assign(f"call {self.real} {symbol}({given})")
-
-    def library(self, name: str, arguments: list[str]) -> str:
-        """Return a call of the C library, lane by lane, which LLVM must not replace."""
-        types = ", ".join(["double"] * len(arguments))
-        self.declarations.add(f"declare double @{name}({types})")
-        if self.lanes == 1:
-            given = ", ".join(f"double {argument}" for argument in arguments)
-            return self.assign(f"call double @{name}({given}) #1")
-        result = "poison"
-        for lane in range(self.lanes):
-            scalars = [
-                self.assign(f"extractelement {self.real} {argument}, i32 {lane}")
-                for argument in arguments
-            ]
-            given = ", ".join(f"double {scalar}" for scalar in scalars)
-            value = self.assign(f"call double @{name}({given}) #1")
-            result = self.assign(f"insertelement {self.real} {result}, double {value}, i32 {lane}")
-        return result
