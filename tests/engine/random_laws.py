@@ -65,7 +65,7 @@ def random_law(
             else:
                 pool.append(binary[random.integers(len(binary))](first, second))
         late = pool[-20:]
-        bounded = {f"x{i}": ca.fmax(-2, ca.fmin(2, late[i])) for i in range(states)}
+        bounded = {f"x{i}": ca.if_else(ca.fabs(late[i]) <= 2, late[i], -1.5) for i in range(states)}
         return Equations(bounded, {f"y{i}": late[-1 - i] for i in range(6)})
 
     return step_law(
