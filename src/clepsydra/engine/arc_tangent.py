@@ -72,7 +72,7 @@ def arc_tangent_of_two(function: LaneFunction, y: str, x: str) -> str:
     --------
     >>> function = LaneFunction(8)
     >>> result = arc_tangent_of_two(function, "%y", "%x")
-    >>> len(function.lines) < 110
+    >>> len(function.lines) < 90
     True
     """
     f = function

@@ -80,7 +80,7 @@ def error_function(function: LaneFunction, x: str) -> str:
     --------
     >>> function = LaneFunction(8)
     >>> result = error_function(function, "%x")
-    >>> len(function.lines) < 180
+    >>> len(function.lines) < 140
     True
     """
     f = function

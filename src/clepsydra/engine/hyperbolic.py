@@ -125,7 +125,7 @@ def hyperbolic_tangent(function: LaneFunction, x: str) -> str:
     --------
     >>> function = LaneFunction(8)
     >>> result = hyperbolic_tangent(function, "%x")
-    >>> len(function.lines) < 90
+    >>> len(function.lines) < 100
     True
     """
     f = function

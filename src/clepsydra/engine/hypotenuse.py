@@ -20,7 +20,7 @@ def hypotenuse(function: LaneFunction, x: str, y: str) -> str:
     --------
     >>> function = LaneFunction(8)
     >>> result = hypotenuse(function, "%x", "%y")
-    >>> len(function.lines) < 70
+    >>> len(function.lines) < 40
     True
     """
     f = function

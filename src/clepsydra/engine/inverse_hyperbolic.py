@@ -25,7 +25,7 @@ def inverse_hyperbolic_sine(function: LaneFunction, x: str) -> str:
     --------
     >>> function = LaneFunction(8)
     >>> result = inverse_hyperbolic_sine(function, "%x")
-    >>> len(function.lines) < 200
+    >>> len(function.lines) < 150
     True
     """
     f = function
@@ -56,7 +56,7 @@ def inverse_hyperbolic_cosine(function: LaneFunction, x: str) -> str:
     --------
     >>> function = LaneFunction(8)
     >>> result = inverse_hyperbolic_cosine(function, "%x")
-    >>> len(function.lines) < 200
+    >>> len(function.lines) < 160
     True
     """
     f = function
@@ -88,7 +88,7 @@ def inverse_hyperbolic_tangent(function: LaneFunction, x: str) -> str:
     --------
     >>> function = LaneFunction(8)
     >>> result = inverse_hyperbolic_tangent(function, "%x")
-    >>> len(function.lines) < 150
+    >>> len(function.lines) < 90
     True
     """
     f = function

@@ -24,7 +24,7 @@ def remainder(function: LaneFunction, x: str, y: str) -> str:
     --------
     >>> function = LaneFunction(8)
     >>> result = remainder(function, "%x", "%y")
-    >>> len(function.lines) < 30
+    >>> len(function.lines) < 20
     True
     """
     f = function

@@ -61,7 +61,7 @@ def sine(function: LaneFunction, x: str) -> str:
     --------
     >>> function = LaneFunction(8)
     >>> result = sine(function, "%x")
-    >>> len(function.lines) < 90
+    >>> len(function.lines) < 100
     True
     """
     f = function
@@ -83,7 +83,7 @@ def cosine(function: LaneFunction, x: str) -> str:
     --------
     >>> function = LaneFunction(8)
     >>> result = cosine(function, "%x")
-    >>> len(function.lines) < 90
+    >>> len(function.lines) < 100
     True
     """
     f = function
