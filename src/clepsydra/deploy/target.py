@@ -103,7 +103,7 @@ class Target:
     Examples
     --------
     >>> list(TARGETS), TARGETS["st"].options["dialect"]
-    (['c', 'st', 'fmu', 'tuning', 'signals'], ('codesys', 'matiec', 'scl'))
+    (['c', 'st', 'fmu', 'wasm', 'tuning', 'signals'], ('codesys', 'matiec', 'scl'))
     """
 
     place: int

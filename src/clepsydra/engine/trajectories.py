@@ -90,7 +90,7 @@ class Trajectories:
 def rings_by_name(program: Program, rings: Array) -> dict[str, Array]:
     """Return what each delay ring holds [groups, length, lanes], views of all rings together."""
     found, start = {}, 0
-    for ring, _ in _rings_and_turns(program):
+    for ring, _ in rings_and_turns(program):
         found[ring.name] = rings[:, start : start + ring.length]
         start += ring.length
     return found
@@ -107,11 +107,11 @@ def follow_rings(program: Program, rings: Array, samples: int) -> None:
     if not rings.size:
         return
     held = rings_by_name(program, rings)
-    for ring, turns in _rings_and_turns(program):
+    for ring, turns in rings_and_turns(program):
         held[ring.name][:] = np.roll(held[ring.name], -(turns * samples % ring.length), axis=1)
 
 
-def _rings_and_turns(program: Program) -> list[tuple[DelayRing, int]]:
+def rings_and_turns(program: Program) -> list[tuple[DelayRing, int]]:
     """Return the rings in the order of their memory, each with its turns in a sample."""
     own = [(entry, 1) for entry in program.state if isinstance(entry, DelayRing)]
     loops = (statement for statement in program.block.statements if isinstance(statement, ForLoop))

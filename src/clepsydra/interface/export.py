@@ -82,7 +82,7 @@ def export(
     plant : Plant, str or Path
     folder : str or Path
         It is made where it is missing.
-    to : {"st", "c", "fmu", "tuning", "signals"}, or a list of them
+    to : {"st", "c", "fmu", "wasm", "tuning", "signals"}, or a list of them
         IEC 61131-3 Structured Text with a test project and PLCopen XML, C99, a functional mock-up
         unit, PID settings in the vendors' forms and units, or the list of signals. An option holds
         for those that have it.

@@ -15,11 +15,16 @@ from clepsydra.program.program import Program
 _KEPT = "kept."
 
 
-def engine_run(program: Program, inputs: Scans) -> Array:
+def engine_run(program: Program, inputs: Scans, *, fuse: bool = True) -> Array:
     """Run the kernel over all scans; returns outputs and then states [scans, q + n].
 
     A state is that after the scan; of a delay ring it is the value that the next scan reads, as
     in `clepsydra.deploy.proof.instance.Instance`.
+
+    Parameters
+    ----------
+    fuse : bool
+        As of `clepsydra.engine.kernel.Kernel`.
     """
     from clepsydra.engine.kernel import Kernel
 
@@ -37,7 +42,7 @@ def engine_run(program: Program, inputs: Scans) -> Array:
         outputs=program.outputs + shown,
         block=replace(block, results=block.results + program.next_state),
     )
-    run = Kernel(whole).run(scan_count(inputs), inputs=dict(inputs) | tuned)
+    run = Kernel(whole, fuse=fuse).run(scan_count(inputs), inputs=dict(inputs) | tuned)
     columns = [run.output(signal.name)[0] for signal in program.outputs]
     for entry in program.state:
         column = run.output(f"{_KEPT}{entry.name}")[0]

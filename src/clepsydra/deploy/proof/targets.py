@@ -22,7 +22,7 @@ def proved_targets(to: str | Sequence[str] | None) -> tuple[str, ...]:
     Examples
     --------
     >>> proved_targets(None), proved_targets(["fmu", "c", "c"])
-    (('c', 'st', 'fmu'), ('c', 'fmu'))
+    (('c', 'st', 'fmu', 'wasm'), ('c', 'fmu'))
     """
     known = tuple(name for name, target in TARGETS.items() if target.runs)
     if to is None:

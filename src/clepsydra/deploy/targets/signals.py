@@ -43,4 +43,4 @@ def _row(signal: Signal, direction: str) -> tuple[str, ...]:
     return (signal.identifier, direction, signal.kind, unit, *ends, start, signal.description)
 
 
-TARGETS.add("signals", Target(5, "the list of its signals, as CSV", _controller))
+TARGETS.add("signals", Target(6, "the list of its signals, as CSV", _controller))

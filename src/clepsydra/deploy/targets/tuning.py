@@ -21,5 +21,5 @@ def _controller(delivery: Delivery, options: Options) -> ExportedFiles:
 
 
 TARGETS.add(
-    "tuning", Target(4, "PID settings in the vendors' forms and units", _controller, shelled=False)
+    "tuning", Target(5, "PID settings in the vendors' forms and units", _controller, shelled=False)
 )

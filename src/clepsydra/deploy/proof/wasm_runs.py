@@ -1,0 +1,38 @@
+"""WebAssembly in a proof: the module that is exported, in every bit what the simulation is."""
+
+from __future__ import annotations
+
+from clepsydra.deploy.proof.called_module import CalledModule
+from clepsydra.deploy.proof.comparison import compare, shown_signals
+from clepsydra.deploy.proof.engine_run import engine_run
+from clepsydra.deploy.proof.job import Contents, Job
+from clepsydra.deploy.proof.limits import PYTHON_LAW
+from clepsydra.deploy.proof.run import Measured, Run, version_of
+from clepsydra.deploy.web_assembly.printer import print_web_assembly
+
+
+def wasm_runs(kind: str) -> list[Run]:
+    """Return what is run of WebAssembly.
+
+    Raises
+    ------
+    InputError
+        Wasmtime is not installed.
+    """
+    version = version_of("wasmtime")
+    return [
+        Run("WebAssembly", "double", "engine", version, _printed, _measured, (PYTHON_LAW,))
+    ]
+
+
+def _printed(job: Job) -> Contents:
+    printed = print_web_assembly(job.program, origin=job.item.origin)
+    return {printed.module_name: printed.module, printed.script_name: printed.script.encode()}
+
+
+def _measured(job: Job, files: Contents) -> Measured:
+    program = job.program
+    instance = CalledModule(program, files[f"{program.name}.wasm"])
+    expected = engine_run(program, job.inputs, fuse=False)
+    # exp, log and pow are code of the engine here too: nothing is left to a library.
+    return compare(shown_signals(program), expected, instance.run(job.inputs)), 0.0, {}

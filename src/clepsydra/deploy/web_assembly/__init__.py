@@ -1,0 +1,1 @@
+"""WebAssembly of controllers and processes, with the JavaScript that calls it by names."""
