@@ -24,6 +24,7 @@ EXTRAS = {
     "playwright": "browser",
     "pypdf": "browser",
     "tree_sitter_iec61131_3_st": "verify",
+    "wasmtime": "verify",
     "ziglang": "zig",
 }
 _REQUIRED_EXTRAS = ("browser", "verify", "interoperability")

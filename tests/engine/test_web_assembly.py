@@ -1,0 +1,96 @@
+"""Kernels as WebAssembly, run by Wasmtime: every recorded value is that of the native kernel."""
+
+import numpy as np
+import pytest
+from random_laws import random_law
+
+import clepsydra as cl
+from clepsydra import Kernel, program_of
+from clepsydra.base.signal import Signal
+from clepsydra.engine.vector_code import KERNEL
+from clepsydra.engine.web_assembly import HEAP, web_assembly
+from clepsydra.program.program import Block, Operation, Program
+
+wasmtime = pytest.importorskip("wasmtime")
+
+SAMPLES = 50
+
+
+def run_in_module(module: bytes, job) -> np.ndarray:
+    """Return what a module records in a run that was laid out for a native kernel."""
+    program, store = job.kernel.program, wasmtime.Store()
+    memory = wasmtime.Memory(store, wasmtime.MemoryType(wasmtime.Limits(1, None)))
+    instance = wasmtime.Instance(store, wasmtime.Module(store.engine, module), [memory])
+    exports = instance.exports(store)
+    record = np.zeros((1, job.samples, len(program.outputs), 1))
+    arrays = [
+        job.initial[:, : len(program.state)].copy(), job.parameters, job.shared, job.individual,
+        record, job.initial_rings(),
+    ]  # fmt: skip
+    ends = np.cumsum([exports[HEAP].value(store), *(array.nbytes for array in arrays)]).tolist()
+    missing = -(-ends[-1] // 65536) - memory.size(store)
+    if missing > 0:
+        memory.grow(store, missing)
+    for place, array in zip(ends, arrays, strict=False):
+        memory.write(store, array.tobytes(), place)
+    exports[KERNEL](store, *ends[:6], 1, job.samples, 1, job.turns)
+    found = memory.read(store, ends[4], ends[4] + record.nbytes)
+    return np.frombuffer(bytes(found), dtype=float).reshape(record.shape)
+
+
+def as_bits(numbers: np.ndarray) -> np.ndarray:
+    """Return the bits; WebAssembly leaves those of what is not a number open."""
+    return np.where(np.isnan(numbers), -1, np.ascontiguousarray(numbers).view(np.int64))
+
+
+def assert_same(program: Program, **given) -> None:
+    job = Kernel(program, fuse=False).prepare(SAMPLES, **given)
+    expected, found = job.run().record, run_in_module(web_assembly(program), job)
+    assert found.shape == expected.shape and found.size
+    assert np.array_equal(as_bits(found), as_bits(expected))
+
+
+@pytest.mark.parametrize("seed", [pytest.param(s, id=str(s)) for s in range(60)])
+@pytest.mark.sampled
+def test_random_laws_compute_the_same_in_every_bit(seed):
+    assert_same(program_of(random_law(seed, printed=True)))
+
+
+def imports_and_exports(module: bytes) -> tuple[list[str], set[str]]:
+    found = wasmtime.Module(wasmtime.Engine(), module)
+    imported = [f"{each.module}.{each.name}" for each in found.imports]
+    return imported, {each.name for each in found.exports}
+
+
+def function_of_one(code: str, *more: Operation) -> Program:
+    """Return y = code(u), or what further operations make of value 1."""
+    block = Block(1, (Operation(1, code, (0,)), *more), (1 + len(more),))
+    return Program(f"{code}_of_u", (), (Signal("u"),), (), (Signal("y"),), block)
+
+
+@pytest.mark.parametrize("code", ["exp", "log", "sqrt"])
+def test_functions_of_the_engine_are_in_the_module(code):
+    """At many arguments, also where a result is below the normal range, infinite or none."""
+    random = np.random.default_rng(3)
+    arguments = np.concatenate([
+        random.normal(scale=3.0, size=3000), random.uniform(-750.0, 720.0, 3000),
+        2.0 ** random.uniform(-1074.0, 1023.0, 3000), [0.0, -0.0, np.inf, -np.inf, np.nan],
+    ])  # fmt: skip
+    program = function_of_one(code)
+    job = Kernel(program, fuse=False).prepare(len(arguments), inputs={"u": arguments})
+    module = web_assembly(program)
+    assert np.array_equal(as_bits(run_in_module(module, job)), as_bits(job.run().record))
+    assert imports_and_exports(module) == (["env.memory"], {KERNEL, HEAP})
+
+
+def test_what_the_engine_has_no_code_for_is_refused_by_name():
+    with pytest.raises(cl.InputError, match=r"erf_of_u: got a call of erf, expected .* exp, log"):
+        web_assembly(function_of_one("erf"))
+
+
+def test_a_large_program_has_its_memory_from_the_machine(monkeypatch):
+    """Its values stand in memory, which a second call uses again."""
+    program = program_of(random_law(1))
+    monkeypatch.setattr("clepsydra.engine.vector_code.is_large", lambda _: True)
+    assert_same(program)
+    assert imports_and_exports(web_assembly(program))[0] == ["env.memory"]
