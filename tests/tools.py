@@ -65,4 +65,4 @@ def need_grammar() -> None:
 
 
 def need_importer() -> None:
-    need("fmpy")
+    need("fmpy", "wasmtime")

@@ -8,6 +8,7 @@ from functools import cache
 import llvmlite.binding as llvm
 
 from clepsydra.base.errors import Finding, InputError
+from clepsydra.engine.elementary_functions import ERROR_BOUND
 from clepsydra.engine.fused_multiply_add import FUSED, INTRINSIC, fused_multiply_add
 from clepsydra.engine.vector_code import KERNEL, KernelForm, vector_code
 from clepsydra.engine.wasm_object import FUNCTION, VARIABLE, WasmObject, module
@@ -134,7 +135,7 @@ def _module(image: bytes, program: Program) -> bytes:
     if called:
         raise InputError(
             f"WebAssembly of {program.name}", Finding(f"a call of {' and '.join(called)}"),
-            "operations for which the engine has code of its own: + - * /, sqrt, exp, log and pow",
+            f"arithmetic, sqrt, and what the engine has code for: {', '.join(ERROR_BOUND)}",
             "leave it out of the law",
         )  # fmt: skip
     stacked = any(kind == VARIABLE for kind, _ in whole.imports)

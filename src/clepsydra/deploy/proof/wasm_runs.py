@@ -6,7 +6,7 @@ from clepsydra.deploy.proof.called_module import CalledModule
 from clepsydra.deploy.proof.comparison import compare, shown_signals
 from clepsydra.deploy.proof.engine_run import engine_run
 from clepsydra.deploy.proof.job import Contents, Job
-from clepsydra.deploy.proof.limits import PYTHON_LAW
+from clepsydra.deploy.proof.limits import OF_WEB, PYTHON_LAW
 from clepsydra.deploy.proof.run import Measured, Run, version_of
 from clepsydra.deploy.web_assembly.printer import print_web_assembly
 
@@ -20,9 +20,8 @@ def wasm_runs(kind: str) -> list[Run]:
         Wasmtime is not installed.
     """
     version = version_of("wasmtime")
-    return [
-        Run("WebAssembly", "double", "engine", version, _printed, _measured, (PYTHON_LAW,))
-    ]
+    limits = PYTHON_LAW, OF_WEB
+    return [Run("WebAssembly", "double", "engine", version, _printed, _measured, limits)]
 
 
 def _printed(job: Job) -> Contents:
