@@ -38,9 +38,9 @@ def _guarded() -> str:
     inside = [(biased[0], 54, 1990), (biased[1], 54, 1990), (product, 160, 2040),
               (biased[2], 160, 2040)]  # fmt: skip
     guarded = "true"
-    for exponent, low, high in inside:
-        above = f.on_bits("sub", exponent, low)
-        guarded = f.both(guarded, f.assign(f"icmp ule i64 {above}, {high - low}"))
+    for exponent, least, most in inside:
+        above = f.on_bits("sub", exponent, least)
+        guarded = f.both(guarded, f.assign(f"icmp ule i64 {above}, {most - least}"))
     f.line(f"br i1 {guarded}, label %odd, label %whole")
     f.begin("whole")
     f.line(f"%exact = call double {_WHOLE}(double %a, double %b, double %c)")
@@ -88,9 +88,7 @@ def _to_odd(f: LaneFunction, a: str, b: str) -> str:
     other = f.on_bits("lshr", f.on_bits("xor", bits, rest_bits), 63)
     step = f.on_bits("sub", f.whole_literal(1), f.on_bits("shl", other, 1))
     moved = f.on_bits("add", bits, step)
-    return f.real_of(
-        f.assign(f"select i1 {f.both(inexact, even)}, i64 {moved}, i64 {bits}")
-    )
+    return f.real_of(f.assign(f"select i1 {f.both(inexact, even)}, i64 {moved}, i64 {bits}"))
 
 
 def _biased(f: LaneFunction, bits: str) -> str:
@@ -171,9 +169,7 @@ def _mantissa(f: LaneFunction, bits: str) -> tuple[str, str]:
 def _wide_product(f: LaneFunction, a: str, b: str) -> str:
     """Append the product of two numbers of 53 bits in 128, by halves of 32 bits."""
     mask = 0xFFFFFFFF
-    (a0, a1), (b0, b1) = (
-        (f.on_bits("and", x, mask), f.on_bits("lshr", x, 32)) for x in (a, b)
-    )
+    (a0, a1), (b0, b1) = ((f.on_bits("and", x, mask), f.on_bits("lshr", x, 32)) for x in (a, b))
     low, high = f.on_bits("mul", a0, b0), f.on_bits("mul", a1, b1)
     middle = f.on_bits("add", f.on_bits("mul", a0, b1), f.on_bits("mul", a1, b0))
     wide = [f.assign(f"zext i64 {each} to i128") for each in (low, middle, high)]

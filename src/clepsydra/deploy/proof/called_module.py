@@ -46,22 +46,18 @@ class CalledModule(Instance):
         super().__init__(program)
         self._flat = inlined(program)
         self._store = wasmtime.Store()
-        self._memory = wasmtime.Memory(
-            self._store, wasmtime.MemoryType(wasmtime.Limits(1, None))
-        )
+        self._memory = wasmtime.Memory(self._store, wasmtime.MemoryType(wasmtime.Limits(1, None)))
         compiled = wasmtime.Module(self._store.engine, module)
         instance = wasmtime.Instance(self._store, compiled, [self._memory])
         exports: Any = instance.exports(self._store)
         self._kernel, heap = exports[KERNEL], exports[HEAP].value(self._store)
-        rings = [
-            np.full(ring.length, ring.signal.initial) for ring, _ in rings_and_turns(self._flat)
-        ]
-        groups = {
+        rings = [[ring.signal.initial] * ring.length for ring, _ in rings_and_turns(self._flat)]
+        groups: dict[str, list[float]] = {
             "state": [signal_of(entry).initial for entry in program.state],
             "parameters": [signal.initial for signal in program.parameters],
             "inputs": [signal.initial for signal in program.inputs],
             "outputs": [0.0] * len(program.outputs),
-            "rings": np.concatenate([[], *rings]),
+            "rings": [value for ring in rings for value in ring],
         }
         self._places: dict[str, tuple[int, int]] = {}
         for name, values in groups.items():
@@ -83,9 +79,7 @@ class CalledModule(Instance):
             self._write("parameters", np.array([self._parameter(inputs, p) for p in self._printed]))
         start = [place for place, _ in self._places.values()]
         state, parameters, given, outputs, rings = start
-        self._kernel(
-            self._store, state, parameters, given, given, outputs, rings, 1, 1, 1, 1
-        )
+        self._kernel(self._store, state, parameters, given, given, outputs, rings, 1, 1, 1, 1)
         held = self._read("rings")
         follow_rings(self._flat, held[None, :, None], 1)
         self._write("rings", held)
