@@ -84,7 +84,7 @@ def test_functions_of_the_engine_are_in_the_module(code):
 
 
 def test_what_the_engine_has_no_code_for_is_refused_by_name():
-    with pytest.raises(cl.InputError, match="a call of erf, expected .*exp, log, pow"):
+    with pytest.raises(cl.InputError, match=r"a call of erf, expected .*exp, log, pow"):
         web_assembly(function_of_one("erf"))
 
 
