@@ -3,12 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from clepsydra.base.errors import InputError
 from clepsydra.engine.kernel import Kernel
 from clepsydra.engine.trajectories import follow_rings, rings_by_name
+
+
+class Snapshot(NamedTuple):
+    """Everything that lives from sample to sample in a run.
+
+    Parameters
+    ----------
+    state : ndarray [1, n, 1]
+    rings : ndarray [1, entries of all rings, 1]
+        The oldest entry of each first.
+    """
+
+    state: np.ndarray
+    rings: np.ndarray
 
 
 class SteppedKernel:
@@ -43,6 +59,11 @@ class SteppedKernel:
     >>> counter = SteppedKernel(Kernel(program_of(law)))
     >>> counter.step({"step": 2.0}), counter.look({}), counter.step({"step": 1.0})
     ({'count_now': 0.0}, {'count_now': 2.0}, {'count_now': 2.0})
+    >>> before = counter.snapshot()
+    >>> first = counter.step({"step": 5.0}), counter.step({})
+    >>> counter.restore(before)
+    >>> first == (counter.step({"step": 5.0}), counter.step({}))
+    True
     """
 
     def __init__(
@@ -71,6 +92,27 @@ class SteppedKernel:
         outputs = self._run(self._state, self._rings, inputs)
         follow_rings(self._program, self._rings, 1)
         return outputs
+
+    def snapshot(self) -> Snapshot:
+        """Return where the run stands, to go on from there later, here or in a copy."""
+        return Snapshot(self._state.copy(), self._rings.copy())
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Stand where a run of the same kernel stood; inputs keep their last values.
+
+        Raises
+        ------
+        InputError
+            The snapshot is of another kernel.
+        """
+        held = Snapshot(self._state, self._rings)
+        for own, other in zip(held, snapshot, strict=True):
+            if own.shape != other.shape:
+                raise InputError(
+                    f"run of {self._program.name}, snapshot", f"{other.size} numbers",
+                    f"{own.size}, as a run of the same kernel has", "take it of such a run",
+                )  # fmt: skip
+        self._state[:], self._rings[:] = snapshot
 
     @property
     def state(self) -> dict[str, float]:
