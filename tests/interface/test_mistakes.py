@@ -233,7 +233,7 @@ MISTAKES = {
     ),
     "target": (
         lambda plant, pi: cl.export(pi, plant, to="sts"),
-        ("export, to", "sts", "c, st, fmu, tuning", "'st' was meant"),
+        ("export, to", "sts", "c, st, fmu, wasm, tuning", "'st' was meant"),
     ),
     "process as text": (
         lambda plant, pi: cl.export(None, plant, to="st"),

@@ -7,8 +7,6 @@ from functools import cache
 
 import llvmlite.binding as llvm
 
-from clepsydra.base.errors import Finding, InputError
-from clepsydra.engine.elementary_functions import ERROR_BOUND
 from clepsydra.engine.fused_multiply_add import FUSED, INTRINSIC, fused_multiply_add
 from clepsydra.engine.vector_code import KERNEL, KernelForm, vector_code
 from clepsydra.engine.wasm_object import FUNCTION, VARIABLE, WasmObject, module
@@ -72,11 +70,6 @@ def web_assembly(program: Program, *, record: bool = True) -> bytes:
     is free for them. What it computes is in every bit what `Kernel(program, fuse=False)` does, but
     for the bits of what is not a number.
 
-    Raises
-    ------
-    InputError
-        The program calls a function that the engine has no code for.
-
     Examples
     --------
     >>> from clepsydra.program.program import Block, Operation
@@ -132,12 +125,8 @@ def _module(image: bytes, program: Program) -> bytes:
     """
     whole = WasmObject(image)
     called = [name for kind, name in whole.imports if kind == FUNCTION]
-    if called:
-        raise InputError(
-            f"WebAssembly of {program.name}", Finding(f"a call of {' and '.join(called)}"),
-            f"arithmetic, sqrt, and what the engine has code for: {', '.join(ERROR_BOUND)}",
-            "leave it out of the law",
-        )  # fmt: skip
+    if called:  # LLVM makes calls of operations that the target lacks
+        raise RuntimeError(f"the module of {program.name} would import {', '.join(called)}")
     stacked = any(kind == VARIABLE for kind, _ in whole.imports)
     heap = -(-whole.end_of_data // _ALIGNMENT) * _ALIGNMENT + _STACK * stacked
     return module(

@@ -11,9 +11,8 @@ import numpy as np
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.deploy.proof.item import ProofItem
-from clepsydra.engine.elementary_functions import ERROR_BOUND
 from clepsydra.program.entries import signal_of
-from clepsydra.program.operation import LIBRARY, Operation
+from clepsydra.program.operation import Operation
 from clepsydra.program.program import Block, Call, ForLoop, Program
 
 _SINGLE = np.finfo(np.float32)
@@ -65,11 +64,6 @@ def _is_python(item: ProofItem) -> bool:
 
 def _lacks_function(item: ProofItem) -> bool:
     return any(operation.code in _NO_FUNCTIONS for operation in _program(item).block.operations())
-
-
-def _called_elsewhere(item: ProofItem) -> bool:
-    codes = {operation.code for operation in _program(item).block.operations()}
-    return not codes.isdisjoint(LIBRARY.keys() - ERROR_BOUND.keys())
 
 
 def _is_infinite(item: ProofItem) -> bool:
@@ -137,12 +131,7 @@ DELAYS = Limit(
     "an importer integrates the present, and a transport delay needs the past",
     _delays,
 )
-OF_WEB = Limit(
-    "functions of WebAssembly",
-    "WebAssembly has no mathematical library, and the engine no code of its own for this function",
-    _called_elsewhere,
-)
-LIMITS = (PYTHON_LAW, *OF_TEXT, MATIEC_NUMBERS, *OF_SINGLE, DELAYS, OF_WEB)
+LIMITS = (PYTHON_LAW, *OF_TEXT, MATIEC_NUMBERS, *OF_SINGLE, DELAYS)
 
 
 def _program(item: ProofItem) -> Program:

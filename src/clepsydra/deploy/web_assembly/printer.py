@@ -54,11 +54,6 @@ class WebModule:
 def print_web_assembly(program: Program, *, origin: Origin | None = None) -> WebModule:
     """Print a program as a WebAssembly module and a script.
 
-    Raises
-    ------
-    InputError
-        The program calls a function that the engine has no code for.
-
     Examples
     --------
     >>> from clepsydra.program.program import Block, Operation
