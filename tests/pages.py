@@ -2,7 +2,7 @@
 
 A comment before a block says what the text around it says to a reader:
 `<!-- file: NAME -->`, that it is to be saved, and `<!-- not run: REASON -->`.
-Blocks of a language that nothing here runs (c, iecst, csv, text) are no commands.
+Blocks of a language that nothing here runs (c, js, iecst, csv, text) are no commands.
 """
 
 import contextlib

@@ -13,7 +13,7 @@ from tools import need, need_compiler
 import clepsydra as cl
 from clepsydra.cli.application import application
 
-LANGUAGES = {"sh", "python", "pycon", "toml", "c", "iecst", "csv", "text"}
+LANGUAGES = {"sh", "python", "pycon", "toml", "c", "js", "iecst", "csv", "text"}
 COMMANDS = [block for page in PAGES for block in blocks(page, "sh")]
 
 
@@ -60,7 +60,7 @@ def test_the_page_runs(page, tmp_path, monkeypatch):
     todo = [block for block in blocks(page) if block.runs]
     if any(re.search("clepsydra verify|--to fmu|^cc ", block.text, re.M) for block in todo):
         need_compiler()
-        need("fmpy", "tree_sitter_iec61131_3_st")
+        need("fmpy", "tree_sitter_iec61131_3_st", "wasmtime")
     names = {}
     for block in todo:
         block.run(tmp_path, names)

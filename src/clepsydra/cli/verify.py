@@ -43,7 +43,7 @@ def verify(
     as_json: JsonOption = False,
     folder: OutputOption = None,
 ) -> None:
-    """Run every controller as C, Structured Text, FMU and WebAssembly, and compare it with the simulation.
+    """Run every controller on every target, and compare it with the simulation.
 
     Exit status: 0 all within their bounds, 1 not, 130 interrupted; run it again to go on.
     """
