@@ -12,10 +12,9 @@ from families import family
 from tools import need
 
 import clepsydra as cl
-from clepsydra import Kernel
 from clepsydra.deploy.process_program import process_program
+from clepsydra.deploy.proof.engine_run import engine_run
 from clepsydra.deploy.web_assembly.printer import print_web_assembly
-from clepsydra.engine.stepping import SteppedKernel
 from clepsydra.program.delay_ring import DelayRing
 
 PAGE = Path(__file__).parents[2] / "docs" / "export.md"
@@ -75,10 +74,9 @@ def scans_of(program, random) -> np.ndarray:
 
 
 def by_engine(program, rows: np.ndarray) -> np.ndarray:
-    kernel = SteppedKernel(Kernel(program, fuse=False))
     names = [signal.name for signal in program.inputs]
-    steps = (kernel.step(dict(zip(names, row, strict=True))) for row in rows.tolist())
-    return np.array([list(step.values()) for step in steps])
+    table = engine_run(program, dict(zip(names, rows.T, strict=True)), fuse=False)
+    return table[:, : len(program.outputs)]
 
 
 def as_bits(numbers: np.ndarray) -> np.ndarray:

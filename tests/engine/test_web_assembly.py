@@ -6,6 +6,7 @@ from random_laws import random_law
 
 from clepsydra import Kernel, program_of
 from clepsydra.base.signal import Signal
+from clepsydra.engine.hosted_module import HostedModule
 from clepsydra.engine.vector_code import KERNEL
 from clepsydra.engine.web_assembly import HEAP, web_assembly
 from clepsydra.program.operation import LIBRARY, Operation
@@ -18,24 +19,14 @@ SAMPLES = 50
 
 def run_in_module(module: bytes, job) -> np.ndarray:
     """Return what a module records in a run that was laid out for a native kernel."""
-    program, store = job.kernel.program, wasmtime.Store()
-    memory = wasmtime.Memory(store, wasmtime.MemoryType(wasmtime.Limits(1, None)))
-    instance = wasmtime.Instance(store, wasmtime.Module(store.engine, module), [memory])
-    exports = instance.exports(store)
+    program, hosted = job.kernel.program, HostedModule(module)
     record = np.zeros((1, job.samples, len(program.outputs), 1))
-    arrays = [
-        job.initial[:, : len(program.state)].copy(), job.parameters, job.shared, job.individual,
-        record, job.initial_rings(),
-    ]  # fmt: skip
-    ends = np.cumsum([exports[HEAP].value(store), *(array.nbytes for array in arrays)]).tolist()
-    missing = -(-ends[-1] // 65536) - memory.size(store)
-    if missing > 0:
-        memory.grow(store, missing)
-    for place, array in zip(ends, arrays, strict=False):
-        memory.write(store, array.tobytes(), place)
-    exports[KERNEL](store, *ends[:6], 1, job.samples, 1, job.turns)
-    found = memory.read(store, ends[4], ends[4] + record.nbytes)
-    return np.frombuffer(bytes(found), dtype=float).reshape(record.shape)
+    places = hosted.put([
+        job.initial[:, : len(program.state)], job.parameters, job.shared, job.individual, record,
+        job.initial_rings(),
+    ])  # fmt: skip
+    hosted.call(places, samples=job.samples, turns=job.turns)
+    return hosted.read(places[4], record.size).reshape(record.shape)
 
 
 def as_bits(numbers: np.ndarray) -> np.ndarray:
