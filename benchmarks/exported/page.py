@@ -93,8 +93,26 @@ def sizes(found: Sequence[ExportedTimes], described: list[tuple[str, str]], roun
             f"Median over {rounds} rounds, smallest and largest in brackets.",
             code,
             _an_operation(found),
+            "WebAssembly, in bytes of the module and in bytes deflated, and its time in Wasmtime "
+            "over that of the engine's one run with nothing fused, in the same round:",
+            _web(found),
         ]
     )
+
+
+def _web(found: Sequence[ExportedTimes]) -> str:
+    rows = [
+        [
+            each.name,
+            f"{each.module.whole:,}",
+            f"{each.module.deflated:,}",
+            with_spread(each.web, 2),
+        ]
+        for each in found
+    ]
+    heads = [CONTROLLER, "module [B]", "deflated [B]", "time over the engine's"]
+    median = sorted(each.web.median for each in found)[len(found) // 2]
+    return f"{table(heads, rows)}\n\nThe median of these ratios is {median:.2f}."
 
 
 def _an_operation(found: Sequence[ExportedTimes]) -> str:

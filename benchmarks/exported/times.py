@@ -16,6 +16,7 @@ from benchmarks.experiments import Disagreement
 from benchmarks.exported.built import CodeSize, DataSize, ExportedC
 from benchmarks.exported.extent import Extent, extent_of
 from benchmarks.exported.families import FAMILIES, AtWork, at_work
+from benchmarks.exported.web import ExportedModule, ModuleSize
 from benchmarks.measure import Spread, Way, interleave, on_one_core
 from clepsydra.engine.kernel import Job, Kernel
 
@@ -26,6 +27,7 @@ CALLS = 5
 SCENARIOS, BATCH_SCANS = 64, 1_000
 _DOUBLE, _SINGLE = "exported C, double", "exported C, single"
 _ENGINE, _BATCH = "engine, one run", "engine, batch"
+_WEB, _UNFUSED = "WebAssembly in Wasmtime", "engine, one run with nothing fused"
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,11 @@ class ExportedTimes:
     ratio : Spread
         Time of the engine's one run over that of the exported C in double precision, each pair
         from the same round.
+    module : ModuleSize
+        Of the WebAssembly.
+    web : Spread
+        Time of the WebAssembly over that of the engine's one run with nothing fused, each pair
+        from the same round.
     """
 
     name: str
@@ -70,6 +77,8 @@ class ExportedTimes:
     engine: Spread
     batch: Spread
     ratio: Spread
+    module: ModuleSize
+    web: Spread
 
 
 def measure(rounds: int, folder: Path, tell: Callable[[str], None]) -> list[ExportedTimes]:
@@ -86,7 +95,7 @@ def measure(rounds: int, folder: Path, tell: Callable[[str], None]) -> list[Expo
     Raises
     ------
     Disagreement
-        Engine and C differ in a bit.
+        Engine and C, or WebAssembly, differ in a bit.
     CompilerMissing
     RuntimeError
         See `ExportedC`.
@@ -106,6 +115,10 @@ def measure_one(work: AtWork, rounds: int, folder: Path) -> ExportedTimes:
     scans, single_scans = double.prepare(work.inputs), single.prepare(work.inputs)
     with on_one_core():
         one_run = Kernel(program).prepare(SCANS, inputs=work.inputs)
+        unfused = Kernel(program, fuse=False).prepare(SCANS, inputs=work.inputs)
+        web = ExportedModule(unfused.kernel.program, unfused)
+        web.run()
+        _agree(name, unfused, 0, web.outputs(), "WebAssembly")
         scans.run()
         _agree(name, one_run, 0, scans.outputs())
         few, varied = _batch(work)
@@ -120,6 +133,8 @@ def measure_one(work: AtWork, rounds: int, folder: Path) -> ExportedTimes:
                 Way(_SINGLE, single_scans.run, CALLS),
                 Way(_ENGINE, one_run.run, CALLS),
                 Way(_BATCH, batch.run, CALLS),
+                Way(_UNFUSED, unfused.run, CALLS),
+                Way(_WEB, web.run, CALLS),
             ],
             rounds,
         )
@@ -135,6 +150,8 @@ def measure_one(work: AtWork, rounds: int, folder: Path) -> ExportedTimes:
         engine,
         timings.of(_BATCH).times(1.0 / (SCENARIOS * BATCH_SCANS)),
         timings.ratio(_ENGINE, _DOUBLE),
+        web.size,
+        timings.ratio(_WEB, _UNFUSED),
     )
 
 
@@ -152,8 +169,8 @@ def _batch(work: AtWork) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
     return few, varied
 
 
-def _agree(name: str, job: Job, scenario: int, in_c: np.ndarray) -> None:
+def _agree(name: str, job: Job, scenario: int, found: np.ndarray, what: str = "exported C") -> None:
     engine = np.ascontiguousarray(job.run().record_of(scenario))
-    if not np.array_equal(engine.view(np.int64), in_c.view(np.int64)):
-        worst = float(np.nanmax(np.abs(engine - in_c)))
-        raise Disagreement(f"{name}: exported C differs from the engine by up to {worst:.1e}")
+    if not np.array_equal(engine.view(np.int64), found.view(np.int64)):
+        worst = float(np.nanmax(np.abs(engine - found)))
+        raise Disagreement(f"{name}: {what} differs from the engine by up to {worst:.1e}")
