@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import io
+import os
 import pickle
 import platform
 import sys
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import cache, cached_property
 from pathlib import Path
@@ -59,6 +60,7 @@ class KeptWork:
     Examples
     --------
     >>> import tempfile
+    >>> from pathlib import Path
     >>> import clepsydra as cl
     >>> plant = cl.load("three-tanks")
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -238,12 +240,18 @@ def _law_key(name: str) -> str:
 @cache
 def _computed_by() -> str:
     """Return text that differs wherever the same question might have another answer."""
-    folder = Path(clepsydra.__file__).parent
-    source = [
-        f"{path.relative_to(folder)} {status.st_size} {status.st_mtime_ns}"
-        for path in sorted(folder.rglob("*.py"))
-        if (status := path.stat())
-    ]
+    source = sorted(_source(Path(clepsydra.__file__).parent))
     versions = (clepsydra.__version__, np.__version__, scipy.__version__, ca.CasadiMeta.version())
     python = f"{sys.implementation.cache_tag} {platform.python_version()}"
     return f"{_digest(chr(10).join(source).encode())} {versions} {python} {host().fingerprint}"
+
+
+def _source(folder: str | Path) -> Iterator[str]:
+    """Yield name, size and time of each file of Python; as paths they would take 7 ms."""
+    with os.scandir(folder) as entries:
+        for entry in entries:
+            if entry.is_dir():
+                yield from _source(entry.path)
+            elif entry.name.endswith(".py"):
+                status = entry.stat()
+                yield f"{entry.path} {status.st_size} {status.st_mtime_ns}"
