@@ -149,8 +149,8 @@ def check(proof: Proof, controller: Controller) -> None:
     assert proof.holds, proof.failures
     rows = [(row.target, row.precision, row.verdict) for row in proof.rows]
     compared = [verdict for *_, precision, verdict in rows if precision == "double"]
-    assert compared == ["equal"] * 5
-    assert len(rows) == 7
+    assert compared == ["equal"] * 6
+    assert len(rows) == 8
     assert ("Structured Text", "single", "equal") in rows
     assert ("C", "single", "reported") in rows
     coverage = proof.coverage[controller.name]

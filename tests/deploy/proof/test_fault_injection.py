@@ -170,8 +170,8 @@ def test_the_engine_itself_is_compared_and_not_assumed(monkeypatch):
     def half(operation: Operation) -> Operation:
         return dataclasses.replace(operation, code="add")
 
-    def spoilt_run(program, inputs):
-        return run(spoilt(program, places(program, "multiply")[-1], half), inputs)
+    def spoilt_run(program, inputs, **more):
+        return run(spoilt(program, places(program, "multiply")[-1], half), inputs, **more)
 
     monkeypatch.setattr(job, "engine_run", spoilt_run)
     proof = quick_proof(monkeypatch)

@@ -29,7 +29,8 @@ from clepsydra.loop.default_scenario import default_scenario
 C = {("C", "double")}
 OF_TEXTS = {(name, "double") for name in TEXTS}
 OF_FMUS = {(name, "double") for name in FMUS}
-NO_FMUS = ("C", "Structured Text", *TEXTS)
+WEB = {("WebAssembly", "double")}
+NO_FMUS = ("C", "Structured Text", "WebAssembly", *TEXTS)
 SINGLE_C = {("C", "single"), ("Structured Text", "single")}
 SINGLE_TEXT = {("Structured Text", "single")}
 
@@ -117,13 +118,13 @@ def test_an_engine_that_broke_since_is_found_out(monkeypatch, tmp_path, ran):
     assert quick_proof(monkeypatch, without=FMUS[1:], folder=tmp_path).holds
     run = job.engine_run
 
-    def spoilt_run(program, inputs):
-        return run(spoilt(program, places(program, "add")[-1], dropped), inputs)
+    def spoilt_run(program, inputs, **more):
+        return run(spoilt(program, places(program, "add")[-1], dropped), inputs, **more)
 
     monkeypatch.setattr(job, "engine_run", spoilt_run)
     ran.clear()
     proof = quick_proof(monkeypatch, without=FMUS[1:], folder=tmp_path)
-    of_engine = C | OF_TEXTS | {(FMUS[0], "double"), ("C", "single")}
+    of_engine = C | OF_TEXTS | WEB | {(FMUS[0], "double"), ("C", "single")}
     assert {(row.target, row.precision) for row in proof.failures} == of_engine
     assert ran == of_engine | SINGLE_C
 
@@ -134,7 +135,7 @@ def test_another_sampling_period_is_another_proof(monkeypatch, tmp_path, ran):
         ran.clear()
         timed = dataclasses.replace(item(), sampling_period=period)
         assert prove([timed], scans=1000, folder=tmp_path).holds
-        assert ran == C | OF_TEXTS | SINGLE_C
+        assert ran == C | OF_TEXTS | WEB | SINGLE_C
 
 
 def loop_item() -> ProofItem:
@@ -170,7 +171,7 @@ def with_another_tank(whole: ProofItem) -> ProofItem:
 @pytest.mark.parametrize("changed", [with_larger_steps, elsewhere, with_another_tank])
 def test_scores_of_another_loop_are_run_again(changed, monkeypatch, tmp_path, ran):
     """Scenario, process and operating point belong to the scores, and to nothing else."""
-    quickly(monkeypatch, without=[*FMUS, *TEXTS, "Structured Text"])
+    quickly(monkeypatch, without=[*FMUS, *TEXTS, "Structured Text", "WebAssembly"])
     whole = loop_item()
     first = prove([whole], scans=1000, folder=tmp_path)
     assert ran == {("C", "double"), ("C", "single")}

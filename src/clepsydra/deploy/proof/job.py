@@ -87,6 +87,11 @@ class Job:
         return engine_run(self.program, self.inputs)
 
     @cached_property
+    def engine_unfused(self) -> Array:
+        """The engine with no multiply-add fused, over the scans."""
+        return engine_run(self.program, self.inputs, fuse=False)
+
+    @cached_property
     def engine_of_single(self) -> Array:
         """The engine, in double precision, over the scans in single precision."""
         return engine_run(self.program, self.single_inputs)
