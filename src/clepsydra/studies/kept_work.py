@@ -252,6 +252,6 @@ def _source(folder: str | Path) -> Iterator[str]:
         for entry in entries:
             if entry.is_dir():
                 yield from _source(entry.path)
-            elif entry.name.endswith(".py"):
+            elif entry.path.endswith(".py"):
                 status = entry.stat()
                 yield f"{entry.path} {status.st_size} {status.st_mtime_ns}"
