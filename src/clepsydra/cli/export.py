@@ -26,6 +26,8 @@ def _values(option: str) -> str:
     return f"[{'|'.join(next(t.options[option] for t in TARGETS.values() if option in t.options))}]"
 
 
+#: Targets of which the process itself can be exported.
+_OF_PROCESS = " or ".join(f"--to {name}" for name, each in TARGETS.items() if each.process)
 _Targets = Annotated[
     list[str],
     typer.Option(
@@ -42,8 +44,8 @@ def export(
     subject: SubjectArgument,
     targets: _Targets,
     controller: str | None = controller_option(
-        "As the study calls it, in quotation marks; with --to fmu it may be left out: then the "
-        "process itself is exported."
+        f"As the study calls it, in quotation marks; with {_OF_PROCESS} it may be left out: "
+        "then the process itself is exported."
     ),
     dialect: str | None = typer.Option(
         None,

@@ -14,7 +14,7 @@ from clepsydra.base.files import make_folder, write_together
 from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.section import Line, Mark, Section, marked
 from clepsydra.deploy.printing.identifiers import identifier_of as identifier_of
-from clepsydra.deploy.target import Delivery, ExportedFiles, Target, targets_of
+from clepsydra.deploy.target import TARGETS, Delivery, ExportedFiles, Target, targets_of
 from clepsydra.interface.controller import AnyController, of_plant
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.shell import Settings, plant_shell
@@ -78,13 +78,13 @@ def export(
     Parameters
     ----------
     controller : Controller or None
-        None for the process itself, which is exported as FMUs only.
+        None for the process itself, which is exported as FMUs or WebAssembly.
     plant : Plant, str or Path
     folder : str or Path
         It is made where it is missing.
     to : {"st", "c", "fmu", "wasm", "tuning", "signals"}, or a list of them
         IEC 61131-3 Structured Text with a test project and PLCopen XML, C99, a functional mock-up
-        unit, PID settings in the vendors' forms and units, or the list of signals. An option holds
+        unit, WebAssembly with a script that runs it, PID settings in the vendors' forms and units, or the list of signals. An option holds
         for those that have it.
     dialect : {"codesys", "matiec", "scl"}, optional
         Of Structured Text; of these options the first is taken if left out.
@@ -165,9 +165,10 @@ def export(
 
 def _of_process(target: Target, options: dict[str, str], plant: Plant) -> ExportedFiles:
     if target.process is None:
+        ways = (f'to="{name}"' for name, each in TARGETS.items() if each.process)
         raise InputError(
-            "export, controller", "none", 'a controller, or to="fmu"', "give a controller"
-        )
+            "export, controller", "none", f"a controller, or {' or '.join(ways)}", "give a controller"
+        )  # fmt: skip
     return target.process(plant.point, options)
 
 
