@@ -84,8 +84,8 @@ def export(
         It is made where it is missing.
     to : {"st", "c", "fmu", "wasm", "tuning", "signals"}, or a list of them
         IEC 61131-3 Structured Text with a test project and PLCopen XML, C99, a functional mock-up
-        unit, WebAssembly with a script that runs it, PID settings in the vendors' forms and units, or the list of signals. An option holds
-        for those that have it.
+        unit, WebAssembly with a script that runs it, PID settings in the vendors' forms and units,
+        or the list of signals. An option holds for those that have it.
     dialect : {"codesys", "matiec", "scl"}, optional
         Of Structured Text; of these options the first is taken if left out.
     precision : {"double", "single"}, optional
@@ -166,9 +166,8 @@ def export(
 def _of_process(target: Target, options: dict[str, str], plant: Plant) -> ExportedFiles:
     if target.process is None:
         ways = (f'to="{name}"' for name, each in TARGETS.items() if each.process)
-        raise InputError(
-            "export, controller", "none", f"a controller, or {' or '.join(ways)}", "give a controller"
-        )  # fmt: skip
+        expected = f"a controller, or {' or '.join(ways)}"
+        raise InputError("export, controller", "none", expected, "give a controller")
     return target.process(plant.point, options)
 
 
