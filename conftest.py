@@ -16,7 +16,10 @@ import pytest
 from tools import REQUIRE, missing
 
 _SKIPPED = "clepsydra/skipped"
-_FOLDERS = tuple(Path("src/clepsydra/deploy") / name for name in ("proof", "fmi", "compiler.py"))
+_FOLDERS = tuple(
+    Path("src/clepsydra") / name
+    for name in ("deploy/proof", "deploy/fmi", "deploy/compiler.py", "engine/hosted_module.py")
+)
 _skipped: set[str] = set()
 
 
@@ -62,7 +65,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if _from_the_end(config):
         folders = [config.rootpath / folder for folder in config.args]
         items.sort(key=lambda item: ([not item.path.is_relative_to(f) for f in folders], item.path))
-    reason = "" if REQUIRE else missing("fmpy", "tree_sitter_iec61131_3_st", compiler=True)
+    reason = (
+        "" if REQUIRE else missing("fmpy", "tree_sitter_iec61131_3_st", "wasmtime", compiler=True)
+    )
     if reason:
         for item in items:
             path = item.path.relative_to(config.rootpath)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from random_laws import random_law
+from tools import need
 
 from clepsydra import Kernel, program_of
 from clepsydra.base.signal import Signal
@@ -12,9 +13,12 @@ from clepsydra.engine.web_assembly import HEAP, web_assembly
 from clepsydra.program.operation import LIBRARY, Operation
 from clepsydra.program.program import Block, Program
 
-wasmtime = pytest.importorskip("wasmtime")
-
 SAMPLES = 50
+
+
+@pytest.fixture(autouse=True)
+def _tools():
+    need("wasmtime")
 
 
 def run_in_module(module: bytes, job) -> np.ndarray:
@@ -48,6 +52,8 @@ def test_random_laws_compute_the_same_in_every_bit(seed):
 
 
 def imports_and_exports(module: bytes) -> tuple[list[str], set[str]]:
+    import wasmtime
+
     found = wasmtime.Module(wasmtime.Engine(), module)
     imported = [f"{each.module}.{each.name}" for each in found.imports]
     return imported, {each.name for each in found.exports}
