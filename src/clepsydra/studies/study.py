@@ -147,7 +147,7 @@ class _Study:
         self.kept = KeptWork(request.analysis.operating_point)
         self.trials: list[Trial] = []
         self.long_runs = LongRuns(self.model, request.scenario)
-        self._designs: dict[int, Controller] = {}
+        self._designs: dict[ControllerRequest, Controller | NotApplicable] = {}
 
     def run(self, only: str | None) -> StudyResult:
         """Try every controller that is wanted, and rank what applies."""
@@ -201,10 +201,16 @@ class _Study:
         self.trials.append(trial_of(controller, self.model, self.request.scenario, tuning, run))
 
     def _designed(self, wanted: ControllerRequest) -> Controller:
-        if id(wanted) not in self._designs:
+        if wanted not in self._designs:
             make = partial(wanted.make, self.request.analysis, self.model)
-            self._designs[id(wanted)] = self.kept.outcome(wanted.asked, make)
-        return self._designs[id(wanted)]
+            try:
+                self._designs[wanted] = self.kept.outcome(wanted.asked, make)
+            except NotApplicable as refusal:
+                self._designs[wanted] = refusal
+        found = self._designs[wanted]
+        if isinstance(found, NotApplicable):
+            raise found
+        return found
 
     def _applying(self, later: Sequence[ControllerRequest]) -> Iterator[Controller]:
         """Yield the controllers that come next without a tuning, as far as they apply."""
