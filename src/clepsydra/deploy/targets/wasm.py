@@ -42,8 +42,8 @@ def _process(point: OperatingPoint, options: Options) -> ExportedFiles:
         _files(printed),
         {"name": program.name, "digest": digest(program), **options},
         f"import instantiate from {printed.script_name}, give it the content of "
-        f"{printed.module_name}, set its inputs and call step: it goes on by "
-        f"{point.process.sampling_period:g} s.",
+        f"{printed.module_name}, set its inputs and call step, which "
+        f"advances it by {point.process.sampling_period:g} s.",
     )
 
 

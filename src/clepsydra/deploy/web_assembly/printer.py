@@ -20,8 +20,8 @@ _SCRIPT = "instance.mjs"
 #: The line of the script in whose place the signals of a program stand.
 _DESCRIBED = "const DESCRIPTION = null;\n"
 _NOTES = (
-    "The module beside it computes what the simulation computes, in every bit, but for the bits",
-    "of what is not a number. It imports its memory and nothing else.",
+    "The module beside it computes what the simulation computes, bit for bit; only the bits of a",
+    "NaN may differ. It imports its memory and nothing else.",
 )
 
 
