@@ -37,12 +37,7 @@ class ExportedModule:
         self._job, self._hosted = job, HostedModule(module)
         self._start = job.initial[:, : len(program.state)]
         self._shape = job.samples, len(program.outputs)
-        self._places = self._hosted.put(
-            [
-                self._start, job.parameters, job.shared, job.individual, np.zeros(self._shape),
-                job.initial_rings(),
-            ]
-        )  # fmt: skip
+        self._places = self._hosted.put_job(job)
 
     def run(self) -> None:
         """Run all scans from the initial state; what delay rings hold goes on."""

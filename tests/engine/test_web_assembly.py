@@ -24,13 +24,9 @@ def _tools():
 def run_in_module(module: bytes, job) -> np.ndarray:
     """Return what a module records in a run that was laid out for a native kernel."""
     program, hosted = job.kernel.program, HostedModule(module)
-    record = np.zeros((1, job.samples, len(program.outputs), 1))
-    places = hosted.put([
-        job.initial[:, : len(program.state)], job.parameters, job.shared, job.individual, record,
-        job.initial_rings(),
-    ])  # fmt: skip
+    places, outputs = hosted.put_job(job), len(program.outputs)
     hosted.call(places, samples=job.samples, turns=job.turns)
-    return hosted.read(places[4], record.size).reshape(record.shape)
+    return hosted.read(places[4], job.samples * outputs).reshape(1, job.samples, outputs, 1)
 
 
 def as_bits(numbers: np.ndarray) -> np.ndarray:

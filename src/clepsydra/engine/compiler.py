@@ -13,10 +13,11 @@ import llvmlite.binding as llvm
 from clepsydra.engine.host import host
 from clepsydra.engine.object_cache import ObjectCache, default_cache
 
-_lock = threading.Lock()
+#: LLVM has one context, whatever is compiled.
+_lock = threading.RLock()
 
 #: How machine code is made; part of the key under which it is kept.
-_OPTIONS = {"optimisation": 2, "pipeline": 1}
+OPTIONS = {"optimisation": 2, "pipeline": 1}
 
 
 @cache
@@ -27,7 +28,7 @@ def _target_machine() -> llvm.TargetMachine:
     return llvm.Target.from_default_triple().create_target_machine(
         cpu=processor.name,
         features=processor.features,
-        opt=_OPTIONS["optimisation"],
+        opt=OPTIONS["optimisation"],
         reloc="pic",
         codemodel="small",
         jit=True,
@@ -59,7 +60,7 @@ class CompiledFunction:
         self, code: str, symbol: str, signature: Any, cache: ObjectCache | None = None
     ) -> None:
         store = default_cache() if cache is None else cache
-        key = "\n".join([host().fingerprint, str(_OPTIONS), code])
+        key = "\n".join([host().fingerprint, str(OPTIONS), code])
         with _lock:
             image = store.load(key)
             self.was_cached = image is not None
@@ -82,14 +83,21 @@ def _numbers() -> Any:
 _serial = _numbers()
 
 
-def compile_object(code: str) -> bytes:
-    """Return the native object of LLVM code, optimised without changing any rounding."""
-    with llvm.parse_assembly(code) as module:
+def compile_object(code: str, machine: llvm.TargetMachine | None = None) -> bytes:
+    """Return the object of LLVM code, optimised without changing any rounding.
+
+    Parameters
+    ----------
+    code : str
+    machine : llvmlite.binding.TargetMachine, optional
+        What the object is for; this processor if left out.
+    """
+    with _lock, llvm.parse_assembly(code) as module:
         module.verify()
-        machine = _target_machine()
+        machine = machine or _target_machine()
         module.triple = machine.triple
         module.data_layout = str(machine.target_data)
-        options = llvm.create_pipeline_tuning_options(speed_level=_OPTIONS["pipeline"])
+        options = llvm.create_pipeline_tuning_options(speed_level=OPTIONS["pipeline"])
         builder = llvm.create_pass_builder(machine, options)
         builder.getModulePassManager().run(module, builder)
         return machine.emit_object(module)

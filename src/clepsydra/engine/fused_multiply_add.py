@@ -47,8 +47,8 @@ def _guarded() -> str:
     f.line("ret double %exact")
     f.begin("odd")
     high, low = _product(f, "%a", "%b")
-    total, total_rest = _sum(f, "%c", low)
-    value, value_rest = _sum(f, high, total)
+    total, total_rest = f.exact_sum("%c", low)
+    value, value_rest = f.exact_sum(high, total)
     return f.definition(
         FUSED, ["%a", "%b", "%c"], f.add(value, _to_odd(f, total_rest, value_rest))
     ).replace("#0", "noinline #0", 1)
@@ -70,17 +70,9 @@ def _halves(f: LaneFunction, x: str) -> tuple[str, str]:
     return high, f.subtract(x, high)
 
 
-def _sum(f: LaneFunction, a: str, b: str) -> tuple[str, str]:
-    """Append a + b and its error, whichever is larger (Knuth)."""
-    total = f.add(a, b)
-    of_b = f.subtract(total, a)
-    of_a = f.subtract(total, of_b)
-    return total, f.add(f.subtract(a, of_a), f.subtract(b, of_b))
-
-
 def _to_odd(f: LaneFunction, a: str, b: str) -> str:
     """Append a + b, rounded to that neighbour whose last bit is 1 where it is not exact."""
-    total, rest = _sum(f, a, b)
+    total, rest = f.exact_sum(a, b)
     bits, rest_bits = f.bits_of(total), f.bits_of(rest)
     inexact = f.compare("une", rest, f.literal(0.0))
     even = f.assign(f"icmp eq i64 {f.on_bits('and', bits, 1)}, 0")

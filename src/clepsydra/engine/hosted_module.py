@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from clepsydra.engine.kernel import Job
 from clepsydra.engine.vector_code import KERNEL
 from clepsydra.engine.web_assembly import HEAP
 
@@ -57,6 +58,14 @@ class HostedModule:
             self.write(place, array)
         self._free = ends.pop()
         return ends
+
+    def put_job(self, job: Job) -> list[int]:
+        """Put a run that was laid out for a native kernel, with room for its record."""
+        program = job.kernel.program
+        record = np.zeros((job.samples, len(program.outputs)))
+        state = job.initial[:, : len(program.state)]
+        groups = [state, job.parameters, job.shared, job.individual, record, job.initial_rings()]
+        return self.put(groups)
 
     def write(self, place: int, array: Array) -> None:
         """Write numbers to an address."""

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from functools import cached_property
 
 #: Kinds of imports and exports.
-FUNCTION, TABLE, MEMORY, VARIABLE = 0, 1, 2, 3
+_FUNCTION, IMPORTED_MEMORY, _VARIABLE = 0, 2, 3
 #: Kinds of sections.
 _CUSTOM, _TYPES, _IMPORTS, _FUNCTIONS, _VARIABLES, _EXPORTS, _CODE, _DATA, _DATA_COUNT = (
     0, 1, 2, 3, 6, 7, 10, 11, 12,
@@ -82,9 +82,9 @@ class WasmObject:
         for _ in range(body.number()):
             body.text()
             name, kind = body.text(), body.byte()
-            if kind == FUNCTION:
+            if kind == _FUNCTION:
                 body.number()
-            elif kind == MEMORY:
+            elif kind == IMPORTED_MEMORY:
                 body.take(body.number() + 1)
             else:  # a variable: its type, and whether it changes
                 body.take(2)
@@ -124,43 +124,37 @@ class WasmObject:
             index = rest.number()
             named = kind != _OF_SECTION and (not flags & _UNDEFINED or flags & _EXPLICIT_NAME)
             name = rest.text() if named else ""
-            if kind == FUNCTION and named:
+            if kind == _FUNCTION and named:
                 yield name, index
 
 
 def module(
-    whole: WasmObject,
-    *,
-    memory: tuple[str, str],
-    pages: int,
-    variables: Sequence[tuple[int, bool]],
-    exports: Mapping[str, tuple[int, int]],
+    whole: WasmObject, name: str, *, memory: tuple[str, str], pages: int, constant: tuple[str, int]
 ) -> bytes:
-    """Return a module that imports its memory alone.
+    """Return a module that imports its memory alone, and exports a function and a constant.
 
     Parameters
     ----------
     whole : WasmObject
-        One that defines every function that it calls.
+        One that defines everything that it uses but its memory.
+    name : str
+        Of the function.
     memory : tuple of str
         The names by which the memory is imported.
     pages : int
         Of memory, at least.
-    variables : sequence of (int, bool)
-        Value of each and whether it changes, in the order of their indices.
-    exports : mapping
-        Name to kind and index.
+    constant : tuple of (str, int)
+        Name and value, from 0 on.
     """
     sections = dict(whole.sections)
-    imported = [_text(memory[0]) + _text(memory[1]) + bytes((MEMORY, 0)) + _number(pages)]
+    imported = _text(memory[0]) + _text(memory[1]) + bytes((IMPORTED_MEMORY, 0)) + _number(pages)
     sections[_IMPORTS] = _vector(imported)
+    called, value = constant
     sections[_VARIABLES] = _vector(
-        bytes((_I32, changes, _I32_CONSTANT)) + _signed(value) + bytes((_END,))
-        for value, changes in variables
+        bytes((_I32, 0, _I32_CONSTANT)) + _signed(value) + bytes((_END,))
     )
-    sections[_EXPORTS] = _vector(
-        _text(name) + bytes((kind,)) + _number(index) for name, (kind, index) in exports.items()
-    )
+    function = _text(name) + bytes((_FUNCTION,)) + _number(whole.function(name))
+    sections[_EXPORTS] = _vector(function, _text(called) + bytes((_VARIABLE, 0)))
     found = [
         bytes((kind,)) + _number(len(sections[kind])) + sections[kind]
         for kind in _ORDER
@@ -187,6 +181,5 @@ def _text(name: str) -> bytes:
     return _number(len(name)) + name.encode()
 
 
-def _vector(entries: Iterable[bytes]) -> bytes:
-    listed = list(entries)
-    return _number(len(listed)) + b"".join(listed)
+def _vector(*entries: bytes) -> bytes:
+    return _number(len(entries)) + b"".join(entries)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import threading
 from functools import cache
 
 import llvmlite.binding as llvm
 
+from clepsydra.engine.compiler import OPTIONS, compile_object
 from clepsydra.engine.fused_multiply_add import FUSED, INTRINSIC, fused_multiply_add
 from clepsydra.engine.vector_code import KERNEL, KernelForm, vector_code
-from clepsydra.engine.wasm_object import FUNCTION, VARIABLE, WasmObject, module
+from clepsydra.engine.wasm_object import IMPORTED_MEMORY, WasmObject, module
 from clepsydra.program.inlined import inlined
 from clepsydra.program.program import Program
 
@@ -17,13 +17,9 @@ from clepsydra.program.program import Program
 #: of its memory that it does not use itself.
 MEMORY, HEAP = ("env", "memory"), "heap"
 _TRIPLE = "wasm32-unknown-unknown"
-_OPTIONS = {"optimisation": 2, "pipeline": 1}
 #: A page of memory [bytes].
 _PAGE = 1 << 16
-#: Of the stack, where a kernel has one [bytes].
-_STACK = 1 << 16
 _ALIGNMENT = 64
-_lock = threading.Lock()
 
 #: Memory for the values of a large kernel: taken from the machine in the first call, and used
 #: again in later ones, which ask for as much.
@@ -80,7 +76,7 @@ def web_assembly(program: Program, *, record: bool = True) -> bytes:
     b'\\x00asm'
     """
     code = vector_code(inlined(program), KernelForm(1, fuse=False, record=record))
-    return _module(_object(_whole(code)), program)
+    return _module(compile_object(_whole(code), _target_machine()), program)
 
 
 def _whole(code: str) -> str:
@@ -101,21 +97,8 @@ def _target_machine() -> llvm.TargetMachine:
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     return llvm.Target.from_triple(_TRIPLE).create_target_machine(
-        opt=_OPTIONS["optimisation"], reloc="static", codemodel="default"
+        opt=OPTIONS["optimisation"], reloc="static", codemodel="default"
     )
-
-
-def _object(code: str) -> bytes:
-    """Return the relocatable object of LLVM code."""
-    with _lock, llvm.parse_assembly(code) as module:
-        module.verify()
-        machine = _target_machine()
-        module.triple = machine.triple
-        module.data_layout = str(machine.target_data)
-        options = llvm.create_pipeline_tuning_options(speed_level=_OPTIONS["pipeline"])
-        builder = llvm.create_pass_builder(machine, options)
-        builder.getModulePassManager().run(module, builder)
-        return machine.emit_object(module)
 
 
 def _module(image: bytes, program: Program) -> bytes:
@@ -124,16 +107,8 @@ def _module(image: bytes, program: Program) -> bytes:
     What a linker would add is that its kernel is exported.
     """
     whole = WasmObject(image)
-    called = [name for kind, name in whole.imports if kind == FUNCTION]
-    if called:  # LLVM makes calls of operations that the target lacks
-        raise RuntimeError(f"the module of {program.name} would import {', '.join(called)}")
-    stacked = any(kind == VARIABLE for kind, _ in whole.imports)
-    heap = -(-whole.end_of_data // _ALIGNMENT) * _ALIGNMENT + _STACK * stacked
-    return module(
-        whole,
-        memory=MEMORY,
-        pages=heap // _PAGE + 1,
-        # The stack pointer keeps the index that it had as an import.
-        variables=[(heap, True)] * stacked + [(heap, False)],
-        exports={KERNEL: (FUNCTION, whole.function(KERNEL)), HEAP: (VARIABLE, int(stacked))},
-    )
+    taken = [name for kind, name in whole.imports if kind != IMPORTED_MEMORY]
+    if taken:  # LLVM makes calls of operations that the target lacks; no kernel has a stack
+        raise RuntimeError(f"the module of {program.name} would import {', '.join(taken)}")
+    heap = -(-whole.end_of_data // _ALIGNMENT) * _ALIGNMENT
+    return module(whole, KERNEL, memory=MEMORY, pages=heap // _PAGE + 1, constant=(HEAP, heap))
