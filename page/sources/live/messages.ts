@@ -15,17 +15,10 @@ export interface LiveData {
   modules: string[];
   /** Of every `loop` below, in the order of its inputs. */
   inputs: InputColumn[];
-  scores: LiveScore[];
   /** Of the ranking, in the order of its columns behind "standing". */
   columns: LiveColumn[];
-  /** For each row of charts the output of a `loop`, and how many units are one of SI; null: no live curve. */
-  signals: ({ column: number; factor: number } | null)[];
   /** The first sample of each event of the overlay; its `samples` count from there. */
   starts: number[];
-  /** Of the manipulated variables; null where there is none. */
-  limits: { name: string; column: number; low: number | null; high: number | null }[];
-  /** Outputs that count what a tank has spilt. */
-  spills: { name: string; column: number; factor: number; unit: string }[];
   /** The recommended one, then its rival; one may be missing. */
   controllers: LiveController[];
 }
@@ -55,6 +48,7 @@ export interface FoldedScore {
   key: string;
   kind: "fold";
   states: number[];
+  /** What is made of two of them; "": the first is the score. */
   finish: "" | "ratio" | "deviation";
 }
 
@@ -70,41 +64,43 @@ export interface SettlingScore {
 /** First sample, sample behind the last, and the setpoint before and after. */
 export type SetpointStep = [first: number, stop: number, start: number, target: number];
 
-/** The largest after these loads, each with its first sample and that behind its last. */
+/** What a tank makes of these loads, each with its first sample and that behind its last. */
 export interface OutflowScore {
   key: string;
   kind: "outflow_overshoot" | "outflow_swings" | "volume_used";
+  /** Outputs of the loop: the outflow and the inflow, or of the volume used the filling. */
   columns: number[];
   loads: [first: number, stop: number][];
 }
 
-/** A column of the ranking, made of scores. */
+/** A column of the ranking, made of scores, each by its number among those of a controller. */
 export interface LiveColumn {
   title: string;
   /**
-   * figure: the largest part, value · scale.
-   * multiples: the mean of the parts as multiples of the best, of which `smallest` counts as nothing.
-   * relative: the mean of `criteria`, as a multiple of `least`.
+   * figure: the largest of the parts, value · scale.
+   * multiples: the mean over the groups of the mean of their multiples of the best, over `least`.
    * peak: max|S|.
    */
-  kind: "figure" | "multiples" | "relative" | "peak";
-  parts: ColumnPart[];
-  criteria?: number[];
-  least?: number;
+  kind: "figure" | "multiples" | "peak";
+  parts: { score: number; scale: number }[];
+  groups: Multiple[][];
+  least: number;
   unit: string;
   /** Significant digits; 0: a whole number. */
   digits: number;
   /** A time, "never" where it is infinite. */
-  time?: boolean;
+  time: boolean;
 }
 
-export interface ColumnPart {
-  score: number;
-  scale: number;
-  best?: number;
-  smallest?: number;
+/** A score as a multiple of the best of the study, of which `smallest` counts as nothing. */
+export interface Multiple {
+  /** Null where the page has none: it counts as infinite. */
+  score: number | null;
+  /** Null where none is finite: every finite one is 1 then. */
+  best: number | null;
+  smallest: number;
   /** Whether less is better. */
-  less?: boolean;
+  less: boolean;
 }
 
 export interface LiveController {
@@ -114,11 +110,20 @@ export interface LiveController {
   /** The law's parameters, as recommended. */
   values: number[];
   loop: LoopProgram;
-  law: LawProgram | null;
+  scores: LiveScore[];
+  /** For each row of charts the output of `loop`, and how many units are one of SI; null: no live curve. */
+  signals: ({ column: number; factor: number } | null)[];
+  /** Of the manipulated variables; null where there is none. */
+  limits: { name: string; column: number; low: number | null; high: number | null }[];
+  /** Outputs that count what a tank has spilt. */
+  spills: { name: string; column: number; factor: number; unit: string }[];
+  law: LawProgram;
   slopes: SlopesProgram | null;
   plant: SampledPlant | null;
-  loops: { title: string; settings: LiveSetting[] }[];
-  bolder: { values: number[]; words: string } | null;
+  /** Of each loop: what study files call it, what the reader reads, its settings. */
+  loops: { loop: string; title: string; settings: LiveSetting[] }[];
+  /** The values that grow as it gets bolder by a factor, each with its power; none: it has no such slider. */
+  bolder: [value: number, power: number][];
 }
 
 /** A program that computes the whole scenario. */
@@ -135,17 +140,19 @@ export interface LoopProgram {
   rings: RingOfState[];
 }
 
-/** A delay ring: where its first entry comes from, and how far its oldest one moves in a sample. */
+/** A delay ring: what it holds at first, and how far its oldest entry moves in a sample. */
 export interface RingOfState {
-  state: number;
+  initial: number;
   length: number;
   turns: number;
 }
 
-/** The law alone, whose state at rest follows its values; null: it does not depend on them. */
+/** The law alone, whose state at rest follows its values. */
 export interface LawProgram {
   module: number;
   state: number[];
+  /** Places of delay rings: here ordinary states, which stay as they are. */
+  rings: number[];
   manual: number[];
   automatic: number[];
   /** At least so many samples, and at most, until nothing moves by more than a rounding. */
@@ -171,9 +178,13 @@ export interface SlopesProgram {
 /** The process between samples, as the sampled loop joins it to the law. */
 export interface SampledPlant {
   states: number;
-  /** Float64: held [N,N], moved [N,m], measured [p,N], controlled [q,N], enters [p,q], sizes [q], input_spans [m]. */
+  /** Float64: held [N,N], moved [N,m], measured [p,N], controlled [q,N], enters [p,q], sizes [q], ranges of what is moved [m]. */
   packed: string;
-  names: { measurements: string[]; controlled: string[]; manipulated: string[] };
+  measurements: string[];
+  controlled: string[];
+  manipulated: string[];
+  /** Measurements of inner loops, which are not controlled. */
+  inner: string[];
 }
 
 /** A number of a controller that the reader can set, in the unit that is shown. */
@@ -200,6 +211,8 @@ export type PageMessage = LoadMessage | RunMessage;
 export interface LoadMessage {
   kind: "load";
   data: LiveData;
+  /** Of each event of the overlay its samples, counted from its start. */
+  samples: number[][];
 }
 
 /** Run the scenario; a newer run takes the place of one that waits or goes on. */
@@ -233,9 +246,9 @@ export interface RanMessage {
   samples: number;
   /** Of each event and signal, at the event's samples and in the unit shown; NaN where it is not computed. */
   curves: (Float64Array | null)[][];
-  /** Of each column; NaN for none. */
+  /** Of each column; NaN for none, before the run is whole, and for a peak, which is found later. */
   numbers: number[];
-  /** How long each manipulated variable stood at its limits [s]. */
+  /** How long each manipulated variable has stood at its limits [s]. */
   limits: { name: string; low: number; high: number }[];
   spills: { name: string; amount: number; unit: string }[];
   milliseconds: number;
@@ -246,7 +259,7 @@ export interface AnalysedMessage {
   kind: "analysed";
   run: number;
   controller: number;
-  /** max|S|; infinite where the loop is unstable. */
+  /** max|S|; infinite where the loop is unstable, NaN where it has no linear model. */
   peak: number;
   stable: boolean;
   margins: ChannelMargins[];
@@ -262,4 +275,6 @@ export interface ChannelMargins {
   crossover: number;
   /** [s] */
   delay: number;
+  /** max|S| of the channel. */
+  peak: number;
 }
