@@ -39,6 +39,8 @@ class Key:
         Significant digits that a design gives to it.
     below : str
         The key of the same owner that it has to be below, if there is one.
+    bolder : float
+        As of `Signal`.
 
     Examples
     --------
@@ -61,6 +63,7 @@ class Key:
     kind: Kind = "real"
     digits: int = field(default=6, repr=False)
     below: str = field(default="", repr=False)
+    bolder: float = field(default=0.0, repr=False)
 
     def of(self, owner: Signal | str, default: float | None = None, /, **roles: Signal) -> Signal:
         """Return the quantity of an owner, empty for none, with the signals that play the roles.
@@ -86,6 +89,7 @@ class Key:
             self.words.format(**{role: signal.name for role, signal in roles.items()}),
             self.digits,
             below=self.below,
+            bolder=self.bolder,
         )
 
     @property

@@ -43,6 +43,9 @@ class Signal:
         Of an output of a block: it is printed only where something reads it.
     below : str
         Of a parameter: the part of the same owner that it has to be below, if there is one.
+    bolder : float
+        Of a parameter: the power of a factor by which it grows where its law is made bolder by that
+        factor; 0 where it stays.
 
     Examples
     --------
@@ -64,6 +67,7 @@ class Signal:
     record: str = field(default="", repr=False)
     optional: bool = field(default=False, repr=False, compare=False)
     below: str = field(default="", repr=False, compare=False)
+    bolder: float = field(default=0.0, repr=False, compare=False)
 
     @property
     def span(self) -> float:

@@ -233,7 +233,7 @@ def scheduled_lqi_law(
     1401-1425, doi 10.1016/S0005-1098(00)00058-3.
     """
     state = LinearState(measured, manipulated, controlled, None)
-    scheduled = [*state.feedback.signals(), *state.integral_gain.signals()]
+    scheduled = state.gains()
     if anti_windup == "back_calculation":
         scheduled += [signals.TRACKING_TIME.of(u) for u in state.manipulated]
 

@@ -131,7 +131,7 @@ def varying_lqi(
 
     def applied(sample: Sample, reading: Reading, known: Sequence[ca.SX]) -> list[ca.SX]:
         if gains is None:
-            sample.parameters(*source.feedback.signals(), *source.integral_gain.signals())
+            sample.parameters(*source.gains())
         now = sample.symbols if gains is None else gains(sample, reading, known)
         deviations = source.deviations(sample, known)
         errors = {

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -120,9 +121,39 @@ class StepLawDerivatives:
             for places in alike.values()
         ]
 
+    def expressions(
+        self, state: Mapping[str, float], inputs: Mapping[str, float]
+    ) -> tuple[ca.SX, list[ca.SX]]:
+        """Return symbols of all parameters, and what `at` takes its matrices from, of them.
+
+        Returns
+        -------
+        symbols : casadi.SX [p]
+            In the law's order; what lies far away counts as such whatever its symbol is.
+        matrices : list of casadi.SX
+            ∂x⁺/∂x, ∂x⁺/∂w, ∂u/∂x and ∂u/∂w with w the law's sp, then its pv, and u its out, each
+            in the law's order. A delay ring is one state.
+        """
+        law = self.law
+        symbols = ca.SX.sym("p", len(law.parameters))
+        values = dict(
+            zip((each.name for each in law.parameters), ca.vertsplit(symbols), strict=True)
+        )
+        x, u, p = (ca.SX.sym(name, law.function.numel_in(k)) for k, name in enumerate("xup"))
+        next_state, outputs, _ = law.function(x, u, p)
+        driven, moved = [*self._setpoints, *self._measurements], self._outputs
+        slopes = [
+            ca.jacobian(next_state, x),
+            ca.jacobian(next_state, u)[:, driven],
+            ca.jacobian(outputs, x)[moved, :],
+            ca.jacobian(outputs, u)[moved, driven],
+        ]
+        at = [ca.vertcat(*vector) for vector in self._vectors(values, state, inputs)]
+        return symbols, ca.substitute(slopes, [x, u, p], at)
+
     def _vectors(
         self,
-        values: Mapping[str, ArrayLike],
+        values: Mapping[str, Any],
         state: Mapping[str, float],
         inputs: Mapping[str, float],
     ) -> tuple[list[Any], list[Any], list[Any]]:

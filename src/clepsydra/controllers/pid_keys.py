@@ -28,9 +28,9 @@ _SQUARED = "error of {measurement} at which the gain is the nominal one"
 _RAMP = "largest rate of change of the setpoint of {measurement}"
 _WINDS = "α: rate at which an excess over the limits of {output} dies away"
 _DECLARED = (
-    signed("proportional_gain", _RATIO, f"proportional gain {_WAY}", 1.0),
-    signed("integral_gain", _RATE, f"integral gain {_WAY}"),
-    signed("derivative_gain", f"s {_RATIO}", f"derivative gain {_WAY}"),
+    signed("proportional_gain", _RATIO, f"proportional gain {_WAY}", 1.0, bolder=1.0),
+    signed("integral_gain", _RATE, f"integral gain {_WAY}", bolder=1.0),
+    signed("derivative_gain", f"s {_RATIO}", f"derivative gain {_WAY}", bolder=1.0),
     amount("integral_time", "s", "integral time", 60.0, low=SHORTEST_TIME),
     amount("derivative_time", "s", "derivative time"),
     amount("filter_time", "s", "time constant of the derivative's filter", 60.0, low=SHORTEST_TIME),

@@ -57,15 +57,21 @@ class IncrementalLoop:
         y, u, unit = self.measured, self.moved, signals.per(self.moved, self.measured)
         shown = y.name if self.what == "measurement" else f"the {self.what} of {y.name}"
         ago = f"between {{0}} and {{1}} samples ago, to {u.name}"
-        rows: tuple[tuple[str, Signal | str, str], ...] = (
-            ("measurement_gain", unit, f"gain on the difference of {shown} {ago}"),
-            ("setpoint_gain", unit, f"gain on the difference of the setpoint of {y.name} {ago}"),
-            ("increment_gain", "1", f"gain on the move of {u.name} {{1}} samples ago"),
+        rows: tuple[tuple[str, Signal | str, str, float], ...] = (
+            ("measurement_gain", unit, f"gain on the difference of {shown} {ago}", 1.0),
+            (
+                "setpoint_gain",
+                unit,
+                f"gain on the difference of the setpoint of {y.name} {ago}",
+                1.0,
+            ),
+            ("increment_gain", "1", f"gain on the move of {u.name} {{1}} samples ago", 0.0),
         )
         error = f"gain on the error of {y.name} in each sample, to {u.name}"
-        found = [signals.coefficient(path(y, "reference_gain"), unit, error)]
-        for (stem, per, words), count in zip(rows, astuple(self.shape), strict=True):
-            found += row(signals.coefficient(path(y, stem), per, words), count)
+        found = signals.growing([signals.coefficient(path(y, "reference_gain"), unit, error)])
+        for (stem, per, words, power), count in zip(rows, astuple(self.shape), strict=True):
+            counted = row(signals.coefficient(path(y, stem), per, words), count)
+            found += signals.growing(counted, power)
         return found
 
     def memory(self) -> list[Signal]:

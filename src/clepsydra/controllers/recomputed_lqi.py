@@ -112,12 +112,17 @@ def _recomputed(
     time, _ = time_step_of(sample.symbols)
     errors, moves, sizes = (
         ca.vertcat(
-            *sample.parameters(*(signals.size(path(x, p), x, f"{words} {x.name}") for x in of))
+            *sample.parameters(
+                *signals.growing(
+                    (signals.size(path(x, p), x, f"{words} {x.name}") for x in of), power
+                )
+            )
         )
-        for p, of, words in (
-            ("largest_error", source.controlled, "largest acceptable error of"),
-            ("largest_move", source.manipulated, "largest acceptable move of"),
-            ("size", source.fed_back, "size in which numbers are scaled, of"),
+        # Gains grow with the moves, and as the errors get smaller.
+        for p, of, words, power in (
+            ("largest_error", source.controlled, "largest acceptable error of", -0.5),
+            ("largest_move", source.manipulated, "largest acceptable move of", 0.5),
+            ("size", source.fed_back, "size in which numbers are scaled, of", 0.0),
         )
     )
     for y in source.controlled:

@@ -37,9 +37,23 @@ INTEGRAL = Key("integral", "{output}", "integral part of {output}")
 TIME_STEP = Key("time_step", "s", "time since the last sample", 0.0, default=1.0)
 
 
-def signed(name: str, unit: str, words: str, default: float = 0.0, *, below: str = "") -> Key:
+def signed(
+    name: str, unit: str, words: str, default: float = 0.0, *, below: str = "", bolder: float = 0.0
+) -> Key:
     """Return the key of a parameter that may have either sign: a gain, a bias, a limit."""
-    return Key(name, unit, words, -LARGEST_PARAMETER, LARGEST_PARAMETER, default, below=below)
+    ends = -LARGEST_PARAMETER, LARGEST_PARAMETER
+    return Key(name, unit, words, *ends, default, below=below, bolder=bolder)
+
+
+def growing(parameters: Iterable[Signal], power: float = 1.0) -> list[Signal]:
+    """Return parameters as ones that grow where their law is made bolder.
+
+    Examples
+    --------
+    >>> [each.bolder for each in growing([Signal("level.virtual_gain")], 2)]
+    [2]
+    """
+    return [replace(each, bolder=power) for each in parameters]
 
 
 def amount(name: str, unit: str, words: str, default: float = 0.0, *, low: float = 0.0) -> Key:

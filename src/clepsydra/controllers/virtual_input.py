@@ -68,21 +68,22 @@ class VirtualInput:
         """Kp, b and m_k, of which a change makes no bump."""
         y, degree = self.measurement, self.degree
         damping = enumerate(elements(path(y, "virtual_damping"), degree - 1), start=1)
-        return [
-            _GAIN.of(y, measurement=y, rate=Signal("", rate_unit("1", degree))),
-            _WEIGHT.of(y, measurement=y),
-            *(
-                signals.gain(name, rate_unit("1", degree - k), 0.0, f"m_{k} of {y.name}")
-                for k, name in damping
-            ),
-        ]
+        gain = _GAIN.of(y, measurement=y, rate=Signal("", rate_unit("1", degree)))
+        found = [*signals.growing([gain], degree), _WEIGHT.of(y, measurement=y)]
+        for k, name in damping:
+            order = degree - k
+            term = signals.gain(name, rate_unit("1", order), 0.0, f"m_{k} of {y.name}")
+            found += signals.growing([term], order)
+        return found
 
     def parameters(self) -> list[Signal]:
         """Return gains, setpoint weight, damping, and what windup and the solution need."""
         y, (gain, *adjusted) = self.measurement, self._adjusted
         rate = Signal("", rate_unit("1", self.degree + 1))
         smallest = _SMALLEST_EFFECT.of(y, measurement=y, moved=self.moved, quantity=self.quantity)
-        found = [gain, _INTEGRAL_GAIN.of(y, measurement=y, rate=rate), *adjusted, smallest]
+        integral = _INTEGRAL_GAIN.of(y, measurement=y, rate=rate)
+        # Poles that are all faster by a factor: each term grows by a power of its own.
+        found = [gain, *signals.growing([integral], self.degree + 1), *adjusted, smallest]
         if self.anti_windup == "back_calculation":
             found.append(signals.TRACKING_TIME.of(y))
         if self.anti_windup == "variable_structure":

@@ -59,14 +59,8 @@ class CompiledFunction:
     def __init__(
         self, code: str, symbol: str, signature: Any, cache: ObjectCache | None = None
     ) -> None:
-        store = default_cache() if cache is None else cache
-        key = "\n".join([host().fingerprint, str(OPTIONS), code])
         with _lock:
-            image = store.load(key)
-            self.was_cached = image is not None
-            if image is None:
-                image = compile_object(code)
-                store.store(key, image)
+            image, self.was_cached = kept_object(code, host().fingerprint, cache=cache)
             library = llvm.JITLibraryBuilder()
             library.add_object_img(image).add_current_process().export_symbol(symbol)
             self._tracker = library.link(_linker(), f"{symbol}_{id(self):x}_{next(_serial)}")
@@ -83,18 +77,38 @@ def _numbers() -> Any:
 _serial = _numbers()
 
 
-def compile_object(code: str, machine: llvm.TargetMachine | None = None) -> bytes:
-    """Return the object of LLVM code, optimised without changing any rounding.
+def kept_object(
+    code: str,
+    target: str,
+    machine: Callable[[], llvm.TargetMachine] = _target_machine,
+    cache: ObjectCache | None = None,
+) -> tuple[bytes, bool]:
+    """Return the object of LLVM code, and whether it was kept from before.
 
     Parameters
     ----------
     code : str
-    machine : llvmlite.binding.TargetMachine, optional
-        What the object is for; this processor if left out.
+    target : str
+        What it is for, and what compiles it, with its version.
+    machine : callable
+        Returns the machine that it is for; this processor if left out.
+    cache : ObjectCache, optional
+        Where objects are kept; the user's cache folder if omitted.
     """
-    with _lock, llvm.parse_assembly(code) as module:
+    store, key = cache or default_cache(), "\n".join([target, str(OPTIONS), code])
+    with _lock:
+        image = store.load(key)
+        if image is not None:
+            return image, True
+        image = _compiled(code, machine())
+        store.store(key, image)
+        return image, False
+
+
+def _compiled(code: str, machine: llvm.TargetMachine) -> bytes:
+    """Return the object of LLVM code, optimised without changing any rounding."""
+    with llvm.parse_assembly(code) as module:
         module.verify()
-        machine = machine or _target_machine()
         module.triple = machine.triple
         module.data_layout = str(machine.target_data)
         options = llvm.create_pipeline_tuning_options(speed_level=OPTIONS["pipeline"])

@@ -33,9 +33,13 @@ class Host:
     @property
     def fingerprint(self) -> str:
         """Text that differs wherever a compiled object might not run."""
-        version = ".".join(map(str, llvm.llvm_version_info))
-        machine = f"{llvm.get_default_triple()} {self.name} {self.features}"
-        return f"{machine} llvmlite {llvmlite.__version__} LLVM {version}"
+        return f"{llvm.get_default_triple()} {self.name} {self.features} {compiler_text()}"
+
+
+def compiler_text() -> str:
+    """Return what compiles, with its version."""
+    version = ".".join(map(str, llvm.llvm_version_info))
+    return f"llvmlite {llvmlite.__version__} LLVM {version}"
 
 
 @cache

@@ -6,8 +6,9 @@ from functools import cache
 
 import llvmlite.binding as llvm
 
-from clepsydra.engine.compiler import OPTIONS, compile_object
+from clepsydra.engine.compiler import OPTIONS, kept_object
 from clepsydra.engine.fused_multiply_add import FUSED, INTRINSIC, fused_multiply_add
+from clepsydra.engine.host import compiler_text
 from clepsydra.engine.vector_code import KERNEL, KernelForm, vector_code
 from clepsydra.engine.wasm_object import IMPORTED_MEMORY, WasmObject, module
 from clepsydra.program.inlined import inlined
@@ -76,7 +77,8 @@ def web_assembly(program: Program, *, record: bool = True) -> bytes:
     b'\\x00asm'
     """
     code = vector_code(inlined(program), KernelForm(1, fuse=False, record=record))
-    return _module(compile_object(_whole(code), _target_machine()), program)
+    target = f"{_TRIPLE} {compiler_text()}"
+    return _module(kept_object(_whole(code), target, _target_machine)[0], program)
 
 
 def _whole(code: str) -> str:

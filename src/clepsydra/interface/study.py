@@ -132,6 +132,13 @@ class Study(Answered, results.StudyResult):
 
         write_page(report_text(self), path)
 
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: the report, in which settings can be moved."""
+        from clepsydra.report.html import report_text
+        from clepsydra.report.page import framed
+
+        return framed(report_text(self), f"Control study of {self.process.title}")
+
     def save(self, path: str | Path, *, largest: int | None = None) -> int:
         """Write the trajectories of the runs as one Parquet file, and return how many those are.
 

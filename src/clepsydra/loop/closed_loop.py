@@ -68,6 +68,7 @@ def closed_loop(
     scores: RunningScores | None = None,
     statuses: bool = False,
     adjustable: bool = False,
+    readings: bool = False,
     law: Program | None = None,
 ) -> Program:
     """Join a process and a controller to the program of one sampling period.
@@ -93,6 +94,8 @@ def closed_loop(
         `clepsydra.loop.lane_status`.
     adjustable : bool
         Let each run say how many steps it takes, see `clepsydra.loop.motion_block`.
+    readings : bool
+        Record what the sensors would read without noise, resolution and limits too.
     law : Program, optional
         The program of the controller in single precision, `in_single_arithmetic`, to stand in the
         place of its law; it gets its inputs in single precision.
@@ -105,7 +108,8 @@ def closed_loop(
         disturbances, "m.noise", "m.sensor" (1 = good), "u.mode", "u.manual", "u.tracking".
         Parameters: the process's, then "controller." + the law's. Outputs: the process's state,
         the measurements, the manipulated variables, "u.status", and of a cascade
-        "m.inner_setpoint", the setpoint of the inner loop of measurement m in this sample.
+        "m.inner_setpoint", the setpoint of the inner loop of measurement m in this sample; with
+        readings "m.true" at the end.
 
     Examples
     --------
@@ -141,7 +145,7 @@ def closed_loop(
     time_step = builder.constant(process.sampling_period)
     of_process = [value[p.name] for p in process.parameters]
     moving = [value[x.name] for x in motion.state]
-    readings = _measure(builder, process, value, moving[: len(process.motion.contents)])
+    true = _measure(builder, process, value, moving[: len(process.motion.contents)])
     for u in process.inputs:
         value[u.name] = value[f"{u.name}.manual"]  # where the law does not move it
     next_law = _control(builder, process, controller, value, time_step, law)
@@ -159,11 +163,19 @@ def closed_loop(
         *(each.signal for each in inner),
         *motion.state[len(process.motion.contents) :],
     )
-    added = scores.append(builder, value | readings) if scores else []
+    added = scores.append(builder, value | true) if scores else []
     shown = [value[signal.name] for signal in recorded]
+    if readings:
+        recorded = (*recorded, *(replace(y, name=true_name(y)) for y in process.measurements))
+        shown += true.values()
     block = builder.finish([*next_state, *next_law, *added, *shown])
     name = f"{process.name} with {controller.name}"
     return Program(name, state, inputs, parameters, recorded, block)
+
+
+def true_name(measurement: Signal) -> str:
+    """Return the name of what a sensor would read without noise, resolution and limits."""
+    return f"{measurement.name}.true"
 
 
 def _measure(

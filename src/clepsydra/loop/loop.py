@@ -100,7 +100,7 @@ class Loop(WiredLoop):
             kernel = Kernel(
                 closed_loop(
                     self.process, self.controller, substeps=count,
-                    constant=self._fixed(scenario), law=law,
+                    constant=self.fixed(scenario), law=law,
                 )
             )  # fmt: skip
             (run,) = self._by_kernel(scenario, kernel, [count], told, rounded=True)
@@ -164,10 +164,10 @@ class Loop(WiredLoop):
         return not (isinstance(self.controller.law, PythonLaw) or self.process.motion.delays)
 
     def _kernel(self, scenario: Scenario, substeps: int, *, adjustable: bool = False) -> Kernel:
-        fixed = self._fixed(scenario)
+        fixed = self.fixed(scenario)
         return loop_kernel(self.process, self.controller, fixed, substeps, adjustable=adjustable)
 
-    def _fixed(self, scenario: Scenario) -> dict[str, float]:
+    def fixed(self, scenario: Scenario) -> dict[str, float]:
         """Return the inputs of the loop that a scenario says nothing of, at rest."""
         given = self.inputs_of(scenario)
         return {name: value for name, value in self.at_rest().items() if name not in given}

@@ -152,6 +152,10 @@ class RunningScores:
             given[_mark("per_step", name)] = per_step(scenario.time, scenario.segments, name)
         return {signal.name: given[signal.name] for signal in self.inputs}
 
+    def folds(self, name: str) -> list[str]:
+        """Return the states that a score is made of, or is itself."""
+        return self._folds[name]
+
     def append(self, builder: BlockBuilder, value: Mapping[str, int]) -> list[int]:
         """Append a sample's share to a program and return the values of the next state.
 

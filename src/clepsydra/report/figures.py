@@ -28,6 +28,25 @@ from clepsydra.studies.result import Candidate, TriedController
 
 
 @dataclass(frozen=True)
+class Form:
+    """How a number stands in a cell.
+
+    Parameters
+    ----------
+    unit : str
+        That of the number; a deviation is told in percent of its signal's range.
+    digits : int
+        Significant ones; 0 for a whole number.
+    is_time : bool
+        Whether it is a time [s], told in the unit that suits it.
+    """
+
+    unit: str = ""
+    digits: int = 2
+    is_time: bool = False
+
+
+@dataclass(frozen=True)
 class Figure:
     """One number that says how good a controller is.
 
@@ -41,6 +60,8 @@ class Figure:
         With the number in braces, and the signal.
     text : callable
         Process, signal and value [SI] to the number with its unit, as a sentence has it.
+    form : Form
+        In a cell.
     endless : str
         What is said in the place of the sentence where the value has no end.
     held : bool
@@ -52,13 +73,18 @@ class Figure:
     title: str
     sentence: str
     text: Callable[[Process, str, float], str]
+    form: Form
     endless: str = ""
     held: bool = False
 
     def compared(self, process: Process, name: str, value: float) -> float:
         """Return what signals of different units are compared by: a share of the range, if any."""
-        in_its_unit = SCORES[self.score].powers == (1, 0)
-        return value / process.signal(name).span if in_its_unit else value
+        return value / process.signal(name).span if self.is_share else value
+
+    @property
+    def is_share(self) -> bool:
+        """Whether it has the unit of its signal, and is told as a share of that one's range."""
+        return SCORES[self.score].powers == (1, 0)
 
     def worst(self, process: Process, candidate: TriedController) -> tuple[str, float] | None:
         """Return the signal that is worst beside its range, and its value [SI]; None for none."""
@@ -81,7 +107,7 @@ class Figure:
         worst = self.worst(process, candidate)
         if worst is None or not worst[1]:
             return "–"
-        shared = SCORES[self.score].powers != (1, 0) or not process.signal(worst[0]).has_range
+        shared = not self.is_share or not process.signal(worst[0]).has_range
         return self.text(process, *worst) if shared else _of_range(process, *worst)
 
     def words(self, process: Process, candidate: Candidate) -> str:
@@ -130,28 +156,34 @@ def _plain(unit: str) -> Callable[[Process, str, float], str]:
 
 #: What says something of controllers that switch, and have no setpoint.
 _OF_SWITCHES = ("starts_per_hour",)
+_RATE, _STARTS = "m³/h per h", "times/h"
+_TIME, _SHARE, _WHOLE_SHARE = Form(is_time=True), Form("%"), Form("%", 0)
 #: What an engineer asks first.
 _FIGURES = (
     Figure(
-        "settling_time", "settles", "settles in {}", time_or_never,
+        "settling_time", "settles", "settles in {}", time_or_never, _TIME,
         "does not settle within the run", held=True,
     ),
     Figure(
-        "peak_deviation", "deviates", "holds {signal} to ±{} under load", _deviation, held=True
+        "peak_deviation", "deviates", "holds {signal} to ±{} under load", _deviation, _SHARE,
+        held=True,
     ),
     Figure(
         "outflow_rate", "outflow changes", "changes the outflow by at most {}",
-        _plain("m³/h per h"),
+        _plain(_RATE), Form(_RATE),
     ),
     Figure(
-        "outflow_overshoot", "outflow overshoots", "lets it overshoot by {} of the step", _percent
+        "outflow_overshoot", "outflow overshoots", "lets it overshoot by {} of the step", _percent,
+        _WHOLE_SHARE,
     ),
-    Figure("outflow_swings", "swings", "", _turns),
-    Figure("volume_used", "tank used", "uses {} of the tank", _percent),
-    Figure(TIME_OUTSIDE.key, "outside band", "", time_or_never),
-    Figure("starts_per_hour", "starts", "starts {signal} {}", _plain("times/h")),
-    Figure("noise_movement", "noise", "lets noise move {signal} by {} of its range", _of_range),
-    Figure("overshoot", "overshoot", "", _percent, held=True),
+    Figure("outflow_swings", "swings", "", _turns, Form("times", 0)),
+    Figure("volume_used", "tank used", "uses {} of the tank", _percent, _WHOLE_SHARE),
+    Figure(TIME_OUTSIDE.key, "outside band", "", time_or_never, _TIME),
+    Figure("starts_per_hour", "starts", "starts {signal} {}", _plain(_STARTS), Form(_STARTS)),
+    Figure(
+        "noise_movement", "noise", "lets noise move {signal} by {} of its range", _of_range, _SHARE
+    ),
+    Figure("overshoot", "overshoot", "", _percent, _WHOLE_SHARE, held=True),
 )  # fmt: skip
 
 

@@ -31,6 +31,7 @@ from clepsydra.report.law_tables import (
     parameter_tables,
     status_words,
 )
+from clepsydra.report.live.live_data import live_data
 from clepsydra.report.overlay import event_windows, overlay_data, sensitivity_data, shown_signals
 from clepsydra.report.overlay_picture import overlay_svg
 from clepsydra.report.page import STILL_WORDS, page_assets, rendered
@@ -62,7 +63,10 @@ def report_text(result: StudyResult) -> str:
         shows = "What the first two controllers make of each event"
         still = overlay_svg(windows, signals, first, shows)
         overlay = overlay_data(result, signals, windows, first)
-        data = json_text({**overlay, "sensitivity": sensitivity_data(result.ranking)})
+        more = {"sensitivity": sensitivity_data(result.ranking)}
+        if assets is not None:
+            more["live"] = live_data(result, signals, windows, first)
+        data = json_text(overlay | more)
 
     controllers = [
         controller_section(result, each, with_blocks=each in first[:1]) for each in result.ranking

@@ -49,6 +49,38 @@ def write_page(text: str, path: str | Path) -> None:
         part.write_text(text, encoding="utf-8", newline="\n")
 
 
+_HEAD = "<head>\n"
+#: So high is a page within another one.
+_HEIGHT = "45rem"
+
+
+def framed(text: str, title: str) -> str:
+    """Return a page as an element of another one, as a notebook shows it.
+
+    Its script runs, and reaches nothing outside of its frame.
+
+    Parameters
+    ----------
+    text : str
+        The page, as of `page_text`.
+    title : str
+        Of the frame, for readers who do not see it.
+
+    Examples
+    --------
+    >>> found = framed(page_text(Section("A")), "Study of A")
+    >>> found.startswith('<iframe title="Study of A" sandbox="allow-scripts" srcdoc="&lt;!DOCTYPE')
+    True
+    """
+    # Links to places of the page would lead to those of the notebook.
+    own = text.replace(_HEAD, f'{_HEAD}<base href="about:srcdoc">\n', 1)
+    style = f"width: 100%; height: {_HEIGHT}; border: 0"
+    return (
+        f'<iframe title="{escape(title)}" sandbox="allow-scripts" srcdoc="{escape(own)}" '
+        f'style="{style}"></iframe>'
+    )
+
+
 #: What a report says where it has no script.
 STILL_WORDS = (
     "The pictures of this report are still: when Clepsydra was installed from its sources, what"

@@ -70,10 +70,15 @@ def forced_flows(
     values : mapping
         As in `plant_flows`.
     """
-    refused = any(element.may_refuse for element in process.elements)
-    forced = [element for element in process.elements if isinstance(element, ForcedFlow)]
-    names = {element.name for element in forced if refused or element.suction}
+    names = forced_flow_names(process)
     if not names:
         return {}
     flows = plant_flows(process, time, values)
     return {path.element: rate for path, rate in flows if path.element in names}
+
+
+def forced_flow_names(process: Process) -> set[str]:
+    """Return the forced flows that may break off."""
+    refused = any(element.may_refuse for element in process.elements)
+    forced = [element for element in process.elements if isinstance(element, ForcedFlow)]
+    return {element.name for element in forced if refused or element.suction}

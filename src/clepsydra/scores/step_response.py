@@ -203,7 +203,7 @@ Score(
     wants="own step",
     over=lambda run, name: run.worst(rise_time, run.steps(name)),
 ).registered()
-Score(
+SETTLING_TIME = Score(
     "settling_time",
     "Settling time",
     "From a setpoint step until the output stays within 5 % of it, in the slowest step.",

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clepsydra.base.errors import InputError
-from clepsydra.scores.band import TIME_OUTSIDE
 from clepsydra.scores.effort import IDLE, NOISE_MOVEMENT
-from clepsydra.scores.score import SCORES, Ranks, in_sentence
+from clepsydra.scores.score import in_sentence
 from clepsydra.scores.score_key import score_key
 from clepsydra.studies.departure import departures
+from clepsydra.studies.judge import Judge
 from clepsydra.studies.ranking_words import (
     STANDINGS,
     TIE,
@@ -60,9 +59,6 @@ RULE = _GROUPS + _USUAL + _TIES
 
 #: Largest noise movement of a quiet controller, share of the input's range.
 QUIET = 0.05
-#: What is smaller no sensor shows, and is no reason to call a controller many times worse than
-#: another: a mean error or a move, as a share of the signal's range; see `Score.negligible`.
-_SMALLEST_SHARE = 1e-5
 
 
 class Trial(TriedController):
@@ -140,7 +136,7 @@ def rank(trials: Sequence[Trial], scores: Sequence[str] = ()) -> tuple[Candidate
         return ()
     standings = [trial.standing for trial in trials]
     first = [t for t, s in zip(trials, standings, strict=True) if s is min(standings)]
-    judge = _Judge(trials[0], first, scores)
+    judge = Judge(trials[0], first, scores)
     candidates = []
     for trial, standing in zip(trials, standings, strict=True):
         criteria = judge.criteria(trial)
@@ -247,126 +243,6 @@ def _groups(candidates: Sequence[Candidate]) -> list[list[Candidate]]:
         groups.append(sorted(tied, key=lambda candidate: candidate.wear))
         waiting = waiting[len(tied) :]
     return groups
-
-
-class _Judge:
-    """The scores that count for a process, as multiples of the best."""
-
-    def __init__(self, example: Trial, best_of: Sequence[Trial], scores: Sequence[str]) -> None:
-        process = example.run.process
-        self.process = process
-        self.duration = float(example.run.time[-1] - example.run.time[0])
-        self.best_of = best_of
-        # A controller without setpoints has fewer scores than others.
-        every = {key: value for trial in best_of for key, value in trial.scores.items()}
-        named = {score: _keys(score, every) for score in scores}
-        usual = usual_criteria(process, example.scores)
-        if best_of[0].standing is Standing.OUTSIDE:  # all others leave a band too
-            usual = {TIME_OUTSIDE.title: [f"{TIME_OUTSIDE.key}[{name}]" for name in process.bands]}
-        self.judged = {score_key(score).title: keys for score, keys in named.items()} or usual
-
-    def criteria(self, trial: Trial) -> dict[str, float]:
-        """Return the mean multiple of each criterion."""
-        return {title: self._mean(trial, keys) for title, keys in self.judged.items()}
-
-    def wear(self, trial: Trial) -> float:
-        """Return the mean multiple of the total variation."""
-        moves = _ranking(Ranks.MOVEMENT)
-        return self._mean(trial, [f"{key}[{u.name}]" for key in moves for u in self.process.inputs])
-
-    def _mean(self, trial: Trial, keys: Sequence[str]) -> float:
-        return float(
-            np.mean([self._multiple(key, trial.scores.get(key, math.inf)) for key in keys])
-        )
-
-    def _multiple(self, key: str, value: float) -> float:
-        if not math.isfinite(value):
-            return math.inf
-        smallest = self._smallest(key)
-        known = [trial.scores.get(key, math.inf) for trial in self.best_of]
-        finite = [found for found in known if math.isfinite(found)]
-        if not finite:
-            return 1.0
-        less_is_better = score_key(key).declared.smaller_is_better
-        better, worse = (min(finite), value) if less_is_better else (value, max(finite))
-        if max(better, smallest) == 0.0:
-            return 1.0 if worse == 0.0 else math.inf
-        return max(worse, smallest) / max(better, smallest)
-
-    def _smallest(self, key: str) -> float:
-        """Return what of a score counts as nothing."""
-        score, name = score_key(key)
-        declared = SCORES[score]
-        if declared.unit:
-            return declared.negligible or 0.0
-        if not declared.powers[0]:
-            return self.process.sampling_period
-        span = self.process.signal(name).span
-        if not math.isfinite(span):
-            return 0.0
-        if declared.negligible is not None:
-            return declared.negligible * span
-        return _SMALLEST_SHARE * span * (self.duration if declared.powers[1] else 1.0)
-
-
-def usual_criteria(process: Process, known: Collection[str]) -> dict[str, list[str]]:
-    """Return what controllers of a process are judged by where nobody says by what.
-
-    Parameters
-    ----------
-    known : collection of str
-        The scores of a run, "iae_load[level]".
-
-    Returns
-    -------
-    dict
-        Title of each criterion to the scores that it is the mean of.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> usual_criteria(load_process("wet-well"), ["iae[level]", "iae_load[level]"])
-    {'load error': ['iae_load[level]']}
-    """
-    return {
-        title: keys
-        for title, score, signals in _judged_by(process)
-        if (keys := [key for name in signals if (key := f"{score}[{name}]") in known])
-    } or {"error": [f"iae[{name}]" for name in process.controlled]}
-
-
-def of_averaging(process: Process) -> tuple[tuple[str, tuple[str, ...]], ...]:
-    """Return the scores that levels which average are judged by, each with its levels.
-
-    Where a band says how much room there is, that and the fastest change of the outflow are all.
-    """
-    free = tuple(name for name in process.averaging if name not in process.bands)
-    of = {Ranks.AVERAGING: process.averaging, Ranks.AVERAGING_FREELY: free}
-    return tuple((key, levels) for what, levels in of.items() for key in _ranking(what))
-
-
-def _ranking(what: Ranks) -> list[str]:
-    """Return the scores that controllers are ranked for something by."""
-    return [score.key for score in SCORES.values() if score.ranks is what]
-
-
-def _judged_by(process: Process) -> tuple[tuple[str, str, tuple[str, ...]], ...]:
-    """Return title, score and signals of what controllers of a process are judged by."""
-    held = tuple(name for name in process.controlled if name not in process.averaging)
-    judged = [*((key, held) for key in _ranking(Ranks.HELD)), *of_averaging(process)]
-    return tuple((SCORES[key].words, key, signals) for key, signals in judged)
-
-
-def _keys(score: str, scores: Mapping[str, float]) -> list[str]:
-    """Return the scores of a run that a name stands for."""
-    found = [key for key in scores if score in (key, score_key(key).score)]
-    if not found:
-        known = ", ".join(dict.fromkeys(score_key(key).score for key in scores))
-        raise InputError(
-            "ranking, scores", score, f"a score of this scenario and its signals: {known}",
-            "choose one of them, or give the scenario the step that it judges",
-        )  # fmt: skip
-    return found
 
 
 def _listed(scores: Sequence[str]) -> str:

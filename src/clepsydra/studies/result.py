@@ -138,6 +138,8 @@ class StudyResult:
         The relative error that is good enough.
     out_of_reach : tuple of Remark
         Those of the warnings that say which final element cannot give what the scenario asks.
+    judged_by : tuple of str
+        The scores that the study asked for; empty for the usual ones.
     """
 
     process: Process
@@ -152,6 +154,7 @@ class StudyResult:
     path: Path | None = None
     accept: float = ACCEPTED
     out_of_reach: tuple[Remark, ...] = ()
+    judged_by: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         """Return what was studied and what came first, in a line."""

@@ -174,6 +174,7 @@ class _Study:
             title=request.title,
             rule=rule_of(request.scores),
             path=request.path,
+            judged_by=tuple(request.scores),
         )
 
     def _wanted(self, only: str | None) -> list[ControllerRequest]:

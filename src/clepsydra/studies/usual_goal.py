@@ -15,7 +15,8 @@ from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.running_scores import RunningScores
-from clepsydra.studies.ranking import QUIET, usual_criteria
+from clepsydra.studies.judge import usual_criteria
+from clepsydra.studies.ranking import QUIET
 from clepsydra.studies.trial import scores_of
 from clepsydra.studies.tuning.objective import Goal, Limits, Objective, mean
 from clepsydra.studies.warnings.overshooting import OVERSHOOT

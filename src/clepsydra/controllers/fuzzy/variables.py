@@ -31,7 +31,7 @@ from clepsydra.program.step_law import Equations, Symbols
 
 Action = Literal["position", "increment"]
 
-_OUTPUT_GAIN = signals.signed("output_gain", "{output}", "gain to {output}", 1.0)
+_OUTPUT_GAIN = signals.signed("output_gain", "{output}", "gain to {output}", 1.0, bolder=1.0)
 _OFFSET = Key("offset", "{output}", "what a bumpless start adds to {output}")
 _INFERRED = (
     *CRISP,

@@ -46,6 +46,10 @@ class StateSource(ABC):
         words = "integral gain from the error of {by} to {to}"
         self.integral_gain = Matrix("integral_gain", manipulated, controlled, words, per=("s",))
 
+    def gains(self) -> list[Signal]:
+        """Return the numbers of both, as parameters of a law with integral action."""
+        return signals.growing([*self.feedback.signals(), *self.integral_gain.signals()])
+
     @abstractmethod
     def known(self, sample: Sample, reading: Reading) -> list[ca.SX]:
         """Return the state in this sample, always numbers, and what `move_on` needs beyond it."""

@@ -157,6 +157,8 @@ class SampledLoops:
     held, moved, measured : ndarray [n, n], [n, m], [p, n]
         x⁺ = A x + B u, y = C x of the process, held over each sample, from what the controller
         moves to what it reads.
+    enters, controlled, sizes : ndarray [p, q], [q, n], [q]
+        Where the law reads each controlled measurement, what these are of x, and their ranges.
 
     Examples
     --------
@@ -187,12 +189,12 @@ class SampledLoops:
         self.held, self.moved = sampled_process(seen, period)
         rows = [seen.outputs.index(name) for name in controller.measurements]
         self.measured = self._widened(seen.C[rows])
-        self._enters = np.array(
+        self.enters = np.array(
             [[float(y == name) for name in controlled] for y in controller.measurements]
         )
-        self._controlled = self._widened(model.select(outputs=controlled).C)
+        self.controlled = self._widened(model.select(outputs=controlled).C)
         spans = np.array([process.signal(name).span for name in controlled])
-        self._sizes = np.where(np.isfinite(spans), spans, 1.0)
+        self.sizes = np.where(np.isfinite(spans), spans, 1.0)
 
     def at(self, values: Mapping[str, float]) -> SampledLoop:
         """Return the loop with these parameter values."""
@@ -232,8 +234,8 @@ class SampledLoops:
     def around(self, law: LinearStepLaw) -> SampledLoop:
         """Return the loop with these derivatives of the law; of a stack of them a stack."""
         entering = [self.moved @ law.D_measurement, law.B_measurement]
-        B = np.concatenate(entering, axis=-2) @ self._enters
-        C, sizes, stack = self._shown(law), self._sizes, law.A.shape[:-2]
+        B = np.concatenate(entering, axis=-2) @ self.enters
+        C, sizes, stack = self._shown(law), self.sizes, law.A.shape[:-2]
         shown, direct = (
             np.broadcast_to(matrix, (*stack, *matrix.shape))
             for matrix in (C / sizes[:, None], np.eye(len(sizes)))
@@ -258,7 +260,7 @@ class SampledLoops:
         return closed
 
     def _shown(self, law: LinearStepLaw) -> np.ndarray:
-        return np.hstack([self._controlled, np.zeros((len(self._sizes), law.A.shape[-1]))])
+        return np.hstack([self.controlled, np.zeros((len(self.sizes), law.A.shape[-1]))])
 
     def _widened(self, C: np.ndarray) -> np.ndarray:
         """Return C for the sampled states: what is on its way does not show."""

@@ -25,7 +25,7 @@ from clepsydra.process.process import Process
 from clepsydra.studies.file.reader import StudyTable
 from clepsydra.studies.file.scenario_reader import ScenarioTable
 from clepsydra.studies.file.tuning_reader import Tuning
-from clepsydra.studies.ranking import of_averaging
+from clepsydra.studies.judge import of_averaging
 from clepsydra.studies.usual_goal import DAMPING
 
 #: Designs of single loops, from the one that is preferred; what the reader calls each.

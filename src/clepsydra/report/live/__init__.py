@@ -1,0 +1,1 @@
+"""What a report needs to run its loops again while its reader moves their settings."""

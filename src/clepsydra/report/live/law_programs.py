@@ -1,0 +1,88 @@
+"""What a page asks of a law beside its loop: where it rests, and how it answers small changes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import casadi as ca
+
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.blocks.status import Mode
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.linear_step_law import StepLawDerivatives
+from clepsydra.designs.sampled.sampled_loop import inputs_at_rest
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.loop.law_begin import MOST_SAMPLES, ROUNDING, SAMPLES, inputs_in_mode
+from clepsydra.loop.loop import Loop
+from clepsydra.program.builder import BlockBuilder
+from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.entries import is_ring, signal_of
+from clepsydra.program.program import Program
+from clepsydra.program.reader import inline, program_of
+from clepsydra.report.live.modules import Modules
+
+
+def resting(loop: Loop, modules: Modules) -> dict[str, Any]:
+    """Return a sample of a law, and what it gets in it: a page finds with it where the law rests.
+
+    It does so as `clepsydra.studies.tuning.resting_states` does.
+    """
+    law, controller = loop.controller.law, loop.controller
+    own = program_of(law)
+    results = own.block.results[: len(law.state)]
+    block = replace(own.block, results=results).without_unread()
+    # What a ring holds is the same all along it there.
+    alone = replace(own, state=tuple(map(signal_of, law.state)), outputs=(), block=block)
+    at_rest = {**loop.at_rest(), **loop.point.as_dict()}
+    manual, automatic = (
+        inputs_in_mode(loop, at_rest, mode).tolist() for mode in (Mode.MANUAL, Mode.AUTOMATIC)
+    )
+    return {
+        "module": modules.add(alone, record=False),
+        "state": [controller.initial_state[entry.name] for entry in law.state],
+        "rings": [place for place, each in enumerate(law.state) if isinstance(each, DelayRing)],
+        "manual": manual,
+        "automatic": automatic,
+        "samples": SAMPLES,
+        "most": MOST_SAMPLES,
+        "rounding": ROUNDING,
+    }
+
+
+def slopes(controller: Controller, model: LinearModel, modules: Modules) -> dict[str, Any]:
+    """Return the derivatives of a law at rest as a program of its parameters.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Of the process at the operating point.
+    """
+    law = controller.law
+    symbols, matrices = StepLawDerivatives(law).expressions(
+        controller.initial_state, inputs_at_rest(controller, model)
+    )
+    entries = [
+        (number, row, column)
+        for number, matrix in enumerate(matrices)
+        for row, column in zip(*matrix.sparsity().get_triplet(), strict=True)
+    ]
+    found = ca.vertcat(*(matrices[number][row, column] for number, row, column in entries))
+    function = ca.Function("slopes", [symbols], [ca.densify(found)])
+    builder = BlockBuilder(len(law.parameters))
+    block = builder.finish(inline(builder, function, range(len(law.parameters))))
+    shown = tuple(Signal(f"slope_{place}") for place in range(len(entries)))
+    program = Program(f"{law.name}_slopes", (), (), law.parameters, shown, block)
+    step_x, _, _, output_u = matrices
+    setpoints = len(controller.setpoints)
+    return {
+        "module": modules.add(program),
+        "entries": entries,
+        "states": step_x.size1(),
+        "setpoints": setpoints,
+        "measurements": output_u.size2() - setpoints,
+        "outputs": output_u.size1(),
+        "longer": [
+            (place, entry.length - 1) for place, entry in enumerate(law.state) if is_ring(entry)
+        ],
+    }

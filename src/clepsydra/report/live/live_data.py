@@ -1,0 +1,188 @@
+"""What a report carries to run its first loops again in the page, as values for JSON."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from clepsydra.base.units import unit_text
+from clepsydra.controllers.python_law import PythonLaw
+from clepsydra.controllers.wiring import controller_name
+from clepsydra.engine.trajectories import rings_and_turns
+from clepsydra.linear.linearise import linearise
+from clepsydra.loop.closed_loop import closed_loop, true_name
+from clepsydra.loop.loop import Loop
+from clepsydra.program.entries import signal_of
+from clepsydra.program.program import Program
+from clepsydra.report.live.law_programs import resting, slopes
+from clepsydra.report.live.live_columns import keys_of, live_columns
+from clepsydra.report.live.live_scores import LiveScores
+from clepsydra.report.live.modules import Modules
+from clepsydra.report.live.packed import column
+from clepsydra.report.live.sampled_plant import sampled_plant
+from clepsydra.report.live.sliders import bolder, sliders
+from clepsydra.report.overlay import EventWindow, ShownSignal
+from clepsydra.report.quantities import display_factor
+from clepsydra.scores.plant_flows import forced_flow_names
+from clepsydra.studies.result import Candidate, StudyResult
+
+#: Of what stands here; the page refuses another.
+FORM = 1
+
+
+def live_data(
+    result: StudyResult,
+    signals: Sequence[ShownSignal],
+    windows: Sequence[EventWindow],
+    first: Sequence[Candidate],
+) -> dict[str, Any] | None:
+    """Return what the page needs to run the first controllers with other settings.
+
+    Parameters
+    ----------
+    signals, windows
+        The rows of charts and the events that they show.
+    first : sequence of Candidate
+        The recommended controller and its rival.
+
+    Returns
+    -------
+    dict or None
+        None where no setting of theirs can be moved, and for a scenario that does not begin at
+        rest.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> from clepsydra.report.overlay import event_windows, shown_signals
+    >>> result = cl.study("three-tanks")
+    >>> signals, first = shown_signals(result), result.ranking[:2]
+    >>> data = live_data(result, signals, event_windows(result, signals, first), first)
+    >>> [each["name"] for each in data["controllers"]], len(data["inputs"][0])
+    (['PI, SIMC, tuned', 'PI, AMIGO'], 3)
+    """
+    if result.scenario.begin is not None:
+        return None
+    movable = [each for each in first if _is_movable(each)]
+    if not movable:
+        return None
+    modules, scores = Modules(), LiveScores(result.process, keys_of(result))
+    period = result.scenario.sampling_period
+    controllers = [_Controller(each, result, scores, modules) for each in movable]
+    return {
+        "form": FORM,
+        "period": period,
+        "samples": result.scenario.samples,
+        "inputs": controllers[0].inputs(),
+        "columns": live_columns(result, scores),
+        "starts": [round(window.segment.start / period) for window in windows],
+        "controllers": [each.data(signals) for each in controllers],
+        "modules": modules.held,
+    }
+
+
+def _is_movable(candidate: Candidate) -> bool:
+    controller = candidate.controller
+    if isinstance(controller.law, PythonLaw) or candidate.response is None:
+        return False
+    return bool(bolder(controller) or sliders(controller))
+
+
+class _Controller:
+    """A controller of the ranking as the page runs it."""
+
+    def __init__(
+        self, candidate: Candidate, result: StudyResult, scores: LiveScores, modules: Modules
+    ) -> None:
+        self.candidate, self.result, self.scores, self.modules = candidate, result, scores, modules
+        self.controller, self.scenario = candidate.controller, result.scenario
+        self.model = linearise(result.point)
+        self.loop = Loop(self.controller, self.model)
+        self.program: Program = closed_loop(
+            result.process, self.controller, substeps=candidate.run.substeps,
+            constant=self.loop.fixed(self.scenario), scores=scores.running, readings=True,
+        )  # fmt: skip
+        self.outputs = [signal.name for signal in self.program.outputs]
+
+    def inputs(self) -> list[dict[str, Any]]:
+        """Return the inputs of its loop, which are those of every other."""
+        given = {
+            **self.loop.inputs_of(self.scenario),
+            **self.scores.running.inputs_of(self.scenario),
+        }
+        return [column(given[signal.name].copy()) for signal in self.program.inputs]
+
+    def data(self, signals: Sequence[ShownSignal]) -> dict[str, Any]:
+        """Return all that is its own."""
+        candidate, controller = self.candidate, self.controller
+        return {
+            "controller": self.result.ranking.index(candidate),
+            "name": controller.title,
+            "values": [controller.values[each.name] for each in controller.law.parameters],
+            "loop": self._loop(),
+            "scores": self.scores.described(self.program, controller, self.scenario),
+            "signals": [self._shown(each) for each in signals],
+            "limits": self._limits(),
+            "spills": self._spills(),
+            "law": resting(self.loop, self.modules),
+            "slopes": slopes(controller, self.model, self.modules),
+            "plant": sampled_plant(controller, self.model),
+            "loops": sliders(controller),
+            "bolder": bolder(controller),
+        }
+
+    def _loop(self) -> dict[str, Any]:
+        program, initial = self.program, self.loop.initial_state()
+        state = [signal_of(entry) for entry in program.state]
+        own, names = self.loop.law_parameters(), [entry.name for entry in state]
+        first = controller_name(self.controller.law.state[0].name)
+        parameters = [own.get(each.name, each.initial) for each in program.parameters]
+        return {
+            "module": self.modules.add(program),
+            "outputs": len(self.outputs),
+            "state": [initial.get(entry.name, entry.initial) for entry in state],
+            "law": names.index(first),
+            "parameters": parameters,
+            "first": len(self.result.process.parameters),
+            "rings": [
+                {"initial": initial[ring.name], "length": ring.length, "turns": turns}
+                for ring, turns in rings_and_turns(program)
+            ],
+        }
+
+    def _shown(self, shown: ShownSignal) -> dict[str, Any] | None:
+        name = shown.signal.name
+        if name == shown.measurement:
+            name = true_name(shown.signal)
+        elif shown.moved and name in forced_flow_names(self.result.process):
+            return None  # its signal is the flow that is asked for, and may break off
+        if name not in self.outputs:
+            return None
+        return {"column": self.outputs.index(name), "factor": display_factor(shown.signal)}
+
+    def _limits(self) -> list[dict[str, Any]]:
+        found = []
+        for signal in self.result.process.inputs:
+            low, high = (
+                end if math.isfinite(end) else None
+                for end in self.candidate.run.limits(signal.name)
+            )
+            found.append({
+                "name": signal.name, "column": self.outputs.index(signal.name),
+                "low": low, "high": high,
+            })  # fmt: skip
+        return found
+
+    def _spills(self) -> list[dict[str, Any]]:
+        totals = {signal.name: signal for signal in self.result.process.motion.totals}
+        return [
+            {
+                "name": tank,
+                "column": self.outputs.index(total),
+                "factor": display_factor(totals[total]),
+                "unit": unit_text(totals[total].shown_unit),
+            }
+            for tank, total in self.result.process.spilt.items()
+            if total in self.outputs
+        ]

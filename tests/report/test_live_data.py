@@ -1,0 +1,168 @@
+"""What a report carries to run its loops again, run by a host that nobody here wrote."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hosted_report import hosted, law_at_rest, live_of, numbers, run, sums
+from tools import need
+
+import clepsydra as cl
+from clepsydra.controllers.linear_step_law import StepLawDerivatives
+from clepsydra.designs.sampled.sampled_loop import inputs_at_rest
+from clepsydra.linear.linearise import linearise
+from clepsydra.loop.loop import Loop
+from clepsydra.loop.scenario import scenario_of_changes
+from clepsydra.report.live.sliders import bolder, sliders
+from clepsydra.report.overlay import shown_signals
+from clepsydra.studies.result import StudyResult
+
+PROCESSES = [each.name for each in cl.catalogue()]
+#: Of the range; the native kernel fuses multiplications into additions.
+FUSED = 1e-9
+
+
+@pytest.fixture(scope="module", params=PROCESSES)
+def studied(request):
+    need("wasmtime")
+    result = cl.study(request.param)
+    data = live_of(result)
+    if data is None:
+        pytest.skip(f"no setting of {request.param} moves")
+    return result, data
+
+
+def changed(live, factor):
+    """Return the values of a controller made bolder, and each of its settings moved."""
+    values = np.array(live["values"])
+    for place, power in live["bolder"]:
+        values[place] *= factor**power
+    for loop in live["loops"]:
+        for setting in loop["settings"]:
+            if setting["logarithmic"]:
+                values[setting["values"]] *= factor**0.5
+            else:
+                values[setting["values"]] = 0.6
+    return values.tolist()
+
+
+def close(found, expected, span):
+    return np.max(np.abs(found - expected)) <= FUSED * max(span, np.ptp(expected))
+
+
+@pytest.mark.sampled
+def test_a_page_finds_what_the_ranking_has(studied):
+    result, data = studied
+    for live in data["controllers"]:
+        candidate = result.ranking[live["controller"]]
+        record, state = run(data, live, live["values"])
+        for shown, place in zip(shown_signals(result), live["signals"], strict=True):
+            if place is not None:
+                found = record[:, place["column"]] * place["factor"]
+                expected = shown.values(candidate.run)
+                span = shown.signal.span * place["factor"]
+                assert close(found, expected, span if np.isfinite(span) else 0.0), shown.name
+        for key, value in sums(live, state).items():
+            assert value == pytest.approx(candidate.scores[key], rel=1e-6, abs=1e-9), key
+
+
+@pytest.mark.sampled
+def test_a_page_runs_changed_settings_as_a_loop_does(studied):
+    result, data = studied
+    model = linearise(result.point)
+    for live in data["controllers"]:
+        candidate = result.ranking[live["controller"]]
+        law, values = candidate.controller.law, changed(live, 0.8)
+        named = dict(zip((each.name for each in law.parameters), values, strict=True))
+        begun = law_at_rest(data, live, values).tolist()
+        states = dict(zip((entry.name for entry in law.state), begun, strict=True))
+        moved = replace(candidate.controller, values=named, initial_state=states)
+        expected = Loop(moved, model).run(result.scenario, substeps=candidate.run.substeps)
+        record, _ = run(data, live, values)
+        for shown, place in zip(shown_signals(result), live["signals"], strict=True):
+            if place is not None:
+                span = shown.signal.span * place["factor"]
+                assert close(
+                    record[:, place["column"]] * place["factor"],
+                    shown.values(expected),
+                    span if np.isfinite(span) else 0.0,
+                ), shown.name
+
+
+@pytest.mark.sampled
+def test_the_slopes_of_a_law_are_its_derivatives(studied):
+    result, data = studied
+    model = linearise(result.point)
+    for live in data["controllers"]:
+        controller = result.ranking[live["controller"]].controller
+        values, told = changed(live, 1.3), live["slopes"]
+        module = hosted(data, told["module"])
+        groups = [np.zeros(1), np.array(values), np.zeros(len(told["entries"]))]
+        none, parameters, found = module.put(groups)
+        module.call([none, parameters, none, none, found, none])
+        columns = told["setpoints"] + told["measurements"]
+        shapes = [(told["states"], told["states"]), (told["states"], columns),
+                  (told["outputs"], told["states"]), (told["outputs"], columns)]  # fmt: skip
+        matrices = [np.zeros(shape) for shape in shapes]
+        slopes = module.read(found, len(told["entries"]))
+        for (number, row, column), value in zip(told["entries"], slopes, strict=True):
+            matrices[number][row, column] = value
+        named = dict(zip((each.name for each in controller.law.parameters), values, strict=True))
+        expected = StepLawDerivatives(controller.law).at(
+            named, controller.initial_state, inputs_at_rest(controller, model)
+        )
+        # Of the law without what is no mode of it: its gains from measurements are in both.
+        np.testing.assert_allclose(
+            matrices[3][:, told["setpoints"] :], expected.D_measurement, rtol=1e-12, atol=1e-300
+        )
+        assert np.count_nonzero(matrices[0]) >= np.count_nonzero(expected.A)
+        assert len(numbers(live["plant"]["packed"])) > 0
+
+
+def test_a_changed_setting_begins_where_with_values_begins():
+    need("wasmtime")
+    result = cl.study("quadruple-tank")
+    data = live_of(result)
+    live = data["controllers"][0]
+    controller = result.ranking[live["controller"]].controller
+    setting = live["loops"][0]["settings"][0]
+    assert setting["symbol"] == "K"
+    words = f"{2.0 * setting['value']!r} {setting['unit']}"
+    expected = controller.with_values({live["loops"][0]["loop"]: {"K": words}})
+    values = list(live["values"])
+    for place in setting["values"]:
+        values[place] = 2.0 * setting["value"] * setting["factor"]
+    found = law_at_rest(data, live, values).tolist()
+    names = [entry.name for entry in controller.law.state]
+    assert dict(zip(names, found, strict=True)) == pytest.approx(expected.initial_state, rel=1e-12)
+
+
+def test_a_run_that_does_not_begin_at_rest_has_no_sliders():
+    plant = cl.load("three-tanks")
+    result = cl.study(plant, controllers=[cl.design.simc(plant)])
+    begin = cl.simulate(plant, cl.design.simc(plant), start="empty").scenario.begin
+    scenario = scenario_of_changes(plant.point, [], result.scenario.samples, begin=begin)
+    assert isinstance(result, StudyResult)
+    assert live_of(replace(result, scenario=scenario)) is None
+
+
+def test_a_factor_makes_the_poles_of_feedback_linearisation_faster_by_it():
+    plant = cl.load("quadruple-tank")
+    controller = cl.design.feedback_linearisation(plant)
+    names = [each.name for each in controller.law.parameters]
+    powers = {names[place]: power for place, power in bolder(controller)}
+    gain, integral = (
+        controller.values[f"level_1.virtual_{each}"] for each in ("gain", "integral_gain")
+    )
+    bold = [value * 2.0 ** powers[f"level_1.virtual_{each}"]
+            for each, value in (("gain", gain), ("integral_gain", integral))]  # fmt: skip
+    np.testing.assert_allclose(np.roots([1.0, *bold]), 2.0 * np.roots([1.0, gain, integral]))
+
+
+def test_the_gain_of_a_direct_loop_has_no_sign_on_its_slider():
+    plant = cl.load("wet-well")
+    (loop,) = sliders(cl.design.simc(plant))
+    gain = loop["settings"][0]
+    assert gain["value"] > 0.0 > gain["factor"]
+    assert gain["low"] < gain["value"] < gain["high"]
+    assert gain["least"] == 0.0
