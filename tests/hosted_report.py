@@ -10,6 +10,8 @@ from clepsydra.engine.hosted_module import HostedModule
 from clepsydra.report.html import _shown_first
 from clepsydra.report.live.live_data import live_data
 from clepsydra.report.overlay import event_windows, shown_signals
+from clepsydra.scores.averaging import outflow_overshoot, swings, volume_used
+from clepsydra.scores.step_response import settling_time
 from clepsydra.studies.recommendation import recommend
 
 
@@ -104,3 +106,21 @@ def sums(live, state):
         for each in live["scores"]
         if each["kind"] == "fold"
     }
+
+
+def over(data, live, record):
+    """Return the scores that are found over a record, by key, with the functions of Python."""
+    time = np.arange(data["samples"]) * data["period"]
+    found = {}
+    for each in live["scores"]:
+        if each["kind"] == "settling":
+            found[each["key"]] = max(
+                settling_time(time[first:stop], record[first:stop, each["column"]], *ends)
+                for first, stop, *ends in each["steps"]
+            )
+        elif each["kind"] != "fold":
+            score = {"outflow_overshoot": outflow_overshoot, "outflow_swings": swings,
+                     "volume_used": volume_used}[each["kind"]]  # fmt: skip
+            loads = [slice(*load) for load in each["loads"]]
+            found[each["key"]] = score(time, *record[:, each["columns"]].T, loads)
+    return found

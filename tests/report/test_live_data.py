@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hosted_report import hosted, law_at_rest, live_of, numbers, run, sums
+from hosted_report import hosted, law_at_rest, live_of, numbers, over, run, sums
 from tools import need
 
 import clepsydra as cl
@@ -62,7 +62,7 @@ def test_a_page_finds_what_the_ranking_has(studied):
                 expected = shown.values(candidate.run)
                 span = shown.signal.span * place["factor"]
                 assert close(found, expected, span if np.isfinite(span) else 0.0), shown.name
-        for key, value in sums(live, state).items():
+        for key, value in (sums(live, state) | over(data, live, record)).items():
             assert value == pytest.approx(candidate.scores[key], rel=1e-6, abs=1e-9), key
 
 

@@ -12,6 +12,7 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.wiring import controller_name
 from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.motion_block import MotionBlock
+from clepsydra.loop.plant_readings import append_plant_readings, plant_readings
 from clepsydra.process.process import Process
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.delay_ring import DelayRing
@@ -95,7 +96,8 @@ def closed_loop(
     adjustable : bool
         Let each run say how many steps it takes, see `clepsydra.loop.motion_block`.
     readings : bool
-        Record what the sensors would read without noise, resolution and limits too.
+        Record what the sensors would read without noise, resolution and limits too, and
+        `clepsydra.loop.plant_readings`.
     law : Program, optional
         The program of the controller in single precision, `in_single_arithmetic`, to stand in the
         place of its law; it gets its inputs in single precision.
@@ -109,7 +111,7 @@ def closed_loop(
         Parameters: the process's, then "controller." + the law's. Outputs: the process's state,
         the measurements, the manipulated variables, "u.status", and of a cascade
         "m.inner_setpoint", the setpoint of the inner loop of measurement m in this sample; with
-        readings "m.true" at the end.
+        readings "m.true" and those of the plant at the end.
 
     Examples
     --------
@@ -166,8 +168,9 @@ def closed_loop(
     added = scores.append(builder, value | true) if scores else []
     shown = [value[signal.name] for signal in recorded]
     if readings:
-        recorded = (*recorded, *(replace(y, name=true_name(y)) for y in process.measurements))
-        shown += true.values()
+        named = (replace(y, name=true_name(y)) for y in process.measurements)
+        recorded = (*recorded, *named, *plant_readings(process))
+        shown += [*true.values(), *append_plant_readings(builder, process, value)]
     block = builder.finish([*next_state, *next_law, *added, *shown])
     name = f"{process.name} with {controller.name}"
     return Program(name, state, inputs, parameters, recorded, block)

@@ -11,61 +11,19 @@ import numpy as np
 from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.signal import Signal
 from clepsydra.engine.trajectories import Trajectories
+from clepsydra.loop.plant_readings import buffer_flows
 from clepsydra.loop.scenario import Scenario
-from clepsydra.process.elements.sensor import Sensor
 from clepsydra.process.process import Process
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.reader import inline
 from clepsydra.scores.extreme_levels import EXTREME_LEVELS
 from clepsydra.scores.marks import before, marks, per_step
-from clepsydra.scores.plant import is_own_loss
 from clepsydra.scores.sample import Held, Sample
 from clepsydra.scores.score import SCORES, Of, Score
 from clepsydra.scores.score_key import score_key
 
 #: What a score may want of a scenario, in words.
 _KINDS = {"setpoint": "setpoint step", "load": "load step", "noise": "stretch of noise"}
-
-
-def buffer_flows(process: Process, name: str, value: Mapping[str, ca.SX]) -> tuple[ca.SX, ca.SX]:
-    """Return what enters and what leaves the tank of an averaging measurement [m³/s].
-
-    What it spills, leaks or evaporates is left out, as in `clepsydra.scores.plant`.
-
-    Parameters
-    ----------
-    process : Process
-    name : str
-        Of the measurement.
-    value : mapping
-        State, memory, input, disturbance and parameter of the process by name.
-
-    Raises
-    ------
-    InputError
-        One of these flows comes out of a delay.
-    """
-    motion = process.motion
-    tank = next(e.tank for e in process.elements if isinstance(e, Sensor) and e.name == name)
-    outside = (motion.memories, process.inputs, process.disturbances, process.parameters)
-    x, *held = (
-        ca.vertcat(*(value[signal.name] for signal in group)) for group in (process.state, *outside)
-    )
-    delayed = ca.SX.sym("z", len(motion.delays))
-    flows = ca.vertsplit(motion.flows(motion.to_contents(x, held[-1]), delayed, *held))
-    useful = [
-        (path, flow)
-        for path, flow in zip(motion.flow_paths, flows, strict=True)
-        if not is_own_loss(path, tank)
-    ]
-    inflow = sum((flow for path, flow in useful if path.destination == tank), ca.SX(0))
-    outflow = sum((flow for path, flow in useful if path.source == tank), ca.SX(0))
-    if motion.delays and any(ca.which_depends(ca.vertcat(inflow, outflow), delayed)):
-        raise InputError(
-            f"running scores, {name}", f"a flow of {tank} that comes out of a delay",
-            "an averaging tank without one", "choose other scores",
-        )  # fmt: skip
-    return inflow, outflow
 
 
 def running_scores() -> dict[str, Score]:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from clepsydra.base.signal import path
 from clepsydra.base.units import unit_text
 from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.controllers.wiring import controller_name
@@ -13,6 +14,7 @@ from clepsydra.engine.trajectories import rings_and_turns
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.closed_loop import closed_loop, true_name
 from clepsydra.loop.loop import Loop
+from clepsydra.loop.plant_readings import RUNNING
 from clepsydra.program.entries import signal_of
 from clepsydra.program.program import Program
 from clepsydra.report.live.law_programs import resting, slopes
@@ -121,7 +123,7 @@ class _Controller:
             "name": controller.title,
             "values": [controller.values[each.name] for each in controller.law.parameters],
             "loop": self._loop(),
-            "scores": self.scores.described(self.program, controller, self.scenario),
+            "scores": self.scores.described(self.program, self.scenario),
             "signals": [self._shown(each) for each in signals],
             "limits": self._limits(),
             "spills": self._spills(),
@@ -156,7 +158,7 @@ class _Controller:
         if name == shown.measurement:
             name = true_name(shown.signal)
         elif shown.moved and name in forced_flow_names(self.result.process):
-            return None  # its signal is the flow that is asked for, and may break off
+            name = path(name, RUNNING)  # its signal is the flow that is asked for
         if name not in self.outputs:
             return None
         return {"column": self.outputs.index(name), "factor": display_factor(shown.signal)}

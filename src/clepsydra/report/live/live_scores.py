@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from clepsydra.controllers.controller import Controller
+from clepsydra.base.signal import path
 from clepsydra.loop.closed_loop import true_name
+from clepsydra.loop.plant_readings import FILLING, INFLOW, OUTFLOW
 from clepsydra.loop.running_scores import RunningScores, running_scores
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
@@ -20,6 +21,12 @@ from clepsydra.scores.step_response import BAND, SETTLING_TIME
 
 #: What a page calls what makes a score of its sums.
 _FINISHES = {None: "", ratio: "ratio", deviation_of_moves: "deviation"}
+#: Scores of what averages to what they are found over.
+_OF_BUFFERS = {
+    "outflow_overshoot": (OUTFLOW, INFLOW),
+    "outflow_swings": (OUTFLOW, INFLOW),
+    "volume_used": (FILLING,),
+}
 
 
 class LiveScores:
@@ -43,17 +50,16 @@ class LiveScores:
             known = {key: each for key, each in known.items() if each.of is not Of.AVERAGING}
         summed = [key for key in keys if score_key(key).score in known]
         self.running = RunningScores(process, tuple(summed))
-        settling = [key for key in keys if score_key(key).score == SETTLING_TIME.key]
-        self._keys = [*summed, *settling]
+        found = {SETTLING_TIME.key} | ({} if process.motion.delays else _OF_BUFFERS).keys()
+        over = [key for key in keys if score_key(key).score in found]
+        self._keys = [*summed, *over]
         self._summed = len(summed)
 
     def place(self, key: str) -> int | None:
         """Return the number of a score; None where a page has none."""
         return self._keys.index(key) if key in self._keys else None
 
-    def described(
-        self, program: Program, controller: Controller, scenario: Scenario
-    ) -> list[dict[str, Any]]:
+    def described(self, program: Program, scenario: Scenario) -> list[dict[str, Any]]:
         """Return how a page finds each score of a run.
 
         Parameters
@@ -69,16 +75,31 @@ class LiveScores:
             finish = _FINISHES[score_key(key).declared.finish]
             found.append({"key": key, "kind": "fold", "states": places, "finish": finish})
         for key in self._keys[self._summed :]:
-            name = score_key(key).signal
-            measurement = self.running.process.signal(name)
-            found.append({
-                "key": key,
-                "kind": "settling",
-                "column": outputs.index(true_name(measurement)),
-                "band": BAND,
-                "steps": _steps(self.running.process, scenario, name),
-            })  # fmt: skip
+            found.append({"key": key, **self._over_record(key, outputs, scenario)})
         return found
+
+    def _over_record(self, key: str, outputs: Sequence[str], scenario: Scenario) -> dict[str, Any]:
+        """Return how a score is found over the outputs of a run."""
+        (score, name), process = score_key(key), self.running.process
+        if score in _OF_BUFFERS:
+            columns = [outputs.index(path(name, part)) for part in _OF_BUFFERS[score]]
+            return {"kind": score, "columns": columns, "loads": _loads(scenario)}
+        return {
+            "kind": "settling",
+            "column": outputs.index(true_name(process.signal(name))),
+            "band": BAND,
+            "steps": _steps(process, scenario, name),
+        }
+
+
+def _loads(scenario: Scenario) -> list[tuple[int, int]]:
+    """Return first and last sample, that not included, in which each load acts."""
+    acting = (
+        samples_of(scenario.time, each, with_stop=False)
+        for each in scenario.segments
+        if each.kind == "load"
+    )
+    return [(samples.start, samples.stop) for samples in acting]
 
 
 def _steps(process: Process, scenario: Scenario, name: str) -> list[tuple[int, int, float, float]]:
