@@ -14,6 +14,8 @@ from clepsydra.report.page import STILL_WORDS
 from clepsydra.studies.recommendation import Remark
 
 VOID = {"meta", "br", "link", "img", "hr", "input"}
+#: What makes the pictures of a report interactive.
+ASSETS = ("script", "style", "worker")
 
 
 class Reader(HTMLParser):
@@ -172,7 +174,8 @@ def test_words_of_a_user_are_never_markup(result):
 
 
 @pytest.mark.parametrize(
-    "assets", [None, {"script": "drawTrends()", "style": ".own { margin: 0 }"}]
+    "assets",
+    [None, {"script": "drawTrends()", "style": ".own { margin: 0 }", "worker": "runLoops()"}],
 )
 def test_pictures_are_interactive_where_the_installation_has_the_script(
     result, assets, monkeypatch
@@ -183,6 +186,21 @@ def test_pictures_are_interactive_where_the_installation_has_the_script(
     scripts = ["drawTrends()" in reader.words, "script" in reader.tags]
     assert scripts == [assets is not None] * 2
     assert (STILL_WORDS in reader.words) is (assets is None)
+
+
+@pytest.mark.parametrize("moves", [True, False])
+def test_only_a_page_whose_settings_move_may_run_modules_and_a_worker(result, monkeypatch, moves):
+    monkeypatch.setattr(
+        html, "page_assets", lambda: {**dict.fromkeys(ASSETS, ""), "worker": "go()"}
+    )
+    if not moves:
+        monkeypatch.setattr(html, "live_data", lambda *_: None)
+    reader = Reader(report_text(result))
+    (policy,) = (value for _, value in reader.attributes if str(value).startswith("default-src"))
+    more = " 'wasm-unsafe-eval'; worker-src blob:" if moves else ""
+    expected = f"default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'{more}"
+    assert policy == f"{expected}; img-src data:"
+    assert ("go()" in reader.words) is moves
 
 
 def test_a_second_report_is_equal_and_written_whole(result, text, tmp_path):
@@ -276,7 +294,7 @@ def test_a_report_stays_small(result, monkeypatch):
     # 4260 samples of eight signals in two runs are 950 kB as numbers of 14 letters.
     monkeypatch.setattr(html, "page_assets", lambda: None)
     assert len(report_text(result)) < 350_000
-    monkeypatch.setattr(html, "page_assets", lambda: {"script": "", "style": ""})
+    monkeypatch.setattr(html, "page_assets", lambda: dict.fromkeys(ASSETS, ""))
     assert len(report_text(result)) < 450_000
 
 

@@ -215,7 +215,7 @@ export interface LoadMessage {
   samples: number[][];
 }
 
-/** Run the scenario; a newer run takes the place of one that waits or goes on. */
+/** Run the scenario; a newer run takes the place of one that waits, or goes on after its first look. */
 export interface RunMessage {
   kind: "run";
   run: number;

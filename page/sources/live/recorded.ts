@@ -24,7 +24,9 @@ export class Recorded {
 
   /** Return an output at every sample. */
   column(column: number): Float64Array {
-    return Float64Array.from({ length: this.samples }, (_, sample) => this.at(sample, column));
+    const values = new Float64Array(this.samples);
+    for (let sample = 0; sample < this.samples; ++sample) values[sample] = this.at(sample, column);
+    return values;
   }
 }
 

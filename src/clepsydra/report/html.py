@@ -6,6 +6,7 @@ import json
 import platform
 from collections.abc import Sequence
 from importlib import metadata
+from typing import Any
 
 import numpy as np
 
@@ -59,13 +60,14 @@ def report_text(result: StudyResult) -> str:
     first = _shown_first(result, advice)
     windows = event_windows(result, signals, first) if first else []
     data, still = "", ""
+    live: dict[str, Any] | None = None
     if windows:
         shows = "What the first two controllers make of each event"
         still = overlay_svg(windows, signals, first, shows)
         overlay = overlay_data(result, signals, windows, first)
-        more = {"sensitivity": sensitivity_data(result.ranking)}
         if assets is not None:
-            more["live"] = live_data(result, signals, windows, first)
+            live = live_data(result, signals, windows, first)
+        more = {"sensitivity": sensitivity_data(result.ranking), "live": live}
         data = json_text(overlay | more)
 
     controllers = [
@@ -92,6 +94,7 @@ def report_text(result: StudyResult) -> str:
         assets=assets,
         still_words=STILL_WORDS,
         data=data,
+        live=live is not None,
     )
 
 

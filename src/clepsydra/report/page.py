@@ -89,14 +89,15 @@ STILL_WORDS = (
 
 
 def page_assets() -> dict[str, str] | None:
-    """Return script and style that make the pictures of a report interactive, whole.
+    """Return script and style that make the pictures of a report interactive, and its worker.
 
     They are built from `page/`, which needs Node and its packages once, when Clepsydra is
     installed from its sources; a wheel has them. Without them it is None, and pictures are still.
     """
-    folder, endings = resources.files("clepsydra.report") / "page", {"script": "js", "style": "css"}
+    folder = resources.files("clepsydra.report") / "page"
+    files = {"script": "report.js", "style": "report.css", "worker": "live.js"}
     try:
-        return {k: (folder / f"report.{end}").read_text("utf-8") for k, end in endings.items()}
+        return {key: (folder / name).read_text("utf-8") for key, name in files.items()}
     except FileNotFoundError:
         return None
 
