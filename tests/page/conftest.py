@@ -18,6 +18,10 @@ from pathlib import Path
 import pytest
 from tools import need
 
+from clepsydra.report.html import _shown_first
+from clepsydra.report.overlay import event_windows, shown_signals
+from clepsydra.studies.recommendation import recommend
+
 SOURCES = Path(__file__).parents[2] / "page" / "sources"
 _FLAGS = ("--experimental-strip-types", "--disable-warning=ExperimentalWarning")
 #: JSON has no such numbers: they are texts on the way.
@@ -36,6 +40,31 @@ def source(name: str) -> str:
     return (SOURCES / name).as_uri()
 
 
+#: A session whose clock goes on by `given.step` whenever it is looked at; while it breathes, the
+#: messages of `given.later` come in, one at a time.
+SCRIPT = f"""
+import {{ Session }} from "{source("live/session.ts")}";
+const posted = [];
+const later = [...given.later ?? []];
+let now = 0;
+const session = new Session({{
+  post: (message) => posted.push(message),
+  now: () => (now += given.step ?? 0),
+  breathe: async () => {{ if (later.length) void session.take(later.shift()); }},
+}});
+/* first */
+await session.take({{ kind: "load", data: given.data, samples: given.samples }});
+for (const message of given.messages ?? []) await session.take(message);
+answer(posted);
+"""
+
+
+def shown_windows(result):
+    """Return the events of a report."""
+    first = _shown_first(result, recommend(result.ranking, result.accept))
+    return event_windows(result, shown_signals(result), first)
+
+
 @pytest.fixture
 def node(tmp_path):
     """Run a script with `given`, and return what it gives to `answer`."""
@@ -50,6 +79,23 @@ def node(tmp_path):
         return _received(json.loads((tmp_path / "answer.json").read_text("utf-8")))
 
     return run
+
+
+@pytest.fixture
+def report_session(node):
+    """Return what runs a session with the data of a report, and returns what it posts."""
+
+    def of(result, data):
+        starts = zip(shown_windows(result), data["starts"], strict=True)
+        samples = [(window.samples - start).tolist() for window, start in starts]
+
+        def posted(before="", **given):
+            script = SCRIPT.replace("/* first */", before)
+            return node(script, {"data": data, "samples": samples, **given})
+
+        return posted
+
+    return of
 
 
 def _sent(value):

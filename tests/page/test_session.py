@@ -12,30 +12,9 @@ from tools import need
 import clepsydra as cl
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.linear.linearise import linearise
-from clepsydra.report.analysis_tables import margin_table
-from clepsydra.report.overlay import event_windows, shown_signals
 
-from .conftest import source
+from .conftest import shown_windows
 
-#: A session whose clock goes on by `given.step` whenever it is looked at; while it breathes, the
-#: messages of `given.later` come in, one at a time.
-SCRIPT = f"""
-import {{ Session }} from "{source("live/session.ts")}";
-const posted = [];
-const later = [...given.later ?? []];
-let now = 0;
-const session = new Session({{
-  post: (message) => posted.push(message),
-  now: () => (now += given.step ?? 0),
-  breathe: async () => {{ if (later.length) void session.take(later.shift()); }},
-}});
-{{}}
-await session.take({{ kind: "load", data: given.data, samples: given.samples }});
-for (const message of given.messages ?? []) await session.take(message);
-answer(posted);
-"""
-#: Of the range; the native kernel fuses multiplications into additions, a module does not.
-FUSED = 1e-9
 #: Each search for a peak stops where a maximum can rise by no more than this share.
 RISE = 1e-9
 
@@ -50,24 +29,12 @@ def studied():
 
 @pytest.fixture(scope="module")
 def windows(studied):
-    """The events that the report shows."""
-    result, data = studied
-    first = [result.ranking[live["controller"]] for live in data["controllers"]]
-    return event_windows(result, shown_signals(result), first)
+    return shown_windows(studied[0])
 
 
 @pytest.fixture
-def session(studied, windows, node):
-    """Run a session with the study's data, and return what it posts."""
-    _, data = studied
-    starts = zip(windows, data["starts"], strict=True)
-    samples = [(window.samples - start).tolist() for window, start in starts]
-
-    def posted(before="", **given):
-        script = SCRIPT.replace("{}\n", f"{before}\n", 1)
-        return node(script, {"data": data, "samples": samples, **given})
-
-    return posted
+def session(studied, report_session):
+    return report_session(*studied)
 
 
 @pytest.fixture
@@ -94,51 +61,6 @@ def asked(studied):
         }  # fmt: skip
 
     return message
-
-
-@pytest.mark.parametrize("controller", [0, 1])
-def test_it_finds_again_what_the_report_says(controller, runs, asked, studied, windows):
-    result, data = studied
-    live = data["controllers"][controller]
-    candidate = result.ranking[live["controller"]]
-    ran, analysed = runs(asked(7, controller))
-    assert (ran["kind"], ran["run"], ran["controller"]) == ("ran", 7, controller)
-    assert ran["whole"] and ran["samples"] == result.scenario.samples
-    for window, curves in zip(windows, ran["curves"], strict=True):
-        for signal, found in zip(shown_signals(result), curves, strict=True):
-            expected = signal.values(candidate.run)
-            far = np.abs(np.array(found) - expected[window.samples])
-            assert np.max(far) <= FUSED * np.ptp(expected)
-    expected = [number_of(column, live, candidate) for column in data["columns"]]
-    assert ran["numbers"] == pytest.approx(expected, rel=1e-6, nan_ok=True)
-    assert sum(math.isnan(number) for number in expected) == 1  # the peak
-    (limit,), (moved,) = ran["limits"], result.process.inputs
-    saturated = candidate.scores[f"time_in_saturation[{moved.name}]"]
-    assert limit["name"] == moved.name
-    assert limit["low"] + limit["high"] == pytest.approx(saturated, abs=1e-6)
-    assert analysed["stable"] and analysed["run"] == 7
-    assert analysed["peak"] == pytest.approx(candidate.maximum_sensitivity, rel=2 * RISE)
-    told = margin_table(candidate.response)
-    margins = {
-        each["name"]: [each[key] for key in ("gain", "phase", "crossover", "delay", "peak")]
-        for each in analysed["margins"]
-    }
-    assert list(margins) == list(told)
-    numbers = [list(each.values()) for each in told.values()]
-    np.testing.assert_allclose(list(margins.values()), numbers, rtol=1e-9)
-
-
-def number_of(column, live, candidate):
-    """Return what the report has in a column, in the unit that the page shows."""
-    if column["kind"] == "figure":
-        return max(
-            candidate.scores[live["scores"][part["score"]]["key"]] * part["scale"]
-            for part in column["parts"]
-        )
-    wear, error = candidate.wear, candidate.relative_error
-    return {"relative error": error, "total variation, × least": wear}.get(
-        column["title"], candidate.criteria.get(column["title"].removesuffix(", × best"), math.nan)
-    )
 
 
 def bolder(live, factor):
