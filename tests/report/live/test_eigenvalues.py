@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
+from page_in_node import source
 from scipy.optimize import linear_sum_assignment
-
-from .conftest import source
 
 SCRIPT = f"""
 import {{ eigenvalues }} from "{source("live/eigenvalues.ts")}";

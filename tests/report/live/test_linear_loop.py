@@ -4,21 +4,16 @@ from itertools import chain
 
 import numpy as np
 import pytest
+from page_in_node import source
 
 import clepsydra as cl
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
-from clepsydra.linear.linearise import linearise
-from clepsydra.loop.law_begin import MOST_SAMPLES
 from clepsydra.loop.loop import Loop
-from clepsydra.report.analysis_tables import margin_table
 from clepsydra.report.live.law_programs import resting, slopes
 from clepsydra.report.live.modules import Modules
 from clepsydra.report.live.sampled_plant import sampled_plant
 from clepsydra.report.live.sliders import bolder, sliders
 from clepsydra.studies.tuning.resting_states import RestingStates
-from clepsydra.studies.warnings.loop_response import loop_response
-
-from .conftest import source
 
 PROCESSES = [entry.name for entry in cl.catalogue()]
 DESIGNS = (
@@ -86,43 +81,39 @@ def moved(controller, factor):
 @pytest.mark.parametrize("process", PROCESSES)
 def test_peak_and_margins_are_those_that_python_finds(process, node):
     plant, given, expected = cl.load(process), [], []
-    model = linearise(plant.point)
     for controller in controllers(plant):
         modules = Modules()
-        told = slopes(controller, model, modules)
+        told = slopes(controller, plant.measured, modules)
         given.append({
             "module": modules.held[told["module"]], "slopes": told,
-            "plant": sampled_plant(controller, model), "values": values_of(controller),
+            "plant": sampled_plant(controller, plant.measured), "values": values_of(controller),
             "period": plant.process.sampling_period,
         })  # fmt: skip
-        response = loop_response(controller, model)
-        expected.append((sampled_loop(controller, model).maximum_sensitivity, response))
+        peak = sampled_loop(controller, plant.measured).maximum_sensitivity
+        expected.append((peak, cl.margins(controller, plant)))
     assert len(given) >= 5
-    for found, (peak, response) in zip(node(ROBUSTNESS, given), expected, strict=True):
+    for found, (peak, table) in zip(node(ROBUSTNESS, given), expected, strict=True):
         assert found["stable"] and found["peak"] == pytest.approx(peak, rel=2 * RISE)
         margins = [
             [each[key] for key in ("gain", "phase", "crossover", "delay", "peak")]
             for each in found["margins"]
         ]
-        table = margin_table(response)
-        assert [each["name"] for each in found["margins"]] == list(table)
-        numbers = [list(each.values()) for each in table.values()]
-        np.testing.assert_allclose(margins, numbers, rtol=1e-9)
+        assert [each["name"] for each in found["margins"]] == list(table.index)
+        np.testing.assert_allclose(margins, table.to_numpy(), rtol=1e-9)
 
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("process", PROCESSES)
 def test_a_law_rests_where_python_says(process, node):
     plant, given, expected = cl.load(process), [], []
-    model = linearise(plant.point)
     for controller in controllers(plant):
-        modules, loop = Modules(), Loop(controller, model)
+        modules, loop = Modules(), Loop(controller, plant.measured)
         told, cases = resting(loop, modules), [moved(controller, by) for by in (1.0, 0.6, 1.5)]
         given.append({
             "module": modules.held[told["module"]], "law": told, "own": values_of(controller),
             "cases": cases,
         })  # fmt: skip
-        states = RestingStates(loop, MOST_SAMPLES)
+        states = RestingStates(loop, told["most"])
         names = [each.name for each in controller.law.parameters]
         for values in cases:
             other = states.at({name: np.array([v]) for name, v in zip(names, values, strict=True)})

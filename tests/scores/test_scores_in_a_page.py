@@ -4,12 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from page_in_node import answered, source
 
 from clepsydra.scores.averaging import outflow_overshoot, ratio, swings, volume_used
 from clepsydra.scores.effort import deviation_of_moves
 from clepsydra.scores.step_response import settling_time
-
-from .conftest import source
 
 RUNS = 1000
 SCRIPT = f"""
@@ -23,14 +22,14 @@ answer(given.map((run) => scoresOf(
 OUTPUT, OUTFLOW, INFLOW, FILLING = range(4)
 
 
-def scored(node, runs):
+def scored(runs, folder):
     """Return the scores of runs, each with its columns [samples, outputs]."""
     given = [
         {"state": [], "process": 0, **run, "rows": run["rows"].ravel().tolist(),
          "samples": len(run["rows"]), "outputs": run["rows"].shape[1]}
         for run in runs
     ]  # fmt: skip
-    return node(SCRIPT, given)
+    return answered(SCRIPT, given, folder)
 
 
 def wandering(random, samples):
@@ -86,10 +85,10 @@ def by_python(run):
     ]
 
 
-def test_those_found_over_a_run_are_those_of_python(node):
+def test_those_found_over_a_run_are_those_of_python(tmp_path):
     random = np.random.default_rng(11)
     runs = [random_run(random) for _ in range(RUNS)]
-    found, expected = np.array(scored(node, runs)), np.array([by_python(run) for run in runs])
+    found, expected = np.array(scored(runs, tmp_path)), np.array([by_python(run) for run in runs])
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12)
     # Each kind has all sorts of answers.
     assert np.isfinite(expected).any(axis=0).all() and np.isinf(expected).any(axis=0).all()
@@ -101,19 +100,19 @@ def test_those_found_over_a_run_are_those_of_python(node):
     [("ratio", (3.0, 4.0)), ("ratio", (3.0, 0.0)), ("deviation", (3.0, 5.0)),
      ("deviation", (0.0, 0.0))],
 )  # fmt: skip
-def test_folds_are_finished_as_in_python(finish, folds, node):
+def test_folds_are_finished_as_in_python(finish, folds, tmp_path):
     expected = {"ratio": ratio, "deviation": deviation_of_moves}[finish](*folds)
     score = {"key": "a[y]", "kind": "fold", "states": [2, 1], "finish": finish}
     run = {"rows": np.zeros((1, 1)), "period": 1.0, "scores": [score], "process": 1}
-    ((found,),) = scored(node, [run | {"state": [7.0, folds[1], folds[0]]}])
+    ((found,),) = scored([run | {"state": [7.0, folds[1], folds[0]]}], tmp_path)
     np.testing.assert_equal(found, float(expected))
 
 
-def test_a_run_that_broke_off_has_no_finite_score(node):
+def test_a_run_that_broke_off_has_no_finite_score(tmp_path):
     """So a state of the process that is not finite says; one of the law does not."""
     scores = [{"key": "a[y]", "kind": "fold", "states": [3], "finish": ""},
               {"key": "b[y]", "kind": "fold", "states": [4], "finish": ""}]  # fmt: skip
     run = {"rows": np.zeros((2, 1)), "period": 1.0, "scores": scores, "process": 2}
     states = [[1, 1, math.nan, 5.0, 6.0], [1, -math.inf, 1, 5.0, 6.0], [1, 1, 1, 5.0, math.nan]]
-    found = scored(node, [run | {"state": state} for state in states])
+    found = scored([run | {"state": state} for state in states], tmp_path)
     assert found == [[5.0, 6.0], [math.inf, math.inf], [5.0, math.inf]]
