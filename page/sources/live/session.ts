@@ -16,6 +16,8 @@ import {
 const FIRST_LOOK = 100;
 /** About as long as a part of a run takes [ms]. */
 const PART = 5;
+/** What not every browser has. */
+const NEEDED = ["WebAssembly", "DecompressionStream"];
 /** A module with nothing in it: where even this is refused, WebAssembly is forbidden. */
 const NOTHING = Uint8Array.of(0x00, 0x61, 0x73, 0x6d, 1, 0, 0, 0);
 
@@ -112,9 +114,8 @@ export class Session {
 }
 
 async function compiled({ modules }: LiveData): Promise<WebAssembly.Module[]> {
-  if (typeof WebAssembly === "undefined") {
-    throw new Refusal("This browser has no WebAssembly, so nothing can be moved here.");
-  }
+  const missing = NEEDED.find((name) => !(name in globalThis));
+  if (missing) throw new Refusal(`This browser has no ${missing}, so nothing can be moved here.`);
   try {
     await WebAssembly.compile(NOTHING);
   } catch {

@@ -134,6 +134,7 @@ def test_what_is_asked_for_before_all_is_there_is_run_then(session, asked):
     ("before", "words"),
     [
         ("delete globalThis.WebAssembly;", "This browser has no WebAssembly"),
+        ("delete globalThis.DecompressionStream;", "This browser has no DecompressionStream"),
         ("WebAssembly.compile = async () => { throw Error(); };", "WebAssembly is forbidden"),
         ("given.data.form = 2;", "another version of Clepsydra"),
         ("given.data.modules[0] = given.data.modules[0].slice(0, 400);", "is damaged"),
