@@ -1,5 +1,6 @@
-/** A button that copies the settings as a table that a spreadsheet takes. */
+/** What a reader pastes elsewhere. */
 
+/** Add a button that copies the settings as a table that a spreadsheet takes. */
 export function addCopyButton(card: HTMLElement): void {
   const table = card.querySelector("table");
   if (!table) return;
@@ -8,10 +9,16 @@ export function addCopyButton(card: HTMLElement): void {
   button.textContent = "Copy";
   button.setAttribute("aria-label", "Copy the settings");
   card.querySelector("h2")!.after(button);
+  copyOnClick(button, () => tableText(table, card.querySelector("p")?.textContent ?? ""));
+}
+
+/** Let a button copy a text, and say for a moment that it did. */
+export function copyOnClick(button: HTMLButtonElement, text: () => string): void {
+  const words = button.textContent;
   button.addEventListener("click", async () => {
-    await written(tableText(table, card.querySelector("p")?.textContent ?? ""));
+    await written(text());
     button.textContent = "Copied";
-    setTimeout(() => (button.textContent = "Copy"), 1500);
+    setTimeout(() => (button.textContent = words), 1500);
   });
 }
 

@@ -1,5 +1,8 @@
 /** What the page carries as JSON beside its words. */
 
+/** A larger max|S| is too little of a margin. */
+export const PEAK_LIMIT = 2;
+
 export interface Controller {
   title: string;
   /** How far it can be trusted, in a word. */

@@ -3,7 +3,7 @@
 import uPlot from "uplot";
 
 import { axisStyle, decades, limitLine, multiples } from "./axes";
-import type { Signal } from "./data";
+import type { Controller, Signal } from "./data";
 import { colour, type Shown } from "./shown";
 import { differenceText, numberText, timeText, timeUnit } from "./words";
 
@@ -17,20 +17,23 @@ const STEPS = decades(1e-12, 1e12, [1, 2, 2.5, 5]);
 /** Return a mark of an axis with all its digits, however close the next one is. */
 const markText = (value: number): string => numberText(value, 9);
 
+/** Null where there is no number. */
+export type Curve = (number | null)[];
+
 export interface Curves {
   signal: Signal;
   /** Seconds after the event. */
   times: number[];
-  /** By controller. */
-  values: (number | null)[][];
+  /** By controller; one that has none here is left out. */
+  values: (Curve | undefined)[];
   /** One that all controllers follow, or one for each. */
-  setpoints: ((number | null)[] | null)[];
+  setpoints: (Curve | null)[];
 }
 
 /** What the charts of a page have in common. */
 export interface Common {
   shown: Shown;
-  names: string[];
+  controllers: Controller[];
   /** The time from which differences are told. */
   mark: number | null;
   setMark(time: number | null): void;
@@ -41,6 +44,9 @@ export class EventChart {
   private readonly readout = document.createElement("p");
   private readonly canvas = document.createElement("div");
   private chart: uPlot | undefined;
+  /** Whether it can be seen, and whether it then is to be drawn with other curves. */
+  private seen = false;
+  private stale = false;
 
   constructor(
     readonly curves: Curves,
@@ -64,21 +70,37 @@ export class EventChart {
     this.canvas.setAttribute("aria-label", `${label}; arrow keys move the cursor, Enter marks a time`);
     this.canvas.addEventListener("keydown", (event) => this.key(event));
     this.place.append(this.readout, this.canvas);
+    new IntersectionObserver(([entry]) => {
+      this.seen = entry!.isIntersecting;
+      this.refresh();
+    }).observe(this.place);
+  }
+
+  /** Take another curve of a controller, which the next `refresh` draws. */
+  take(controller: number, curve: Curve | undefined): void {
+    this.curves.values[controller] = curve;
+    this.stale = true;
+  }
+
+  /** Draw the curves that were taken, as soon as the chart is seen; it is not built anew. */
+  refresh(): void {
+    if (!this.seen || !this.stale || !this.chart) return;
+    this.stale = false;
+    this.chart.setData(this.data());
+    this.tell();
   }
 
   /** Draw it anew, with the controllers that are shown now. */
   draw(): void {
     this.chart?.destroy();
-    const { signal, times, values } = this.curves;
+    const { signal } = this.curves;
     const controllers = this.common.shown.controllers;
     // The lines that its values may take, lest the chart move under the mouse when they come.
     this.readout.style.minHeight = `${1.05 * Math.ceil(controllers.length / 2)}rem`;
-    const wanted = this.wanted();
-    const data = [times, ...wanted.map(([curve]) => curve), ...controllers.map((each) => values[each]!)];
     const paths = signal.held ? { paths: uPlot.paths.stepped!({ align: 1 }) } : {};
     const series: uPlot.Series[] = [
       {},
-      ...wanted.map(([, property]) => ({
+      ...this.wanted().map(([, property]) => ({
         stroke: colour(property), width: 1, dash: [4, 3], points: { show: false },
         paths: uPlot.paths.stepped!({ align: 1 }),
       })),
@@ -87,7 +109,8 @@ export class EventChart {
         dash: this.common.shown.dash(each), points: { show: false }, spanGaps: false, ...paths,
       })),
     ];
-    this.chart = new uPlot(this.options(series), data as uPlot.AlignedData, this.canvas);
+    this.chart = new uPlot(this.options(series), this.data(), this.canvas);
+    this.stale = false;
     this.over(this.chart);
     this.tell();
   }
@@ -110,10 +133,9 @@ export class EventChart {
 
   /** Return from where to where the curves go within the times that are shown. */
   span(): [number, number] {
-    const { times, values } = this.curves;
+    const [times, ...curves] = this.data();
     let [low, high] = this.curves.signal.band ?? [Infinity, -Infinity];
-    const shown = this.common.shown.controllers.map((each) => values[each]!);
-    for (const curve of [...shown, ...this.wanted().map(([wanted]) => wanted)])
+    for (const curve of curves)
       curve.forEach((value, place) => {
         const time = times[place]!;
         if (value === null || time < this.range[0] || time > this.range[1]) return;
@@ -122,12 +144,19 @@ export class EventChart {
     return low <= high ? [low, high] : [0, 1];
   }
 
+  /** Return times, setpoints and the curves that are shown. */
+  private data(): [number[], ...Curve[]] {
+    const { times, values } = this.curves;
+    const own = this.common.shown.controllers.map((each) => values[each] ?? times.map(() => null));
+    return [times, ...this.wanted().map(([curve]) => curve), ...own];
+  }
+
   /** Return the setpoints that are shown, each with the property that holds its colour. */
-  private wanted(): [(number | null)[], string][] {
+  private wanted(): [Curve, string][] {
     const { setpoints } = this.curves;
     if (setpoints.length === 1) return setpoints[0] ? [[setpoints[0], "--muted"]] : [];
     const { shown } = this.common;
-    return shown.controllers.flatMap((each): [(number | null)[], string][] => {
+    return shown.controllers.flatMap((each): [Curve, string][] => {
       const own = setpoints[each];
       return own ? [[own, shown.property(each)]] : [];
     });
@@ -285,15 +314,15 @@ export class EventChart {
     this.when.textContent = "";
     if (!this.chart || left < 0) return;
     const time = this.chart.posToVal(left, "x");
-    const { mark, shown, names } = this.common;
+    const { mark, shown, controllers } = this.common;
     this.when.textContent = mark === null ? timeText(time) : `${timeText(time)} (${timeText(time - mark, "+")})`;
     for (const controller of shown.controllers) {
-      const curve = this.curves.values[controller]!;
-      const value = this.at(curve, time);
-      if (value === null) continue;
+      const curve = this.curves.values[controller];
+      const value = curve ? this.at(curve, time) : null;
+      if (!curve || value === null) continue;
       const before = mark === null ? null : this.at(curve, mark);
       const words = document.createElement("span");
-      words.title = names[controller]!;
+      words.title = controllers[controller]!.title;
       shown.paint(words, controller);
       const difference = before === null ? "" : ` (${differenceText(value - before)})`;
       words.textContent = numberText(value) + difference;
@@ -302,7 +331,7 @@ export class EventChart {
   }
 
   /** Return the value of a curve at a time, level or on a line between points. */
-  private at(curve: (number | null)[], time: number): number | null {
+  private at(curve: Curve, time: number): number | null {
     const { times, signal } = this.curves;
     const next = times.findIndex((each) => each > time);
     if (next <= 0) return curve[next < 0 ? curve.length - 1 : 0] ?? null;

@@ -1,18 +1,21 @@
 /** The events of the scenario side by side, each in its own time window, a chart a signal. */
 
 import { decoded, type PageData, type ScenarioEvent } from "./data";
-import { type Common, EventChart } from "./event_chart";
+import { type Common, type Curve, EventChart } from "./event_chart";
 import { onLook } from "./look";
 import type { Shown } from "./shown";
 
 /** A curve spans at least so much of the axis as beside the signal that moves most. */
 const LEAST = 0.3;
 
-export function drawEvents(place: HTMLElement, data: PageData, shown: Shown): void {
+/** Takes the curves of a controller, by event and signal. */
+export type TakeCurves = (controller: number, curves: (Curve | undefined)[][]) => void;
+
+export function drawEvents(place: HTMLElement, data: PageData, shown: Shown): TakeCurves {
   const charts: EventChart[] = [];
   const common: Common = {
     shown,
-    names: data.controllers.map(({ title }) => title),
+    controllers: data.controllers,
     mark: null,
     setMark(time) {
       common.mark = time;
@@ -37,6 +40,10 @@ export function drawEvents(place: HTMLElement, data: PageData, shown: Shown): vo
   repeated.fold.addEventListener("toggle", draw);
   onLook(draw);
   new ResizeObserver(() => visible().forEach((chart) => chart.resize())).observe(place);
+  return (controller, curves) => {
+    curves.flat().forEach((curve, place) => charts[place]!.take(controller, curve));
+    for (const chart of charts) chart.refresh();
+  };
 }
 
 function column(data: PageData, event: ScenarioEvent, common: Common): [HTMLElement, EventChart[]] {

@@ -3,19 +3,21 @@
 import uPlot from "uplot";
 
 import { decades, limitLine, logAxis } from "./axes";
-import type { Controller } from "./data";
+import { type Controller, PEAK_LIMIT } from "./data";
 import { onLook } from "./look";
 import { colour, type Shown } from "./shown";
 import { numberText } from "./words";
 
 const HEIGHT = 300;
-const LIMIT = 2;
 /** Beyond these a controller is out of the question, and stands at the edge. */
 const [WORST_PEAK, WORST_ERROR] = [10, 1000];
 /** How far beyond all others those without a number stand. */
 const BEYOND = 1.3;
 /** From the middle of a number to its edge [px]. */
 const RADIUS = 9;
+
+/** Adds a point for a controller, marked so. */
+export type AddPoint = (controller: number, mark: string) => void;
 
 /** From left and top [px]. */
 type Place = [number, number];
@@ -27,24 +29,24 @@ interface Point {
   button: HTMLButtonElement;
 }
 
-export function drawMap(place: HTMLElement, controllers: Controller[], shown: Shown): void {
+export function drawMap(place: HTMLElement, controllers: Controller[], shown: Shown): AddPoint {
   const edges = [
-    edge([LIMIT, ...controllers.map(({ peak }) => peak)], WORST_PEAK),
+    edge([PEAK_LIMIT, ...controllers.map(({ peak }) => peak)], WORST_PEAK),
     edge(controllers.map(({ error }) => error), WORST_ERROR),
   ] as const;
-  const points = controllers.flatMap((each, controller): Point[] =>
-    each.peak === null && each.standing !== "unsafe"
-      ? []
-      : [
-          {
-            controller,
-            x: Math.min(each.peak ?? Infinity, edges[0]),
-            y: Math.min(each.error ?? Infinity, edges[1]),
-            button: pointButton(each, controller, shown),
-          },
-        ],
+  const pointOf = (controller: number, mark: string): Point => {
+    const each = controllers[controller]!;
+    return {
+      controller,
+      x: Math.min(each.peak ?? Infinity, edges[0]),
+      y: Math.min(each.error ?? Infinity, edges[1]),
+      button: pointButton(each, controller, mark, shown),
+    };
+  };
+  const points = controllers.flatMap((each, controller) =>
+    each.peak === null && each.standing !== "unsafe" ? [] : [pointOf(controller, String(controller + 1))],
   );
-  if (points.length < 2) return;
+  if (points.length < 2) return () => undefined;
   const title = document.createElement("h3");
   title.textContent = "Error against robustness";
   const words = document.createElement("p");
@@ -67,6 +69,10 @@ export function drawMap(place: HTMLElement, controllers: Controller[], shown: Sh
   draw();
   new ResizeObserver(draw).observe(place);
   onLook(draw);
+  return (controller, mark) => {
+    points.push(pointOf(controller, mark));
+    draw();
+  };
 }
 
 /** Return where those stand that have no number, or a larger one than the worst. */
@@ -82,14 +88,14 @@ function drawn(canvas: HTMLElement, points: Point[]): void {
     return [low / margin, high * margin];
   };
   const place = (chart: uPlot) => {
-    limitLine(chart, "x", LIMIT);
+    limitLine(chart, "x", PEAK_LIMIT);
     const { ctx, bbox, over } = chart;
-    const wall = chart.valToPos(LIMIT, "x");
+    const wall = chart.valToPos(PEAK_LIMIT, "x");
     const taken: Place[] = [];
     ctx.strokeStyle = colour("--muted");
     for (const { x, y, button } of points) {
       const own: Place = [chart.valToPos(x, "x"), chart.valToPos(y, "y")];
-      const room: Place = x > LIMIT ? [wall, over.clientWidth - RADIUS] : [RADIUS, wall + 1];
+      const room: Place = x > PEAK_LIMIT ? [wall, over.clientWidth - RADIUS] : [RADIUS, wall + 1];
       const found = freePlace(own, taken, room, over.clientHeight);
       taken.push(found);
       Object.assign(button.style, { left: `${found[0]}px`, top: `${found[1]}px` });
@@ -144,20 +150,20 @@ function freePlace(own: Place, taken: Place[], [first, last]: Place, height: num
   return own;
 }
 
-function pointButton(each: Controller, controller: number, shown: Shown): HTMLButtonElement {
+function pointButton(each: Controller, controller: number, mark: string, shown: Shown): HTMLButtonElement {
   const button = document.createElement("button");
-  button.textContent = String(controller + 1);
+  button.textContent = mark;
   const { standing } = each;
   button.className = `point ${standing.replaceAll(" ", "-")}`;
   const numbers = `max|S| ${numberText(each.peak ?? Infinity, 3)}, relative error ${numberText(each.error ?? Infinity, 3)}`;
-  button.title = `${controller + 1}. ${each.title}: ${standing}, ${numbers}`;
+  button.title = `${mark}. ${each.title}: ${standing}, ${numbers}`;
   button.setAttribute("aria-label", button.title);
-  const mark = () => {
+  const press = () => {
     button.setAttribute("aria-pressed", String(shown.has(controller)));
     shown.paint(button, controller);
   };
-  mark();
-  shown.onChange(mark);
+  press();
+  shown.onChange(press);
   button.addEventListener("click", () => shown.toggle(controller));
   return button;
 }

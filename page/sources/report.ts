@@ -3,7 +3,7 @@ import { pageData } from "./data";
 import { drawEvents } from "./events";
 import { fillWhenOpened, letScroll } from "./folds";
 import { drawMap } from "./map";
-import { makeRanking } from "./ranking";
+import { Ranking } from "./ranking";
 import { drawSensitivity } from "./sensitivity";
 import { Shown } from "./shown";
 
@@ -15,7 +15,7 @@ const [overlay, map, sensitivity] = ["overlay", "map", "sensitivity"].map((id) =
 if (data && overlay && map && sensitivity && ranking) {
   const shown = new Shown(data.first);
   drawEvents(overlay, data, shown);
-  makeRanking(ranking, shown);
+  new Ranking(ranking, shown);
   drawMap(map, data.controllers, shown);
   drawSensitivity(sensitivity, data, shown);
   addCopyButton(document.querySelector<HTMLElement>(".card")!);

@@ -3,13 +3,12 @@
 import uPlot from "uplot";
 
 import { decades, limitLine, logAxis } from "./axes";
-import type { PageData } from "./data";
+import { PEAK_LIMIT, type PageData } from "./data";
 import { onLook } from "./look";
 import { colour, type Shown } from "./shown";
 import { numberText } from "./words";
 
 const HEIGHT = 300;
-const LIMIT = 2;
 const LOWEST = 0.05;
 
 export function drawSensitivity(place: HTMLElement, data: PageData, shown: Shown): void {
@@ -62,7 +61,7 @@ export function drawSensitivity(place: HTMLElement, data: PageData, shown: Shown
           logAxis("|S|", 42, (low, high) => decades(low, high, [1, 2, 5])),
         ],
         hooks: {
-          drawAxes: [(chart) => limitLine(chart, "y", LIMIT)],
+          drawAxes: [(chart) => limitLine(chart, "y", PEAK_LIMIT)],
           setCursor: [tell],
         },
         series: [

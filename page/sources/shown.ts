@@ -21,7 +21,17 @@ export class Shown {
 
   toggle(controller: number): void {
     if (!this.places.delete(controller)) this.take(controller);
+    this.tell();
+  }
+
+  /** Let all pictures show anew what is shown, as after another name. */
+  tell(): void {
     for (const listener of this.listeners) listener();
+  }
+
+  /** Show a controller, or take it away. */
+  set(controller: number, wanted: boolean): void {
+    if (this.has(controller) !== wanted) this.toggle(controller);
   }
 
   onChange(listener: () => void): void {
