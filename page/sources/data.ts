@@ -1,5 +1,7 @@
 /** What the page carries as JSON beside its words. */
 
+import type { LiveData } from "./live/messages.ts";
+
 /** A larger max|S| is too little of a margin. */
 export const PEAK_LIMIT = 2;
 
@@ -51,6 +53,8 @@ export interface PageData {
   signals: Signal[];
   events: ScenarioEvent[];
   sensitivity: Sensitivity | null;
+  /** What the first controllers need to be tried with other settings. */
+  live?: LiveData | null;
 }
 
 /** The largest singular value of S over frequency [rad/s], by controller. */

@@ -24,6 +24,15 @@ export function numberText(value: number, digits = 4): string {
   return text.replace("-", "−");
 }
 
+/** Return a number with all of its significant digits, also where these are zeros. */
+export function roundedText(value: number, digits: number): string {
+  if (!Number.isFinite(value)) return Number.isNaN(value) ? "–" : value > 0 ? "∞" : "−∞";
+  const rounded = Number(value.toPrecision(digits));
+  const exponent = rounded ? Math.floor(Math.log10(Math.abs(rounded))) : 0;
+  const text = exponent > -4 && exponent < 6 ? rounded.toFixed(Math.max(0, digits - 1 - exponent)) : String(rounded);
+  return text.replaceAll("-", "−");
+}
+
 /** Return a difference with its sign. */
 export function differenceText(value: number): string {
   return (value >= 0 ? "+" : "") + numberText(value, 3);

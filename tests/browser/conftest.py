@@ -87,7 +87,7 @@ def opened(chromium):
     """Open a page offline; when the test ends, nothing may have gone wrong on it."""
     contexts, wrong = [], []
 
-    def open_page(path, width=1400, scheme="light", script=True):
+    def open_page(path, width=1400, scheme="light", script=True, first=""):
         context = chromium.new_context(
             viewport={"width": width, "height": 900}, color_scheme=scheme,
             java_script_enabled=script, offline=True, accept_downloads=False,
@@ -96,9 +96,11 @@ def opened(chromium):
         context.set_default_timeout(120_000)
         context.grant_permissions(["clipboard-read", "clipboard-write"])
         page = context.new_page()
+        page.add_init_script(first)
         page.on("console", lambda said: said.type in ("error", "warning") and wrong.append(said))
         page.on("pageerror", lambda error: wrong.append(error))
-        page.on("request", lambda asked: asked.url != path.as_uri() and wrong.append(asked.url))
+        own = (path.as_uri(), "blob:")  # a worker is a text of the page
+        page.on("request", lambda asked: asked.url.startswith(own) or wrong.append(asked.url))
         page.goto(path.as_uri())
         return page
 
