@@ -15,6 +15,8 @@ from benchmarks.cplusplus import CompilerMissing
 from benchmarks.experiments import FULL, QUICK, Disagreement, Experiments, Size
 from benchmarks.exported import page as exported_page
 from benchmarks.exported import times as exported
+from benchmarks.live import drags
+from benchmarks.live import page as live_page
 from benchmarks.scale import Scale
 from benchmarks.studies import page as studies_page
 from benchmarks.studies import trees
@@ -123,9 +125,17 @@ def _studies(order: Order) -> Document:
     return Document(text, lambda: studies_page.write_page(text))
 
 
+def _live(order: Order) -> Document:
+    rounds = order.size.rounds
+    found = drags.measure(rounds, order.folder, _tell)
+    text = live_page.render(found, order.facts, rounds)
+    return Document(text, lambda: live_page.write_page(text))
+
+
 SECTIONS = {
     "engine": Section(machine.description, _engine),
     "exported": Section(exported_page.facts, _exported),
+    "live": Section(live_page.facts, _live),
     "studies": Section(studies_page.facts, _studies),
 }
 

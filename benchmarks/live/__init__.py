@@ -1,0 +1,1 @@
+"""How long a report takes from a slider to the curves."""
