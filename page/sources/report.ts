@@ -18,7 +18,7 @@ if (data && overlay && map && sensitivity && ranking) {
   const take = drawEvents(overlay, data, shown);
   const ranked = new Ranking(ranking, shown);
   const addPoint = drawMap(map, data.controllers, shown);
-  drawSensitivity(sensitivity, data, shown);
-  addLive(overlay, data, { shown, ranking: ranked, take, addPoint });
+  const takeSensitivity = drawSensitivity(sensitivity, data, shown);
+  addLive(overlay, data, { shown, ranking: ranked, take, addPoint, takeSensitivity });
   addCopyButton(document.querySelector<HTMLElement>(".card")!);
 }

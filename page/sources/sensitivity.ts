@@ -11,9 +11,12 @@ import { numberText } from "./words";
 const HEIGHT = 300;
 const LOWEST = 0.05;
 
-export function drawSensitivity(place: HTMLElement, data: PageData, shown: Shown): void {
+/** Takes the curve of a controller. */
+export type TakeSensitivity = (controller: number, curve: (number | null)[]) => void;
+
+export function drawSensitivity(place: HTMLElement, data: PageData, shown: Shown): TakeSensitivity {
   const { sensitivity, controllers } = data;
-  if (!sensitivity) return;
+  if (!sensitivity) return () => undefined;
   const { frequencies, curves } = sensitivity;
   const title = document.createElement("h3");
   title.textContent = "Sensitivity";
@@ -35,7 +38,9 @@ export function drawSensitivity(place: HTMLElement, data: PageData, shown: Shown
         return value === null ? [] : [`${controllers[each]!.title} ${numberText(value, 3)}`];
       }),
     ].join(" · ");
+  let [isSeen, isStale] = [false, false];
   const draw = () => {
+    isStale = false;
     chart?.destroy();
     const drawn = shown.controllers.filter((each) => curves[each]);
     const values = drawn.flatMap((each) => curves[each]!).filter((each) => each !== null);
@@ -80,4 +85,14 @@ export function drawSensitivity(place: HTMLElement, data: PageData, shown: Shown
   shown.onChange(draw);
   new ResizeObserver(() => chart?.setSize({ width: Math.max(280, place.clientWidth), height: HEIGHT })).observe(place);
   onLook(draw);
+  const refresh = () => isSeen && isStale && draw();
+  new IntersectionObserver(([entry]) => {
+    isSeen = entry!.isIntersecting;
+    refresh();
+  }).observe(canvas);
+  return (controller, curve) => {
+    curves[controller] = curve;
+    isStale = true;
+    refresh();
+  };
 }

@@ -13,9 +13,9 @@ export function timeUnit(span: number): [string, number] {
   return [name, length];
 }
 
-export function timeText(seconds: number, plus = ""): string {
+export function timeText(seconds: number, plus = "", digits = 4): string {
   const [name, length] = timeUnit(seconds);
-  return `${seconds >= 0 ? plus : ""}${numberText(seconds / length)} ${name}`;
+  return `${seconds >= 0 ? plus : ""}${numberText(seconds / length, digits)} ${name}`;
 }
 
 /** Return a number in some significant digits, with a real minus. */

@@ -46,12 +46,12 @@ class Reader:
         return row.get_by_role("cell").all_inner_texts()
 
     def press(self, key, times=1):
-        """Move the slider, and wait until what is tried has another max|S|."""
-        before = self.figures("max|S|")[0]
+        """Move the slider, and wait each time until what is tried has another max|S|."""
         self.slider.focus()
         for _ in range(times):
+            before = self.figures("max|S|")[0]
             self.page.keyboard.press(key)
-        self.after(before)
+            self.after(before)
 
     def after(self, before):
         from playwright.sync_api import expect
@@ -179,6 +179,8 @@ def test_what_is_kept_is_a_row_that_stays_and_can_be_shown(reader):
         assert keep.is_disabled()
     assert reader.legend()[2:] == [f"{name}, changed 1", f"{name}, changed 2"]
     assert page.locator(".point[title^='+1. ']").count() == 1
+    page.locator("#sensitivity .u-over").hover()
+    assert f"{name}, changed 2 " in page.locator("#sensitivity .note").inner_text()
     reader.button("Back to the recommended").click()
     assert len(reader.legend()) == 4 and reader.curve()
     rows.nth(count).get_by_role("checkbox").uncheck()

@@ -30,6 +30,15 @@ export function largestGain(system: SampledSystem, poles: Eigenvalue[]): number 
   return highestPoint(gain, frequenciesOf(poles.map(image)), known);
 }
 
+/** Return the gain at angles of the unit circle, ωT; NaN beyond half the sampling frequency. */
+export function gainsAt(system: SampledSystem, angles: number[]): number[] {
+  const response = new Response(system);
+  return angles.map((angle) => {
+    if (angle > Math.PI) return NaN;
+    return largestSingularValue(response.at({ real: Math.cos(angle), imaginary: Math.sin(angle) }));
+  });
+}
+
 /** Return z = (1 + jω)/(1 − jω). */
 function onCircle(frequency: number): Point {
   const square = frequency * frequency;

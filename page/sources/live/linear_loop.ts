@@ -109,6 +109,8 @@ export interface Analysis {
   stable: boolean;
   /** max|S|; infinite where it is unstable. */
   peak: number;
+  /** From each output to itself, in its range; null where it is unstable. */
+  sensitivity: SampledSystem | null;
 }
 
 /** Return what the loop of a plant and a law does, its output sensitivity above all. */
@@ -121,7 +123,7 @@ export function analysisOf(plant: Plant, law: SampledSystem): Analysis {
   ]);
   const poles = eigenvalues(closed);
   const stable = poles.every(({ real, imaginary }) => Math.hypot(real, imaginary) < 1 - ROUNDING);
-  if (!stable) return { poles, stable, peak: Infinity };
+  if (!stable) return { poles, stable, peak: Infinity, sensitivity: null };
   const entering = product(blocks([[direct], [law.B]]), enters);
   const q = sizes.length;
   const sensitivity = {
@@ -132,5 +134,5 @@ export function analysisOf(plant: Plant, law: SampledSystem): Analysis {
     ),
     D: filled(q, q, (row, column) => (row === column ? 1 : 0)),
   };
-  return { poles, stable, peak: largestGain(sensitivity, poles) };
+  return { poles, stable, peak: largestGain(sensitivity, poles), sensitivity };
 }

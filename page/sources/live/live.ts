@@ -5,6 +5,7 @@ import type { Curve } from "../event_chart.ts";
 import type { TakeCurves } from "../events.ts";
 import type { AddPoint } from "../map.ts";
 import type { Ranking } from "../ranking.ts";
+import type { TakeSensitivity } from "../sensitivity.ts";
 import type { Shown } from "../shown.ts";
 import { type AnalysedMessage, FORM, type LiveColumn, type LiveData, type RanMessage } from "./messages.ts";
 import { Panel } from "./panel.ts";
@@ -18,6 +19,7 @@ export interface Pictures {
   ranking: Ranking;
   take: TakeCurves;
   addPoint: AddPoint;
+  takeSensitivity: TakeSensitivity;
 }
 
 /** Put what the reader can try before the pictures of the events, if the report carries it. */
@@ -129,8 +131,9 @@ class Live implements Listener {
     const program = document.getElementById("worker")?.textContent ?? "";
     const address = URL.createObjectURL(new Blob([program], { type: "text/javascript" }));
     const samples = this.data.events.map((each) => decoded(each.samples, 1) as number[]);
+    const frequencies = this.data.sensitivity?.frequencies ?? [];
     try {
-      this.runner = new Runner(new Worker(address), { kind: "load", data: this.live, samples }, this);
+      this.runner = new Runner(new Worker(address), { kind: "load", data: this.live, samples, frequencies }, this);
     } catch {
       return this.refused(undefined, true);
     }
@@ -164,6 +167,9 @@ class Live implements Listener {
       this.pictures.shown.paint(this.panel.place, this.row);
     }
     this.next = undefined;
+    const { analysed } = this.outcome ?? {};
+    if (analysed && this.row !== undefined)
+      this.pictures.takeSensitivity(this.row, analysed.sensitivity.map(finite));
     if (this.outcome) {
       const { controller } = this.live.controllers[this.chosen]!;
       const cells = this.pictures.ranking.cells(controller);

@@ -1,6 +1,7 @@
 /** A controller of the report with its loop, which runs the scenario with any values. */
 
 import { columnNumbers } from "./columns.ts";
+import { gainsAt } from "./frequency_peak.ts";
 import { Kernel } from "./kernel.ts";
 import { analysisOf, lawOf, type Plant, plantOf } from "./linear_loop.ts";
 import { marginsOf } from "./margins.ts";
@@ -18,6 +19,8 @@ export interface Common {
   inputs: Float64Array;
   /** Of each event the samples of the run that are drawn. */
   events: number[][];
+  /** At which S is told [rad/s]. */
+  frequencies: number[];
 }
 
 export class LiveLoop {
@@ -86,15 +89,22 @@ export class LiveLoop {
   }
 
   /** Return how robust the loop is with these values; null where it has no linear model. */
-  analysed(values: number[]): Pick<AnalysedMessage, "peak" | "stable" | "margins"> | null {
+  analysed(values: number[]): Pick<AnalysedMessage, "peak" | "stable" | "sensitivity" | "margins"> | null {
     const { slopes, plant } = this.#controller;
     if (!slopes || !plant || !this.#slopes || !this.#plant) return null;
     this.#slopes.begin([], values);
     this.#slopes.run(1);
     const found = this.#slopes.record;
-    if (!found.every(Number.isFinite)) return { peak: NaN, stable: false, margins: [] };
+    const { data: { period }, frequencies } = this.#common;
+    const none = frequencies.map(() => NaN);
+    if (!found.every(Number.isFinite)) return { peak: NaN, stable: false, sensitivity: none, margins: [] };
     const law = lawOf(slopes, found);
-    const { poles, stable, peak } = analysisOf(this.#plant, law);
-    return { peak, stable, margins: marginsOf(this.#plant, plant, law, poles, this.#common.data.period) };
+    const { poles, stable, peak, sensitivity } = analysisOf(this.#plant, law);
+    return {
+      peak,
+      stable,
+      sensitivity: sensitivity ? gainsAt(sensitivity, frequencies.map((each) => each * period)) : none,
+      margins: marginsOf(this.#plant, plant, law, poles, period),
+    };
   }
 }

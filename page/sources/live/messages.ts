@@ -213,6 +213,8 @@ export interface LoadMessage {
   data: LiveData;
   /** Of each event of the overlay its samples, counted from its start. */
   samples: number[][];
+  /** At which S is told [rad/s]. */
+  frequencies: number[];
 }
 
 /** Run the scenario; a newer run takes the place of one that waits, or goes on after its first look. */
@@ -262,6 +264,8 @@ export interface AnalysedMessage {
   /** max|S|; infinite where the loop is unstable, NaN where it has no linear model. */
   peak: number;
   stable: boolean;
+  /** The largest singular value of S at each frequency that was asked for; NaN where there is none. */
+  sensitivity: number[];
   margins: ChannelMargins[];
 }
 

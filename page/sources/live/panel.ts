@@ -84,16 +84,16 @@ export class Panel {
   tell(outcome: Outcome, before: Outcome | undefined, words: string, cells: string[]): void {
     const { columns, period } = this.live;
     const texts = numbersOf(outcome, columns).map((number, place) => cellText(columns[place]!, number));
-    const rows = columns.map(({ title }, place) => [title, texts[place]!, cells[place]!]);
+    const rows = columns.map(({ title }, place): [string, string, string] => [title, texts[place]!, cells[place]!]);
     fill(this.figures, "", ["", "now", words], rows);
     const found = warnings(outcome, before, period, words);
     this.watch(found);
     const earlier = before?.analysed?.margins.map(marginTexts) ?? [];
-    const margins = outcome.analysed?.margins.map((each, place) => [
+    const margins = outcome.analysed?.margins.map((each, place): [string, ...Node[]] => [
       each.name,
-      ...marginTexts(each).map((text, column) => `${text} (${earlier[place]?.[column] ?? "–"})`),
+      ...marginTexts(each).map((text, column) => beside(text, earlier[place]?.[column])),
     ]);
-    fill(this.margins, `Margins (${words})`, ["", ...MARGINS], margins ?? []);
+    fill(this.margins, `Margins, ${words} in brackets`, ["", ...MARGINS], margins ?? []);
     const moved = rows.filter(([, now, then], place) => columns[place]!.kind !== "multiples" && now !== then);
     this.announce([...found, ...moved.map(([title, now, then]) => `${title} ${now}, ${words} ${then}.`)]);
   }
@@ -113,7 +113,7 @@ function choice(live: LiveData, before: string[], choose: (controller: number) =
   legend.textContent = "Controller";
   group.append(legend);
   live.controllers.forEach(({ name }, place) => {
-    const label = document.createElement("label");
+    const label = document.createElement(live.controllers.length > 1 ? "label" : "p");
     const radio = document.createElement("input");
     radio.type = "radio";
     radio.name = "live";
@@ -122,7 +122,7 @@ function choice(live: LiveData, before: string[], choose: (controller: number) =
     const role = document.createElement("span");
     role.className = "unit";
     role.textContent = before[place] === "recommended" ? " recommended" : "";
-    label.append(radio, name, role);
+    label.append(...(live.controllers.length > 1 ? [radio] : []), name, role);
     group.append(label);
   });
   return group;
@@ -143,8 +143,17 @@ function watchLine(words: string): HTMLElement {
   return line;
 }
 
+/** Return a text, and in brackets what it was. */
+function beside(text: string, before: string | undefined): Node {
+  const [cell, was] = [document.createElement("span"), document.createElement("span")];
+  was.className = "unit";
+  was.textContent = `(${before ?? "–"})`;
+  cell.append(text, " ", was);
+  return cell;
+}
+
 /** Fill a table anew: the first cell of a row names it. */
-function fill(table: HTMLTableElement, caption: string, head: string[], rows: string[][]): void {
+function fill(table: HTMLTableElement, caption: string, head: string[], rows: [string, ...(string | Node)[]][]): void {
   table.replaceChildren();
   if (!rows.length) return;
   if (caption) table.createCaption().textContent = caption;
@@ -160,11 +169,8 @@ function fill(table: HTMLTableElement, caption: string, head: string[], rows: st
     const row = body.insertRow();
     const title = document.createElement("th");
     title.scope = "row";
-    title.textContent = name!;
-    row.append(title, ...cells.map((words) => {
-      const cell = document.createElement("td");
-      cell.textContent = words;
-      return cell;
-    }));
+    title.textContent = name;
+    row.append(title);
+    for (const cell of cells) row.insertCell().append(cell);
   }
 }

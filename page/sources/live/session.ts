@@ -64,7 +64,7 @@ export class Session {
     }
   }
 
-  async #load({ data, samples }: LoadMessage): Promise<void> {
+  async #load({ data, samples, frequencies }: LoadMessage): Promise<void> {
     if (data.form !== FORM) {
       throw new Refusal(
         "This report was written by another version of Clepsydra than its script, so nothing can be moved here.",
@@ -72,7 +72,7 @@ export class Session {
     }
     const modules = await compiled(data);
     const events = samples.map((each, event) => each.map((sample) => data.starts[event]! + sample));
-    const common = { data, modules, inputs: await inputsOf(data), events };
+    const common = { data, modules, inputs: await inputsOf(data), events, frequencies };
     const loops = data.controllers.map(async (controller) => {
       const plant = controller.plant && (await unpackedNumbers(controller.plant.packed));
       return new LiveLoop(common, controller, plant);

@@ -1,6 +1,6 @@
 /** Sliders of a controller: softer to bolder, and each setting with a field for its number. */
 
-import { numberText } from "../words.ts";
+import { numberText, timeText } from "../words.ts";
 import type { LiveSetting } from "./messages.ts";
 import type { TriedSettings } from "./tried_settings.ts";
 
@@ -100,10 +100,10 @@ export class Sliders {
     });
     const told = document.createElement("span");
     told.className = "unit";
-    told.textContent = unit;
     this.refreshers.push(() => {
       const shown = tried.shown(setting);
       stand(input, scale, shown, `${numberText(shown)} ${unit}`.trim());
+      told.textContent = unitText(unit, shown);
       if (field.hasAttribute("aria-invalid") && document.activeElement === field) return;
       refused.hidden = true;
       field.removeAttribute("aria-invalid");
@@ -168,6 +168,12 @@ function marked(input: HTMLInputElement, scale: Scale): HTMLElement {
   track.style.setProperty("--mark", String(scale.share(scale.before)));
   track.append(input);
   return track;
+}
+
+/** Return a unit, of a long time with the same in minutes or more; a gain's may part where it divides. */
+function unitText(unit: string, shown: number): string {
+  const long = unit === "s" && timeText(shown, "", DIGITS);
+  return long && !long.endsWith(" s") ? `s = ${long}` : unit.replaceAll(")/", ")/\u200b");
 }
 
 function boundsText({ least, most, unit }: LiveSetting): string {

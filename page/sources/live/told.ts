@@ -1,7 +1,7 @@
 /** What a run of tried settings is worth, in the words and digits of the ranking. */
 
 import { PEAK_LIMIT } from "../data.ts";
-import { numberText, roundedText, timeUnit } from "../words.ts";
+import { roundedText, timeText, timeUnit } from "../words.ts";
 import type { AnalysedMessage, ChannelMargins, LiveColumn, RanMessage } from "./messages.ts";
 
 /** What is known of a run; the linear loop is analysed after it. */
@@ -42,8 +42,7 @@ function timeCell(seconds: number): string {
 
 /** Return a time as a sentence has it, which does not part from its unit. */
 function spanText(seconds: number): string {
-  const [unit, length] = timeUnit(seconds);
-  return `${numberText(seconds / length, DIGITS)}\u00a0${unit}`;
+  return timeText(seconds, "", DIGITS).replace(" ", "\u00a0");
 }
 
 /** Return what has to be watched that was not so before, worst first. */

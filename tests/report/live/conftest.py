@@ -26,7 +26,8 @@ const session = new Session({{
   breathe: async () => {{ if (later.length) void session.take(later.shift()); }},
 }});
 /* first */
-await session.take({{ kind: "load", data: given.data, samples: given.samples }});
+const {{ data, samples, frequencies = [] }} = given;
+await session.take({{ kind: "load", data, samples, frequencies }});
 for (const message of given.messages ?? []) await session.take(message);
 answer(posted);
 """

@@ -29,7 +29,9 @@ def test_it_finds_again_what_the_report_says(process, studied, report_session):
         {"kind": "run", "run": place, "controller": place, "values": live["values"]}
         for place, live in enumerate(data["controllers"])
     ]
-    ready, *posted = report_session(result, data)(messages=messages)
+    response = result.ranking[data["controllers"][0]["controller"]].response
+    session = report_session(result, data)
+    ready, *posted = session(messages=messages, frequencies=response.frequencies.tolist())
     assert ready == {"kind": "ready"} and len(posted) == 2 * len(messages)
     for live, ran, analysed in zip(data["controllers"], posted[::2], posted[1::2], strict=True):
         candidate = result.ranking[live["controller"]]
@@ -39,6 +41,8 @@ def test_it_finds_again_what_the_report_says(process, studied, report_session):
         assert analysed["stable"]
         assert analysed["peak"] == pytest.approx(candidate.maximum_sensitivity, rel=2 * RISE)
         assert_same_margins(candidate, analysed)
+    sizes = np.linalg.svd(response.at_output, compute_uv=False)[:, 0]
+    np.testing.assert_allclose(posted[1]["sensitivity"], sizes, rtol=1e-9)
 
 
 def assert_same_run(result, candidate, live, ran):
