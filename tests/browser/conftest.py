@@ -24,6 +24,7 @@ from tools import REQUIRE, need
 import clepsydra as cl
 
 ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "deploy"))  # the programs of its tests
 SOURCES = ROOT / "page"
 #: In the order of their names in Debian, Ubuntu and Google's own package.
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")

@@ -8,6 +8,7 @@ from pathlib import Path
 from pages import blocks
 
 import clepsydra as cl
+from clepsydra.process.catalogue_names import catalogue_names
 
 #: The smallest plant: one tank, one pump, one sensor.
 ONE_TANK = Path(__file__).parents[1] / "one-tank.toml"
@@ -20,6 +21,14 @@ STRUCTURES = (
 )  # fmt: skip
 
 plant = cache(cl.load)
+
+
+def every_variant() -> list[str]:
+    """Return the processes of the catalogue, each followed by its variants."""
+    names = []
+    for name in catalogue_names():
+        names += [name, *(f"{name}:{variant}" for variant in plant(name).process.variants)]
+    return names
 
 
 @cache

@@ -4,22 +4,14 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from plants import STRUCTURES, plant
+from plants import STRUCTURES, every_variant, plant
 
 from clepsydra import Kernel
 from clepsydra.deploy.process_program import process_program
 from clepsydra.loop.open_loop import simulate
 from clepsydra.loop.step_size import substeps_for
-from clepsydra.process.catalogue_names import catalogue_names
 
 SAMPLES = 300
-
-
-def every_variant() -> list[str]:
-    names = []
-    for name in catalogue_names():
-        names += [name, *(f"{name}:{variant}" for variant in plant(name).process.variants)]
-    return names
 
 
 def profiles(point, seed: int) -> dict[str, np.ndarray]:

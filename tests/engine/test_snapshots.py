@@ -1,12 +1,17 @@
 """A run that is taken out and put back at any sample is the run that was never touched."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from random_laws import random_law
 
 from clepsydra import InputError, Kernel, Signal, program_of
+from clepsydra.engine.host import host
 from clepsydra.engine.stepping import SteppedKernel
 from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.operation import Operation
+from clepsydra.program.program import Program
 from clepsydra.program.step_law import Equations, step_law
 
 SAMPLES = 30
@@ -26,18 +31,28 @@ def delayed_law(seed: int):
         ],
         outputs=[Signal("y")],
         equations=lambda s: Equations(
-            {name: 0.5 * value + s["u0"] for name, value in s.items() if name != "u0"},
+            {name: 0.7 * value + s["u0"] for name, value in s.items() if name != "u0"},
             {"y": sum(s.values())},
         ),
     )
 
 
+def fusable(program: Program) -> Program:
+    """Return it as that of a process is, whose products may be fused into sums."""
+
+    def statement(each):
+        return replace(each, fused=True) if isinstance(each, Operation) else each
+
+    return replace(program, block=program.block.with_statements(statement))
+
+
+@pytest.mark.parametrize("fuse", [True, False], ids=["fused", "unfused"])
 @pytest.mark.parametrize("make", [random_law, delayed_law])
 @pytest.mark.parametrize("seed", range(50))
-def test_a_run_goes_on_as_if_it_had_never_been_left(make, seed):
+def test_a_run_goes_on_as_if_it_had_never_been_left(make, seed, fuse):
     random = np.random.default_rng([9, seed])
-    program = program_of(make(seed))
-    kernel, names = Kernel(program), [signal.name for signal in program.inputs]
+    program = fusable(program_of(make(seed)))
+    kernel, names = Kernel(program, fuse=fuse), [signal.name for signal in program.inputs]
     rows = [dict(zip(names, row, strict=True)) for row in random.normal(size=(SAMPLES, len(names)))]
     whole = SteppedKernel(kernel)
     expected = [whole.step(row) for row in rows]
@@ -56,6 +71,15 @@ def test_a_run_goes_on_as_if_it_had_never_been_left(make, seed):
         [list(each.values()) for each in found], [list(each.values()) for each in expected],
         equal_nan=True,
     )  # fmt: skip
+
+
+def test_a_fused_run_is_another_one():
+    program = fusable(program_of(delayed_law(1)))
+    fused, unfused = (
+        Kernel(program, fuse=fuse).run(SAMPLES, inputs={"u0": 0.1}).output("y")
+        for fuse in (True, False)
+    )
+    assert np.any(fused != unfused) == host().fuses
 
 
 def test_a_snapshot_stays_what_it_was():

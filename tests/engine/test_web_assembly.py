@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from hosted_runs import as_bits, assert_same, run_in_module
 from random_laws import random_law
 from tools import need
 
 from clepsydra import Kernel, program_of
 from clepsydra.base.signal import Signal
-from clepsydra.engine.hosted_module import HostedModule
 from clepsydra.engine.vector_code import KERNEL
 from clepsydra.engine.web_assembly import HEAP, web_assembly
 from clepsydra.program.operation import LIBRARY, Operation
@@ -21,30 +21,10 @@ def _tools():
     need("wasmtime")
 
 
-def run_in_module(module: bytes, job) -> np.ndarray:
-    """Return what a module records in a run that was laid out for a native kernel."""
-    program, hosted = job.kernel.program, HostedModule(module)
-    places, outputs = hosted.put_job(job), len(program.outputs)
-    hosted.call(places, samples=job.samples, turns=job.turns)
-    return hosted.read(places[4], job.samples * outputs).reshape(1, job.samples, outputs, 1)
-
-
-def as_bits(numbers: np.ndarray) -> np.ndarray:
-    """Return the bits; WebAssembly leaves those of what is not a number open."""
-    return np.where(np.isnan(numbers), -1, np.ascontiguousarray(numbers).view(np.int64))
-
-
-def assert_same(program: Program, **given) -> None:
-    job = Kernel(program, fuse=False).prepare(SAMPLES, **given)
-    expected, found = job.run().record, run_in_module(web_assembly(program), job)
-    assert found.shape == expected.shape and found.size
-    assert np.array_equal(as_bits(found), as_bits(expected))
-
-
 @pytest.mark.parametrize("seed", [pytest.param(s, id=str(s)) for s in range(60)])
 @pytest.mark.sampled
 def test_random_laws_compute_the_same_in_every_bit(seed):
-    assert_same(program_of(random_law(seed, printed=True)))
+    assert_same(program_of(random_law(seed, printed=True)), SAMPLES)
 
 
 def imports_and_exports(module: bytes) -> tuple[list[str], set[str]]:
@@ -76,7 +56,8 @@ def test_every_function_is_in_the_module(code):
     given = {signal.name: many_numbers(place) for place, signal in enumerate(inputs)}
     job = Kernel(program, fuse=False).prepare(len(given["u0"]), inputs=given)
     module = web_assembly(program)
-    assert np.array_equal(as_bits(run_in_module(module, job)), as_bits(job.run().record))
+    record, _ = run_in_module(module, job)
+    assert np.array_equal(as_bits(record), as_bits(job.run().record_of(0)))
     assert imports_and_exports(module) == (["env.memory"], {KERNEL, HEAP})
 
 
@@ -84,5 +65,5 @@ def test_a_large_program_has_its_memory_from_the_machine(monkeypatch):
     """Its values stand in memory, which a second call uses again."""
     program = program_of(random_law(1))
     monkeypatch.setattr("clepsydra.engine.vector_code.is_large", lambda _: True)
-    assert_same(program)
+    assert_same(program, SAMPLES)
     assert imports_and_exports(web_assembly(program))[0] == ["env.memory"]
