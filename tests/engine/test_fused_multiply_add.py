@@ -12,10 +12,10 @@ from clepsydra.engine.fused_multiply_add import FUSED, fused_multiply_add
 from clepsydra.engine.object_cache import ObjectCache
 
 COUNT = 100_000
+LARGEST = 2.0**1023 * (2.0 - 2.0**-52)
 SPECIAL = [
     0.0, -0.0, math.inf, -math.inf, math.nan, 5e-324, -5e-324, 1.0, -1.0, 0.5,
-    2.0**-1022, 2.0**-1022 - 2.0**-1074, 1.0 + 2.0**-52, 2.0**1023 * (2.0 - 2.0**-52),
-    -(2.0**1023) * (2.0 - 2.0**-52),
+    2.0**-1022, 2.0**-1022 - 2.0**-1074, 1.0 + 2.0**-52, LARGEST, -LARGEST,
 ]  # fmt: skip
 #: Applies a function to each row of three columns.
 LOOP = """
@@ -103,6 +103,27 @@ def ties(random):
     return tuple(sparse(random, each) for each in numbers)
 
 
+def near_ties(random):
+    """A product next to half of the last place of c: what decides is below 2⁻⁵⁰ of it."""
+    a = bits(random, 1023, 1024)
+    half = 2.0 ** random.integers(-3, 4, COUNT)
+    return a, half / a, 2.0**53 * half * bits(random, 1023, 1024)
+
+
+def factors_of_unlike_size(random):
+    """One whose halves overflow or which is below the normal range, and a product of any size."""
+    return bits(random, 1990, 2047), bits(random, 0, 60), bits(random, 900, 1200)
+
+
+def products_at_the_ends(random):
+    """Where a product begins to lose digits of its error, and just below the largest number."""
+    small, large = random.random(COUNT) < 0.5, bits(random, 1510, 1536)
+    a = np.where(small, bits(random, 500, 586), large)
+    other = LARGEST / large * (1.0 - random.random(COUNT) * 2.0**-26)
+    b = np.where(small, bits(random, 500, 586), other)
+    return a, b, np.where(random.random(COUNT) < 0.5, -(a * b), bits(random, 0, 2047))
+
+
 def results_below_the_normal_range(random):
     return bits(random, 0, 600), bits(random, 300, 800), bits(random, 0, 80)
 
@@ -133,7 +154,8 @@ def a_special_addend(random):
 
 
 CLASSES = [
-    any_bits, near_cancellation, whole_cancellation, of_one_size, ties,
+    any_bits, near_cancellation, whole_cancellation, of_one_size, ties, near_ties,
+    factors_of_unlike_size, products_at_the_ends,
     results_below_the_normal_range, arguments_below_the_normal_range, ties_below_the_normal_range,
     results_beyond_the_range, special_numbers, one_special_factor, a_special_addend,
 ]  # fmt: skip

@@ -10,6 +10,10 @@ _WHOLE = "@clepsydra_fma_whole"
 _DECLARED = "declare i64 @llvm.ctlz.i64(i64, i1)", "declare i64 @llvm.fshl.i64(i64, i64, i64)"
 #: Splits a double into two halves of 26 bits (Veltkamp).
 _SPLITTER = 2.0**27 + 1.0
+#: Biased exponents of a product that neither overflows on the way nor loses a digit of its error.
+_LEAST, _MOST = 1023 - 900, 1023 + 1000
+#: More than what rounding may do to a sum, as a share of it.
+_MARGIN = 2.0**-51
 _EXPONENT, _FRACTION, _SIGN = 0x7FF, (1 << 52) - 1, 1 << 63
 _HIDDEN, _INFINITE = 1 << 52, 0x7FF << 52
 
@@ -17,41 +21,47 @@ _HIDDEN, _INFINITE = 1 << 52, 0x7FF << 52
 def fused_multiply_add() -> str:
     """Return the LLVM code of the function, in one lane, out of plain operations.
 
-    Where no step can overflow or lose a digit below 2⁻¹⁰²², product and sums are taken with their
-    errors and the last two are added with rounding to odd, after which rounding to nearest is right
-    (Boldo and Melquiond 2008, doi:10.1109/TC.2007.70819). Elsewhere it computes in whole numbers.
+    The product (Dekker) and its sum with c (Knuth) are taken with their errors, and these are
+    added to one rest, with an error of 2⁻⁵³ of it. The sum of both is right where it is the same
+    with a rest larger and smaller by more than that (Ziv 1991, doi:10.1145/114697.116813), or
+    where that of the sum is zero and so the rest exact. Elsewhere it computes in whole numbers.
 
     Examples
     --------
     >>> fused_multiply_add().count("define internal double")
     2
     """
-    return "\n".join([*_DECLARED, _in_whole_numbers(), _guarded()])
+    return "\n".join([*_DECLARED, _in_whole_numbers(), _quickly()])
 
 
-def _guarded() -> str:
-    """Return the function itself: by rounding to odd within guarded exponents."""
+def _quickly() -> str:
+    """Return the function itself, by sums with their errors where the result is certain."""
     f = LaneFunction(1)
     f.begin("entry")
-    biased = [_biased(f, f.bits_of(x)) for x in ("%a", "%b", "%c")]
-    product = f.on_bits("sub", f.on_bits("add", biased[0], biased[1]), 1023)
-    inside = [(biased[0], 54, 1990), (biased[1], 54, 1990), (product, 160, 2040),
-              (biased[2], 160, 2040)]  # fmt: skip
-    guarded = "true"
-    for exponent, least, most in inside:
-        above = f.on_bits("sub", exponent, least)
-        guarded = f.both(guarded, f.assign(f"icmp ule i64 {above}, {most - least}"))
-    f.line(f"br i1 {guarded}, label %odd, label %whole")
+    product, product_rest = _product(f, "%a", "%b")
+    total, total_rest = f.exact_sum(product, "%c")
+    rest = f.add(total_rest, product_rest)
+    value = f.add(total, rest)
+    least, most = (f.add(total, f.multiply(rest, f.literal(1.0 + e))) for e in (-_MARGIN, _MARGIN))
+    above = f.on_bits("sub", _biased(f, f.bits_of(product)), _LEAST)
+    sound = f.assign(f"icmp ule i64 {above}, {_MOST - _LEAST}")
+    # Where a half of an argument or the sum overflows, the rest is not a number.
+    certain = f.compare("oeq", least, most)
+    f.line(f"br i1 {f.both(sound, certain)}, label %certain, label %other")
+    f.begin("other")
+    whole_rest = f.compare("oeq", total_rest, f.literal(0.0))
+    whole_rest = f.both(whole_rest, f.compare("ord", value, value))
+    f.line(f"br i1 {f.both(sound, whole_rest)}, label %certain, label %uncertain")
+    f.begin("certain")
+    f.line(f"ret double {value}")
+    f.begin("uncertain")
+    nothing = f.either(*(f.compare("oeq", x, f.literal(0.0)) for x in ("%a", "%b")))
+    f.line(f"br i1 {nothing}, label %nothing, label %whole")
+    f.begin("nothing")
+    f.line(f"ret double {total}")
     f.begin("whole")
-    f.line(f"%exact = call double {_WHOLE}(double %a, double %b, double %c)")
-    f.line("ret double %exact")
-    f.begin("odd")
-    high, low = _product(f, "%a", "%b")
-    total, total_rest = f.exact_sum("%c", low)
-    value, value_rest = f.exact_sum(high, total)
-    return f.definition(
-        FUSED, ["%a", "%b", "%c"], f.add(value, _to_odd(f, total_rest, value_rest))
-    ).replace("#0", "noinline #0", 1)
+    result = f.assign(f"call double {_WHOLE}(double %a, double %b, double %c)")
+    return f.definition(FUSED, ["%a", "%b", "%c"], result).replace("#0", "noinline #0", 1)
 
 
 def _product(f: LaneFunction, a: str, b: str) -> tuple[str, str]:
@@ -70,25 +80,12 @@ def _halves(f: LaneFunction, x: str) -> tuple[str, str]:
     return high, f.subtract(x, high)
 
 
-def _to_odd(f: LaneFunction, a: str, b: str) -> str:
-    """Append a + b, rounded to that neighbour whose last bit is 1 where it is not exact."""
-    total, rest = f.exact_sum(a, b)
-    bits, rest_bits = f.bits_of(total), f.bits_of(rest)
-    inexact = f.compare("une", rest, f.literal(0.0))
-    even = f.assign(f"icmp eq i64 {f.on_bits('and', bits, 1)}, 0")
-    # Away from zero where the rest has the sign of the sum.
-    other = f.on_bits("lshr", f.on_bits("xor", bits, rest_bits), 63)
-    step = f.on_bits("sub", f.whole_literal(1), f.on_bits("shl", other, 1))
-    moved = f.on_bits("add", bits, step)
-    return f.real_of(f.assign(f"select i1 {f.both(inexact, even)}, i64 {moved}, i64 {bits}"))
-
-
 def _biased(f: LaneFunction, bits: str) -> str:
     return f.on_bits("and", f.on_bits("lshr", bits, 52), _EXPONENT)
 
 
 def _in_whole_numbers() -> str:
-    """Return the function for any arguments, in 128 bits."""
+    """Return the function for any arguments but factors of 0, in 128 bits."""
     f = LaneFunction(1)
     f.begin("entry")
     a, b, c = (f.bits_of(x) for x in ("%a", "%b", "%c"))
@@ -135,12 +132,10 @@ def _plain_cases(f: LaneFunction, a: str, b: str, c: str) -> list[tuple[str, str
     product = f.multiply("%a", "%b")
     plain = f.add(product, "%c")
     special = [f.assign(f"icmp eq i64 {_biased(f, bits)}, {_EXPONENT}") for bits in (a, b, c)]
-    none = [f.compare("oeq", x, f.literal(0.0)) for x in ("%a", "%b", "%c")]
     return [
         ("infinite", f.either(special[0], special[1]), plain),
         ("open", special[2], f.add("%c", "%c")),
-        ("nothing", f.either(none[0], none[1]), plain),
-        ("alone", none[2], product),
+        ("alone", f.compare("oeq", "%c", f.literal(0.0)), product),
     ]
 
 

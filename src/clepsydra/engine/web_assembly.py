@@ -86,6 +86,8 @@ def _whole(code: str) -> str:
     if INTRINSIC in code:
         lines = code.replace(f"{INTRINSIC}(", f"{FUSED}(").splitlines()
         lines = [each for each in lines if not each.startswith(f"declare double {FUSED}(")]
+        # Each function once: in its place at every call it takes twice the module and no less time.
+        lines = [each.replace(") alwaysinline", ") noinline") for each in lines]
         code = "\n".join([fused_multiply_add(), *lines, ""])
     if "@malloc(" in code:
         own = ("declare ptr @malloc(", "declare void @free(", "declare void @abort(")

@@ -66,7 +66,7 @@ def verify(
     stem: str | None = None,
     progress: Callable[[ProofProgress], None] | None = None,
 ) -> Proof:
-    """Run controllers and process as C, Structured Text and FMU; compare with the simulation.
+    """Run controllers and process on every target that runs; compare with the simulation.
 
     Parameters
     ----------
