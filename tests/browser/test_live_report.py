@@ -189,6 +189,28 @@ def test_what_is_kept_is_a_row_that_stays_and_can_be_shown(reader):
     assert rows.count() == count + 2
 
 
+def test_nothing_is_kept_before_it_is_computed(report, opened):
+    hold = """
+        const post = Worker.prototype.postMessage;
+        Worker.prototype.postMessage = function (message) {
+            if (window.held) window.held.push(() => post.call(this, message));
+            else post.call(this, message);
+        };"""
+    reader = Reader(opened(report(PROCESS), first=hold))
+    keep = reader.button("Keep as a row")
+    reader.press("PageUp")
+    before = reader.figures("max|S|")[0]
+    assert keep.is_enabled()
+    reader.page.evaluate("window.held = []")
+    reader.page.keyboard.press("PageUp")
+    assert keep.is_disabled()
+    reader.page.evaluate("window.held.splice(0).forEach(post => post())")
+    reader.after(before)
+    keep.click()
+    kept = reader.page.locator(".ranking tbody tr").last.get_by_role("cell").last
+    assert kept.inner_text() == reader.figures("max|S|")[0] != before
+
+
 def test_the_settings_are_copied_a_line_each(reader):
     reader.field.fill("9.5")
     reader.field.press("Enter")

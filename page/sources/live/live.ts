@@ -71,13 +71,16 @@ class Live implements Listener {
   private readonly before: string[];
   private runner: Runner | undefined;
   private chosen = 0;
-  /** What was asked for last is worth this. */
+  /** What was asked for last, and what a run is worth that was asked for then or just before. */
+  private asked: Trial | undefined;
   private outcome: Outcome | undefined;
   /** Of each controller with the study's settings. */
   private readonly outcomes: (Outcome | undefined)[] = [];
   /** To be drawn in the next frame. */
   private next: RanMessage | undefined;
   private isAwaited = false;
+  /** Whether what is seen of it is not all. */
+  private isPartial = true;
   /** Place of what is tried among the controllers of the page, once it differs. */
   private row: number | undefined;
   private kept = 0;
@@ -99,11 +102,12 @@ class Live implements Listener {
   }
 
   ran(trial: Trial, ran: RanMessage): void {
-    const outcome = { ran, analysed: this.outcome?.analysed ?? null };
-    if (trial.isAsBefore && ran.whole) this.outcomes[trial.controller] = { ran, analysed: null };
+    if (trial.isAsBefore && ran.whole) this.outcomes[trial.controller] = { trial, ran, analysed: null };
     if (!this.isWanted(trial)) return;
     this.next = ran;
-    if (ran.whole) this.outcome = outcome;
+    this.isPartial = !ran.whole;
+    // Until it is analysed anew, max|S| is that of a moment ago.
+    if (ran.whole) this.outcome = { trial, ran, analysed: this.outcome?.analysed ?? null };
     this.await();
   }
 
@@ -138,11 +142,14 @@ class Live implements Listener {
       return this.refused(undefined, true);
     }
     this.ask();
+    this.draw();
   }
 
   private ask(): void {
     const { values, isAsBefore } = this.settings;
-    this.runner?.ask({ controller: this.chosen, values, isAsBefore });
+    this.asked = { controller: this.chosen, values, isAsBefore };
+    this.runner?.ask(this.asked);
+    this.offer();
   }
 
   /** Whether a trial is of what the sliders are at, or were a moment ago. */
@@ -170,11 +177,10 @@ class Live implements Listener {
     const { analysed } = this.outcome ?? {};
     if (analysed && this.row !== undefined)
       this.pictures.takeSensitivity(this.row, analysed.sensitivity.map(finite));
-    if (this.outcome) {
-      const { controller } = this.live.controllers[this.chosen]!;
-      const cells = this.pictures.ranking.cells(controller);
-      this.panel.tell(this.outcome, this.outcomes[this.chosen], this.before[this.chosen]!, cells);
-    }
+    const { controller } = this.live.controllers[this.chosen]!;
+    const cells = this.pictures.ranking.cells(controller);
+    const then = { outcome: this.outcomes[this.chosen], words: this.before[this.chosen]!, cells };
+    this.panel.tell(this.outcome, then, this.isPartial);
     this.offer();
   }
 
@@ -192,9 +198,10 @@ class Live implements Listener {
     this.hide();
     this.chosen = controller;
     this.outcome = undefined;
+    this.isPartial = true;
     if (this.row !== undefined) this.data.controllers[this.row]!.title = `${this.live.controllers[controller]!.name}, changed`;
-    this.offer();
     this.ask();
+    this.draw();
   }
 
   private goBack(): void {
@@ -203,6 +210,7 @@ class Live implements Listener {
     this.hide();
     const before = this.outcomes[this.chosen];
     this.outcome = before && { ...before };
+    this.isPartial = !before;
     if (before) this.draw();
     else this.ask();
   }
@@ -229,9 +237,10 @@ class Live implements Listener {
   /** Offer to go back from what differs, and to keep what is known whole. */
   private offer(): void {
     const { slopes, plant } = this.live.controllers[this.chosen]!;
-    const { outcome } = this;
-    const isWhole = outcome && (!slopes || !plant || outcome.analysed?.run === outcome.ran.run);
-    this.panel.offer(!this.settings.isAsBefore, this.row !== undefined && !this.settings.isAsBefore && isWhole === true);
+    const { trial, ran, analysed } = this.outcome ?? {};
+    const isKnown = trial === this.asked && (!slopes || !plant || analysed?.run === ran?.run);
+    const isChanged = !this.settings.isAsBefore;
+    this.panel.offer(isChanged, isChanged && isKnown && this.row !== undefined);
   }
 }
 

@@ -18,6 +18,13 @@ export interface Wishes {
   keep(): void;
 }
 
+/** How a controller is as the study has it: its run, its cells of the ranking, and what this is called. */
+export interface Before {
+  outcome: Outcome | undefined;
+  cells: string[];
+  words: string;
+}
+
 export class Panel {
   readonly place = document.createElement("details");
   private readonly live: LiveData;
@@ -81,21 +88,26 @@ export class Panel {
   }
 
   /** Tell what a run is worth beside what it was before, and a moment later aloud. */
-  tell(outcome: Outcome, before: Outcome | undefined, words: string, cells: string[]): void {
+  tell(outcome: Outcome | undefined, before: Before, isPartial: boolean): void {
     const { columns, period } = this.live;
-    const texts = numbersOf(outcome, columns).map((number, place) => cellText(columns[place]!, number));
-    const rows = columns.map(({ title }, place): [string, string, string] => [title, texts[place]!, cells[place]!]);
-    fill(this.figures, "", ["", "now", words], rows);
-    const found = warnings(outcome, before, period, words);
+    const numbers = outcome && numbersOf(outcome, columns);
+    const rows = columns.map((column, place): [string, string, string] => [
+      column.title,
+      numbers ? cellText(column, numbers[place]!) : "…",
+      before.cells[place]!,
+    ]);
+    fill(this.figures, "", ["", isPartial ? "computing …" : "now", before.words], rows);
+    const found = outcome ? warnings(outcome, before.outcome, period, before.words) : [];
     this.watch(found);
-    const earlier = before?.analysed?.margins.map(marginTexts) ?? [];
-    const margins = outcome.analysed?.margins.map((each, place): [string, ...Node[]] => [
+    const earlier = before.outcome?.analysed?.margins.map(marginTexts) ?? [];
+    const margins = outcome?.analysed?.margins.map((each, place): [string, ...Node[]] => [
       each.name,
       ...marginTexts(each).map((text, column) => beside(text, earlier[place]?.[column])),
     ]);
-    fill(this.margins, `Margins, ${words} in brackets`, ["", ...MARGINS], margins ?? []);
+    fill(this.margins, `Margins, ${before.words} in brackets`, ["", ...MARGINS], margins ?? []);
+    if (isPartial) return;
     const moved = rows.filter(([, now, then], place) => columns[place]!.kind !== "multiples" && now !== then);
-    this.announce([...found, ...moved.map(([title, now, then]) => `${title} ${now}, ${words} ${then}.`)]);
+    this.announce([...found, ...moved.map(([title, now, then]) => `${title} ${now}, ${before.words} ${then}.`)]);
   }
 
   /** Say it aloud once all has come to rest. */

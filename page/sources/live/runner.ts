@@ -2,6 +2,9 @@
 
 import type { AnalysedMessage, LoadMessage, PageMessage, RanMessage, WorkerMessage } from "./messages.ts";
 
+/** A run that has shown something makes way for a newer one after so long [ms]. */
+const PATIENCE = 400;
+
 export interface Trial {
   /** Its place among the controllers that can be tried. */
   controller: number;
@@ -26,6 +29,7 @@ export class Runner {
   private isReady = false;
   private isBusy = true;
   private waiting: Trial | undefined;
+  private patience = 0;
 
   constructor(worker: Worker, load: LoadMessage, listener: Listener) {
     this.worker = worker;
@@ -54,13 +58,20 @@ export class Runner {
 
   private take(message: WorkerMessage): void {
     if (message.kind === "ready") this.isReady = true;
-    if (message.kind !== "analysed" && (message.kind !== "ran" || message.whole)) this.isBusy = false;
+    if (message.kind === "ran" && !message.whole) this.patience = setTimeout(() => this.free(), PATIENCE);
+    else if (message.kind !== "analysed") this.free();
     if (message.kind === "refused") this.listener.refused(message.words, !this.isReady);
     if (message.kind === "ran" || message.kind === "analysed") {
       const trial = this.trials.get(message.run);
       if (trial && message.kind === "ran") this.listener.ran(trial, message);
       if (trial && message.kind === "analysed") this.listener.analysed(trial, message);
     }
+    this.next();
+  }
+
+  private free(): void {
+    clearTimeout(this.patience);
+    this.isBusy = false;
     this.next();
   }
 

@@ -21,6 +21,7 @@ export class Sliders {
     this.tried = tried;
     this.moved = moved;
     const { bolder, loops } = tried.controller;
+    this.place.className = "loops";
     if (bolder.length) this.place.append(this.boldness());
     for (const { title, settings } of loops) {
       const group = document.createElement("div");

@@ -3,9 +3,11 @@
 import { PEAK_LIMIT } from "../data.ts";
 import { roundedText, timeText, timeUnit } from "../words.ts";
 import type { AnalysedMessage, ChannelMargins, LiveColumn, RanMessage } from "./messages.ts";
+import type { Trial } from "./runner.ts";
 
 /** What is known of a run; the linear loop is analysed after it. */
 export interface Outcome {
+  trial: Trial;
   ran: RanMessage;
   analysed: AnalysedMessage | null;
 }
