@@ -34,6 +34,7 @@ export interface InputColumn {
 
 /** Normal noise for `count` samples from the `first` on, which seed and stream alone determine. */
 export interface Noise {
+  /** Its words of 32 bits, the lowest first. */
   seed: number[];
   stream: number;
   first: number;

@@ -1,1 +1,1 @@
-"""Programs to machine code."""
+"""Programs to machine code, and the noise that they get."""
