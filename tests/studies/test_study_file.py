@@ -10,7 +10,7 @@ import clepsydra as cl
 from clepsydra import NotApplicable
 from clepsydra.designs.design import DESIGNS
 from clepsydra.linear.linearise import linearise
-from clepsydra.loop.default_scenario import NOISE_SHARE, default_scenario
+from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.process.catalogue_names import catalogue_file
 from clepsydra.process.reader import load_process
 from clepsydra.studies.file.kind import is_study_file
@@ -117,7 +117,7 @@ def test_noise_is_that_of_the_process_over_the_whole_scenario(study):
     noise = found.scenario.noise
     assert noise.shape == (18000, 4)
     # The standard error of a standard deviation of n samples is σ/√(2 n), 0.5 % here.
-    assert noise.std(axis=0) == pytest.approx(NOISE_SHARE * 10.0, rel=0.025)
+    assert noise.std(axis=0) == pytest.approx(0.05, rel=0.025)
     again = study(QUADRUPLE + text + 'by = "1 V"\n')
     other = study("seed = 2\n" + QUADRUPLE + text + 'by = "1 V"\n')
     assert np.array_equal(noise, again.scenario.noise)

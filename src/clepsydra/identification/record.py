@@ -14,6 +14,7 @@ from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import convertible, to_si
 from clepsydra.base.words import time_text
+from clepsydra.loop.noise import Noise
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.process.process import Process
 
@@ -144,7 +145,7 @@ def record_of(
     noise : mapping, optional
         Signal to the standard deviation of its noise [SI].
     seed : int
-        Of the noise.
+        Of the noise, not negative.
 
     Examples
     --------
@@ -157,10 +158,9 @@ def record_of(
     >>> found.best.name, round(found.best.estimates[0].value, 1)  # [V/V]
     ('FOPDT', 2.6)
     """
-    random = np.random.default_rng(seed)
     values = dict(run.values)
     for name, deviation in (noise or {}).items():
-        values[name] = values[name] + random.normal(0.0, deviation, len(run.time))
+        values[name] = values[name] + Noise(name, deviation, 0, len(run.time)).values(seed)
     period = run.process.sampling_period
     return Record(f"simulation of {run.process.name}", run.signals, values, period)
 

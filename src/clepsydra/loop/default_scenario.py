@@ -10,6 +10,7 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.designs.loops.averaging_room import longest_arrest
+from clepsydra.engine.white_noise import check_seed
 from clepsydra.linear.assignment import cheapest_assignment
 from clepsydra.linear.dead_time import at_rest
 from clepsydra.linear.linear_model import LinearModel
@@ -17,9 +18,11 @@ from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.linear.poles import origin_radius, time_constants
 from clepsydra.linear.zeros import zeros
+from clepsydra.loop.finite_span import finite_span
 from clepsydra.loop.moves_at_rest import moves_at_rest
 from clepsydra.loop.residence_times import residence_times, width_of_range
 from clepsydra.loop.scenario import Scenario, Segment
+from clepsydra.loop.with_noise import with_noise
 from clepsydra.process.averaging import check_at_rest
 from clepsydra.process.process import Process
 from clepsydra.scores.segment import SegmentKind
@@ -35,8 +38,6 @@ MARGIN = 0.05
 #: No level rests nearer to floor, rim or an end of its band than this share of its distance at the
 #: start.
 LEVEL_SHARE = 0.5
-#: Standard deviation of the measurement noise, share of the range.
-NOISE_SHARE = 0.005
 #: Length of a segment in times of the slowest thing that happens in it.
 SLOWEST_TIMES = 6.0
 #: Rest before the first step, share of a segment.
@@ -80,9 +81,10 @@ def default_scenario(model: LinearModel, seed: int = 1) -> Scenario:
     as good as integrating: the times then are those with it held by 1 % of that input for 1 %.
     It is rounded up to a pretty number.
 
-    *Noise.* White, normal, from PCG64 with the seed that the scenario records. Its standard
-    deviation is what the process gives for a measurement, or 0.5 % of the measurement's range;
-    in the same stretch, those disturbances are noisy for which the process gives it.
+    *Noise.* White, normal, by `white_noise` from the seed that the scenario records, the name of
+    the signal and the place of the sample. Its standard deviation is what the process gives for a
+    measurement, or 0.5 % of the measurement's range; in the same stretch, those disturbances are
+    noisy for which the process gives it.
 
     Parameters
     ----------
@@ -114,8 +116,7 @@ def default_scenario(model: LinearModel, seed: int = 1) -> Scenario:
     >>> scenario.segments[0]
     Segment(kind='setpoint', signal='level_1', start=60.0, stop=660.0, size=1.0)
     """
-    if not isinstance(seed, (int, np.integer)) or isinstance(seed, bool) or seed < 0:
-        raise InputError("seed", seed, "a whole number from 0", "choose another seed")
+    check_seed(seed)
     point = operating_point_of(model)
     process = point.process
     check_at_rest(process, point.as_dict())
@@ -164,8 +165,9 @@ def default_scenario(model: LinearModel, seed: int = 1) -> Scenario:
         add_segment("setpoint", name, -size)
     for column, name, size in loads:
         disturbances[add_segment("load", name, size).start :, column] += size
-    add_noise(process, noise, disturbances, add_segment("noise", "", 0.0), seed)
-    return Scenario(period, setpoints, disturbances, noise, tuple(segments), seed)
+    quiet = add_segment("noise", "", 0.0)
+    scenario = Scenario(period, setpoints, disturbances, noise, tuple(segments), seed)
+    return with_noise(scenario, process, quiet.start)
 
 
 def segment_samples(model: LinearModel) -> tuple[int, int]:
@@ -195,54 +197,13 @@ def segment_samples(model: LinearModel) -> tuple[int, int]:
     return math.ceil(REST_SHARE * each), each
 
 
-def add_noise(
-    process: Process, noise: np.ndarray, disturbances: np.ndarray, stretch: slice, seed: int
-) -> None:
-    """Add measurement noise, and the noise of disturbances that have some, to a stretch.
-
-    Parameters
-    ----------
-    process : Process
-    noise : ndarray [samples, measurements]
-    disturbances : ndarray [samples, disturbances]
-    stretch : slice
-        Of the samples.
-    seed : int
-
-    Raises
-    ------
-    InputError
-        A measurement has neither a noise nor a finite range.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> noise, loads = np.zeros((6, 4)), np.zeros((6, 2))
-    >>> add_noise(load_process("quadruple-tank"), noise, loads, slice(2, 6), seed=1)
-    >>> bool(np.all(noise[:2] == 0.0)), bool(np.all(noise[2:] != 0.0)), bool(np.any(loads))
-    (True, True, False)
-    """
-    deviation = [
-        process.noise[signal.name]
-        if signal.name in process.noise
-        else NOISE_SHARE * _span(process, signal)
-        for signal in process.measurements
-    ]
-    random = np.random.Generator(np.random.PCG64(seed))
-    noise[stretch] = random.normal(0.0, deviation, noise[stretch].shape)
-    for column, signal in enumerate(process.disturbances):
-        if signal.name in process.noise:
-            wide = disturbances[stretch, column]
-            wide += random.normal(0.0, process.noise[signal.name], wide.shape)
-
-
 def _setpoint_step(
     process: Process, point: OperatingPoint, model: LinearModel, column: int
 ) -> float:
     """Return the signed size of the setpoint step of one controlled measurement."""
     name = model.outputs[column]
     output = process.signal(name)
-    span = _span(process, output)
+    span = finite_span(process, output)
     values, smallest = point.as_dict(), SMALLEST_STEP_SHARE * span
     wanted = np.zeros(len(model.states) + len(model.outputs))
     wanted[len(model.states) + column] = 1.0
@@ -303,7 +264,7 @@ def _slowest(process: Process, model: LinearModel) -> float:
         states = np.eye(len(model.states))
         rates = np.abs(s * model.C @ np.linalg.solve(s * states - model.A, model.B))
         fastest = rates @ [width_of_range(process.signal(name)) for name in model.inputs]
-        spans = np.array([_span(process, process.signal(name)) for name in model.outputs])
+        spans = np.array([finite_span(process, process.signal(name)) for name in model.outputs])
         integrating = fastest * max(times) > 1e-3 * spans
         times += list(spans[integrating] / fastest[integrating])
     return float(max(times))
@@ -319,7 +280,7 @@ def _held(process: Process, model: LinearModel) -> LinearModel:
     if not np.all(np.isfinite(time_constants(model))):
         return model
     widths = np.array([width_of_range(process.signal(name)) for name in model.inputs])
-    spans = np.array([_span(process, process.signal(name)) for name in model.outputs])
+    spans = np.array([finite_span(process, process.signal(name)) for name in model.outputs])
     # [%/%]
     gains = (model.D - model.C @ np.linalg.solve(model.A, model.B)) * widths / spans[:, None]
     gain = np.zeros((len(widths), len(spans)))
@@ -346,18 +307,6 @@ def _inner(signal: Signal) -> tuple[float, float]:
 def _near(value: float, low: float, high: float) -> tuple[float, float]:
     """Return the ends of what is nearer to a value than to the limits."""
     return value - LEVEL_SHARE * (value - low), value + LEVEL_SHARE * (high - value)
-
-
-def _span(process: Process, signal: Signal) -> float:
-    span = signal.span
-    if not (math.isfinite(span) and span > 0.0):
-        raise InputError(
-            f"{process.name}, {signal.name}",
-            f"a range from {signal.low:g} to {signal.high:g} {signal.unit}",
-            "a finite range with its low end below its high end",
-            "give the sensor a range",
-        )
-    return span
 
 
 def _one_digit_below(value: float) -> float:

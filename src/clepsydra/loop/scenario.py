@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.loop.noise import Noise
 from clepsydra.loop.profile import Change, profiles_of
 from clepsydra.scores.segment import Segment as Segment
 
@@ -34,6 +35,11 @@ class Scenario:
         Of the noise.
     begin : Begin or None
         Where the loop begins; None at rest at its operating point.
+    noises : tuple of Noise
+        What the noise of measurements, and that in the disturbances, is made of; none where it was
+        given by its values.
+    quiet_disturbances : ndarray [samples, disturbances] or None
+        The disturbances without their noise; None where that is not known to be apart.
     """
 
     sampling_period: float
@@ -43,6 +49,8 @@ class Scenario:
     segments: tuple[Segment, ...]
     seed: int
     begin: Begin | None = None
+    noises: tuple[Noise, ...] = ()
+    quiet_disturbances: np.ndarray | None = None
 
     @property
     def samples(self) -> int:

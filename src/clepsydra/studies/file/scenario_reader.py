@@ -15,10 +15,11 @@ from clepsydra.base.words import time_text
 from clepsydra.linear.analysis import Analysis
 from clepsydra.loop.begin import ControllerStart, begin_from
 from clepsydra.loop.beginning import with_beginning
-from clepsydra.loop.default_scenario import MOST_SAMPLES, add_noise, default_scenario
+from clepsydra.loop.default_scenario import MOST_SAMPLES, default_scenario
 from clepsydra.loop.open_loop_plan import Start
 from clepsydra.loop.profile import samples_before
 from clepsydra.loop.scenario import Scenario, Segment
+from clepsydra.loop.with_noise import with_noise
 from clepsydra.process import told
 from clepsydra.process.averaging import check_at_rest, within_band
 from clepsydra.process.declared import OWN, keys_of, part, read_fields, table_schema
@@ -283,9 +284,10 @@ def read_scenario(table: TableReader | None, analysis: Analysis, seed: int) -> S
         segments = with_beginning(process, begin, setpoints[0], segments, last * period)
     if quiet is not None:
         segments.append(Segment("noise", "", quiet * period, samples * period, 0.0))
+    scenario = Scenario(period, setpoints, disturbances, noise, tuple(segments), seed, begin)
     if quiet is not None or table.flag("noise", default=True):
-        add_noise(process, noise, disturbances, slice(quiet, None), seed)
-    return Scenario(period, setpoints, disturbances, noise, tuple(segments), seed, begin)
+        return with_noise(scenario, process, quiet or 0)
+    return scenario
 
 
 def _value(step: Step, bands: Mapping[str, tuple[float, float]], before: float) -> float:

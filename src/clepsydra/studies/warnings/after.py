@@ -42,7 +42,7 @@ def run_warnings(run: Run) -> tuple[Remark, ...]:
     >>> plant = cl.load("quadruple-tank")
     >>> fast = cl.design.simc(plant).with_values({"level_1": {"K": 50.0}})
     >>> print(run_warnings(cl.simulate(plant, fast))[0])
-    pump_1 stands at a limit for 35 % of the time, mostly at 0 V: nothing is corrected meanwhile; \
+    pump_1 stands at a limit for 34 % of the time, mostly at 0 V: nothing is corrected meanwhile; \
 ask for less, or give it another size.
     """
     return (

@@ -1,0 +1,60 @@
+"""The noise that a process has, in the last stretch of a scenario."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from clepsydra.loop.finite_span import finite_span
+from clepsydra.loop.noise import Noise
+from clepsydra.loop.scenario import Scenario
+from clepsydra.process.process import Process
+
+#: Standard deviation of the noise of a measurement that has none of its own, share of its range.
+NOISE_SHARE = 0.005
+
+
+def with_noise(scenario: Scenario, process: Process, first: int = 0) -> Scenario:
+    """Return a quiet scenario with the noise of a process from a sample on.
+
+    Each measurement has noise, and those disturbances for which the process gives it.
+
+    Raises
+    ------
+    InputError
+        A measurement has neither a noise nor a finite range, or the seed is no whole number
+        from 0.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> from clepsydra.loop.scenario import scenario_of_changes
+    >>> plant = cl.load("quadruple-tank")
+    >>> noisy = with_noise(scenario_of_changes(plant.point, (), 6), plant.process, first=2)
+    >>> noisy.noise.any(axis=1)
+    array([False, False,  True,  True,  True,  True])
+    >>> noisy.noises[0]
+    Noise(signal='level_1', deviation=0.05, first=2, count=4)
+    """
+    deviations = {
+        signal.name: NOISE_SHARE * finite_span(process, signal)
+        for signal in process.measurements
+        if signal.name not in process.noise
+    } | process.noise
+    noise, disturbances = scenario.noise.copy(), scenario.disturbances.copy()
+    columns = (
+        *zip(process.measurements, noise.T, strict=True),
+        *zip(process.disturbances, disturbances.T, strict=True),
+    )
+    noises = []
+    for signal, column in columns:
+        if signal.name in deviations:
+            deviation, count = deviations[signal.name], scenario.samples - first
+            noises.append(Noise(signal.name, deviation, first, count))
+            column[first:] += noises[-1].values(scenario.seed)
+    return replace(
+        scenario,
+        noise=noise,
+        disturbances=disturbances,
+        noises=tuple(noises),
+        quiet_disturbances=scenario.disturbances,
+    )
