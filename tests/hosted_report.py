@@ -7,6 +7,7 @@ import zlib
 import numpy as np
 
 from clepsydra.engine.hosted_module import HostedModule
+from clepsydra.engine.white_noise import white_noise
 from clepsydra.report.html import _shown_first
 from clepsydra.report.live.live_data import live_data
 from clepsydra.report.overlay import event_windows, shown_signals
@@ -36,12 +37,17 @@ def hosted(data, number):
 
 def inputs_of(data):
     """Return the inputs of a run [samples, inputs]."""
-    columns = [
-        np.full(data["samples"], each["constant"])
-        if each["packed"] is None
-        else numbers(each["packed"])
-        for each in data["inputs"]
-    ]
+    columns = []
+    for each in data["inputs"]:
+        column = np.full(data["samples"], each["constant"])
+        if each["packed"] is not None:
+            column = numbers(each["packed"]).copy()
+        if noise := each["noise"]:
+            seed = sum(word << 32 * place for place, word in enumerate(noise["seed"]))
+            stretch = noise["first"], noise["count"]
+            made = noise["deviation"] * white_noise(seed, noise["stream"], *stretch)
+            column[stretch[0] :][: stretch[1]] += made
+        columns.append(column)
     return np.column_stack(columns)
 
 

@@ -2,6 +2,7 @@
 
 import { unpackedNumbers } from "./bytes.ts";
 import type { InputColumn, LiveData } from "./messages.ts";
+import { whiteNoise } from "./noise.ts";
 
 /** Return the inputs of a run row by row [samples × inputs]. */
 export async function inputsOf({ inputs, samples }: LiveData): Promise<Float64Array> {
@@ -14,7 +15,7 @@ export async function inputsOf({ inputs, samples }: LiveData): Promise<Float64Ar
 }
 
 async function columnOf({ packed, constant, noise }: InputColumn, samples: number): Promise<Float64Array> {
-  if (noise) throw new RangeError("its noise is not known here");
   const values = packed === null ? new Float64Array(samples).fill(constant) : await unpackedNumbers(packed);
+  if (noise) whiteNoise(noise).forEach((value, place) => (values[noise.first + place]! += value));
   return values;
 }

@@ -21,6 +21,7 @@ from clepsydra.report.live.law_programs import resting, slopes
 from clepsydra.report.live.live_columns import keys_of, live_columns
 from clepsydra.report.live.live_scores import LiveScores
 from clepsydra.report.live.modules import Modules
+from clepsydra.report.live.noise_apart import noise_apart
 from clepsydra.report.live.packed import column
 from clepsydra.report.live.sampled_plant import sampled_plant
 from clepsydra.report.live.sliders import bolder, sliders
@@ -109,11 +110,12 @@ class _Controller:
 
     def inputs(self) -> list[dict[str, Any]]:
         """Return the inputs of its loop, which are those of every other."""
-        given = {
-            **self.loop.inputs_of(self.scenario),
-            **self.scores.running.inputs_of(self.scenario),
-        }
-        return [column(given[signal.name].copy()) for signal in self.program.inputs]
+        quiet, noises = noise_apart(self.scenario, self.result.process)
+        given = {**self.loop.inputs_of(quiet), **self.scores.running.inputs_of(quiet)}
+        return [
+            {**column(given[signal.name].copy()), "noise": noises.get(signal.name)}
+            for signal in self.program.inputs
+        ]
 
     def data(self, signals: Sequence[ShownSignal]) -> dict[str, Any]:
         """Return all that is its own."""
