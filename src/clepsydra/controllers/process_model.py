@@ -17,8 +17,17 @@ _FACTOR = 10.0
 
 
 def used_in(equations: ProcessEquations, expressions: Iterable[ca.SX]) -> tuple[Constant, ...]:
-    """Return the constants of a process on which expressions depend."""
-    used = {symbol.name() for symbol in ca.symvar(ca.vertcat(*map(ca.vec, expressions)))}
+    """Return the constants of a process on which expressions depend.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> from clepsydra.linear.process_equations import process_equations
+    >>> used_in(process_equations(cl.load("quadruple-tank").linear), [])
+    ()
+    """
+    together = ca.SX(ca.vertcat(*map(ca.vec, expressions)))  # without any, CasADi makes no SX
+    used = {symbol.name() for symbol in ca.symvar(together)}
     return tuple(each for each in equations.constants if each.symbol.name() in used)
 
 

@@ -6,7 +6,7 @@ A study knows by it what it will tune before it loads what tunes, which comes af
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -126,14 +126,26 @@ class _TunedPid(UsualTuning):
         goal = usual_goal(controller, model, scenario)
         search = replace(search, generations=_GENERATIONS, front=())
         found = tune(DerivativeSpace.around(controller, scenario.sampling_period), goal, search)
-        before = self._tried().scores
-        left = float(np.mean([found.scores[key] / before[key] for key in goal.objective.names]))
-        if left > WORTH:
+        names = goal.objective.names
+        if share_left(found.scores, self._tried().scores, names) > WORTH:
             raise NotApplicable(
                 f"a derivative takes less than {100 * (1 - WORTH):.0f} % off the errors of "
                 f"{self.first}"
             )
         return found
+
+
+def share_left(
+    now: Mapping[str, float], before: Mapping[str, float], names: Iterable[str]
+) -> float:
+    """Return the mean share of scores that is left; of what was nothing there is no share.
+
+    Examples
+    --------
+    >>> share_left({"a": 1.0, "b": 1e-18}, {"a": 2.0, "b": 0.0}, ["a", "b"])
+    0.5
+    """
+    return float(np.mean([now[name] / before[name] for name in names if before[name] > 0.0]))
 
 
 def usual_tunings(process: Process, trials: Sequence[Trial]) -> tuple[UsualTuning, ...]:
