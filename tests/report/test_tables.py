@@ -73,7 +73,7 @@ def test_signals_of_different_units_are_compared_in_percent_of_their_ranges():
         for each in ranking_columns(replace(result, ranking=ranking))
         if each.title == "deviates"
     ]
-    assert deviates.cells == (("10 %", pytest.approx(0.1)), ("20 %", pytest.approx(0.2)))
+    assert deviates.cells == (("10 %", pytest.approx(10)), ("20 %", pytest.approx(20)))
     assert "holds salinity to ±20 g/l (20 % of range)" in performance_words(
         plant.process, ranking[1]
     )

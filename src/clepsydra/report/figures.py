@@ -78,8 +78,8 @@ class Figure:
     held: bool = False
 
     def compared(self, process: Process, name: str, value: float) -> float:
-        """Return what signals of different units are compared by: a share of the range, if any."""
-        return value / process.signal(name).span if self.is_share else value
+        """Return what signals of different units are compared by: percent of the range, if any."""
+        return 100.0 * value / process.signal(name).span if self.is_share else value
 
     @property
     def is_share(self) -> bool:

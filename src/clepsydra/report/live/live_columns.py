@@ -89,8 +89,7 @@ def _figure(figure: Figure, result: StudyResult, scores: LiveScores) -> _Column:
         place = scores.place(f"{figure.score}[{name}]")
         if place is None:
             continue
-        scale = 100.0 / process.signal(name).span if figure.is_share else 1.0
-        column.parts.append({"score": place, "scale": scale})
+        column.parts.append({"score": place, "scale": figure.compared(process, name, 1.0)})
     return column
 
 
