@@ -181,7 +181,7 @@ def assert_margins(controller, model, analysed):
     loop = sampled_loop(controller, model)
     assert analysed["stable"] == loop.is_stable
     assert analysed["peak"] == pytest.approx(loop.maximum_sensitivity, rel=1e-6)
-    expected = margin_table(loop_response(controller, model))
+    expected = margin_table(loop_response(controller, model)) if loop.is_stable else {}
     assert [each["name"] for each in analysed["margins"]] == list(expected)
     for each in analysed["margins"]:
         numbers = expected[each["name"]]

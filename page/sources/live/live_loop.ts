@@ -104,7 +104,8 @@ export class LiveLoop {
       peak,
       stable,
       sensitivity: sensitivity ? gainsAt(sensitivity, frequencies.map((each) => each * period)) : none,
-      margins: marginsOf(this.#plant, plant, law, poles, period),
+      // What an unstable loop has of them is no room that it has.
+      margins: stable ? marginsOf(this.#plant, plant, law, poles, period) : [],
     };
   }
 }

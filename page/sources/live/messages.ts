@@ -267,6 +267,7 @@ export interface AnalysedMessage {
   stable: boolean;
   /** The largest singular value of S at each frequency that was asked for; NaN where there is none. */
   sensitivity: number[];
+  /** None of a loop that is unstable. */
   margins: ChannelMargins[];
 }
 

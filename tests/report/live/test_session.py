@@ -96,6 +96,7 @@ def test_an_unstable_loop_is_told_so(runs, asked, studied):
     _, data = studied
     _, analysed = runs(asked(values=bolder(data["controllers"][0], 1e3)))
     assert analysed["peak"] == math.inf and not analysed["stable"]
+    assert analysed["margins"] == []
 
 
 def test_a_long_run_shows_what_there_is_after_a_tenth_of_a_second(runs, asked):
