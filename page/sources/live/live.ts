@@ -67,8 +67,7 @@ class Live implements Listener {
   private readonly live: LiveData;
   private readonly pictures: Pictures;
   private readonly tried: TriedSettings[];
-  /** What the study's own settings of each controller are called. */
-  private readonly before: string[];
+  private readonly isRecommended: boolean[];
   private runner: Runner | undefined;
   private chosen = 0;
   /** What was asked for last, and what a run is worth that was asked for then or just before. */
@@ -88,10 +87,8 @@ class Live implements Listener {
   constructor(data: PageData, live: LiveData, pictures: Pictures) {
     [this.data, this.live, this.pictures] = [data, live, pictures];
     this.tried = live.controllers.map((each) => new TriedSettings(each));
-    this.before = live.controllers.map(({ controller }) =>
-      pictures.ranking.isRecommended(controller) ? "recommended" : "original",
-    );
-    this.panel = new Panel(live, this.tried, this.before, {
+    this.isRecommended = live.controllers.map(({ controller }) => pictures.ranking.isRecommended(controller));
+    this.panel = new Panel(live, this.tried, this.isRecommended, {
       opened: () => this.open(),
       chosen: (controller) => this.choose(controller),
       moved: () => this.ask(),
@@ -179,8 +176,8 @@ class Live implements Listener {
       this.pictures.takeSensitivity(this.row, analysed.sensitivity.map(finite));
     const { controller } = this.live.controllers[this.chosen]!;
     const cells = this.pictures.ranking.cells(controller);
-    const then = { outcome: this.outcomes[this.chosen], words: this.before[this.chosen]!, cells };
-    this.panel.tell(this.outcome, then, this.isPartial);
+    const isRecommended = this.isRecommended[this.chosen]!;
+    this.panel.tell(this.outcome, { outcome: this.outcomes[this.chosen], cells, isRecommended }, this.isPartial);
     this.offer();
   }
 

@@ -18,11 +18,16 @@ export interface Wishes {
   keep(): void;
 }
 
-/** How a controller is as the study has it: its run, its cells of the ranking, and what this is called. */
+/** How a controller is as the study has it: its run, and its cells of the ranking. */
 export interface Before {
   outcome: Outcome | undefined;
   cells: string[];
-  words: string;
+  isRecommended: boolean;
+}
+
+/** Return what the study's settings of a controller are called. */
+function beforeText(isRecommended: boolean): string {
+  return isRecommended ? "recommended" : "original";
 }
 
 export class Panel {
@@ -38,7 +43,9 @@ export class Panel {
   private readonly said = document.createElement("p");
   private resting = 0;
 
-  constructor(live: LiveData, tried: TriedSettings[], before: string[], wishes: Wishes) {
+  /** `isRecommended`: of each controller whether the report recommends it. */
+  constructor(live: LiveData, tried: TriedSettings[], isRecommended: boolean[], wishes: Wishes) {
+    const backText = (controller: number) => `Back to the ${beforeText(isRecommended[controller]!)}`;
     this.live = live;
     this.place.id = "live";
     this.place.className = "live";
@@ -48,15 +55,15 @@ export class Panel {
     hint.textContent = " Drag a gain: curves, figures and margins follow.";
     summary.append("Try other settings", hint);
     this.sliders = tried.map((each) => new Sliders(each, () => wishes.moved()));
-    this.back = button(`Back to the ${before[0]!}`, () => wishes.back());
+    this.back = button(backText(0), () => wishes.back());
     this.keep = button("Keep as a row", () => wishes.keep());
-    const copy = button("Copy these settings", () => undefined);
+    const copy = button("Copy these settings");
     let chosen = 0;
     copyOnClick(copy, () => tried[chosen]!.text);
     const choose = (controller: number) => {
       chosen = controller;
       this.sliders.forEach(({ place }, each) => (place.hidden = each !== controller));
-      this.back.textContent = `Back to the ${before[controller]!}`;
+      this.back.textContent = backText(controller);
       wishes.chosen(controller);
     };
     const actions = document.createElement("p");
@@ -66,7 +73,7 @@ export class Panel {
     this.said.className = "unseen";
     this.said.setAttribute("role", "status");
     this.sliders.forEach(({ place }, each) => (place.hidden = each !== 0));
-    this.place.append(summary, choice(live, before, choose), ...this.sliders.map(({ place }) => place));
+    this.place.append(summary, choice(live, isRecommended, choose), ...this.sliders.map(({ place }) => place));
     this.place.append(actions, this.figures, this.watched, this.margins, this.said);
     this.place.addEventListener("toggle", () => this.place.open && wishes.opened());
   }
@@ -90,24 +97,25 @@ export class Panel {
   /** Tell what a run is worth beside what it was before, and a moment later aloud. */
   tell(outcome: Outcome | undefined, before: Before, isPartial: boolean): void {
     const { columns, period } = this.live;
+    const words = beforeText(before.isRecommended);
     const numbers = outcome && numbersOf(outcome, columns);
     const rows = columns.map((column, place): [string, string, string] => [
       column.title,
       numbers ? cellText(column, numbers[place]!) : "…",
       before.cells[place]!,
     ]);
-    fill(this.figures, "", ["", isPartial ? "computing …" : "now", before.words], rows);
-    const found = outcome ? warnings(outcome, before.outcome, period, before.words) : [];
+    fill(this.figures, "", ["", isPartial ? "computing …" : "now", words], rows);
+    const found = outcome ? warnings(outcome, before.outcome, period, words) : [];
     this.watch(found);
     const earlier = before.outcome?.analysed?.margins.map(marginTexts) ?? [];
     const margins = outcome?.analysed?.margins.map((each, place): [string, ...Node[]] => [
       each.name,
       ...marginTexts(each).map((text, column) => beside(text, earlier[place]?.[column])),
     ]);
-    fill(this.margins, `Margins, ${before.words} in brackets`, ["", ...MARGINS], margins ?? []);
+    fill(this.margins, `Margins, ${words} in brackets`, ["", ...MARGINS], margins ?? []);
     if (isPartial) return;
     const moved = rows.filter(([, now, then], place) => columns[place]!.kind !== "multiples" && now !== then);
-    this.announce([...found, ...moved.map(([title, now, then]) => `${title} ${now}, ${before.words} ${then}.`)]);
+    this.announce([...found, ...moved.map(([title, now, then]) => `${title} ${now}, ${words} ${then}.`)]);
   }
 
   /** Say it aloud once all has come to rest. */
@@ -117,7 +125,7 @@ export class Panel {
   }
 }
 
-function choice(live: LiveData, before: string[], choose: (controller: number) => void): HTMLElement {
+function choice(live: LiveData, isRecommended: boolean[], choose: (controller: number) => void): HTMLElement {
   const group = document.createElement("fieldset");
   group.className = "choice";
   const legend = document.createElement("legend");
@@ -133,18 +141,18 @@ function choice(live: LiveData, before: string[], choose: (controller: number) =
     radio.addEventListener("change", () => choose(place));
     const role = document.createElement("span");
     role.className = "unit";
-    role.textContent = before[place] === "recommended" ? " recommended" : "";
+    role.textContent = isRecommended[place] ? " recommended" : "";
     label.append(...(live.controllers.length > 1 ? [radio] : []), name, role);
     group.append(label);
   });
   return group;
 }
 
-function button(words: string, act: () => void): HTMLButtonElement {
+function button(words: string, act?: () => void): HTMLButtonElement {
   const made = document.createElement("button");
   made.type = "button";
   made.textContent = words;
-  made.addEventListener("click", act);
+  if (act) made.addEventListener("click", act);
   return made;
 }
 
