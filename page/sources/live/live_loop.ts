@@ -76,16 +76,20 @@ export class LiveLoop {
   }
 
   /** Return what there is to show, of a run that is whole with its numbers. */
-  found(): Pick<RanMessage, "whole" | "samples" | "curves" | "numbers" | "limits" | "spills"> {
-    const { loop, scores } = this.#controller;
+  found(): Pick<RanMessage, "whole" | "samples" | "curves" | "numbers" | "limits" | "spills" | "bands"> {
+    const { loop, scores, bands } = this.#controller;
     const { data, events } = this.#common;
     const samples = this.#kernel.done;
     const record = new Recorded(this.#kernel.record, loop.outputs, samples);
     const whole = this.left === 0;
-    const numbers = whole
-      ? columnNumbers(data.columns, scoresOf(scores, record, this.#kernel.state, loop.law, data.period))
-      : data.columns.map(() => NaN);
-    return { whole, samples, numbers, ...shownOf(record, this.#controller, events, data.period) };
+    const shown = { whole, samples, ...shownOf(record, this.#controller, events, data.period) };
+    if (!whole) return { ...shown, numbers: data.columns.map(() => NaN), bands: [] };
+    const found = scoresOf(scores, record, this.#kernel.state, loop.law, data.period);
+    return {
+      ...shown,
+      numbers: columnNumbers(data.columns, found),
+      bands: bands.map(({ name, score }) => ({ name, seconds: found[score]! })),
+    };
   }
 
   /** Return how robust the loop is with these values; null where it has no linear model. */

@@ -118,6 +118,8 @@ export interface LiveController {
   limits: { name: string; column: number; low: number | null; high: number | null }[];
   /** Outputs that count what a tank has spilt. */
   spills: { name: string; column: number; factor: number; unit: string }[];
+  /** Levels with a band, each with the number of the score that says how long loads drive it out. */
+  bands: { name: string; score: number }[];
   law: LawProgram;
   slopes: SlopesProgram | null;
   plant: SampledPlant | null;
@@ -254,6 +256,8 @@ export interface RanMessage {
   /** How long each manipulated variable has stood at its limits [s]. */
   limits: { name: string; low: number; high: number }[];
   spills: { name: string; amount: number; unit: string }[];
+  /** How long each level was out of its band [s]; none before the run is whole. */
+  bands: { name: string; seconds: number }[];
   milliseconds: number;
 }
 

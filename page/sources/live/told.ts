@@ -61,6 +61,12 @@ export function warnings(
     const [text, then] = [amount, earlier].map((each) => `${roundedText(each, 2)}\u00a0${unit}`);
     if (amount > earlier && text !== then) found.push(`${name} spills ${text}${beside(then!, earlier)}.`);
   });
+  ran.bands.forEach(({ name, seconds }, place) => {
+    const earlier = before?.ran.bands[place]?.seconds ?? 0;
+    const [text, then] = [seconds, earlier].map(spanText);
+    if (seconds >= earlier + period && text !== then)
+      found.push(`Loads drive ${name} out of its band for ${text}${beside(then!, earlier)}.`);
+  });
   ran.limits.forEach((limit, place) => {
     const ends = ([["high", "upper"], ["low", "lower"]] as const).flatMap(([end, words]) => {
       const earlier = before?.ran.limits[place]?.[end] ?? 0;

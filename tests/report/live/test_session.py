@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from clepsydra.linear.linearise import linearise
 
 from .conftest import shown_windows
 
+EXAMPLES = Path(__file__).parents[3] / "docs" / "examples"
 #: Each search for a peak stops where a maximum can rise by no more than this share.
 RISE = 1e-9
 
@@ -151,3 +153,20 @@ def test_a_run_that_breaks_off_is_told_and_the_next_one_runs(runs, asked):
     refused, ran, _ = runs(asked(1) | {"controller": 9}, asked(2))
     assert refused["kind"] == "refused" and refused["words"].startswith("The run broke off: ")
     assert ran["run"] == 2 and ran["whole"]
+
+
+def test_a_level_that_a_softer_law_lets_out_of_its_band_is_told(report_session):
+    need("wasmtime")
+    plant = cl.load(EXAMPLES / "surge-drum.toml")
+    result = cl.study(plant, controllers=[cl.design.arrest_time(plant)])
+    data = live_of(result)
+    (live,) = data["controllers"]
+    values = bolder(live, 0.5)
+    asked = {"kind": "run", "run": 1, "controller": 0, "values": values}
+    _, ran, _ = report_session(result, data)(messages=[asked])
+    chosen = result.ranking[0].controller
+    names = [each.name for each in chosen.law.parameters]
+    soft = chosen.with_values(dict(zip(names, values, strict=True)))
+    expected = cl.simulate(plant, soft).scores["time_outside_band[level]"]
+    assert expected > 0.0
+    assert ran["bands"] == [{"name": "level", "seconds": pytest.approx(expected, rel=1e-6)}]

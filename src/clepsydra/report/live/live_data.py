@@ -27,6 +27,7 @@ from clepsydra.report.live.sampled_plant import sampled_plant
 from clepsydra.report.live.sliders import bolder, sliders
 from clepsydra.report.overlay import EventWindow, ShownSignal
 from clepsydra.report.quantities import display_factor
+from clepsydra.scores.band import TIME_OUTSIDE
 from clepsydra.scores.plant_flows import forced_flow_names
 from clepsydra.studies.result import Candidate, StudyResult
 
@@ -129,6 +130,7 @@ class _Controller:
             "signals": [self._shown(each) for each in signals],
             "limits": self._limits(),
             "spills": self._spills(),
+            "bands": self._bands(),
             "law": resting(self.loop, self.modules),
             "slopes": slopes(controller, self.model, self.modules),
             "plant": sampled_plant(controller, self.model),
@@ -177,6 +179,15 @@ class _Controller:
                 "low": low, "high": high,
             })  # fmt: skip
         return found
+
+    def _bands(self) -> list[dict[str, Any]]:
+        places = {
+            name: self.scores.place(f"{TIME_OUTSIDE.key}[{name}]")
+            for name in self.result.process.bands
+        }
+        return [
+            {"name": name, "score": place} for name, place in places.items() if place is not None
+        ]
 
     def _spills(self) -> list[dict[str, Any]]:
         totals = {signal.name: signal for signal in self.result.process.motion.totals}
