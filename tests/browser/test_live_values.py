@@ -189,3 +189,17 @@ def assert_margins(controller, model, analysed):
                 "crossover": "crossover [rad/s]"}  # fmt: skip
         for own, key in keys.items():
             assert each[own] == pytest.approx(numbers[key], rel=1e-6, nan_ok=True), (key, each)
+
+
+def test_noise_above_what_the_ranking_calls_quiet_is_told(report, opened):
+    page = opened(report("quadruple-tank"))
+    page.get_by_text("Try other settings", exact=True).last.click()
+    panel = page.locator("#live")
+    panel.get_by_role("row", name="max|S|").wait_for()
+    assert panel.get_by_text("Noise moves").count() == 0
+    panel.get_by_role("slider").first.focus()
+    for _ in range(6):
+        page.keyboard.press("PageUp")
+    told = panel.get_by_text("Noise moves a manipulated variable by")
+    told.first.wait_for()
+    assert "above 5\u00a0% (recommended" in told.first.inner_text()

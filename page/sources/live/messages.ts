@@ -91,6 +91,8 @@ export interface LiveColumn {
   digits: number;
   /** A time, "never" where it is infinite. */
   time: boolean;
+  /** Above what it has to be watched, and how that begins; null for no such limit. */
+  limit: { most: number; words: string } | null;
 }
 
 /** A score as a multiple of the best of the study, of which `smallest` counts as nothing. */

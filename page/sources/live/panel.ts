@@ -96,7 +96,7 @@ export class Panel {
 
   /** Tell what a run is worth beside what it was before, and a moment later aloud. */
   tell(outcome: Outcome | undefined, before: Before, isPartial: boolean): void {
-    const { columns, period } = this.live;
+    const { columns } = this.live;
     const words = beforeText(before.isRecommended);
     const numbers = outcome && numbersOf(outcome, columns);
     const rows = columns.map((column, place): [string, string, string] => [
@@ -105,7 +105,7 @@ export class Panel {
       before.cells[place]!,
     ]);
     fill(this.figures, "", ["", isPartial ? "computing …" : "now", words], rows);
-    const found = outcome ? warnings(outcome, before.outcome, period, words) : [];
+    const found = outcome ? warnings(outcome, before.outcome, this.live, words) : [];
     this.watch(found);
     const earlier = before.outcome?.analysed?.margins.map(marginTexts) ?? [];
     const margins = outcome?.analysed?.margins.map((each, place): [string, ...Node[]] => [

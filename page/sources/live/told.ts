@@ -1,8 +1,8 @@
 /** What a run of tried settings is worth, in the words and digits of the ranking. */
 
 import { PEAK_LIMIT } from "../data.ts";
-import { roundedText, timeText, timeUnit } from "../words.ts";
-import type { AnalysedMessage, ChannelMargins, LiveColumn, RanMessage } from "./messages.ts";
+import { numberText, roundedText, timeText, timeUnit } from "../words.ts";
+import type { AnalysedMessage, ChannelMargins, LiveColumn, LiveData, RanMessage } from "./messages.ts";
 import type { Trial } from "./runner.ts";
 
 /** What is known of a run; the linear loop is analysed after it. */
@@ -49,13 +49,21 @@ function spanText(seconds: number): string {
 
 /** Return what has to be watched that was not so before, worst first. */
 export function warnings(
-  { ran, analysed }: Outcome, before: Outcome | undefined, period: number, called: string,
+  { ran, analysed }: Outcome, before: Outcome | undefined, { columns, period }: LiveData, called: string,
 ): string[] {
   const beside = (text: string, earlier: number) => (earlier > 0 ? ` (${called} ${text})` : "");
   const found: string[] = [];
   if (analysed && !analysed.stable) found.push("The loop is unstable with these settings.");
   else if (analysed && analysed.peak > PEAK_LIMIT)
     found.push(`max|S| is ${roundedText(analysed.peak, DIGITS)}, above ${PEAK_LIMIT}.`);
+  columns.forEach((column, place) => {
+    const number = ran.numbers[place]!;
+    if (!column.limit || !(number > column.limit.most)) return;
+    const text = cellText(column, number).replace(" ", "\u00a0");
+    const most = `${numberText(column.limit.most)}\u00a0${column.unit}`;
+    const earlier = before?.ran.numbers[place] ?? 0;
+    found.push(`${column.limit.words} ${text}, above ${most}${beside(cellText(column, earlier), earlier)}.`);
+  });
   ran.spills.forEach(({ name, amount, unit }, place) => {
     const earlier = before?.ran.spills[place]?.amount ?? 0;
     const [text, then] = [amount, earlier].map((each) => `${roundedText(each, 2)}\u00a0${unit}`);

@@ -24,6 +24,7 @@ from clepsydra.scores.band import TIME_OUTSIDE
 from clepsydra.scores.score import SCORES
 from clepsydra.scores.score_key import by_signal
 from clepsydra.studies.departure import departures
+from clepsydra.studies.ranking import QUIET
 from clepsydra.studies.result import Candidate, TriedController
 
 
@@ -47,6 +48,14 @@ class Form:
 
 
 @dataclass(frozen=True)
+class Limit:
+    """Above what a number has to be watched, as it stands in a cell, and how that is told."""
+
+    most: float
+    words: str
+
+
+@dataclass(frozen=True)
 class Figure:
     """One number that says how good a controller is.
 
@@ -64,6 +73,8 @@ class Figure:
         In a cell.
     endless : str
         What is said in the place of the sentence where the value has no end.
+    limit : Limit or None
+        Above what it has to be watched, where there is such a limit.
     held : bool
         Whether it judges how a setpoint is held, and so no level that averages: that is meant to
         move, and a step of its setpoint, which nobody makes, says nothing of the flow.
@@ -76,6 +87,7 @@ class Figure:
     form: Form
     endless: str = ""
     held: bool = False
+    limit: Limit | None = None
 
     def compared(self, process: Process, name: str, value: float) -> float:
         """Return what signals of different units are compared by: percent of the range, if any."""
@@ -181,7 +193,8 @@ _FIGURES = (
     Figure(TIME_OUTSIDE.key, "outside band", "", time_or_never, _TIME),
     Figure("starts_per_hour", "starts", "starts {signal} {}", _plain(_STARTS), Form(_STARTS)),
     Figure(
-        "noise_movement", "noise", "lets noise move {signal} by {} of its range", _of_range, _SHARE
+        "noise_movement", "noise", "lets noise move {signal} by {} of its range", _of_range, _SHARE,
+        limit=Limit(100.0 * QUIET, "Noise moves a manipulated variable by"),
     ),
     Figure("overshoot", "overshoot", "", _percent, _WHOLE_SHARE, held=True),
 )  # fmt: skip

@@ -29,6 +29,7 @@ class _Column:
     unit: str = ""
     digits: int = _DIGITS
     time: bool = False
+    limit: dict[str, Any] | None = None
 
 
 def live_columns(result: StudyResult, scores: LiveScores) -> list[dict[str, Any]]:
@@ -84,7 +85,14 @@ def _signals(figure: Figure, result: StudyResult) -> list[str]:
 
 def _figure(figure: Figure, result: StudyResult, scores: LiveScores) -> _Column:
     process, form = result.process, figure.form
-    column = _Column(figure.title, "figure", unit=form.unit, digits=form.digits, time=form.is_time)
+    column = _Column(
+        figure.title,
+        "figure",
+        unit=form.unit,
+        digits=form.digits,
+        time=form.is_time,
+        limit=vars(figure.limit) if figure.limit else None,
+    )
     for name in _signals(figure, result):
         place = scores.place(f"{figure.score}[{name}]")
         if place is None:
