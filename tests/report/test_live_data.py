@@ -166,3 +166,11 @@ def test_the_gain_of_a_direct_loop_has_no_sign_on_its_slider():
     assert gain["value"] > 0.0 > gain["factor"]
     assert gain["low"] < gain["value"] < gain["high"]
     assert gain["least"] == 0.0
+
+
+@pytest.mark.parametrize("design", ["fuzzy_pi", "lqi_extended_kalman"])
+def test_a_law_whose_slopes_are_no_program_has_sliders_without_margins(design):
+    plant = cl.load("three-tanks")
+    result = cl.study(plant, controllers=[getattr(cl.design, design)(plant)])
+    (live,) = live_of(result)["controllers"]
+    assert live["slopes"] is None and live["bolder"]

@@ -7,6 +7,7 @@ from typing import Any
 
 import casadi as ca
 
+from clepsydra.base.errors import ClepsydraError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.status import Mode
 from clepsydra.controllers.controller import Controller
@@ -50,13 +51,19 @@ def resting(loop: Loop, modules: Modules) -> dict[str, Any]:
     }
 
 
-def slopes(controller: Controller, model: LinearModel, modules: Modules) -> dict[str, Any]:
+def slopes(controller: Controller, model: LinearModel, modules: Modules) -> dict[str, Any] | None:
     """Return the derivatives of a law at rest as a program of its parameters.
 
     Parameters
     ----------
     model : LinearModel
         Of the process at the operating point.
+
+    Returns
+    -------
+    dict or None
+        None of a law with a loop whose derivative CasADi writes as no program can have it: of
+        rules, or of the process's equations in steps.
     """
     law = controller.law
     symbols, matrices = StepLawDerivatives(law).expressions(
@@ -70,7 +77,11 @@ def slopes(controller: Controller, model: LinearModel, modules: Modules) -> dict
     found = ca.vertcat(*(matrices[number][row, column] for number, row, column in entries))
     function = ca.Function("slopes", [symbols], [ca.densify(found)])
     builder = BlockBuilder(len(law.parameters))
-    block = builder.finish(inline(builder, function, range(len(law.parameters))))
+    try:
+        results = inline(builder, function, range(len(law.parameters)))
+    except ClepsydraError:
+        return None
+    block = builder.finish(results)
     shown = tuple(Signal(f"slope_{place}") for place in range(len(entries)))
     program = Program(f"{law.name}_slopes", (), (), law.parameters, shown, block)
     step_x, _, _, output_u = matrices
