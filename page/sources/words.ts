@@ -27,9 +27,13 @@ export function numberText(value: number, digits = 4): string {
 /** Return a number with all of its significant digits, also where these are zeros. */
 export function roundedText(value: number, digits: number): string {
   if (!Number.isFinite(value)) return Number.isNaN(value) ? "–" : value > 0 ? "∞" : "−∞";
-  const rounded = Number(value.toPrecision(digits));
-  const exponent = rounded ? Math.floor(Math.log10(Math.abs(rounded))) : 0;
-  const text = exponent > -4 && exponent < 6 ? rounded.toFixed(Math.max(0, digits - 1 - exponent)) : String(rounded);
+  if (value === 0) return "0";
+  const [mantissa, exponent] = value.toExponential(digits - 1).split("e") as [string, string];
+  const power = Number(exponent);
+  const text =
+    power > -4 && power < 6
+      ? Number(`${mantissa}e${power}`).toFixed(Math.max(0, digits - 1 - power))
+      : `${mantissa}e${power}`;
   return text.replaceAll("-", "−");
 }
 

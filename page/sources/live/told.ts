@@ -29,11 +29,11 @@ export function cellText(column: LiveColumn, number: number): string {
   if (Number.isNaN(number) || (column.kind === "figure" && number === 0)) return "–";
   if (column.time) return number === Infinity ? "never" : timeCell(number);
   const text = column.digits ? roundedText(number, column.digits) : wholeText(number);
-  return `${text} ${column.unit}`.trim();
+  return text === "1" && column.unit === "times" ? "once" : `${text} ${column.unit}`.trim();
 }
 
 function wholeText(number: number): string {
-  return Number.isFinite(number) ? number.toFixed(0).replace("-", "−") : roundedText(number, 1);
+  return Number.isFinite(number) ? String(Number(number.toFixed(0)) || 0).replace("-", "−") : roundedText(number, 1);
 }
 
 function timeCell(seconds: number): string {
