@@ -9,7 +9,7 @@ const outcome = (seconds) => ({{
   ran: {{ spills: [], limits: [], bands: [{{ name: "level", seconds }}] }}, analysed: null,
 }});
 const before = given.before === null ? undefined : outcome(given.before);
-answer(warnings(outcome(given.now), before, 10, "recommended"));
+answer(warnings(outcome(given.now), before, {{ columns: [], period: 10 }}, "recommended"));
 """
 
 
