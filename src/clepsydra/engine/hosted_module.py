@@ -16,6 +16,17 @@ Array = NDArray[np.float64]
 _PAGE = 1 << 16
 
 
+def laid_out(job: Job) -> list[Array]:
+    """Return what a run that was laid out for a native kernel puts into the memory of a module.
+
+    State, parameters, shared and individual inputs, room for its record, and rings.
+    """
+    program = job.kernel.program
+    record = np.zeros((job.samples, len(program.outputs)))
+    state = job.initial[:, : len(program.state)]
+    return [state, job.parameters, job.shared, job.individual, record, job.initial_rings()]
+
+
 class HostedModule:
     """An instance of a module of `clepsydra.engine.web_assembly`.
 
@@ -60,12 +71,8 @@ class HostedModule:
         return ends
 
     def put_job(self, job: Job) -> list[int]:
-        """Put a run that was laid out for a native kernel, with room for its record."""
-        program = job.kernel.program
-        record = np.zeros((job.samples, len(program.outputs)))
-        state = job.initial[:, : len(program.state)]
-        groups = [state, job.parameters, job.shared, job.individual, record, job.initial_rings()]
-        return self.put(groups)
+        """Put a run that was laid out for a native kernel, see `laid_out`."""
+        return self.put(laid_out(job))
 
     def write(self, place: int, array: Array) -> None:
         """Write numbers to an address."""
