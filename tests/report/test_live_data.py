@@ -97,7 +97,8 @@ def test_the_slopes_of_a_law_are_its_derivatives(studied):
         controller = result.ranking[live["controller"]].controller
         values, told = changed(live, 1.3), live["slopes"]
         module = hosted(data, told["module"])
-        groups = [np.zeros(1), np.array(values), np.zeros(len(told["entries"]))]
+        rest = [controller.initial_state[entry.name] for entry in controller.law.state]
+        groups = [np.zeros(1), np.array([*values, *rest]), np.zeros(len(told["entries"]))]
         none, parameters, found = module.put(groups)
         module.call([none, parameters, none, none, found, none])
         columns = told["setpoints"] + told["measurements"]

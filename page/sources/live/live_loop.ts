@@ -52,7 +52,7 @@ export class LiveLoop {
     this.#slopes =
       slopes &&
       new Kernel(modules[slopes.module]!, {
-        state: 0, parameters: values.length, inputs: 0, outputs: slopes.entries.length, rings: [], samples: 1,
+        state: 0, parameters: values.length + law.state.length, inputs: 0, outputs: slopes.entries.length, rings: [], samples: 1,
       });
     this.#plant = controller.plant && plant && plantOf(controller.plant, plant);
   }
@@ -96,7 +96,7 @@ export class LiveLoop {
   analysed(values: number[]): Pick<AnalysedMessage, "peak" | "stable" | "sensitivity" | "margins"> | null {
     const { slopes, plant } = this.#controller;
     if (!slopes || !plant || !this.#slopes || !this.#plant) return null;
-    this.#slopes.begin([], values);
+    this.#slopes.begin([], [...values, ...this.#law.rest(values)]);
     this.#slopes.run(1);
     const found = this.#slopes.record;
     const { data: { period }, frequencies } = this.#common;

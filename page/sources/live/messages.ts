@@ -166,7 +166,7 @@ export interface LawProgram {
   rounding: number;
 }
 
-/** The derivatives of the law at rest as a program of its values. */
+/** The derivatives of the law at rest as a program of its values, then of the state in which it rests. */
 export interface SlopesProgram {
   module: number;
   /** Of each output: step_x 0, step_u 1, output_x 2 or output_u 3, row and column. */

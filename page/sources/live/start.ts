@@ -24,14 +24,19 @@ export class RestingLaw {
   /** Return the state with which a loop begins where its law has these values. */
   begin(loop: LoopProgram, values: number[]): number[] {
     const state = [...loop.state];
-    this.#takenOver(values).forEach((taken, place) => {
-      const own = this.#own[place]!;
-      const noticed = Math.abs(taken - own) > this.#law.rounding * Math.max(1, Math.abs(own));
-      if (noticed && !this.#law.rings.includes(place)) {
-        state[loop.law + place] = this.#law.state[place]! + (taken - own);
-      }
-    });
+    state.splice(loop.law, this.#law.state.length, ...this.rest(values));
     return state;
+  }
+
+  /** Return the state in which the law rests with these values. */
+  rest(values: number[]): number[] {
+    const taken = this.#takenOver(values);
+    return this.#law.state.map((initial, place) => {
+      const own = this.#own[place]!;
+      const moved = taken[place]! - own;
+      const noticed = Math.abs(moved) > this.#law.rounding * Math.max(1, Math.abs(own));
+      return noticed && !this.#law.rings.includes(place) ? initial + moved : initial;
+    });
   }
 
   /** Return the state after the law took over from manual, where it had come to rest. */

@@ -121,23 +121,25 @@ class StepLawDerivatives:
             for places in alike.values()
         ]
 
-    def expressions(
-        self, state: Mapping[str, float], inputs: Mapping[str, float]
-    ) -> tuple[ca.SX, list[ca.SX]]:
-        """Return symbols of all parameters, and what `at` takes its matrices from, of them.
+    def expressions(self, inputs: Mapping[str, float]) -> tuple[ca.SX, ca.SX, list[ca.SX]]:
+        """Return symbols of parameters and state, and what `at` takes its matrices from, of them.
 
         Returns
         -------
-        symbols : casadi.SX [p]
-            In the law's order; what lies far away counts as such whatever its symbol is.
+        parameters, state : casadi.SX [p], [n]
+            In the law's order; what lies far away counts as such whatever its symbol is, and so
+            does what a law remembers of its parameters.
         matrices : list of casadi.SX
             ∂x⁺/∂x, ∂x⁺/∂w, ∂u/∂x and ∂u/∂w with w the law's sp, then its pv, and u its out, each
             in the law's order. A delay ring is one state.
         """
         law = self.law
-        symbols = ca.SX.sym("p", len(law.parameters))
-        values = dict(
-            zip((each.name for each in law.parameters), ca.vertsplit(symbols), strict=True)
+        parameters = ca.SX.sym("parameter", len(law.parameters))
+        state = ca.SX.sym("state", len(self._states))
+        names = [each.name for each in law.parameters]
+        values, rest = (
+            dict(zip(of, ca.vertsplit(symbols), strict=True))
+            for of, symbols in ((names, parameters), (self._states, state))
         )
         x, u, p = (ca.SX.sym(name, law.function.numel_in(k)) for k, name in enumerate("xup"))
         next_state, outputs, _ = law.function(x, u, p)
@@ -148,13 +150,13 @@ class StepLawDerivatives:
             ca.jacobian(outputs, x)[moved, :],
             ca.jacobian(outputs, u)[moved, driven],
         ]
-        at = [ca.vertcat(*vector) for vector in self._vectors(values, state, inputs)]
-        return symbols, ca.substitute(slopes, [x, u, p], at)
+        at = [ca.vertcat(*vector) for vector in self._vectors(values, rest, inputs)]
+        return parameters, state, ca.substitute(slopes, [x, u, p], at)
 
     def _vectors(
         self,
         values: Mapping[str, Any],
-        state: Mapping[str, float],
+        state: Mapping[str, Any],
         inputs: Mapping[str, float],
     ) -> tuple[list[Any], list[Any], list[Any]]:
         """Return state, inputs and parameters of the law, each a number or numbers [k]."""

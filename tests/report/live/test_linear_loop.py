@@ -66,6 +66,10 @@ def values_of(controller):
     return [controller.values[each.name] for each in controller.law.parameters]
 
 
+def state_of(controller):
+    return [controller.initial_state[entry.name] for entry in controller.law.state]
+
+
 def moved(controller, factor):
     """Return the values with every slider moved that has several decades."""
     values = np.array(values_of(controller))
@@ -86,7 +90,8 @@ def test_peak_and_margins_are_those_that_python_finds(process, node):
         told = slopes(controller, plant.measured, modules)
         given.append({
             "module": modules.held[told["module"]], "slopes": told,
-            "plant": sampled_plant(controller, plant.measured), "values": values_of(controller),
+            "plant": sampled_plant(controller, plant.measured),
+            "values": [*values_of(controller), *state_of(controller)],
             "period": plant.process.sampling_period,
         })  # fmt: skip
         peak = sampled_loop(controller, plant.measured).maximum_sensitivity

@@ -170,3 +170,22 @@ def test_a_level_that_a_softer_law_lets_out_of_its_band_is_told(report_session):
     expected = cl.simulate(plant, soft).scores["time_outside_band[level]"]
     assert expected > 0.0
     assert ran["bands"] == [{"name": "level", "seconds": pytest.approx(expected, rel=1e-6)}]
+
+
+@pytest.mark.parametrize(
+    "design", ["recomputed_lqi", "feedback_linearisation", "gain_scheduled_pid"]
+)
+def test_a_law_is_as_robust_as_where_it_rests_with_other_values(design, report_session):
+    need("wasmtime")
+    plant = cl.load("three-tanks")
+    result = cl.study(plant, controllers=[getattr(cl.design, design)(plant)])
+    data = live_of(result)
+    values = bolder(data["controllers"][0], 1.3)
+    asked = {"kind": "run", "run": 1, "controller": 0, "values": values}
+    *_, analysed = report_session(result, data)(messages=[asked])
+    chosen = result.ranking[0].controller
+    names = [each.name for each in chosen.law.parameters]
+    bold = chosen.with_values(dict(zip(names, values, strict=True)))
+    expected = sampled_loop(bold, linearise(result.point)).maximum_sensitivity
+    assert math.isfinite(expected) and analysed["stable"]
+    assert analysed["peak"] == pytest.approx(expected, rel=1e-6)

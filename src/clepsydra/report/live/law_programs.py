@@ -52,7 +52,7 @@ def resting(loop: Loop, modules: Modules) -> dict[str, Any]:
 
 
 def slopes(controller: Controller, model: LinearModel, modules: Modules) -> dict[str, Any] | None:
-    """Return the derivatives of a law at rest as a program of its parameters.
+    """Return the derivatives of a law as a program of its parameters, then of its state at rest.
 
     Parameters
     ----------
@@ -66,24 +66,24 @@ def slopes(controller: Controller, model: LinearModel, modules: Modules) -> dict
         rules, or of the process's equations in steps.
     """
     law = controller.law
-    symbols, matrices = StepLawDerivatives(law).expressions(
-        controller.initial_state, inputs_at_rest(controller, model)
-    )
+    given, state, matrices = StepLawDerivatives(law).expressions(inputs_at_rest(controller, model))
     entries = [
         (number, row, column)
         for number, matrix in enumerate(matrices)
         for row, column in zip(*matrix.sparsity().get_triplet(), strict=True)
     ]
     found = ca.vertcat(*(matrices[number][row, column] for number, row, column in entries))
-    function = ca.Function("slopes", [symbols], [ca.densify(found)])
-    builder = BlockBuilder(len(law.parameters))
+    function = ca.Function("slopes", [given, state], [ca.densify(found)])
+    rest = tuple(Signal(f"rest_{place}") for place in range(len(law.state)))
+    parameters = (*law.parameters, *rest)
+    builder = BlockBuilder(len(parameters))
     try:
-        results = inline(builder, function, range(len(law.parameters)))
+        results = inline(builder, function, range(len(parameters)))
     except ClepsydraError:
         return None
     block = builder.finish(results)
     shown = tuple(Signal(f"slope_{place}") for place in range(len(entries)))
-    program = Program(f"{law.name}_slopes", (), (), law.parameters, shown, block)
+    program = Program(f"{law.name}_slopes", (), (), parameters, shown, block)
     step_x, _, _, output_u = matrices
     setpoints = len(controller.setpoints)
     return {
