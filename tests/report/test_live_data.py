@@ -4,12 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hosted_report import hosted, law_at_rest, live_of, numbers, over, run, sums
+from hosted_report import law_at_rest, live_of, run, sums
 from tools import need
 
 import clepsydra as cl
-from clepsydra.controllers.linear_step_law import StepLawDerivatives
-from clepsydra.designs.sampled.sampled_loop import inputs_at_rest
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import scenario_of_changes
@@ -62,7 +60,7 @@ def test_a_page_finds_what_the_ranking_has(studied):
                 expected = shown.values(candidate.run)
                 span = shown.signal.span * place["factor"]
                 assert close(found, expected, span if np.isfinite(span) else 0.0), shown.name
-        for key, value in (sums(live, state) | over(data, live, record)).items():
+        for key, value in sums(live, state).items():
             assert value == pytest.approx(candidate.scores[key], rel=1e-6, abs=1e-9), key
 
 
@@ -89,37 +87,6 @@ def test_a_page_runs_changed_settings_as_a_loop_does(studied):
                 ), shown.name
 
 
-@pytest.mark.sampled
-def test_the_slopes_of_a_law_are_its_derivatives(studied):
-    result, data = studied
-    model = linearise(result.point)
-    for live in data["controllers"]:
-        controller = result.ranking[live["controller"]].controller
-        values, told = changed(live, 1.3), live["slopes"]
-        module = hosted(data, told["module"])
-        rest = [controller.initial_state[entry.name] for entry in controller.law.state]
-        groups = [np.zeros(1), np.array([*values, *rest]), np.zeros(len(told["entries"]))]
-        none, parameters, found = module.put(groups)
-        module.call([none, parameters, none, none, found, none])
-        columns = told["setpoints"] + told["measurements"]
-        shapes = [(told["states"], told["states"]), (told["states"], columns),
-                  (told["outputs"], told["states"]), (told["outputs"], columns)]  # fmt: skip
-        matrices = [np.zeros(shape) for shape in shapes]
-        slopes = module.read(found, len(told["entries"]))
-        for (number, row, column), value in zip(told["entries"], slopes, strict=True):
-            matrices[number][row, column] = value
-        named = dict(zip((each.name for each in controller.law.parameters), values, strict=True))
-        expected = StepLawDerivatives(controller.law).at(
-            named, controller.initial_state, inputs_at_rest(controller, model)
-        )
-        # Of the law without what is no mode of it: its gains from measurements are in both.
-        np.testing.assert_allclose(
-            matrices[3][:, told["setpoints"] :], expected.D_measurement, rtol=1e-12, atol=1e-300
-        )
-        assert np.count_nonzero(matrices[0]) >= np.count_nonzero(expected.A)
-        assert len(numbers(live["plant"]["packed"])) > 0
-
-
 def test_a_changed_setting_begins_where_with_values_begins():
     need("wasmtime")
     result = cl.study("quadruple-tank")
@@ -136,6 +103,15 @@ def test_a_changed_setting_begins_where_with_values_begins():
     found = law_at_rest(data, live, values).tolist()
     names = [entry.name for entry in controller.law.state]
     assert dict(zip(names, found, strict=True)) == pytest.approx(expected.initial_state, rel=1e-12)
+
+
+@pytest.mark.parametrize("design", ["fuzzy_pi", "lqi_extended_kalman"])
+def test_a_law_whose_derivatives_are_no_program_has_sliders_without_margins(design):
+    plant = cl.load("three-tanks")
+    result = cl.study(plant, controllers=[getattr(cl.design, design)(plant)])
+    (live,) = live_of(result)["controllers"]
+    assert live["slopes"] is None
+    assert live["bolder"]
 
 
 def test_a_run_that_does_not_begin_at_rest_has_no_sliders():

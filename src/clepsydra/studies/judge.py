@@ -12,13 +12,12 @@ from clepsydra.base.errors import InputError
 from clepsydra.scores.band import TIME_OUTSIDE
 from clepsydra.scores.score import SCORES, Ranks
 from clepsydra.scores.score_key import score_key
-from clepsydra.studies.result import Candidate, Standing
+from clepsydra.studies.result import Standing, TriedController
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from clepsydra.process.process import Process
-    from clepsydra.studies.ranking import Trial
 
 #: What is smaller no sensor shows, and is no reason to call a controller many times worse than
 #: another: a mean error or a move, as a share of the signal's range; see `Score.negligible`.
@@ -55,10 +54,12 @@ class Judge:
 
     Parameters
     ----------
-    example : Trial or Candidate
+    example : TriedController
         It says which scores there are.
-    best_of : sequence of Trial or Candidate
+    best_of : sequence of TriedController
         Of the first group of the ranking.
+    standing : Standing
+        Of that group.
     scores : sequence of str
         As of `rank`.
 
@@ -72,8 +73,9 @@ class Judge:
 
     def __init__(
         self,
-        example: Trial | Candidate,
-        best_of: Sequence[Trial | Candidate],
+        example: TriedController,
+        best_of: Sequence[TriedController],
+        standing: Standing,
         scores: Sequence[str],
     ) -> None:
         process = example.run.process
@@ -84,17 +86,17 @@ class Judge:
         every = {key: value for trial in best_of for key, value in trial.scores.items()}
         named = {score: _keys(score, every) for score in scores}
         usual = usual_criteria(process, example.scores)
-        if best_of[0].standing is Standing.OUTSIDE:  # all others leave a band too
+        if standing is Standing.OUTSIDE:  # all others leave a band too
             usual = {TIME_OUTSIDE.title: [f"{TIME_OUTSIDE.key}[{name}]" for name in process.bands]}
         self.judged = {score_key(score).title: keys for score, keys in named.items()} or usual
         moves = _ranking(Ranks.MOVEMENT)
         self.worn = [f"{key}[{u.name}]" for key in moves for u in process.inputs]
 
-    def criteria(self, trial: Trial | Candidate) -> dict[str, float]:
+    def criteria(self, trial: TriedController) -> dict[str, float]:
         """Return the mean multiple of each criterion."""
         return {title: self._mean(trial, keys) for title, keys in self.judged.items()}
 
-    def wear(self, trial: Trial | Candidate) -> float:
+    def wear(self, trial: TriedController) -> float:
         """Return the mean multiple of the total variation."""
         return self._mean(trial, self.worn)
 
@@ -106,7 +108,7 @@ class Judge:
         best = (min if less_is_better else max)(finite, default=None)
         return Yardstick(best, self._smallest(key), less_is_better)
 
-    def _mean(self, trial: Trial | Candidate, keys: Sequence[str]) -> float:
+    def _mean(self, trial: TriedController, keys: Sequence[str]) -> float:
         values = [trial.scores.get(key, math.inf) for key in keys]
         multiples = [self.yardstick(key).multiple(v) for key, v in zip(keys, values, strict=True)]
         return float(np.mean(multiples))

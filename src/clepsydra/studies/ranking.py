@@ -136,7 +136,7 @@ def rank(trials: Sequence[Trial], scores: Sequence[str] = ()) -> tuple[Candidate
         return ()
     standings = [trial.standing for trial in trials]
     first = [t for t, s in zip(trials, standings, strict=True) if s is min(standings)]
-    judge = Judge(trials[0], first, scores)
+    judge = Judge(trials[0], first, min(standings), scores)
     candidates = []
     for trial, standing in zip(trials, standings, strict=True):
         criteria = judge.criteria(trial)

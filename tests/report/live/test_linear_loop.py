@@ -1,5 +1,6 @@
 """Where a law rests and how robust its loop is, found in the page from its programs alone."""
 
+from dataclasses import replace
 from itertools import chain
 
 import numpy as np
@@ -13,7 +14,6 @@ from clepsydra.report.live.law_programs import resting, slopes
 from clepsydra.report.live.modules import Modules
 from clepsydra.report.live.sampled_plant import sampled_plant
 from clepsydra.report.live.sliders import bolder, sliders
-from clepsydra.studies.tuning.resting_states import RestingStates
 
 PROCESSES = [entry.name for entry in cl.catalogue()]
 DESIGNS = (
@@ -118,11 +118,10 @@ def test_a_law_rests_where_python_says(process, node):
             "module": modules.held[told["module"]], "law": told, "own": values_of(controller),
             "cases": cases,
         })  # fmt: skip
-        states = RestingStates(loop, told["most"])
         names = [each.name for each in controller.law.parameters]
         for values in cases:
-            other = states.at({name: np.array([v]) for name, v in zip(names, values, strict=True)})
-            whole = {**controller.initial_state, **{name: v[0] for name, v in other.items()}}
+            other = replace(controller, values=dict(zip(names, values, strict=True)))
+            whole = other._rested_as(controller).initial_state
             expected.append([whole[entry.name] for entry in controller.law.state])
     assert len(given) >= 5
     for found, states in zip(chain(*node(RESTING, given)), expected, strict=True):

@@ -62,7 +62,7 @@ def judge_of(result: StudyResult) -> Judge:
     """Return what the controllers of a study were compared by."""
     ranking = result.ranking
     first = [each for each in ranking if each.standing is ranking[0].standing]
-    return Judge(ranking[0], first, result.judged_by)
+    return Judge(ranking[0], first, ranking[0].standing, result.judged_by)
 
 
 def keys_of(result: StudyResult) -> list[str]:

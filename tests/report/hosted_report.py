@@ -5,14 +5,11 @@ import math
 import zlib
 
 import numpy as np
+from hosted_pages import hosted_module, told_noise
 
-from clepsydra.engine.hosted_module import HostedModule
-from clepsydra.engine.white_noise import white_noise
 from clepsydra.report.html import _shown_first
 from clepsydra.report.live.live_data import live_data
 from clepsydra.report.overlay import event_windows, shown_signals
-from clepsydra.scores.averaging import outflow_overshoot, swings, volume_used
-from clepsydra.scores.step_response import settling_time
 from clepsydra.studies.recommendation import recommend
 
 
@@ -26,13 +23,21 @@ def numbers(text):
 
 def live_of(result):
     """Return what the report of a study carries."""
-    first = _shown_first(result, recommend(result.ranking, result.accept))
+    return live_data(result, *windows_of(result), _first(result))
+
+
+def windows_of(result):
+    """Return the rows of charts of a report, and its events."""
     signals = shown_signals(result)
-    return live_data(result, signals, event_windows(result, signals, first), first)
+    return signals, event_windows(result, signals, _first(result))
+
+
+def _first(result):
+    return _shown_first(result, recommend(result.ranking, result.accept))
 
 
 def hosted(data, number):
-    return HostedModule(unpacked(data["modules"][number]))
+    return hosted_module(unpacked(data["modules"][number]))
 
 
 def inputs_of(data):
@@ -43,10 +48,8 @@ def inputs_of(data):
         if each["packed"] is not None:
             column = numbers(each["packed"]).copy()
         if noise := each["noise"]:
-            seed = sum(word << 32 * place for place, word in enumerate(noise["seed"]))
-            stretch = noise["first"], noise["count"]
-            made = noise["deviation"] * white_noise(seed, noise["stream"], *stretch)
-            column[stretch[0] :][: stretch[1]] += made
+            first, made = told_noise(noise)
+            column[first : first + len(made)] += made
         columns.append(column)
     return np.column_stack(columns)
 
@@ -112,21 +115,3 @@ def sums(live, state):
         for each in live["scores"]
         if each["kind"] == "fold"
     }
-
-
-def over(data, live, record):
-    """Return the scores that are found over a record, by key, with the functions of Python."""
-    time = np.arange(data["samples"]) * data["period"]
-    found = {}
-    for each in live["scores"]:
-        if each["kind"] == "settling":
-            found[each["key"]] = max(
-                settling_time(time[first:stop], record[first:stop, each["column"]], *ends)
-                for first, stop, *ends in each["steps"]
-            )
-        elif each["kind"] != "fold":
-            score = {"outflow_overshoot": outflow_overshoot, "outflow_swings": swings,
-                     "volume_used": volume_used}[each["kind"]]  # fmt: skip
-            loads = [slice(*load) for load in each["loads"]]
-            found[each["key"]] = score(time, *record[:, each["columns"]].T, loads)
-    return found
