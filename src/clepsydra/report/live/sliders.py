@@ -10,6 +10,7 @@ from typing import Any
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import symbol_of
 from clepsydra.base.units import unit_text
+from clepsydra.controllers.blocks.validity import LARGEST_NUMBER
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_keys import GAINS, SHORT_NAMES
 from clepsydra.controllers.structure.pid_block import PidBlock
@@ -109,7 +110,10 @@ def _slider(
     value = controller.values[signal.name]
     factor = -scale.factor if value < 0.0 and tuned.logarithmic else scale.factor
     low, high = sorted((tuned.low * factor, tuned.high * factor))
-    least, most = sorted((signal.low * factor, signal.high * factor))
+    # A law of a user's may have no bounds; JSON has no infinite numbers.
+    least, most = sorted(
+        min(max(end * factor, -LARGEST_NUMBER), LARGEST_NUMBER) for end in (signal.low, signal.high)
+    )
     return {
         "symbol": scale.symbol,
         "words": signal.description,
