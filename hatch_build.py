@@ -31,6 +31,7 @@ BUNDLE = (
 PAGE = (*BUNDLE, "--target=es2020", "sources/report.ts", "sources/report.css")
 #: What the page runs beside itself; browsers that can inflate its modules have all of this.
 WORKER = (*BUNDLE, "--target=es2022", "live=sources/live/worker.ts")
+LAB = (*BUNDLE, "--target=es2022", "lab=sources/lab/lab.ts", "lab=sources/lab/lab.css")
 
 
 class PageHook(BuildHookInterface):
@@ -101,9 +102,11 @@ class PageHook(BuildHookInterface):
             npm(INSTALL, **how)
             node(PAGE, **how)
             node(WORKER, **how)
+            node(LAB, **how)
             # The chart library is passed on in every report, with its licence.
             licence = (folder / "node_modules" / "uplot" / "LICENSE").read_text("utf-8").strip()
-            script = folder / "built" / "report.js"
-            script.write_text(f"/* uPlot:\n{licence}\n*/\n{script.read_text('utf-8')}", "utf-8")
+            for script in ((folder / "built" / name) for name in ("report.js", "lab.js")):
+                text = script.read_text("utf-8")
+                script.write_text(f"/* uPlot:\n{licence}\n*/\n{text}", "utf-8")
             shutil.copytree(folder / "built", self._built)
         (self._built / "stamp").write_text(self._digest(), "ascii")

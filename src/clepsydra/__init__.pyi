@@ -34,6 +34,7 @@ from clepsydra.interface.export import export as export
 from clepsydra.interface.identify import FittedPlant as FittedPlant
 from clepsydra.interface.identify import Identification as Identification
 from clepsydra.interface.identify import identify as identify
+from clepsydra.interface.lab import lab as lab
 from clepsydra.interface.new import new_process as new_process
 from clepsydra.interface.new import new_study as new_study
 from clepsydra.interface.papers import Audit as Audit
@@ -41,6 +42,8 @@ from clepsydra.interface.papers import audit as audit
 from clepsydra.interface.plant import Plant as Plant
 from clepsydra.interface.plant import load as load
 from clepsydra.interface.relay import relay_experiment as relay_experiment
+from clepsydra.interface.replay import Replayed as Replayed
+from clepsydra.interface.replay import replay as replay
 from clepsydra.interface.run import OpenLoopRun as OpenLoopRun
 from clepsydra.interface.run import Run as Run
 from clepsydra.interface.scores import Scores as Scores

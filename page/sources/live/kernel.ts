@@ -21,6 +21,11 @@ export interface Sizes {
   samples: number;
 }
 
+/** Return how many numbers rings hold together. */
+function entries(rings: readonly RingOfState[]): number {
+  return rings.reduce((sum, ring) => sum + ring.length, 0);
+}
+
 export class Kernel {
   readonly sizes: Sizes;
   /** Samples since `begin`. */
@@ -50,7 +55,7 @@ export class Kernel {
     this.#parameters = placed(sizes.parameters);
     this.#inputs = placed(sizes.samples * sizes.inputs);
     this.#record = placed(sizes.samples * sizes.outputs);
-    this.#rings = placed(sizes.rings.reduce((sum, ring) => sum + ring.length, 0));
+    this.#rings = placed(entries(sizes.rings));
     const missing = Math.ceil(end / PAGE) - memory.buffer.byteLength / PAGE;
     if (missing > 0) memory.grow(missing);
   }
@@ -73,6 +78,11 @@ export class Kernel {
   /** Row by row [samples × outputs]. */
   get record(): Float64Array {
     return this.#view(this.#record, this.sizes.samples * this.sizes.outputs);
+  }
+
+  /** What all rings hold, one after the other, the oldest of each first. */
+  get rings(): Float64Array {
+    return this.#view(this.#rings, entries(this.sizes.rings));
   }
 
   /** Go back to the first sample. */

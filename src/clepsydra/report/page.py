@@ -94,8 +94,16 @@ def page_assets() -> dict[str, str] | None:
     They are built from `page/`, which needs Node and its packages once, when Clepsydra is
     installed from its sources; a wheel has them. Without them it is None, and pictures are still.
     """
+    return _built(script="report.js", style="report.css", worker="live.js")
+
+
+def lab_assets() -> dict[str, str] | None:
+    """Return script and style of a laboratory; None as for a report."""
+    return _built(script="lab.js", style="lab.css")
+
+
+def _built(**files: str) -> dict[str, str] | None:
     folder = resources.files("clepsydra.report") / "page"
-    files = {"script": "report.js", "style": "report.css", "worker": "live.js"}
     try:
         return {key: (folder / name).read_text("utf-8") for key, name in files.items()}
     except FileNotFoundError:

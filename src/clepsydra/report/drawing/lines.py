@@ -16,7 +16,7 @@ Point = tuple[float, float]
 Points = list[Point]
 
 
-def draw_lines(ways: Mapping[Pipe, Points], still: set[str]) -> list[str]:
+def draw_lines(ways: Mapping[Pipe, Points], still: set[str], *, alive: bool = False) -> list[str]:
     """Return every pipe and signal line, with an arch where it passes over another.
 
     Signals arch over pipes; of two of a kind the level one arches.
@@ -27,6 +27,8 @@ def draw_lines(ways: Mapping[Pipe, Points], still: set[str]) -> list[str]:
         Pipe to its corner points [px].
     still : set of str
         Elements and junctions through which nothing flows: their pipes are thin.
+    alive : bool
+        Whether each tells to which element it belongs, for a page that moves it.
     """
     parts = []
     for pipe, points in ways.items():
@@ -37,7 +39,8 @@ def draw_lines(ways: Mapping[Pipe, Points], still: set[str]) -> list[str]:
         dash = "5 3" if pipe.kind == "signal" else ""
         line = path(_arched(pipe, ways), thick, stroke=colour, stroke_dasharray=dash)
         tip = _tip(points, size, colour) if pipe.arrow else ""
-        parts.append(titled(title, line, tip, kind=pipe.kind))
+        of = pipe.line if alive and pipe.kind == "pipe" else ""
+        parts.append(titled(title, line, tip, kind=pipe.kind, data_of=of))
     return parts
 
 

@@ -9,7 +9,7 @@ from clepsydra.report.colours import INK, MUTED
 from clepsydra.report.drawing.bodies import NAME, PITCH, RADII, SMALL, Body, Point, direction
 from clepsydra.report.drawing.control_functions import ControlFunction
 from clepsydra.report.drawing.flow_graph import Instrument
-from clepsydra.report.drawing.outline import TANK_HEIGHT
+from clepsydra.report.drawing.outline import TANK_HEIGHT, TANK_WIDTH
 from clepsydra.report.drawing.scene import INSIDE, Scene
 from clepsydra.report.drawing.shapes import (
     ALARM,
@@ -18,6 +18,7 @@ from clepsydra.report.drawing.shapes import (
     STEEL,
     box,
     circle,
+    element,
     path,
     polygon,
     shortened,
@@ -61,7 +62,8 @@ def draw_fitting(scene: Scene, body: Body) -> list[str]:
         way = _way(scene, body)
         angle = math.degrees(math.atan2(way[0], -way[1]))
         moved = f"translate({x:g} {y:g})" + (f" rotate({angle:g})" if angle else "")
-        shape = titled(title, _symbol(symbol, name in scene.still), moved=moved)
+        of = name if scene.alive else ""
+        shape = titled(title, _symbol(symbol, name in scene.still), moved=moved, data_of=of)
     return [shape, *_words(scene, body, x, y)]
 
 
@@ -118,10 +120,18 @@ def _words(scene: Scene, body: Body, x: float, y: float) -> list[str]:
         text(
             left, first + step * place, words, anchor,
             "small" if body.across or quiet or stub else "" if place else "name",
-            MUTED if quiet else _colour(scene, words),
+            MUTED if quiet else _colour(scene, words), **_marks(scene, body.name, place),
         )
         for place, words in enumerate(lines)
     ]  # fmt: skip
+
+
+def _marks(scene: Scene, name: str, place: int) -> dict[str, str]:
+    """Return of which signal a line beside an element is, for a page that moves it."""
+    told = place - len(scene.labels[name]) + len(scene.readings(name))
+    if not scene.alive or told < 0:
+        return {}
+    return {"data_percent" if told else "data_value": name}
 
 
 def _splitter(scene: Scene, body: Body, x: float, y: float) -> list[str]:
@@ -175,7 +185,8 @@ def draw_instrument(scene: Scene, instrument: Instrument) -> list[str]:
     parts = [titled(title, circle(x, y, RADII["instrument"]), *tags)]
     for place, words in enumerate(scene.labels[name]):
         colour = ALARM if words and words == scene.warning(name) else INK
-        parts.append(text(x, y + 33 + 15 * place, words, style="small", colour=colour))
+        of = _marks(scene, name, place)
+        parts.append(text(x, y + 33 + 15 * place, words, style="small", colour=colour, **of))
     return parts
 
 
@@ -209,7 +220,8 @@ def draw_function(scene: Scene, function: ControlFunction) -> list[str]:
     )
     found = [titled(f"{letters}-{number}: {title}", *shapes)]
     for words in scene.labels.get(function.name, ()):
-        found.append(text(x, y - 25, words, style="small"))
+        of = f"{function.at}.setpoint" if scene.alive else ""
+        found.append(text(x, y - 25, words, style="small", data_setpoint=of))
     return found
 
 
@@ -248,15 +260,17 @@ def draw_vessel(scene: Scene, name: str) -> list[str]:
     wall = outline.polygon(x, y)
     shapes = [path(polygon(wall), 0.0, PAPER, "none")]
     if share is not None:
-        filled = outline.polygon(x, y, min(max(share, 0.0), 1.0))
-        shapes.append(path(polygon(filled), 0.0, scene.tint(name), "none", class_="water"))
-        shapes.append(path(polygon([filled[0], filled[-1]], closed=False), stroke=PIPE))
+        shapes += _moving_water(scene, name) if scene.alive else _water(scene, name, share)
     shut = share is None or not outline.open_above
     rim = path(polygon(wall, closed=shut), 2.0)
     parts = [titled(title, *shapes, rim, kind="vessel")]
     for place, (row, line) in enumerate(zip(_clear_of(surface, len(words)), words, strict=True)):
         style = "name inside" if place < names else "inside" if place == names else "small inside"
-        parts.append(text(x, y + row, line, style=style, colour=ALARM if line == warning else INK))
+        of = {}
+        if scene.alive and level is not None and names <= place < names + 2:
+            of = {"data_value" if place == names else "data_percent": level.name}
+        colour = ALARM if line == warning else INK
+        parts.append(text(x, y + row, line, style=style, colour=colour, **of))
     if getattr(element, "weir", 0.0):
         seats = [i.name for i in scene.graph.instruments if i.seat == name]
         right = not seats or scene.routes.placement.bodies[seats[0]].x > body.x
@@ -265,6 +279,39 @@ def draw_vessel(scene: Scene, name: str) -> list[str]:
         spout = path("M-7 -1q14 -6 15 9m-4 -4l4 5l4 -5", 1.6)
         parts.append(titled(f"weir of {name}", spout, moved=moved))
     return parts
+
+
+def _water(scene: Scene, name: str, share: float) -> list[str]:
+    """Return what is in a vessel up to a share of its height, and its surface."""
+    body = scene.routes.placement.bodies[name]
+    height = min(max(share, 0.0), 1.0)
+    filled = scene.outlines[name].polygon(PITCH * body.x, PITCH * body.y, height)
+    return [
+        path(polygon(filled), 0.0, scene.tint(name), "none", class_="water"),
+        path(polygon([filled[0], filled[-1]], closed=False), stroke=PIPE),
+    ]
+
+
+def _moving_water(scene: Scene, name: str) -> list[str]:
+    """Return the same for a page: an empty vessel, whose water rises by a shift upward.
+
+    The page shifts it by the share of `data-height` that is filled.
+    """
+    body = scene.routes.placement.bodies[name]
+    x, floor = PITCH * body.x, PITCH * body.y + TANK_HEIGHT
+    left, right = x - TANK_WIDTH / 2, x + TANK_WIDTH / 2
+    inside = path(polygon(scene.outlines[name].polygon(x, PITCH * body.y)), 0.0, "none", "none")
+    place = f"{scene.alive}-{name}"
+    water = element(
+        "g",
+        box((left, right), (floor, floor + TANK_HEIGHT), scene.tint(name), "", None)
+        + path(f"M{left:g} {floor:g}H{right:g}", stroke=PIPE),
+        class_="water", data_level=f"{name}.level", data_height=TANK_HEIGHT,
+    )  # fmt: skip
+    return [
+        element("clipPath", inside, id=place),
+        element("g", water, clip_path=f"url(#{place})"),
+    ]
 
 
 def _told(scene: Scene, signal: Signal, *, short: bool) -> list[str]:

@@ -33,7 +33,11 @@ _LEAST_SHARE = 0.58
 
 
 def process_drawing(
-    process: Process, point: OperatingPoint | None, controller: Controller | None = None
+    process: Process,
+    point: OperatingPoint | None,
+    controller: Controller | None = None,
+    *,
+    alive: str = "",
 ) -> str:
     """Draw a process with the values of an operating point, as one ``<svg>`` element.
 
@@ -49,6 +53,9 @@ def process_drawing(
         None draws the plant without values.
     controller : Controller, optional
         Closes the loops; without one there are transmitters alone.
+    alive : str, optional
+        Its name in a page that moves it: what moves tells in `data-` attributes of which signal it is,
+        water is clipped by its tank, so that it only needs to be shifted, and nothing stands still.
 
     Returns
     -------
@@ -69,12 +76,12 @@ def process_drawing(
     >>> process_drawing(plant.process, plant.point, cl.design.simc(plant)).count("LIC-")
     2
     """
-    scene = Scene(process, point, controller)
+    scene = Scene(process, point, controller, alive)
     placement = scene.routes.placement
     width, height = PITCH * placement.width, PITCH * placement.height
     ways = _ways(scene)
     parts = [
-        *draw_lines(ways, scene.still),
+        *draw_lines(ways, scene.still, alive=bool(alive)),
         *draw_basins(scene.routes, ways, width, scene.tint),
         *(part for name in scene.graph.vessels for part in draw_vessel(scene, name)),
         *(part for body in placement.bodies.values() for part in draw_fitting(scene, body)),

@@ -43,11 +43,14 @@ class Scene:
         None where nothing is known of its values.
     controller : Controller or None
         None where nothing controls it.
+    alive : str
+        Its name in a page that moves it, empty in others: there every reading has its place, and nothing stands still.
     """
 
     process: Process
     point: OperatingPoint | None
     controller: Controller | None
+    alive: str = ""
 
     @cached_property
     def elements(self) -> dict[str, Element]:
@@ -86,7 +89,7 @@ class Scene:
     @cached_property
     def still(self) -> set[str]:
         """The elements through which nothing flows."""
-        if self.point is None or not self.process.motion.flow_paths:
+        if self.alive or self.point is None or not self.process.motion.flow_paths:
             return set()
         motion, point, p = self.process.motion, self.point, self.process.parameter_values
         rates = motion.flows(*motion.at_rest(point.state, point.inputs, point.disturbances, p))
@@ -110,7 +113,7 @@ class Scene:
         moving = [*self.process.inputs, *self.process.measurements]
         signal = next((signal for signal in moving if signal.name == name), None)
         flow = getattr(self.elements.get(name), "flow", "")  # what a meter measures
-        if signal is None or name not in self.values or self.still & {name, flow}:
+        if self.alive or signal is None or name not in self.values or self.still & {name, flow}:
             return ""
         if signal.low < self.values[name] < signal.high:
             return ""

@@ -191,7 +191,7 @@ def text(
     return element("text", escape(words), **place, class_=style, **more)
 
 
-def titled(title: str, *shapes: str, kind: str = "", moved: str = "") -> str:
+def titled(title: str, *shapes: str, kind: str = "", moved: str = "", **more: object) -> str:
     """Return shapes as one thing, with what it is called, moved where they were drawn around 0.
 
     Examples
@@ -200,7 +200,7 @@ def titled(title: str, *shapes: str, kind: str = "", moved: str = "") -> str:
     '<g class="basin"><title>a &lt; b</title><path/></g>'
     """
     content = f"<title>{escape(title)}</title>{''.join(shapes)}"
-    return element("g", content, class_=kind, transform=moved)
+    return element("g", content, class_=kind, transform=moved, **more)
 
 
 def picture(

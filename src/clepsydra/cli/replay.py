@@ -1,0 +1,35 @@
+"""``clepsydra replay``: a session of a laboratory run again, with the same bits."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import typer
+
+from clepsydra.cli.options import JsonOption
+from clepsydra.cli.verb import verb
+
+
+@verb(27)
+def replay(
+    session: Path = typer.Argument(
+        ..., metavar="SESSION.json", help="What a laboratory saved, see clepsydra lab."
+    ),
+    subject: str | None = typer.Argument(
+        None,
+        metavar="[PROCESS|STUDY.toml]",
+        help="What the page was written for; the process that the session names if left out.",
+    ),
+    as_json: JsonOption = False,
+) -> None:
+    """Run a session of a laboratory again; print where it ends, and its scores."""
+    from clepsydra.cli.lab import made_of
+    from clepsydra.cli.output import tell
+    from clepsydra.interface.replay import read_session
+    from clepsydra.interface.replay import replay as replayed
+    from clepsydra.interface.subject import plant_of, read_subject
+
+    found = read_session(session)
+    request = read_subject(found.process if subject is None else subject)
+    made = made_of(request, list(found.controllers), None)
+    tell(replayed(session, plant_of(request), made), {}, as_json=as_json)

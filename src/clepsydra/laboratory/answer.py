@@ -1,0 +1,37 @@
+"""What a session that was run again says: where it ended, and its scores."""
+
+from __future__ import annotations
+
+from clepsydra.base.section import Line, Mark, Section, Table
+from clepsydra.base.words import time_text
+from clepsydra.laboratory.replay import Replayed
+from clepsydra.report.quantities import number_text, quantity_text
+
+#: What of the scores is told on a screen.
+_TOLD = {
+    "iae": "integral of the absolute error, IAE",
+    "total_variation": "total variation",
+    "time_in_saturation": "time at a limit",
+}
+
+
+def session_answer(found: Replayed) -> Section:
+    """Return where a session ended, and its scores."""
+    samples, touches = found.session.samples, len(found.session.touches)
+    said = time_text(samples * found.process.sampling_period, 4)
+    words = f"{found.process.title}, {said}: {samples} samples, {touches} touches."
+    levels = tuple(
+        (name, quantity_text(found.process.signal(name), value, 6))
+        for name, value in found.levels.items()
+    )
+    scores = tuple(
+        (name, meaning, number_text(value, 6))
+        for key, meaning in _TOLD.items()
+        for name, value in found.scores.items()
+        if name.startswith(f"{key}[")
+    )
+    tables = (
+        Table("Where it ends", ("state", "value"), levels),
+        Table("Scores, in SI units", ("score", "what it is", "value"), scores),
+    )
+    return Section("Session", (Line(words, Mark.ANSWER), *tables))

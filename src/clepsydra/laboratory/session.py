@@ -1,0 +1,181 @@
+"""A session of a laboratory: the file that a page saves, read and checked."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from clepsydra import __version__
+from clepsydra.base.arguments import is_finite_number
+from clepsydra.base.errors import Finding, InputError
+from clepsydra.base.input_file import read_input
+from clepsydra.laboratory.page_data import FORM
+from clepsydra.laboratory.rig import STARTS, Start
+
+#: Of a file: some hundred thousand touches [bytes].
+LARGEST = 20_000_000
+#: Four months at a sample a second.
+MOST_SAMPLES = 10_000_000
+_WHAT = "a session that a laboratory saved"
+_AGAIN = "save it once more from the laboratory"
+
+
+@dataclass(frozen=True)
+class Touch:
+    """A hand on the rig before a sample: an input set, or another controller chosen.
+
+    Parameters
+    ----------
+    sample : int
+    input : str
+        Empty where a controller is chosen.
+    value : float
+        Of the input [SI].
+    controller : str
+        Its name; empty where an input is set.
+    """
+
+    sample: int
+    input: str = ""
+    value: float = 0.0
+    controller: str = ""
+
+
+@dataclass(frozen=True)
+class Session:
+    """What was done in a laboratory.
+
+    Parameters
+    ----------
+    process : str
+        Of the catalogue, or the path of its file.
+    controllers : tuple of str
+        Their names; the first has the rig at the start.
+    digest : str
+        Of the rig.
+    start : {"rest", "empty"}
+    samples : int
+    touches : tuple of Touch
+        In the order of their samples.
+    """
+
+    process: str
+    controllers: tuple[str, ...]
+    digest: str
+    start: Start
+    samples: int
+    touches: tuple[Touch, ...]
+
+
+def read_session(path: str | Path) -> Session:
+    """Read a session; what is damaged, or of another version, is refused with its place.
+
+    Raises
+    ------
+    InputError
+        It is no such file, or something in it is missing or wrong.
+    """
+    place = str(path)
+    content = read_input(Path(path), _WHAT, LARGEST)
+    try:
+        found = json.loads(content)
+    except UnicodeDecodeError:
+        raise InputError(place, Finding("no text in UTF-8"), _WHAT, _AGAIN) from None
+    except json.JSONDecodeError as error:
+        where = f"{place}, line {error.lineno}, column {error.colno}"
+        raise InputError(where, Finding("no JSON"), _WHAT, _AGAIN) from None
+    except RecursionError:
+        raise InputError(place, Finding("too many brackets"), _WHAT, _AGAIN) from None
+    return session_of(found, place)
+
+
+def session_of(found: Any, place: str) -> Session:
+    """Return a session from values of JSON.
+
+    Parameters
+    ----------
+    place : str
+        What messages call it.
+
+    Examples
+    --------
+    >>> session_of({"form": 1, "version": "0.0.1"}, "session.json")
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: session.json, version: got '0.0.1', expected the version of \
+this installation, '0.1.0'; run it with Clepsydra 0.0.1, or make the page once more.
+    """
+    fields = _Fields(found, place)
+    form = fields.take("form", int, "a number")
+    if form != FORM:
+        raise InputError(
+            f"{place}, form", form, f"{FORM}, the form of this version",
+            "run it with the version that wrote it",
+        )  # fmt: skip
+    version = fields.take("version", str, "the version that wrote it")
+    if version != __version__:
+        raise InputError(
+            f"{place}, version", version, f"the version of this installation, {__version__!r}",
+            f"run it with Clepsydra {version[:30]}, or make the page once more",
+        )  # fmt: skip
+    start = fields.take("start", str, "where it begins")
+    if start not in STARTS:
+        raise InputError(f"{place}, start", start, f"one of {', '.join(STARTS)}", _AGAIN)
+    names = fields.take("controllers", list, "the names of its controllers")
+    if not names or not all(isinstance(each, str) for each in names):
+        raise InputError(f"{place}, controllers", names, "names", _AGAIN)
+    samples = fields.take("samples", int, "how many samples it has")
+    if not 1 <= samples <= MOST_SAMPLES:
+        expected = f"a whole number from 1 to {MOST_SAMPLES}"
+        raise InputError(f"{place}, samples", samples, expected, _AGAIN)
+    touches, last = [], 0
+    for number, each in enumerate(fields.take("touches", list, "what was done")):
+        touch = _touch(each, f"{place}, touches[{number}]")
+        if not last <= touch.sample < samples:
+            raise InputError(
+                f"{place}, touches[{number}].sample", touch.sample,
+                f"a sample from {last}, that of the touch before, to {samples - 1}", _AGAIN,
+            )  # fmt: skip
+        last = touch.sample
+        touches.append(touch)
+    return Session(
+        fields.take("process", str, "the process"),
+        tuple(names),
+        fields.take("digest", str, "the digest of its rig"),
+        next(known for known in STARTS if known == start),
+        samples,
+        tuple(touches),
+    )
+
+
+def _touch(found: Any, place: str) -> Touch:
+    fields = _Fields(found, place)
+    sample = fields.take("sample", int, "the sample before which it was")
+    if "controller" in fields.found:
+        return Touch(sample, controller=fields.take("controller", str, "a controller"))
+    name = fields.take("input", str, "what was set")
+    value = fields.found.get("value")
+    if not is_finite_number(value):
+        raise InputError(f"{place}.value", value, "a finite number, in SI", _AGAIN)
+    return Touch(sample, name, float(value))
+
+
+class _Fields:
+    """An object of JSON whose fields are taken one by one."""
+
+    def __init__(self, found: Any, place: str) -> None:
+        if not isinstance(found, dict):
+            raise InputError(place, Finding("no object"), _WHAT, _AGAIN)
+        self.found, self.place = found, place
+
+    def take(self, name: str, kind: type, words: str) -> Any:
+        """Return a field of a type; refuse one that is missing or of another."""
+        where = f"{self.place}, {name}"
+        if name not in self.found:
+            raise InputError(where, Finding("nothing"), words, _AGAIN)
+        value = self.found[name]
+        if not isinstance(value, kind) or isinstance(value, bool):
+            raise InputError(where, value, words, _AGAIN)
+        return value
