@@ -30,10 +30,9 @@ export interface ControllerData {
   inputs: [string, number][];
   outputs: string[];
   parameters: number[];
-  rings: RingOfState[];
-  /** How many of the first states, and of the first entries of rings, are the process's. */
+  rings: (RingOfState & { isOfProcess: boolean })[];
+  /** How many of the first states are the process's. */
   moving: number;
-  movingRings: number;
   starts: Record<Start, { state: number[]; rings: number[] }>;
   loops: LoopData[];
 }

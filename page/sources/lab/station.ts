@@ -71,9 +71,18 @@ export class Station {
 
   /** Take over the process as another one has moved it. */
   takeProcess(other: Station): void {
-    const { moving, movingRings } = this.data;
-    this.kernel.state.set(other.kernel.state.subarray(0, moving));
-    this.kernel.rings.set(other.kernel.rings.subarray(0, movingRings));
+    this.kernel.state.set(other.kernel.state.subarray(0, this.data.moving));
+    const theirs = other.processRings();
+    this.processRings().forEach((ring, place) => ring.set(theirs[place]!));
+  }
+
+  /** Return what the delays of the process hold. */
+  private processRings(): Float64Array[] {
+    let end = 0;
+    return this.data.rings.flatMap(({ length, isOfProcess }) => {
+      end += length;
+      return isOfProcess ? [this.kernel.rings.subarray(end - length, end)] : [];
+    });
   }
 
   private run(inputs: Float64Array): void {

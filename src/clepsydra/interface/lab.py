@@ -69,5 +69,5 @@ def rig_of(plant: Subject, controllers: AnyController | Sequence[AnyController])
     from clepsydra.laboratory.rig import Rig
 
     own = plant_of(plant)
-    given = controllers if isinstance(controllers, (list, tuple)) else [controllers]
+    given = controllers if isinstance(controllers, Sequence) else (controllers,)
     return Rig(own.linear, [of_plant(each, own) for each in given])

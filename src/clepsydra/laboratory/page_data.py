@@ -67,7 +67,7 @@ def _shown(signal: Signal) -> dict[str, Any]:
 
 def _controller(station: Station, modules: Modules) -> dict[str, Any]:
     program, controller = station.program, station.controller
-    rings = rings_and_turns(program)
+    rings, of_process = rings_and_turns(program), set(station.process_rings)
     return {
         "name": controller.name,
         "title": controller.title,
@@ -75,9 +75,16 @@ def _controller(station: Station, modules: Modules) -> dict[str, Any]:
         "inputs": [[signal.name, station.at_rest[signal.name]] for signal in program.inputs],
         "outputs": [signal.name for signal in program.outputs],
         "parameters": list(station.parameters.values()),
-        "rings": [{"initial": 0.0, "length": ring.length, "turns": turns} for ring, turns in rings],
+        "rings": [
+            {
+                "initial": 0.0,
+                "length": ring.length,
+                "turns": turns,
+                "isOfProcess": ring.name in of_process,
+            }
+            for ring, turns in rings
+        ],
         "moving": station.moving,
-        "movingRings": sum(ring.length for ring in station.process_rings),
         "starts": {
             start: {
                 "state": list(station.starts[start].state.values()),

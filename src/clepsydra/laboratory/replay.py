@@ -126,7 +126,7 @@ class _Replay:
         """Let a controller stand where another one has moved the process."""
         old, new, station = self.standing[before], self.standing[after], self.stations[after]
         own = [entry.name for entry in station.program.state[: station.moving]]
-        rings = {ring.name: old.rings[ring.name] for ring in station.process_rings}
+        rings = {name: old.rings[name] for name in station.process_rings}
         self.standing[after] = Standing(
             {**new.state, **{name: old.state[name] for name in own}}, {**new.rings, **rings}
         )
@@ -158,7 +158,7 @@ class _Replay:
 
     def _scores(self, values: dict[str, np.ndarray]) -> dict[str, float]:
         process = self.rig.process
-        time = np.arange(self.session.samples) * process.sampling_period
+        time = np.arange(self.session.samples, dtype=np.float64) * process.sampling_period
         inputs = {u.name: values[u.name] for u in process.inputs}
         limits = {u.name: (u.low, u.high) for u in process.inputs}
         controlled = [process.signal(name) for name in process.controlled]

@@ -14,6 +14,7 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.python_law import PythonLaw
+from clepsydra.controllers.wiring import controller_name
 from clepsydra.deploy.printing.heading import digest
 from clepsydra.engine.trajectories import rings_and_turns
 from clepsydra.linear.linear_model import LinearModel
@@ -24,7 +25,6 @@ from clepsydra.loop.law_begin import loop_begin
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import scenario_of_changes
 from clepsydra.process.process import Process
-from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.entries import signal_of
 from clepsydra.program.program import Program
 
@@ -82,9 +82,10 @@ class Station:
         signals = map(signal_of, self.program.state)
         state = {each.name: given.get(each.name, each.initial) for each in signals}
         rings = {
-            ring.name: held.get(ring.name, np.full(ring.length, state[ring.name]))
+            ring.name: held.get(
+                ring.name, np.full(ring.length, given.get(ring.name, ring.signal.initial))
+            )
             for ring, _ in rings_and_turns(self.program)
-            if ring.name in state
         }
         return Standing(state, rings)
 
@@ -94,10 +95,11 @@ class Station:
         return len(self.program.state) - len(self.controller.law.state)
 
     @property
-    def process_rings(self) -> list[DelayRing]:
-        """The delays of the process, which stand first."""
-        own = self.program.state[: self.moving]
-        return [entry for entry in own if isinstance(entry, DelayRing)]
+    def process_rings(self) -> list[str]:
+        """The rings that hold what is in the delays of the process."""
+        of_law = {controller_name(entry.name) for entry in self.controller.law.state}
+        rings = (ring.name for ring, _ in rings_and_turns(self.program))
+        return [name for name in rings if name not in of_law]
 
 
 @dataclass(frozen=True)

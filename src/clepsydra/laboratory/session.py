@@ -157,7 +157,7 @@ def _touch(found: Any, place: str) -> Touch:
         return Touch(sample, controller=fields.take("controller", str, "a controller"))
     name = fields.take("input", str, "what was set")
     value = fields.found.get("value")
-    if not is_finite_number(value):
+    if value is None or not is_finite_number(value):
         raise InputError(f"{place}.value", value, "a finite number, in SI", _AGAIN)
     return Touch(sample, name, float(value))
 

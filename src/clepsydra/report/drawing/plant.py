@@ -54,8 +54,8 @@ def process_drawing(
     controller : Controller, optional
         Closes the loops; without one there are transmitters alone.
     alive : str, optional
-        Its name in a page that moves it: what moves tells in `data-` attributes of which signal it is,
-        water is clipped by its tank, so that it only needs to be shifted, and nothing stands still.
+        Its name in a page that moves it: what moves tells in `data-` attributes of which signal it
+        is, water is clipped by its tank and only needs to be shifted, and nothing stands still.
 
     Returns
     -------

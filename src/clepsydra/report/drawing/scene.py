@@ -44,7 +44,8 @@ class Scene:
     controller : Controller or None
         None where nothing controls it.
     alive : str
-        Its name in a page that moves it, empty in others: there every reading has its place, and nothing stands still.
+        Its name in a page that moves it, empty in others: there every reading has its place, and
+        nothing stands still.
     """
 
     process: Process
