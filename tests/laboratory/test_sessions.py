@@ -7,9 +7,9 @@ import pytest
 from page_in_node import answered, source
 
 import clepsydra as cl
-from clepsydra.interface.lab import rig_of
 from clepsydra.laboratory.page_data import page_data
 from clepsydra.laboratory.replay import replayed
+from clepsydra.laboratory.rig import Rig
 from clepsydra.laboratory.session import session_of
 
 DEAD_TIME = Path(__file__).parents[1] / "dead-time.toml"
@@ -21,10 +21,12 @@ const modules = await Promise.all(
 const rig = new Rig(given.data, modules);
 answer(given.sessions.map(({{ start, samples, hands }}) => {{
   rig.choose(0);
+  rig.noise(false);
   rig.reset(start);
   for (let sample = 0; sample < samples; ++sample) {{
     for (const hand of hands.filter((each) => each.sample === sample))
-      if (hand.controller === undefined) rig.touch(hand.input, hand.value);
+      if (hand.noise !== undefined) rig.noise(hand.noise);
+      else if (hand.controller === undefined) rig.touch(hand.input, hand.value);
       else rig.choose(hand.controller);
     rig.step();
   }}
@@ -45,7 +47,7 @@ def hands_on(rig, random, samples, count=12):
     process, found = rig.process, []
     for sample in sorted(random.integers(0, samples, count).tolist()):
         hand = {"sample": sample}
-        match int(random.integers(0, 5)):
+        match int(random.integers(0, 6)):
             case 0 if len(process.controlled):
                 y = process.signal(str(random.choice(process.controlled)))
                 hand |= {"input": f"{y.name}.setpoint", "value": random.uniform(y.low, y.high)}
@@ -58,6 +60,8 @@ def hands_on(rig, random, samples, count=12):
                 hand |= {"input": d.name, "value": at * random.uniform(0.5, 1.5)}
             case 3:
                 hand |= {"controller": int(random.integers(0, len(rig.stations)))}
+            case 4:
+                hand |= {"noise": bool(random.integers(0, 2))}
             case _:
                 u = process.signal(random.choice([u.name for u in process.inputs]))
                 hand |= {"input": f"{u.name}.manual", "value": random.uniform(u.low, u.high)}
@@ -68,7 +72,7 @@ def hands_on(rig, random, samples, count=12):
 @pytest.mark.parametrize(("process", "designs"), CASES)
 def test_a_session_is_run_again_in_every_bit(process, designs, tmp_path):
     plant = cl.load(process)
-    rig = rig_of(plant, [getattr(cl.design, design)(plant) for design in designs])
+    rig = Rig(plant.linear, [getattr(cl.design, design)(plant) for design in designs])
     random = np.random.default_rng(len(designs[0]))
     sessions = [
         {"start": start, "samples": samples, "hands": hands_on(rig, random, samples)}

@@ -11,6 +11,7 @@ export interface Handler {
   step(): void;
   speed(times: number): void;
   choose(controller: number): void;
+  noise(isOn: boolean): void;
   begin(start: Start): void;
   save(): void;
 }
@@ -26,8 +27,12 @@ export class Bar {
     speed.select.addEventListener("change", () => handler.speed(SPEEDS[speed.select.selectedIndex]!));
     const controller = choice("Controller", titles);
     controller.select.addEventListener("change", () => handler.choose(controller.select.selectedIndex));
+    const noise = element("label", "", "Noise ");
+    const box = Object.assign(element("input", ""), { type: "checkbox" });
+    box.addEventListener("change", () => handler.noise(box.checked));
+    noise.append(box);
     place.append(
-      this.go, button("One sample", () => handler.step()), speed.label, controller.label,
+      this.go, button("One sample", () => handler.step()), speed.label, controller.label, noise,
       button("Start at rest", () => handler.begin("rest")), button("Start empty", () => handler.begin("empty")),
       button("Save session", () => handler.save()), this.told,
     );

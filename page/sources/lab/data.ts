@@ -58,14 +58,20 @@ export interface LabData {
   controlled: string[];
   inputs: string[];
   disturbances: string[];
+  /** Of the noise. */
+  seed: number;
+  noises: { input: string; stream: number; deviation: number }[];
   spills: Spill[];
   controllers: ControllerData[];
   /** Base64 of deflated WebAssembly. */
   modules: string[];
 }
 
-/** A hand on the rig before a sample: an input of the program in SI, or who has the rig from then on. */
-export type Touch = { sample: number; input: string; value: number } | { sample: number; controller: string };
+/** A hand on the rig before a sample: an input of the program in SI, or who has the rig or whether sensors are noisy from then on. */
+export type Touch =
+  | { sample: number; input: string; value: number }
+  | { sample: number; controller: string }
+  | { sample: number; noise: boolean };
 
 export interface SessionFile {
   form: number;
@@ -75,5 +81,6 @@ export interface SessionFile {
   controllers: string[];
   start: Start;
   samples: number;
+  seed: number;
   touches: Touch[];
 }

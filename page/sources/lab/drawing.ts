@@ -32,7 +32,10 @@ export class Drawing {
       if (signal) this.updates.push(written(element, (value) => `SP ${shownText(signal, value(name))}`));
     }
     this.each("of", signals, (element, signal) => (value) => {
-      element.classList.toggle("stopped", value(signal.name) <= Math.max(0, signal.low ?? 0));
+      // Of a forced flow that may break off it is told whether it runs.
+      const running = value(`${signal.name}.running`);
+      const moving = Number.isNaN(running) ? value(signal.name) - Math.max(0, signal.low ?? 0) : running;
+      element.classList.toggle("stopped", !(moving > 0));
     });
   }
 

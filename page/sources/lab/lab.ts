@@ -60,6 +60,7 @@ class Lab {
       step: () => (this.step(), this.show(), this.trends.show()),
       speed: (times) => ((this.pace.speed = times), this.pace.reset()),
       choose: (controller) => this.choose(controller),
+      noise: (isOn) => rig.noise(isOn),
       begin: (start) => {
         rig.reset(start);
         this.history.clear();

@@ -1,5 +1,6 @@
 /** A process under some controllers, of which one has it in its hands, and every touch of it. */
 
+import { whiteNoise } from "../live/noise.ts";
 import type { LabData, SessionFile, Start, Touch } from "./data.ts";
 import { Station } from "./station.ts";
 
@@ -12,6 +13,8 @@ export class Rig {
   /** Who has the rig, and who is to have it from the next sample on. */
   private leading = 0;
   private wanted = 0;
+  private isNoisy = false;
+  private wantsNoise = false;
   /** What hands have set since the last sample. */
   private readonly pending = new Map<string, number>();
   private touches: Touch[] = [];
@@ -36,6 +39,7 @@ export class Rig {
     this.leading = this.wanted;
     for (const station of this.stations) station.begin(start);
     for (const { tank } of this.data.spills) this.spilling.set(tank, { before: 0, times: 0, isSpilling: false });
+    this.isNoisy = false;
     // Who had the rig keeps it: the first touch of a session says so.
     if (this.leading) this.touches.push({ sample: 0, controller: this.name(this.leading) });
   }
@@ -49,6 +53,11 @@ export class Rig {
   /** Give the rig to another controller from the next sample on. */
   choose(controller: number): void {
     this.wanted = controller;
+  }
+
+  /** Let sensors be noisy, or not, from the next sample on. */
+  noise(isOn: boolean): void {
+    this.wantsNoise = isOn;
   }
 
   /** Return an input or an output by name [SI], as hands have it where they set it. */
@@ -67,6 +76,7 @@ export class Rig {
       this.touches.push({ sample: this.samples, input, value });
     }
     this.pending.clear();
+    this.makeNoise();
     const moved = this.stations[this.leading]!.lead();
     this.stations.forEach((station, place) => {
       if (place !== this.leading) station.follow(moved);
@@ -85,10 +95,10 @@ export class Rig {
 
   /** Return what Python needs to run the same once more. */
   session(): SessionFile {
-    const { form, version, digest, process, controllers } = this.data;
+    const { form, version, digest, process, controllers, seed } = this.data;
     return {
       form, version, digest, process, controllers: controllers.map((each) => each.name),
-      start: this.start, samples: this.samples, touches: this.touches,
+      start: this.start, samples: this.samples, seed, touches: this.touches,
     };
   }
 
@@ -99,6 +109,18 @@ export class Rig {
 
   private name(controller: number): string {
     return this.data.controllers[controller]!.name;
+  }
+
+  private makeNoise(): void {
+    const hasChanged = this.wantsNoise !== this.isNoisy;
+    if (hasChanged) this.touches.push({ sample: this.samples, noise: this.wantsNoise });
+    this.isNoisy = this.wantsNoise;
+    if (!this.isNoisy && !hasChanged) return;
+    for (const { input, stream, deviation } of this.data.noises) {
+      const told = { seed: [this.data.seed], stream, first: this.samples, count: 1, deviation };
+      const value = this.isNoisy ? whiteNoise(told)[0]! : 0;
+      for (const station of this.stations) station.set(input, value);
+    }
   }
 
   private countSpills(): void {

@@ -6,9 +6,10 @@ import math
 from typing import Any
 
 from clepsydra import __version__
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import unit_text
 from clepsydra.engine.trajectories import rings_and_turns
+from clepsydra.engine.white_noise import stream_of
 from clepsydra.laboratory.rig import STARTS, Rig, Station
 from clepsydra.report.drawing.control_functions import control_functions
 from clepsydra.report.html import address_text
@@ -17,6 +18,8 @@ from clepsydra.report.quantities import display_factor
 
 #: Of what stands here, and of a session; another one is refused.
 FORM = 1
+#: Of the noise.
+SEED = 1
 
 
 def page_data(rig: Rig) -> dict[str, Any]:
@@ -47,6 +50,11 @@ def page_data(rig: Rig) -> dict[str, Any]:
         "controlled": list(process.controlled),
         "inputs": [signal.name for signal in process.inputs],
         "disturbances": [signal.name for signal in process.disturbances],
+        "seed": SEED,
+        "noises": [
+            {"input": path(name, "noise"), "stream": stream_of(name), "deviation": deviation}
+            for name, deviation in rig.noises.items()
+        ],
         "spills": _spills(rig),
         "controllers": controllers,
         "modules": modules.held,

@@ -10,8 +10,10 @@ import numpy as np
 
 from clepsydra.base.arguments import require_known
 from clepsydra.base.errors import InputError
+from clepsydra.base.signal import path
 from clepsydra.controllers.blocks.status import Mode
 from clepsydra.engine.kernel import Kernel
+from clepsydra.engine.white_noise import stream_of, white_noise
 from clepsydra.laboratory.rig import Rig, Standing, Station
 from clepsydra.laboratory.session import Session, Touch
 from clepsydra.loop.closed_loop import loop_inputs, true_name
@@ -81,7 +83,7 @@ def replayed(rig: Rig, session: Session, place: str) -> Replayed:
         where = f"{place}, touches[{number}]"
         if touch.controller:
             require_known(f"{where}.controller", touch.controller, names)
-        else:
+        elif touch.input:
             require_known(f"{where}.input", touch.input, known)
     return _Replay(rig, session).run()
 
@@ -182,7 +184,24 @@ def _columns(rig: Rig, session: Session) -> dict[str, np.ndarray]:
         samples, values = zip(*changes, strict=True)
         held = np.diff([*samples, session.samples])
         columns[name] = np.repeat(np.array(values), held)
-    return columns
+    return columns | _noises(rig, session)
+
+
+def _noises(rig: Rig, session: Session) -> dict[str, np.ndarray]:
+    """Return the noise of each sensor [samples]: none where it is switched off."""
+    noisy = np.zeros(session.samples, bool)
+    for touch in session.touches:
+        if touch.noise is not None:
+            noisy[touch.sample :] = touch.noise
+    return {
+        path(name, "noise"): np.where(
+            noisy,
+            deviation * white_noise(session.seed, stream_of(name), 0, session.samples),
+            0.0,
+        )
+        for name, deviation in rig.noises.items()
+        if noisy.any()
+    }
 
 
 def _levels(station: Station, state: dict[str, float]) -> dict[str, float]:

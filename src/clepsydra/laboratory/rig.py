@@ -23,7 +23,7 @@ from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.law_begin import loop_begin
 from clepsydra.loop.loop import Loop
-from clepsydra.loop.scenario import scenario_of_changes
+from clepsydra.loop.scenario import Scenario, scenario_of_changes
 from clepsydra.process.process import Process
 from clepsydra.program.entries import signal_of
 from clepsydra.program.program import Program
@@ -155,17 +155,29 @@ class Rig:
         return self.stations[0].loop.process
 
     @cached_property
+    def scenario(self) -> Scenario:
+        """The default one, of which the integration steps and the noise of the sensors are."""
+        return default_scenario(self.model)
+
+    @cached_property
+    def noises(self) -> dict[str, float]:
+        """Measurement to the standard deviation of its noise [SI]."""
+        measured = {signal.name for signal in self.process.measurements}
+        found = self.scenario.noises
+        return {each.signal: each.deviation for each in found if each.signal in measured}
+
+    @cached_property
     def stations(self) -> list[Station]:
         """One for each controller, all with the same integration steps."""
         loops = [Loop(each, self.model) for each in self.controllers]
-        scenario = default_scenario(self.model)
-        substeps = max(loop.run_checked(scenario).substeps for loop in loops)
+        substeps = max(loop.run_checked(self.scenario).substeps for loop in loops)
         return [Station(loop, substeps) for loop in loops]
 
     @cached_property
     def digest(self) -> str:
-        """What tells it from every other: programs, numbers, and where it begins."""
-        said = [
+        """What tells it from every other: programs, numbers, noise, and where it begins."""
+        said: list[object] = [self.noises]
+        said += [
             (
                 digest(each.program), each.parameters, each.at_rest,
                 [(s.state, {n: r.tolist() for n, r in s.rings.items()})

@@ -18,29 +18,34 @@ from clepsydra.laboratory.rig import STARTS, Start
 LARGEST = 20_000_000
 #: Four months at a sample a second.
 MOST_SAMPLES = 10_000_000
+#: What a page counts exactly.
+MOST_SEED = 2**32 - 1
 _WHAT = "a session that a laboratory saved"
 _AGAIN = "save it once more from the laboratory"
 
 
 @dataclass(frozen=True)
 class Touch:
-    """A hand on the rig before a sample: an input set, or another controller chosen.
+    """A hand on the rig before a sample: an input set, another controller chosen, or noise.
 
     Parameters
     ----------
     sample : int
     input : str
-        Empty where a controller is chosen.
+        Empty where something else is done.
     value : float
         Of the input [SI].
     controller : str
-        Its name; empty where an input is set.
+        The name of the one that is chosen; else empty.
+    noise : bool or None
+        Whether the sensors are noisy from then on; None where something else is done.
     """
 
     sample: int
     input: str = ""
     value: float = 0.0
     controller: str = ""
+    noise: bool | None = None
 
 
 @dataclass(frozen=True)
@@ -57,6 +62,8 @@ class Session:
         Of the rig.
     start : {"rest", "empty"}
     samples : int
+    seed : int
+        Of the noise.
     touches : tuple of Touch
         In the order of their samples.
     """
@@ -66,6 +73,7 @@ class Session:
     digest: str
     start: Start
     samples: int
+    seed: int
     touches: tuple[Touch, ...]
 
 
@@ -130,6 +138,10 @@ this installation, '0.1.0'; run it with Clepsydra 0.0.1, or make the page once m
     if not 1 <= samples <= MOST_SAMPLES:
         expected = f"a whole number from 1 to {MOST_SAMPLES}"
         raise InputError(f"{place}, samples", samples, expected, _AGAIN)
+    seed = fields.take("seed", int, "the seed of its noise")
+    if not 0 <= seed <= MOST_SEED:
+        expected = f"a whole number from 0 to {MOST_SEED}"
+        raise InputError(f"{place}, seed", seed, expected, _AGAIN)
     touches, last = [], 0
     for number, each in enumerate(fields.take("touches", list, "what was done")):
         touch = _touch(each, f"{place}, touches[{number}]")
@@ -146,6 +158,7 @@ this installation, '0.1.0'; run it with Clepsydra 0.0.1, or make the page once m
         fields.take("digest", str, "the digest of its rig"),
         next(known for known in STARTS if known == start),
         samples,
+        seed,
         tuple(touches),
     )
 
@@ -155,6 +168,8 @@ def _touch(found: Any, place: str) -> Touch:
     sample = fields.take("sample", int, "the sample before which it was")
     if "controller" in fields.found:
         return Touch(sample, controller=fields.take("controller", str, "a controller"))
+    if "noise" in fields.found:
+        return Touch(sample, noise=fields.take("noise", bool, "true or false"))
     name = fields.take("input", str, "what was set")
     value = fields.found.get("value")
     if value is None or not is_finite_number(value):
@@ -176,6 +191,6 @@ class _Fields:
         if name not in self.found:
             raise InputError(where, Finding("nothing"), words, _AGAIN)
         value = self.found[name]
-        if not isinstance(value, kind) or isinstance(value, bool):
+        if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
             raise InputError(where, value, words, _AGAIN)
         return value
