@@ -18,7 +18,7 @@ export interface Handler {
 
 export class Bar {
   private readonly go = element("button", "go", "Run");
-  private readonly told = element("output", "told", "");
+  private readonly told = element("span", "told", "");
   private isRunning = false;
 
   constructor(place: HTMLElement, titles: string[], handler: Handler) {

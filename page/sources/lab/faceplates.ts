@@ -90,7 +90,7 @@ export class Faceplates {
   private row(name: string, what: string, signal: ShownSignal, value: () => number): HTMLElement {
     const row = element("div", "signal");
     const head = element("p", "head");
-    const number = element("output", "", "");
+    const number = element("span", "number", "");
     head.append(element("abbr", "", what), element("b", "", name), number);
     const bar = element("div", "bar");
     const filled = element("i", "");

@@ -78,7 +78,7 @@ def replayed(rig: Rig, session: Session, place: str) -> Replayed:
             f"{rig.digest}, that of {rig.process.name} under {', '.join(names)}",
             "give the process file and the controllers that the page was written with",
         )  # fmt: skip
-    known = {signal.name for signal in loop_inputs(rig.process)}
+    known = [signal.name for signal in loop_inputs(rig.process)]
     for number, touch in enumerate(session.touches):
         where = f"{place}, touches[{number}]"
         if touch.controller:

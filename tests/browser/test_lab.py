@@ -1,0 +1,143 @@
+"""A laboratory in the hands of its reader."""
+
+import json
+import re
+
+import pytest
+
+import clepsydra as cl
+
+pytestmark = pytest.mark.browser
+#: What is saved is kept beside, as a page without downloads has no file.
+KEPT = """
+window.saved = [];
+const before = URL.createObjectURL;
+URL.createObjectURL = (file) => (file.text().then((text) => saved.push(text)), before(file));
+"""
+
+
+@pytest.fixture(scope="session")
+def rig():
+    plant = cl.load("quadruple-tank")
+    return plant, [cl.design.simc(plant), cl.design.amigo(plant)]
+
+
+@pytest.fixture(scope="session")
+def page_of_rig(built, rig, tmp_path_factory):
+    return cl.lab(*rig, tmp_path_factory.mktemp("lab") / "tanks.html")
+
+
+class Hand:
+    """Who has the laboratory open."""
+
+    def __init__(self, page):
+        self.page = page
+
+    def press(self, name):
+        self.page.get_by_role("button", name=name, exact=True).click()
+
+    def choose(self, what, option):
+        self.page.get_by_label(what).select_option(option)
+
+    def type(self, what, number):
+        field = self.page.get_by_role("textbox", name=f"{what} in V, typed")
+        field.fill(number)
+        field.press("Enter")
+
+    def mode(self, name, mode):
+        self.page.get_by_role("group", name=f"Mode of {name}").get_by_role(
+            "button", name=mode
+        ).click()
+
+    def number(self, name):
+        """Return what a faceplate tells of a signal."""
+        row = self.page.locator(".signal", has=self.page.get_by_text(name, exact=True))
+        return float(row.locator(".number").inner_text().split()[0])
+
+    def water(self, tank):
+        """Return how far the water of a tank stands above its floor [px]."""
+        shift = self.page.locator(f'figure:visible [data-level="{tank}.level"]')
+        return -float(re.search(r" (-?[\d.]+)\)", shift.get_attribute("transform"))[1])
+
+    def until(self, minutes):
+        """Run as fast as it goes until so much time has passed in the plant."""
+        self.choose("Speed", "as fast as it goes")
+        self.press("Run")
+        self.page.wait_for_function(
+            """least => {
+                const [number, unit] = document.querySelector(".told").textContent.split(/[ ,]/);
+                return number * { s: 1 / 60, min: 1, h: 60, d: 1440 }[unit] > least;
+            }""",
+            arg=minutes,
+        )
+        self.press("Pause")
+
+    def session(self):
+        self.press("Save session")
+        self.page.wait_for_function("saved.length")
+        return json.loads(self.page.evaluate("saved.pop()"))
+
+
+@pytest.fixture
+def hand(page_of_rig, opened):
+    return Hand(opened(page_of_rig, first=KEPT))
+
+
+def test_levels_move_and_end_at_the_setpoint(hand):
+    hand.press("Start empty")
+    assert hand.water("tank_1") == 0.0
+    hand.type("Setpoint of level_1", "7")
+    hand.until(60)
+    assert hand.number("level_1") == pytest.approx(7.0, abs=0.005)
+    assert hand.water("tank_1") == pytest.approx(0.7 * 112, abs=0.1)
+
+
+def test_a_pump_in_manual_goes_where_a_hand_puts_it(hand):
+    hand.mode("pump_1", "Manual")
+    hand.press("One sample")
+    begins = hand.number("pump_1")
+    assert begins == pytest.approx(3.0, abs=0.01)
+    hand.type("Manual value of pump_1", "0")
+    hand.until(60)
+    assert hand.number("pump_1") == 0.0
+    pump = hand.page.locator('figure:visible g[data-of="pump_1"]:not(.pipe)')
+    assert "stopped" in pump.get_attribute("class")
+    hand.type("Manual value of pump_1", "11")
+    said = hand.page.get_by_role("status")
+    assert said.inner_text() == "pump_1: 11 V is outside 0 to 10 V; type a number between them."
+    assert hand.number("pump_1") == 0.0
+
+
+def test_another_controller_takes_over_without_a_bump(hand):
+    hand.until(60)
+    before = hand.number("pump_1")
+    hand.choose("Controller", "PI, AMIGO")
+    hand.press("One sample")
+    assert hand.number("pump_1") == pytest.approx(before, abs=0.005)
+    assert "PI, AMIGO" in hand.page.locator("figure:visible title").first.text_content()
+
+
+def test_what_was_done_is_saved_and_runs_again(hand, rig, tmp_path):
+    hand.press("Start empty")
+    hand.page.get_by_label("Noise").check()
+    hand.until(5)
+    hand.type("Setpoint of level_2", "5.5")
+    hand.choose("Controller", "PI, AMIGO")
+    hand.until(15)
+    hand.mode("pump_2", "Manual")
+    hand.until(20)
+    shown, level = hand.number("level_2"), hand.water("tank_2")
+    path = tmp_path / "session.json"
+    path.write_text(json.dumps(hand.session()), encoding="utf-8")
+    run = cl.replay(path, *rig)
+    assert len(run.session.touches) == 5
+    assert run.values["level_2"][-1] == pytest.approx(shown, abs=0.005)
+    assert 112 * run.values["tank_2.level"][-1] / 0.2 == pytest.approx(level, abs=0.006)
+
+
+def test_the_page_is_for_everyone(page_of_rig, opened, look, findings):
+    page = opened(page_of_rig, **look)
+    page.get_by_role("button", name="One sample").click()
+    assert findings(page) == []
+    wide = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"
+    assert page.evaluate(wide)
