@@ -119,7 +119,7 @@ def test_another_controller_takes_over_without_a_bump(hand):
 
 def test_what_was_done_is_saved_and_runs_again(hand, rig, tmp_path):
     hand.press("Start empty")
-    hand.page.get_by_label("Noise").check()
+    hand.page.get_by_role("checkbox", name="Noise").check()
     hand.until(5)
     hand.type("Setpoint of level_2", "5.5")
     hand.choose("Controller", "PI, AMIGO")

@@ -31,7 +31,8 @@ answer(given.sessions.map(({{ start, samples, hands }}) => {{
     rig.step();
   }}
   const shown = [...given.data.controlled, ...given.data.inputs].map((name) => rig.value(name));
-  return {{ session: JSON.parse(JSON.stringify(rig.session())), state: rig.state(), shown }};
+  const session = JSON.parse(JSON.stringify(rig.session()));
+  return {{ session, state: rig.state(), shown, spills: rig.spills() }};
 }}));
 """
 CASES = [
@@ -87,3 +88,22 @@ def test_a_session_is_run_again_in_every_bit(process, designs, tmp_path):
         names = (*rig.process.controlled, *(u.name for u in rig.process.inputs))
         assert [float(run.values[name][-1]) for name in names] == found["shown"]
         assert all(np.isfinite(list(run.levels.values())))
+
+
+def test_spills_are_counted(tmp_path):
+    plant = cl.load("equalisation-tank")
+    rig = Rig(plant.linear, [cl.design.simc(plant)])
+    hands = [
+        {"sample": sample, "input": f"outflow.{what}", "value": value}
+        for sample, what, value in [
+            (0, "manual", 0.0), (0, "mode", 0.0), (300, "mode", 1.0), (500, "mode", 0.0),
+        ]
+    ]  # fmt: skip
+    sessions = [{"start": "rest", "samples": 800, "hands": hands}]
+    (found,) = answered(SCRIPT, {"data": page_data(rig), "sessions": sessions}, tmp_path)
+    run = replayed(rig, session_of(found["session"], "session"), "session")
+    spilt = run.values["basin.spilt"]
+    starts = np.flatnonzero(np.diff(np.diff(spilt, prepend=0.0) > 0.0, prepend=False))
+    (told,) = found["spills"]
+    assert told == {"tank": "basin", "times": (len(starts) + 1) // 2, "total": spilt[-1]}
+    assert told["times"] == 2

@@ -14,8 +14,9 @@ import type { Rig } from "./rig.ts";
 const HEIGHT = 120;
 /** Points of a curve, at most. */
 const MOST = 800;
-/** Samples that are seen. */
-const WINDOWS = [300, 1000, 3000, 10_000, 30_000, 100_000];
+/** Times that are seen [s]: of these, those that are this many samples, and at first the nearest to so many. */
+const WINDOWS = [10, 60, 300, 900, 3600, 4 * 3600, 12 * 3600, 86_400, 3 * 86_400, 10 * 86_400, 60 * 86_400];
+const [FEWEST, FIRST] = [100, 1000];
 
 interface Trend {
   names: string[];
@@ -29,7 +30,9 @@ export class Trends {
   private readonly rig: Rig;
   private readonly history: History;
   private readonly signals: Map<string, ShownSignal>;
-  private window = WINDOWS[1]!;
+  /** In samples. */
+  private readonly windows: number[];
+  private window: number;
   private trends: Trend[] = [];
 
   constructor(place: HTMLElement, rig: Rig, history: History, signals: Map<string, ShownSignal>) {
@@ -37,6 +40,9 @@ export class Trends {
     this.rig = rig;
     this.history = history;
     this.signals = signals;
+    const all = WINDOWS.map((seconds) => Math.round(seconds / rig.data.period));
+    this.windows = all.filter((samples) => samples >= FEWEST && samples <= history.capacity);
+    this.window = this.windows.reduce((best, each) => (away(each) < away(best) ? each : best));
     this.build();
     onLook(() => this.build());
     new ResizeObserver(() => this.resize()).observe(place);
@@ -46,14 +52,14 @@ export class Trends {
   show(): void {
     const { period } = this.rig.data;
     const [, length] = timeUnit(this.window * period);
-    const end = (Math.max(this.rig.samples, 1) * period) / length;
+    const first = (Math.max(0, this.rig.samples - this.window) * period) / length;
     for (const { chart, names, signal } of this.trends) {
       const { samples, values } = this.history.last(this.window, MOST, names);
       const times = samples.map((sample) => (sample * period) / length);
       const shown = values.map((curve) => curve.map((value) => value * signal.factor));
       chart.setData([times, ...shown] as uPlot.AlignedData, false);
       chart.batch(() => {
-        chart.setScale("x", { min: end - (this.window * period) / length, max: end });
+        chart.setScale("x", { min: first, max: first + (this.window * period) / length });
         chart.setScale("y", span(shown, signal));
       });
     }
@@ -64,7 +70,7 @@ export class Trends {
     this.place.replaceChildren(this.choice());
     const { controlled, inputs }: LabData = this.rig.data;
     this.trends = [
-      ...controlled.map((name) => this.trend(name, [`${name}.setpoint`, name])),
+      ...controlled.map((name) => this.trend(name, [name, `${name}.setpoint`])),
       ...inputs.map((name) => this.trend(name, [name])),
     ];
     this.show();
@@ -73,7 +79,7 @@ export class Trends {
   private choice(): HTMLElement {
     const label = element("label", "window", "Trends over ");
     const select = element("select", "");
-    for (const samples of WINDOWS) {
+    for (const samples of this.windows) {
       const seconds = samples * this.rig.data.period;
       const [unit, length] = timeUnit(seconds);
       const option = element("option", "", `${numberText(seconds / length, 3)} ${unit}`);
@@ -112,7 +118,7 @@ export class Trends {
       series: [
         {},
         ...names.map((each) => ({
-          stroke: colour(each === name ? "--curve-0" : "--muted"), width: each === name ? 1.6 : 1.2,
+          stroke: colour(each === name ? "--curve-0" : "--ink"), width: each === name ? 1.6 : 1.2,
           dash: each === name ? [] : [5, 4], points: { show: false },
         })),
       ],
@@ -127,6 +133,9 @@ export class Trends {
     }
   }
 }
+
+/** Return how far a window is from the first one that is shown. */
+const away = (samples: number): number => Math.abs(Math.log(samples / FIRST));
 
 /** What a trend spans at least, as a share of the signal's range: less is no motion that one would see. */
 const LEAST = 0.02;

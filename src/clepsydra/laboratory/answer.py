@@ -19,7 +19,8 @@ def session_answer(found: Replayed) -> Section:
     """Return where a session ended, and its scores."""
     samples, touches = found.session.samples, len(found.session.touches)
     said = time_text(samples * found.process.sampling_period, 4)
-    words = f"{found.process.title}, {said}: {samples} samples, {touches} touches."
+    hands = f"{touches} {'touch' if touches == 1 else 'touches'}"
+    words = f"{found.process.title}, {said}: {samples} samples, {hands}."
     levels = tuple(
         (name, quantity_text(found.process.signal(name), value, 6))
         for name, value in found.levels.items()

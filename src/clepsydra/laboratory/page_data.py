@@ -30,7 +30,7 @@ def page_data(rig: Rig) -> dict[str, Any]:
     >>> import clepsydra as cl
     >>> plant = cl.load("quadruple-tank")
     >>> data = page_data(Rig(plant.linear, [cl.design.simc(plant)]))
-    >>> [loop["gives"] for loop in data["controllers"][0]["loops"]], len(data["modules"])
+    >>> [loop["moves"] for loop in data["controllers"][0]["loops"]], len(data["modules"])
     ([['pump_1'], ['pump_2']], 1)
     """
     process, modules = rig.process, Modules()
