@@ -97,6 +97,11 @@ export class Faceplates {
     bar.append(filled);
     bar.setAttribute("aria-hidden", "true");
     row.append(head, bar);
+    if (signal.low !== null && signal.high !== null) {
+      const range = element("p", "range");
+      range.append(...[signal.low, signal.high].map((end) => element("span", "", shownText(signal, end))));
+      row.append(range);
+    }
     this.updates.push(() => {
       const now = value();
       const part = share(signal, now);

@@ -95,10 +95,9 @@ class Lab {
     this.pace.computed(done);
     if (now - this.told.at > SELDOM) {
       const passed = (now - this.told.at) / 1000;
-      this.told = {
-        at: now, samples: this.rig.samples,
-        speed: ((this.rig.samples - this.told.samples) * this.data.period) / passed,
-      };
+      // Few samples say little of a speed that is kept.
+      const measured = ((this.rig.samples - this.told.samples) * this.data.period) / passed;
+      this.told = { at: now, samples: this.rig.samples, speed: done < due ? measured : this.pace.speed };
       this.trends.show();
     }
     this.show();
