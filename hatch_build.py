@@ -1,4 +1,4 @@
-"""Bundles the script and the style of the report's page, where they are not those of page/."""
+"""Bundles scripts and styles of the pages, where they are not those of page/."""
 
 from __future__ import annotations
 
@@ -31,6 +31,7 @@ BUNDLE = (
 PAGE = (*BUNDLE, "--target=es2020", "sources/report.ts", "sources/report.css")
 #: What the page runs beside itself; browsers that can inflate its modules have all of this.
 WORKER = (*BUNDLE, "--target=es2022", "live=sources/live/worker.ts")
+#: The page of a laboratory, which needs as much of a browser.
 LAB = (*BUNDLE, "--target=es2022", "lab=sources/lab/lab.ts", "lab=sources/lab/lab.css")
 
 

@@ -15,7 +15,7 @@ from tools import need
 pytestmark = pytest.mark.browser
 ROOT = Path(__file__).parents[2]
 BUILT = Path("src/clepsydra/report/page")
-FILES = ["live.js", "report.css", "report.js", "stamp"]
+FILES = ["lab.css", "lab.js", "live.js", "report.css", "report.js", "stamp"]
 #: Nobody listens at the port that is kept for nobody.
 NO_NETWORK = {"npm_config_registry": "http://127.0.0.1:9/"}
 REQUIRED = {"CLEPSYDRA_REQUIRE_PAGE": "1"}
@@ -61,7 +61,7 @@ def test_node_is_asked_for_only_until_the_script_is_built(project, hatchling):
     assert hatchling(project, "--hooks-only", **REQUIRED).returncode == 0
     assert built(project) == FILES
     assert "Leon Sorokin" in (project / BUILT / "report.js").read_text("utf-8")
-    for name in ("report.js", "live.js"):  # each stands in an element of its own
+    for name in ("report.js", "live.js", "lab.js"):  # each stands in an element of its own
         script = (project / BUILT / name).read_text("utf-8")
         assert "</script" not in script and "<!--" not in script
     asked = hatchling(project, "--show-dynamic-deps").stdout
