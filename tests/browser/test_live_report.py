@@ -219,9 +219,7 @@ def test_the_settings_are_copied_a_line_each(reader):
     reader.button("Copied").wait_for()
     copied = reader.page.evaluate("navigator.clipboard.readText()")
     lines = [line.split("\t") for line in copied.splitlines()]
-    assert [line[:2] for line in lines[:3]] == [
-        ["level_1 by pump_1", symbol] for symbol in ("K", "Ti", "b")
-    ]
+    assert [line[:2] for line in lines[:3]] == [["level_1", symbol] for symbol in ("K", "Ti", "b")]
     assert lines[0][2:] == ["9.5", "V/V"] and lines[1][3] == "s"
 
 

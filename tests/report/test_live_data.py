@@ -105,15 +105,6 @@ def test_a_changed_setting_begins_where_with_values_begins():
     assert dict(zip(names, found, strict=True)) == pytest.approx(expected.initial_state, rel=1e-12)
 
 
-@pytest.mark.parametrize("design", ["fuzzy_pi", "lqi_extended_kalman"])
-def test_a_law_whose_derivatives_are_no_program_has_sliders_without_margins(design):
-    plant = cl.load("three-tanks")
-    result = cl.study(plant, controllers=[getattr(cl.design, design)(plant)])
-    (live,) = live_of(result)["controllers"]
-    assert live["slopes"] is None
-    assert live["bolder"]
-
-
 def test_a_run_that_does_not_begin_at_rest_has_no_sliders():
     plant = cl.load("three-tanks")
     result = cl.study(plant, controllers=[cl.design.simc(plant)])

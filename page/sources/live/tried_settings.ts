@@ -55,8 +55,9 @@ export class TriedSettings {
 
   /** Return a line for each setting: loop, symbol, value and unit, which a spreadsheet takes too. */
   get text(): string {
-    const lines = this.controller.loops.flatMap(({ title, settings }) =>
-      settings.map((each) => [title, each.symbol, this.shown(each), each.unit]),
+    // By the name that study files and Python have for the loop.
+    const lines = this.controller.loops.flatMap(({ loop, settings }) =>
+      settings.map((each) => [loop, each.symbol, this.shown(each), each.unit]),
     );
     const set = new Set(this.settings.flatMap(({ values }) => values));
     if (this.factor !== 1 && this.controller.bolder.some(([place]) => !set.has(place)))
