@@ -23,7 +23,11 @@ from clepsydra.studies.file.reader import study_schema
 PLANTS = ("quadruple-tank", "three-tanks", "wet-well", "wet-well:start-stop", "equalisation-tank")
 #: What a verb is told beside its subject, in each of several runs. That a proof holds for every
 #: target is seen where the targets are tested; here it is that it comes to an end.
-OPTIONS = {"export": [("--to", target) for target in TARGETS], "verify": [("--to", "c")]}
+OPTIONS = {
+    "export": [("--to", target) for target in TARGETS],
+    "verify": [("--to", "c")],
+    "lab": [("--no-open",)],
+}
 #: Verbs that are given a process or a study file, and those that are not.
 OF_STUDIES = [n for n, verb in VERBS.items() if "subject" in signature(verb.function).parameters]
 OTHERS = [name for name in VERBS if name not in OF_STUDIES]
@@ -117,7 +121,7 @@ def test_a_law_goes_through_every_verb_and_call(command, law_file, tmp_path):
             continue  # drawn already, by which its plant was found
         takes = "controller" in signature(VERBS[verb].function).parameters
         chosen = ("--controller", law_file) if takes else ()
-        run(command, verb, "it.toml", *chosen, may_refuse=verb == "export")
+        run(command, verb, "it.toml", *chosen, may_refuse=verb in ("export", "lab"))
     study = cl.study("it.toml", only=law_file)
     candidate = study[law_file]
     ten_samples = f"{10 * study.plant.process.sampling_period} s"

@@ -126,7 +126,7 @@ def every_number_changed(item):
             value = getattr(item, field.name)
             if isinstance(item, ForLoop | DelayRing) and field.name in ("count", "length"):
                 yield dataclasses.replace(item, **{field.name: value + 1})
-            elif not isinstance(value, int | str | dict | frozenset):
+            elif field.compare and not isinstance(value, int | str | dict | frozenset):
                 for other in every_number_changed(value):
                     yield dataclasses.replace(item, **{field.name: other})
 

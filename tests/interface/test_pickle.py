@@ -4,6 +4,7 @@ The other process is spawned: it has imported nothing, and what it is sent bring
 """
 
 import importlib
+import json
 import multiprocessing
 import pickle
 import pkgutil
@@ -15,6 +16,7 @@ from pages import blocks
 
 import clepsydra as cl
 from clepsydra import interface
+from clepsydra.interface.lab import rig_of
 
 STEP = [cl.step("level_1", "0.5 V", at="5 s")]
 #: A function of Python's own that returns the one thing in a list.
@@ -44,13 +46,18 @@ def results(plant, pi, tmp_path_factory):
     kernel = cl.Kernel(cl.program_of(pi.law))
     kernel.run(4, parameters=pi.values, inputs={"time_step": 1.0})
     loop = pi.settings["level_1"]
+    rig = rig_of(plant, pi)
+    session = {"form": 1, "version": cl.__version__, "digest": rig.digest, "process": plant.name}
+    session |= {"controllers": [pi.name], "start": "rest", "samples": 9, "seed": 1, "touches": []}
+    (folder / "session.json").write_text(json.dumps(session), encoding="utf-8")
     found = [
         plant, plant.point, plant.linear, cl.analyse(plant), pi, pi.settings, loop, loop["K"],
         run, run.scores, alone, study, study.best, study.shown(every=True), tuned, tuned.tuning,
         cl.identify(folder / "record.csv", "pump_1", "level_1"),
         cl.identify(folder / "record.csv", plant=plant, parameters=["outlet_1.area"]),
         cl.catalogue(), cl.catalogue()[0], cl.export(pi, plant, folder, to="c"),
-        cl.verify(pi, plant, to=["c"]), cl.relay_experiment(plant, "level_1", "pump_1"),
+        cl.verify(pi, plant, to=["c"]), cl.replay(folder / "session.json", plant, pi),
+        cl.relay_experiment(plant, "level_1", "pump_1"),
         cl.margins(pi, plant), cl.relative_gains(plant), cl.poles(plant), cl.audit(["three-tanks"]),
         pi.law, kernel, STEP[0], cl.PidForm("PI"), cl.Signal("level", "m"),
     ]  # fmt: skip

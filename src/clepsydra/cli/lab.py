@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from clepsydra.interface.subject import StudyRequest
 
 
-@verb(25)
+@verb(45)
 def lab(
     subject: SubjectArgument,
     controller: list[str] | None = typer.Option(

@@ -10,12 +10,12 @@ from clepsydra.cli.options import JsonOption
 from clepsydra.cli.verb import verb
 
 
-@verb(27)
+@verb(47)
 def replay(
     session: Path = typer.Argument(
         ..., metavar="SESSION.json", help="What a laboratory saved, see clepsydra lab."
     ),
-    subject: str | None = typer.Argument(
+    rig: str | None = typer.Argument(
         None,
         metavar="[PROCESS|STUDY.toml]",
         help="What the page was written for; the process that the session names if left out.",
@@ -30,6 +30,6 @@ def replay(
     from clepsydra.interface.subject import plant_of, read_subject
 
     found = read_session(session)
-    request = read_subject(found.process if subject is None else subject)
+    request = read_subject(found.process if rig is None else rig)
     made = made_of(request, list(found.controllers), None)
     tell(replayed(session, plant_of(request), made), {}, as_json=as_json)
