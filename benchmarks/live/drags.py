@@ -116,7 +116,8 @@ def _dragged(report: Path, rounds: int) -> tuple[str, list[float], list[float]] 
         beside = [_moved(page, cost, "ArrowRight" if k % 2 else "ArrowLeft") for k in range(rounds)]
         took = page.evaluate("said.filter(each => each.kind === 'ran' && each.whole)"
                              ".map(each => each.took)")  # fmt: skip
-        name = panel.locator("label").first.inner_text().splitlines()[0]
+        said = panel.locator(".choice label, .choice p").first.inner_text().splitlines()[0]
+        name = said.removesuffix(" recommended")
         browser.close()
     return name, took[-rounds:], beside
 
