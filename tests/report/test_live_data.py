@@ -8,9 +8,11 @@ from hosted_report import law_at_rest, live_of, run, sums
 from tools import need
 
 import clepsydra as cl
+from clepsydra.controllers.controller import Controller
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import scenario_of_changes
+from clepsydra.program.step_law import Equations, step_law
 from clepsydra.report.live.sliders import bolder, sliders
 from clepsydra.report.overlay import shown_signals
 from clepsydra.studies.result import StudyResult
@@ -103,6 +105,32 @@ def test_a_changed_setting_begins_where_with_values_begins():
     found = law_at_rest(data, live, values).tolist()
     names = [entry.name for entry in controller.law.state]
     assert dict(zip(names, found, strict=True)) == pytest.approx(expected.initial_state, rel=1e-12)
+
+
+def test_a_law_without_a_state_has_sliders_and_its_run_is_that_of_python():
+    need("wasmtime")
+    plant = cl.load("three-tanks")
+    pi = cl.design.simc(plant)
+    gain = cl.Signal("level_3.proportional_gain", "m^3/s/m", low=0.0, high=1.0)
+    at_rest = cl.Signal("feed.bias", "m^3/s", low=0.0, high=1.0)
+    law = step_law(
+        "proportional", inputs=pi.law.inputs, parameters=[at_rest, gain], state=[],
+        outputs=pi.law.outputs,
+        equations=lambda s: Equations({}, {
+            "feed.out": s[at_rest.name] + s[gain.name] * (s["level_3.sp"] - s["level_3.pv"]),
+            "feed.status": 1.0,
+        }),
+    )  # fmt: skip
+    values = {at_rest.name: plant.point.as_dict()["feed"], gain.name: 1e-3}
+    wires = pi.measurements, pi.setpoints, pi.manipulated
+    own = Controller("P", "own", "As it was found.", law, values, {}, *wires)
+    result = cl.study(plant, controllers=[own])
+    data = live_of(result)
+    (live,) = data["controllers"]
+    (shown, *_), (place, *_) = shown_signals(result), live["signals"]
+    record, _ = run(data, live, live["values"])
+    expected = shown.values(result.ranking[0].run)
+    assert close(record[:, place["column"]] * place["factor"], expected, 0.0)
 
 
 def test_a_run_that_does_not_begin_at_rest_has_no_sliders():

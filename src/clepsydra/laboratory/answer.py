@@ -6,13 +6,11 @@ from clepsydra.base.section import Line, Mark, Section, Table
 from clepsydra.base.words import time_text
 from clepsydra.laboratory.replay import Replayed
 from clepsydra.report.quantities import number_text, quantity_text
+from clepsydra.scores.score import SCORES
+from clepsydra.scores.score_key import ScoreKey, by_signal
 
 #: What of the scores is told on a screen.
-_TOLD = {
-    "iae": "integral of the absolute error, IAE",
-    "total_variation": "total variation",
-    "time_in_saturation": "time at a limit",
-}
+_TOLD = ("iae", "total_variation", "time_in_saturation")
 
 
 def session_answer(found: Replayed) -> Section:
@@ -26,10 +24,9 @@ def session_answer(found: Replayed) -> Section:
         for name, value in found.levels.items()
     )
     scores = tuple(
-        (name, meaning, number_text(value, 6))
-        for key, meaning in _TOLD.items()
-        for name, value in found.scores.items()
-        if name.startswith(f"{key}[")
+        (str(ScoreKey(key, signal)), SCORES[key].words, number_text(value, 6))
+        for key in _TOLD
+        for signal, value in by_signal(found.scores, key).items()
     )
     tables = (
         Table("Where it ends", ("state", "value"), levels),

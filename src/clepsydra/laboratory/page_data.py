@@ -12,7 +12,6 @@ from clepsydra.engine.trajectories import rings_and_turns
 from clepsydra.engine.white_noise import stream_of
 from clepsydra.laboratory.rig import STARTS, Rig, Station
 from clepsydra.report.drawing.control_functions import control_functions
-from clepsydra.report.html import address_text
 from clepsydra.report.live.modules import Modules
 from clepsydra.report.quantities import display_factor
 
@@ -39,7 +38,7 @@ def page_data(rig: Rig) -> dict[str, Any]:
         "form": FORM,
         "version": __version__,
         "digest": rig.digest,
-        "process": address_text(process).removesuffix(" (catalogue)"),
+        "process": process.address,
         "name": process.file_stem,
         "period": process.sampling_period,
         "signals": [

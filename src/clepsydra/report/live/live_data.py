@@ -9,8 +9,8 @@ from typing import Any
 from clepsydra.base.signal import path
 from clepsydra.base.units import unit_text
 from clepsydra.controllers.python_law import PythonLaw
-from clepsydra.controllers.wiring import controller_name
 from clepsydra.engine.trajectories import rings_and_turns
+from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.closed_loop import closed_loop, true_name
 from clepsydra.loop.loop import Loop
@@ -73,7 +73,8 @@ def live_data(
         return None
     modules, scores = Modules(), LiveScores(result.process, keys_of(result))
     period = result.scenario.sampling_period
-    controllers = [_Controller(each, result, scores, modules) for each in movable]
+    model = linearise(result.point)
+    controllers = [_Controller(each, result, model, scores, modules) for each in movable]
     return {
         "form": FORM,
         "period": period,
@@ -97,12 +98,16 @@ class _Controller:
     """A controller of the ranking as the page runs it."""
 
     def __init__(
-        self, candidate: Candidate, result: StudyResult, scores: LiveScores, modules: Modules
+        self,
+        candidate: Candidate,
+        result: StudyResult,
+        model: LinearModel,
+        scores: LiveScores,
+        modules: Modules,
     ) -> None:
         self.candidate, self.result, self.scores, self.modules = candidate, result, scores, modules
         self.controller, self.scenario = candidate.controller, result.scenario
-        self.model = linearise(result.point)
-        self.loop = Loop(self.controller, self.model)
+        self.model, self.loop = model, Loop(self.controller, model)
         self.program: Program = closed_loop(
             result.process, self.controller, substeps=candidate.run.substeps,
             constant=self.loop.fixed(self.scenario), scores=scores.running, readings=True,
@@ -141,14 +146,13 @@ class _Controller:
     def _loop(self) -> dict[str, Any]:
         program, initial = self.program, self.loop.initial_state()
         state = [signal_of(entry) for entry in program.state]
-        own, names = self.loop.law_parameters(), [entry.name for entry in state]
-        first = controller_name(self.controller.law.state[0].name)
+        own, sums = self.loop.law_parameters(), self.scores.running.state
         parameters = [own.get(each.name, each.initial) for each in program.parameters]
         return {
             "module": self.modules.add(program),
             "outputs": len(self.outputs),
             "state": [initial.get(entry.name, entry.initial) for entry in state],
-            "law": names.index(first),
+            "law": len(state) - len(sums) - len(self.controller.law.state),
             "parameters": parameters,
             "first": len(self.result.process.parameters),
             "rings": [
