@@ -20,6 +20,8 @@ from benchmarks.exported.loops import measure_loops
 from benchmarks.exported.web import measure_controllers
 from benchmarks.live import drags
 from benchmarks.live import page as live_page
+from benchmarks.programs import page as programs_page
+from benchmarks.programs import times as program_times
 from benchmarks.scale import Scale
 from benchmarks.studies import page as studies_page
 from benchmarks.studies import trees
@@ -142,10 +144,17 @@ def _live(order: Order) -> Document:
     return Document(text, lambda: live_page.write_page(text))
 
 
+def _programs(order: Order) -> Document:
+    rounds = order.size.rounds
+    text = programs_page.render(program_times.measure(rounds, _tell), order.facts, rounds)
+    return Document(text, lambda: programs_page.write_page(text))
+
+
 SECTIONS = {
     "engine": Section(machine.description, _engine),
     "exported": Section(exported_page.facts, _exported),
     "live": Section(live_page.facts, _live),
+    "programs": Section(programs_page.facts, _programs),
     "web": Section(web_page.facts, _web),
     "studies": Section(studies_page.facts, _studies),
 }

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import clepsydra as cl
 from benchmarks.experiments import FULL, QUICK
 from benchmarks.measure import Spread, Way, interleave
+from benchmarks.pumped_valves import ALONE, BEFORE_A_VALVE, batch
 from clepsydra.base.errors import InputError
 from clepsydra.base.units import to_si
 from clepsydra.loop.default_scenario import default_scenario
@@ -58,6 +59,7 @@ def measure(rounds: int) -> list[Ratio]:
     controller = cl.design.simc(plant)
     run, model = cl.simulate(plant, controller), plant.linear
     scenario = default_scenario(model)
+    alone = batch(ALONE)
     changes = [Change("pump_1", float(k % 3), float(k), float(k)) for k in range(100_000)]
     return [
         _ratio(
@@ -83,6 +85,10 @@ def measure(rounds: int) -> list[Ratio]:
             ("a hundred quantities", lambda: [_read("5 cm^2/min") for _ in range(100)]),
             10.0,
             rounds,
+        ),
+        *(
+            _ratio((f"a batch of {name}", batch(inlet)), ("of a pump alone", alone), 1.5, rounds)
+            for name, inlet in BEFORE_A_VALVE.items()
         ),
     ]
 

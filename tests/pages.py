@@ -62,6 +62,8 @@ class Block:
     @property
     def kind(self) -> str:
         """The verb that takes a whole file of TOML; empty for a part of one."""
+        if "tasks" in self.table:
+            return "lab --no-open --lesson"
         if "process" in self.table:
             return "study"
         return "analyse" if "sampling_period" in self.table else ""

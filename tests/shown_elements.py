@@ -1,4 +1,4 @@
-"""Elements as the page on process files shows them, and a small plant into which each is put."""
+"""Elements as the pages on process files show them, and a small plant into which each is put."""
 
 import re
 from pathlib import Path
@@ -6,11 +6,24 @@ from pathlib import Path
 from clepsydra import Element
 
 DOCS = Path(__file__).parents[1] / "docs"
-PAGE = "".join(
-    (DOCS / f"{name}.md").read_text(encoding="utf-8")
-    for name in ("process-files", "variants", "switches")
-)
-SECTIONS = dict(re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", PAGE, re.MULTILINE | re.DOTALL))
+#: Every page on process files by its name below docs, those of elements among them.
+PAGES = {
+    path.relative_to(DOCS).with_suffix("").as_posix(): path.read_text(encoding="utf-8")
+    for path in (
+        *(DOCS / f"{name}.md" for name in ("process-files", "variants", "switches")),
+        *sorted((DOCS / "elements").glob("*.md")),
+    )
+}
+PAGE = "".join(PAGES.values())
+#: The sections of the general pages, and the page of each element as one.
+SECTIONS = {
+    heading: text
+    for name, page in PAGES.items()
+    for heading, text in re.findall(
+        r"^# (.+?)\n(.*)" if name.startswith("elements/") else r"^## (.+?)\n(.*?)(?=^## |\Z)",
+        page, re.MULTILINE | re.DOTALL,
+    )
+}  # fmt: skip
 
 #: A small plant into which the examples are put; an example takes the place of tables that it has.
 PLANT = """
@@ -91,9 +104,11 @@ def title(kind: type[Element]) -> str:
 
 
 def _written(section: str) -> str:
-    assert section in SECTIONS, f"docs/process-files.md: write ## {section} with an example"
+    assert section in SECTIONS, f"docs/elements: write a page # {section} with an example"
     return SECTIONS[section]
 
 
 def examples(section: str) -> list[str]:
-    return re.findall(r"^```toml\n(.*?)^```", _written(section), re.MULTILINE | re.DOTALL)
+    """Return the parts of a file that a section shows, whole ones left out."""
+    found = re.findall(r"^```toml\n(.*?)^```", _written(section), re.MULTILINE | re.DOTALL)
+    return [part for part in found if not part.startswith("name = ")]

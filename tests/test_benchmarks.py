@@ -25,6 +25,8 @@ from benchmarks.case import (
 from benchmarks.cplusplus import VECTOR_COUNTS, CPlusPlus, recording_arrays
 from benchmarks.experiments import AGREEMENT
 from benchmarks.measure import Spread, Timings, Way, interleave
+from benchmarks.programs.problems import TankControl, random_problems
+from benchmarks.programs.solvers import OfClepsydra, by_casadi
 from benchmarks.studies.homes import with_kernels_alone
 from clepsydra.scores.score import SCORES
 
@@ -162,3 +164,36 @@ def test_each_ratio_is_of_two_calls_that_do_something() -> None:
 def test_a_ratio_above_what_is_wanted_is_told() -> None:
     row = ratios.Ratio("this", "that", 2.0, Spread(3.0, 1.0, 4.0)).row()
     assert row == "| this | that | 2 | 3 [1, 4] | no |"
+
+
+def test_the_program_of_the_tanks_is_their_control_ahead() -> None:
+    """Its cost and its rows are those of levels simulated from sample to sample."""
+    control, random = TankControl(), np.random.default_rng(3)
+    a, b = control.model
+    levels, on = random.normal(size=4), random.normal(size=2)
+    hessian, linear, rows, bounds = control.problem(levels, on)
+
+    def simulated(voltages: np.ndarray) -> tuple[float, np.ndarray]:
+        x, before, cost, outputs = levels, on, 0.0, []
+        for now in voltages.reshape(-1, 2):
+            x = a @ x + b @ now
+            cost += np.sum((x[:2] - control.setpoint) ** 2)
+            cost += control.movement * np.sum((now - before) ** 2)
+            before = now
+            outputs.append(x[:2])
+        return cost, np.concatenate(outputs)
+
+    at_rest, _ = simulated(np.zeros(10))
+    for voltages in random.normal(size=(5, 10)):
+        cost, outputs = simulated(voltages)
+        found = voltages @ hessian @ voltages / 2 + linear @ voltages
+        assert found == pytest.approx(cost - at_rest, rel=1e-9)
+        high, low = control.highest_voltage, control.highest_level
+        room = [high - voltages, high + voltages, low - outputs, low + outputs]
+        np.testing.assert_allclose(bounds - rows @ voltages, np.concatenate(room), rtol=1e-9)
+
+
+def test_the_solvers_of_quadratic_programs_agree() -> None:
+    problems = random_problems(3, 6, 5)
+    ours = OfClepsydra(problems, 2).solve()
+    np.testing.assert_allclose(ours, by_casadi(problems, "daqp", {})(), rtol=1e-6)

@@ -10,6 +10,7 @@ from clepsydra.deploy.exportable import Exportable
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.program.operation import LIBRARY, Operation
 from clepsydra.program.program import Call, ForLoop, Statement
+from clepsydra.program.routine import RoutineCall
 
 #: Constants, and conversions that only mark how a value is kept.
 _NO_WORK = frozenset({"constant", "number", "truth"})
@@ -64,6 +65,9 @@ def _codes(statements: Iterable[Statement]) -> Iterator[str]:
             continue
         if isinstance(statement, Call):
             yield from _codes(statement.program.block.statements)
+            continue
+        if isinstance(statement, RoutineCall):
+            yield from _codes(statement.routine.computed())
             continue
         turns = statement.count if isinstance(statement, ForLoop) else 1
         yield from turns * list(_codes(statement.body.statements))

@@ -14,15 +14,20 @@ from pathlib import Path
 
 from benchmarks.exported.families import FAMILIES, ready_for_export
 from clepsydra.base.signal import Signal
+from clepsydra.deploy.exportable import exportable
+from clepsydra.deploy.exported_alarms import exportable_alarms
 from clepsydra.deploy.structured_text.function_block import block_type
+from clepsydra.linear.analysis import Analysis, analyse
+from clepsydra.process.reader import load_process
 from clepsydra.program.called_blocks import called_blocks, without_untold
 from clepsydra.program.entries import signal_of
 from clepsydra.program.owned_state import own_state, with_owned_state
 from clepsydra.program.program import Program
 from clepsydra.report.drawing.block_picture import block_svg, program_svg
+from clepsydra.studies.designs import DESIGNS
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-PAGES = tuple(DOCS / f"block-library{what}.md" for what in ("", "-loops", "-laws"))
+PAGES = tuple(DOCS / f"block-library{what}.md" for what in ("", "-loops", "-laws", "-alarms"))
 PICTURES = DOCS / "blocks"
 MARKED = re.compile(r"(<!-- blocks: (.+?) -->\n).*?(<!-- end of blocks -->)", re.DOTALL)
 #: Diagrams, and the controllers that they are of.
@@ -35,6 +40,8 @@ WIRED = {
 _MOST_INPUTS = 24
 #: Pixels to the point of a picture.
 _SCALE = 1.5
+#: A process with an alarm of every kind.
+_ALARMED = Path(__file__).with_name("every_alarm.toml")
 
 
 @cache
@@ -44,11 +51,29 @@ def program_of(family: str) -> Program:
 
 
 @cache
+def alarms_program() -> Program:
+    """Return the program of the alarms of a process that has every one."""
+    return with_owned_state(exportable_alarms(_alarmed().operating_point).program)
+
+
+@cache
+def interlocked_program() -> Program:
+    """Return the program of a controller whose output they hold."""
+    analysis = _alarmed()
+    controller = DESIGNS["PI, SIMC"](analysis)
+    return with_owned_state(exportable(controller, analysis.operating_point).program)
+
+
+@cache
+def _alarmed() -> Analysis:
+    return analyse(load_process(_ALARMED))
+
+
+@cache
 def library() -> dict[str, tuple[Program, frozenset[str]]]:
     """Return every block by name, with its inputs that are only counted."""
     found = {}
-    for family in FAMILIES:
-        program = program_of(family)
+    for program in (*map(program_of, FAMILIES), alarms_program(), interlocked_program()):
         parameters = frozenset(signal.name for signal in program.parameters)
         for block in called_blocks(program):
             inputs = frozenset(signal.name for signal in block.inputs)

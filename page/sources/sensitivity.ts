@@ -41,6 +41,7 @@ export function drawSensitivity(place: HTMLElement, data: PageData, shown: Shown
   let [isSeen, isStale] = [false, false];
   const draw = () => {
     isStale = false;
+    const { left, top } = chart?.cursor ?? {};
     chart?.destroy();
     const drawn = shown.controllers.filter((each) => curves[each]);
     const values = drawn.flatMap((each) => curves[each]!).filter((each) => each !== null);
@@ -79,9 +80,11 @@ export function drawSensitivity(place: HTMLElement, data: PageData, shown: Shown
       [frequencies, ...drawn.map((each) => curves[each]!)] as uPlot.AlignedData,
       canvas,
     );
+    // Who reads it there goes on to, of what is shown now.
+    if (left !== undefined && top !== undefined && left >= 0) chart.setCursor({ left, top });
+    tell();
   };
   draw();
-  tell();
   shown.onChange(draw);
   new ResizeObserver(() => chart?.setSize({ width: Math.max(280, place.clientWidth), height: HEIGHT })).observe(place);
   onLook(draw);

@@ -34,7 +34,12 @@ from clepsydra.interface.export import export as export
 from clepsydra.interface.identify import FittedPlant as FittedPlant
 from clepsydra.interface.identify import Identification as Identification
 from clepsydra.interface.identify import identify as identify
+from clepsydra.interface.lab import Laboratory as Laboratory
 from clepsydra.interface.lab import lab as lab
+from clepsydra.interface.lesson import lesson as lesson
+from clepsydra.interface.limit import Limits as Limits
+from clepsydra.interface.limit import limit as limit
+from clepsydra.interface.new import new_lesson as new_lesson
 from clepsydra.interface.new import new_process as new_process
 from clepsydra.interface.new import new_study as new_study
 from clepsydra.interface.papers import Audit as Audit

@@ -8,7 +8,7 @@ from itertools import product
 import pint
 import pytest
 
-from clepsydra.base.usual_units import Unit, usual_unit, usual_units
+from clepsydra.base.usual_units import FLOWS, Unit, usual_unit, usual_units
 
 BASE = ("meter", "kilogram", "second", "ampere", "mole")
 
@@ -28,8 +28,21 @@ def by_pint(registry: pint.UnitRegistry, text: str) -> Unit:
 def test_every_name_is_the_same_unit_for_pint(registry) -> None:
     named = usual_units()
     assert {"µm", "ml", "kV", "litres", "decimeter", "mmol"} <= set(named) and "cd" not in named
-    wrong = [name for name, unit in named.items() if unit != by_pint(registry, name)]
+    flows = {name for names in FLOWS for name in names.split()}
+    known = {name: unit for name, unit in named.items() if name not in flows}
+    wrong = [name for name, unit in known.items() if unit != by_pint(registry, name)]
     assert not wrong
+
+
+@pytest.mark.parametrize(
+    ("flow", "text"),
+    [
+        ("gpm", "gallon/minute"), ("MGD", "megagallon/day"), ("lpm", "liter/minute"),
+        ("cfm", "foot^3/minute"), ("cfs", "foot^3/second"),
+    ],
+)  # fmt: skip
+def test_a_flow_in_a_word_is_what_it_stands_for(flow, text, registry) -> None:
+    assert usual_unit(flow) == by_pint(registry, text)
 
 
 SHAPES = (

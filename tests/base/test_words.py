@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from clepsydra.base.words import digits_apart, share_text, time_text
+from clepsydra.base.words import digits_apart, share_text, time_text, with_article
 
 LENGTH = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 
@@ -40,3 +40,17 @@ def test_a_share_is_told_in_plain_digits(share):
     number, unit = share_text(share).split(" ")
     assert math.isclose(float(number), 100.0 * share, rel_tol=0.051)
     assert unit == "%" and "e" not in number
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("setpoint error", "a setpoint error"),
+        ("load error", "a load error"),
+        ("outflow change", "an outflow change"),
+        ("IAE of level_1", "an IAE of level_1"),
+        ("rise time", "a rise time"),
+    ],
+)
+def test_the_article_fits_the_sound(words, said):
+    assert with_article(words) == said

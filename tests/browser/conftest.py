@@ -30,6 +30,8 @@ SOURCES = ROOT / "page"
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 #: A phone, a laptop and a control room's screen [px].
 WIDTHS = (420, 1400, 2560)
+#: After so long a page that has not done what it was asked for is broken, on any machine [ms].
+PATIENCE = 120_000
 
 
 @pytest.fixture(scope="session")
@@ -72,8 +74,9 @@ def report(built, alone):
 @pytest.fixture(scope="session")
 def chromium():
     need("playwright")
-    from playwright.sync_api import sync_playwright
+    from playwright.sync_api import expect, sync_playwright
 
+    expect.set_options(timeout=PATIENCE)
     path = next(filter(None, map(shutil.which, BROWSERS)), None)
     if path is None:
         (pytest.fail if REQUIRE else pytest.skip)(f"none of {', '.join(BROWSERS)} is installed")
@@ -94,15 +97,16 @@ def opened(chromium):
             java_script_enabled=script, offline=True, accept_downloads=False,
         )  # fmt: skip
         contexts.append(context)
-        context.set_default_timeout(120_000)
+        context.set_default_timeout(PATIENCE)
+        address = Path(path).as_uri()
         context.grant_permissions(["clipboard-read", "clipboard-write"])
         page = context.new_page()
         page.add_init_script(first)
         page.on("console", lambda said: said.type in ("error", "warning") and wrong.append(said))
         page.on("pageerror", lambda error: wrong.append(error))
-        own = (path.as_uri(), "blob:")  # a worker is a text of the page
+        own = (address, "blob:")  # a worker is a text of the page
         page.on("request", lambda asked: asked.url.startswith(own) or wrong.append(asked.url))
-        page.goto(path.as_uri())
+        page.goto(address)
         return page
 
     yield open_page

@@ -1,29 +1,13 @@
 """A laboratory in the hands of its reader."""
 
 import json
-import re
 
 import pytest
+from lab_hand import KEPT, Hand
 
 import clepsydra as cl
 
 pytestmark = pytest.mark.browser
-#: What is saved is kept beside, as a page without downloads has no file.
-KEPT = """
-window.saved = [];
-const before = URL.createObjectURL;
-URL.createObjectURL = (file) => (saved.push(file.text()), before(file));
-"""
-#: Waits until the time that is told is later than so many minutes.
-REACHED = """least => new Promise(done => {
-    const units = { s: 1 / 60, min: 1, h: 60, d: 1440 };
-    const look = () => {
-        const [number, unit] = document.querySelector(".told").textContent.split(/[ ,]/);
-        if (number * units[unit] > least) done();
-        else requestAnimationFrame(look);
-    };
-    look();
-})"""
 
 
 @pytest.fixture(scope="session")
@@ -37,50 +21,6 @@ def page_of_rig(built, rig, tmp_path_factory):
     return cl.lab(*rig, tmp_path_factory.mktemp("lab") / "tanks.html")
 
 
-class Hand:
-    """Who has the laboratory open."""
-
-    def __init__(self, page):
-        self.page = page
-
-    def press(self, name):
-        self.page.get_by_role("button", name=name, exact=True).click()
-
-    def choose(self, what, option):
-        self.page.get_by_label(what).select_option(option)
-
-    def type(self, what, number):
-        field = self.page.get_by_role("textbox", name=f"{what} in V, typed")
-        field.fill(number)
-        field.press("Enter")
-
-    def mode(self, name, mode):
-        self.page.get_by_role("group", name=f"Mode of {name}").get_by_role(
-            "button", name=mode
-        ).click()
-
-    def number(self, name):
-        """Return what a faceplate tells of a signal."""
-        row = self.page.locator(".signal", has=self.page.get_by_text(name, exact=True))
-        return float(row.locator(".number").inner_text().split()[0])
-
-    def water(self, tank):
-        """Return how far the water of a tank stands above its floor [px]."""
-        shift = self.page.locator(f'figure:visible [data-level="{tank}.level"]')
-        return -float(re.search(r" (-?[\d.]+)\)", shift.get_attribute("transform"))[1])
-
-    def until(self, minutes):
-        """Run as fast as it goes until so much time has passed in the plant."""
-        self.choose("Speed", "as fast as it goes")
-        self.press("Run")
-        self.page.evaluate(REACHED, minutes)
-        self.press("Pause")
-
-    def session(self):
-        self.press("Save session")
-        return json.loads(self.page.evaluate("saved.pop()"))
-
-
 @pytest.fixture
 def hand(page_of_rig, opened):
     return Hand(opened(page_of_rig, first=KEPT))
@@ -90,7 +30,7 @@ def test_levels_move_and_end_at_the_setpoint(hand):
     hand.press("Start empty")
     assert hand.water("tank_1") == 0.0
     hand.type("Setpoint of level_1", "7")
-    hand.until(60)
+    hand.run(60)
     assert hand.number("level_1") == pytest.approx(7.0, abs=0.005)
     assert hand.water("tank_1") == pytest.approx(0.7 * 112, abs=0.1)
 
@@ -101,18 +41,18 @@ def test_a_pump_in_manual_goes_where_a_hand_puts_it(hand):
     begins = hand.number("pump_1")
     assert begins == pytest.approx(3.0, abs=0.01)
     hand.type("Manual value of pump_1", "0")
-    hand.until(60)
+    hand.run(60)
     assert hand.number("pump_1") == 0.0
     pump = hand.page.locator('figure:visible g[data-of="pump_1"]:not(.pipe)')
     assert "stopped" in pump.get_attribute("class")
     hand.type("Manual value of pump_1", "11")
-    said = hand.page.get_by_role("status")
+    said = hand.page.get_by_role("alert")
     assert said.inner_text() == "pump_1: 11 V is outside 0 to 10 V; type a number between them."
     assert hand.number("pump_1") == 0.0
 
 
 def test_another_controller_takes_over_without_a_bump(hand):
-    hand.until(60)
+    hand.run(60)
     before = hand.number("pump_1")
     hand.choose("Controller", "PI, AMIGO")
     hand.press("One sample")
@@ -123,12 +63,12 @@ def test_another_controller_takes_over_without_a_bump(hand):
 def test_what_was_done_is_saved_and_runs_again(hand, rig, tmp_path):
     hand.press("Start empty")
     hand.page.get_by_role("checkbox", name="Noise").check()
-    hand.until(5)
+    hand.run(5)
     hand.type("Setpoint of level_2", "5.5")
     hand.choose("Controller", "PI, AMIGO")
-    hand.until(15)
+    hand.run(15)
     hand.mode("pump_2", "Manual")
-    hand.until(20)
+    hand.run(20)
     shown, level = hand.number("level_2"), hand.water("tank_2")
     path = tmp_path / "session.json"
     path.write_text(json.dumps(hand.session()), encoding="utf-8")
@@ -140,7 +80,7 @@ def test_what_was_done_is_saved_and_runs_again(hand, rig, tmp_path):
 
 
 def test_the_page_is_for_everyone(page_of_rig, opened, look, findings):
-    page = opened(page_of_rig, **look)
+    page = Hand(opened(page_of_rig, **look)).page
     page.get_by_role("button", name="One sample").click()
     assert findings(page) == []
     wide = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"

@@ -29,10 +29,15 @@ COLUMNS = """place => {
 }"""
 
 
-#: Keep what is written at the left of each chart, from its lowest mark to its highest.
+#: Keep what is written at the left of each chart, from its lowest mark to its highest, until the
+#: chart is drawn once more.
 MARKS = """() => {
     window.marks = new Map();
-    const written = CanvasRenderingContext2D.prototype.fillText;
+    const { clearRect: cleared, fillText: written } = CanvasRenderingContext2D.prototype;
+    CanvasRenderingContext2D.prototype.clearRect = function () {
+        window.marks.delete(this.canvas);
+        return cleared.apply(this, arguments);
+    };
     CanvasRenderingContext2D.prototype.fillText = function (text, x, y) {
         if (this.textAlign === "right" && this.canvas.closest("#overlay")) {
             if (!window.marks.has(this.canvas)) window.marks.set(this.canvas, []);
@@ -41,13 +46,11 @@ MARKS = """() => {
         return written.apply(this, arguments);
     };
 }"""
-#: Waits until more than five charts were drawn anew. The page's own policy forbids what
-#: `wait_for_function` does in every frame but the first: to evaluate a text.
-REDRAWN = """async () => {
-    for (let frames = 0; window.marks.size <= 5 && frames < 600; ++frames)
-        await new Promise(requestAnimationFrame);
-    return window.marks.size > 5;
-}"""
+#: Whether more than five charts were drawn anew. A function, as the page's own policy forbids to
+#: evaluate a text in each frame until it is so.
+REDRAWN = "() => window.marks.size > 5"
+#: Lets what stands for a moment stay.
+LASTING = "window.setTimeout = () => 0"
 #: When something was painted first [ms].
 PAINTED = """() => new Promise(done => new PerformanceObserver(list => {
     for (const { name, startTime } of list.getEntries())
@@ -140,7 +143,7 @@ def test_the_marks_of_an_axis_have_all_their_digits(report, opened, process):
     page = opened(report(process))
     page.evaluate(MARKS)
     page.set_viewport_size({"width": 1300, "height": 900})
-    assert page.evaluate(REDRAWN)
+    page.wait_for_function(REDRAWN)
     for marks in page.evaluate("[...window.marks.values()]"):
         values = [float(text.replace("−", "-")) for text in marks]
         steps = {f"{after - before:.5e}" for before, after in pairwise(values)}
@@ -216,6 +219,8 @@ def test_the_ranking_sorts_by_the_numbers_of_a_column_both_ways(page):
 
 
 def test_a_tick_shows_a_controller_in_all_pictures_and_takes_it_away(page):
+    from playwright.sync_api import expect
+
     name = "PI, AMIGO"
     tick = row(page, name).get_by_role("checkbox")
     point = page.locator(".point[title*='. PI, AMIGO:']")
@@ -223,9 +228,8 @@ def test_a_tick_shows_a_controller_in_all_pictures_and_takes_it_away(page):
     assert legend(page)[-1] == name
     assert point.get_attribute("aria-pressed") == "true"
     page.locator(".chart .u-over").first.hover()
-    assert readout(page, "Setpoint level_1 +2 cm", "level_1").locator(
-        "span"
-    ).count() == 3  # fmt: skip
+    told = readout(page, "Setpoint level_1 +2 cm", "level_1").locator("span")
+    expect(told).to_have_count(3)
     point.click()
     assert not tick.is_checked() and name not in legend(page)
 
@@ -260,12 +264,25 @@ def test_where_colours_are_used_again_lines_and_what_names_them_are_broken(page)
 
 
 def test_a_tick_shows_a_curve_in_each_chart(page):
+    from playwright.sync_api import expect
+
     row(page, "PI, AMIGO").get_by_role("checkbox").check()
     for chart in page.locator("#overlay > .events .chart").all():
         chart.locator(".u-over").hover()
-        assert chart.locator(".readout span").count() == 3
+        expect(chart.locator(".readout span")).to_have_count(3)
     page.locator("#sensitivity .u-over").hover()
-    assert "PI, AMIGO" in page.locator("#sensitivity .note").inner_text()
+    expect(page.locator("#sensitivity .note")).to_contain_text("PI, AMIGO")
+
+
+def test_a_cursor_in_the_sensitivity_stays_when_another_curve_is_shown(page):
+    from playwright.sync_api import expect
+
+    note = page.locator("#sensitivity .note")
+    page.locator("#sensitivity .u-over").hover()
+    expect(note).to_contain_text("rad/s")
+    # By key, so that the mouse stays.
+    row(page, "PI, AMIGO").get_by_role("checkbox").press("Space")
+    expect(note).to_contain_text("PI, AMIGO")
 
 
 @pytest.mark.parametrize("process", catalogue_names())
@@ -417,6 +434,7 @@ def test_all_that_the_mouse_does_the_keyboard_does(page):
     fold = page.locator("#details > details").first
     press(fold.locator("summary").first, "Enter")
     fold.locator("table").first.wait_for()
+    page.evaluate(LASTING)
     press(page.get_by_role("button", name="Copy the settings"), "Enter")
     page.get_by_text("Copied").wait_for()
     chart = page.locator(".chart [role=img]").first
@@ -433,6 +451,7 @@ def test_all_that_the_mouse_does_the_keyboard_does(page):
 
 
 def test_the_settings_are_copied_as_a_table(page):
+    page.evaluate(LASTING)
     page.get_by_role("button", name="Copy the settings").click()
     page.get_by_text("Copied").wait_for()
     copied = page.evaluate("navigator.clipboard.readText()")

@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 
 import pytest
 
+PAGE = Path(__file__).parents[2] / "docs/papers/against-the-limit.md"
 NAMES = [
     "document",
     "place",
@@ -61,6 +62,30 @@ def test_a_document_is_judged_in_a_screen(at_widths, monkeypatch):
     for columns in (80, 100):
         lines = [line.rstrip() for line in told[columns].splitlines()]
         assert len(lines) <= 25 and max(map(len, lines)) <= columns
+
+
+@pytest.mark.thorough
+def test_controllers_of_a_document_and_ours_stand_beside_the_limit_as_on_the_page(
+    command, monkeypatch
+):
+    monkeypatch.setattr(os, "cpu_count", lambda: 1)
+    status, out, _ = command("papers", "eight-tanks", "--limit", "--json", "--output", ".")
+    rows = json.loads(out)
+    assert status == 0 and {row["document"] for row in rows} == {"eight-tanks"}
+    assert sum(row["published"] for row in rows) == 6
+    assert sum(row["recommended"] for row in rows) == 1
+    written = Path("against-the-limit.md").read_text("utf-8")
+    sections = [
+        re.search(r"\n### Every minute\n.*?(?=\n## )", page, re.DOTALL)[0]
+        for page in (written, PAGE.read_text("utf-8"))
+    ]
+    words, numbers = (
+        [re.findall(pattern, each) for each in sections] for pattern in (r"[^\d.]+", r"[\d.]*\d")
+    )
+    assert words[0] == words[1]
+    # But for the last digits.
+    for one, other in zip(*numbers, strict=True):
+        assert float(one) == pytest.approx(float(other), rel=0.01)
 
 
 def test_an_unknown_document_is_refused_with_the_names_that_there_are(command):

@@ -9,14 +9,9 @@ from scipy.linalg import expm, solve_discrete_are
 import clepsydra as cl
 from clepsydra.controllers.blocks.sampled_matrices import (
     doublings_for,
-    from_upper_triangle,
-    riccati_step,
-    sampled_expressions,
-    upper_triangle,
+    held_matrix,
 )
 from clepsydra.linear.linearise import Derivatives
-
-RANDOM = np.random.default_rng(5)
 
 
 @pytest.fixture(scope="module")
@@ -28,55 +23,15 @@ def as_numbers(expression):
     return np.array(ca.evalf(ca.densify(expression)))
 
 
+#: Stiff, coupled and oscillating.
+A = np.array([[-1.5, 0.4, 0.0], [-0.4, -0.1, 0.2], [0.0, 0.3, -3.0]])
+
+
 @pytest.mark.parametrize("period", [0.01, 0.7, 6.0])
-def test_held_model_and_cost_are_those_of_the_exponential(period):
-    """Beside Van Loan's block exponential, with a stiff, coupled and oscillating matrix."""
-    A = np.array([[-1.5, 0.4, 0.0], [-0.4, -0.1, 0.2], [0.0, 0.3, -3.0]])
-    B, S = RANDOM.normal(size=(3, 2)), RANDOM.normal(size=(5, 5))
-    S = S @ S.T
+def test_a_held_matrix_is_the_exponential(period):
     doublings = doublings_for(float(np.linalg.norm(A, 1)) * period)
-    found = sampled_expressions(ca.SX(A), ca.SX(B), ca.SX(S), ca.SX(period), doublings)
-    both = np.zeros((5, 5))
-    both[:3, :3], both[:3, 3:] = A, B
-    held = expm(both * period)
-    times = np.linspace(0.0, period, 2001)
-    weights = np.full(2001, 2.0) * period / 6000.0
-    weights[1::2] *= 2.0
-    weights[[0, -1]] = period / 6000.0
-    cost = sum(
-        weight * expm(both.T * time) @ S @ expm(both * time)
-        for weight, time in zip(weights, times, strict=True)
-    )
-    assert as_numbers(found.held) == pytest.approx(held[:3, :3], rel=1e-9, abs=1e-11)
-    assert as_numbers(found.moved) == pytest.approx(held[:3, 3:], rel=1e-9, abs=1e-11)
-    assert as_numbers(found.cost) == pytest.approx(cost, rel=1e-8, abs=1e-9 * np.abs(cost).max())
-
-
-def test_steps_of_the_difference_equation_come_to_the_algebraic_one():
-    held = RANDOM.normal(size=(4, 4))
-    held *= 1.05 / np.max(np.abs(np.linalg.eigvals(held)))
-    moved = RANDOM.normal(size=(4, 3))
-    W = RANDOM.normal(size=(7, 7))
-    W = W @ W.T
-    entries = ca.SX.sym("p", 10)
-    step = riccati_step(
-        ca.SX(held), ca.SX(moved), ca.SX(W), from_upper_triangle(ca.vertsplit(entries), 4)
-    )
-    function = ca.Function("step", [entries], [ca.vertcat(*upper_triangle(step.cost)), step.gain])
-    P, gain = np.zeros(10), None
-    for _ in range(400):
-        P, gain = (np.array(each) for each in function(P))
-    Q, N, R = W[:4, :4], W[:4, 4:], W[4:, 4:]
-    exact = solve_discrete_are(held, moved, Q, R, s=N)
-    K = np.linalg.solve(R + moved.T @ exact @ moved, moved.T @ exact @ held + N.T)
-    assert P.ravel() == pytest.approx(exact[np.triu_indices(4)], rel=1e-9)
-    assert gain == pytest.approx(K, rel=1e-9)
-
-
-def test_a_cost_that_is_not_definite_is_told():
-    one = ca.SX(1)
-    step = riccati_step(one, one, ca.SX.eye(2), ca.SX(-2))
-    assert not bool(ca.evalf(step.definite)) and np.isfinite(as_numbers(step.gain)).all()
+    found = as_numbers(held_matrix(ca.SX(A), ca.SX(period), doublings))
+    assert found == pytest.approx(expm(A * period), rel=1e-9, abs=1e-11)
 
 
 def test_at_rest_nothing_moves(controller):

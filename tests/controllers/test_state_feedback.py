@@ -214,8 +214,8 @@ def test_numbers_that_run_over_do_not_get_into_the_estimate(law):
 
 
 def test_an_observer_that_nobody_can_check_is_refused():
-    yes, states = np.ones((41, 41), bool), tuple(Signal(f"x_{j}") for j in range(41))
-    with refused(expected="1 to 40"):
+    yes, states = np.ones((65, 65), bool), tuple(Signal(f"x_{j}") for j in range(65))
+    with refused(expected="1 to 64"):
         ObserverStructure(states, yes, yes[:, :1], yes[:1], yes[:, :1])
 
 

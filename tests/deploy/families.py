@@ -18,6 +18,7 @@ PROCESSES = {
     "2DOF polynomial, LQ": "quadruple-tank",
     "Smith predictor, PI": "eight-tanks",
     "Feedback linearisation": "quadruple-tank",
+    "One-step inverse": "averaging-tank",
     "Glover-McFarlane on PI, SIMC": "quadruple-tank",
     "Fuzzy PI": "quadruple-tank",
     "Start/stop levels": "wet-well:start-stop",

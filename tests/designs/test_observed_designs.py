@@ -149,7 +149,7 @@ def static_loop(law, controller, model, loads):
         D=np.zeros((len(whole.C), whole.B.shape[1] + len(loads))),
         inputs=(*whole.inputs, *(f"load {k}" for k in loads)),
     )
-    held, moved = sampled_process(both, period)
+    held, moved, _ = sampled_process(both, period)
     m = len(whole.inputs)
     q = len(controller.setpoints)
     law_A, law_B, law_C, law_D = law(controller, model.point)
@@ -301,7 +301,7 @@ def test_each_number_on_its_way_is_what_it_is_called():
     """The register of the sampled model against the history of its own run."""
     model = without_idle_states(model_of(DEAD_TIME))
     period = 2.0
-    held, moved = sampled_process(model, period)
+    held, moved, _ = sampled_process(model, period)
     ages = sampled_states(model, period)
     # A second model, sampled each second, runs beside with the same inputs.
     fine = sampled_process(model, 1.0)

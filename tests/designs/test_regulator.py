@@ -229,13 +229,21 @@ def test_a_file_with_something_else_is_refused_with_its_name(plant, tmp_path, ch
         assert caught.value.value == value
 
 
+def test_an_empty_descriptor_matrix_is_the_identity(plant, tmp_path):
+    wanted = cl.design.regulator(plant, saved(tmp_path)).values
+    for empty in (np.zeros((0, 0)), np.eye(3)):
+        assert cl.design.regulator(plant, saved(tmp_path, E=empty)).values == wanted
+
+
 @pytest.mark.parametrize(
     ("content", "value"),
     [
-        (b"", "something else"),
-        (b"x' = A x", "something else"),
+        (b"", "something that is not a MAT file"),
+        (b"x' = A x", "something that is not a MAT file"),
         (b"MATLAB 7.3 MAT-file".ljust(512) + b"\x89HDF\r\n\x1a\n", "version 7.3"),
         (b"\x89HDF\r\n\x1a\n" + bytes(40), "version 7.3"),
+        (b"# Created by Octave 8.4.0, Mon Jan 01 10:00:00 2026 UTC\n# name: A\n", "Octave's text"),
+        (b"Octave-1-L\0" + bytes(20), "Octave's binary form"),
         (bytes(1_000_001), "more than 1 MB"),
     ],
 )

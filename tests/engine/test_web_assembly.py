@@ -64,6 +64,6 @@ def test_every_function_is_in_the_module(code):
 def test_a_large_program_has_its_memory_from_the_machine(monkeypatch):
     """Its values stand in memory, which a second call uses again."""
     program = program_of(random_law(1))
-    monkeypatch.setattr("clepsydra.engine.vector_code.is_large", lambda _: True)
+    monkeypatch.setattr("clepsydra.engine.vector_code.stands_in_parts", lambda _: True)
     assert_same(program, SAMPLES)
     assert imports_and_exports(web_assembly(program))[0] == ["env.memory"]

@@ -117,6 +117,16 @@ def test_a_channel_with_dead_time_and_another_sampling_period():
     assert [fit.values[name] for name in names] == pytest.approx([3e-5, 2.5e-5], rel=1e-4)
 
 
+@pytest.mark.parametrize("variant", ["", ":seldom"])
+def test_a_late_sensor_tells_of_parameters_what_a_prompt_one_tells(variant):
+    plant = cl.load(f"{TESTS.parent / 'docs' / 'examples' / 'analyser.toml'}{variant}")
+    steps = {"brine": {"60 s": "50 %", "12 min": "30 %"}, "water": {"6 min": "30 %"}}
+    record, names = record_of(simulated(plant, steps, duration="20 min")), ["brine.gain"]
+    fit = fitted(scaled(plant, names, 1.1), record, names)
+    assert fit.values["brine.gain"] == pytest.approx(1e-3, rel=1e-6)
+    assert all(output.validated > 99.99 for output in fit.outputs)
+
+
 def test_parameters_that_act_alike_are_named(plant, four_tanks):
     with pytest.raises(InputError) as refusal:
         fitted(plant, record_of(four_tanks), ["outlet_1.area", "outlet_1.discharge"])

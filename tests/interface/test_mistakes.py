@@ -51,6 +51,10 @@ MISTAKES = {
         lambda plant, pi: plant.at(inputs={"pmup_1": 3}),
         ("operating point, inputs", "pmup_1", "pump_1, pump_2", "'pump_1' was meant"),
     ),
+    "one of several inputs, of a file that gives measurements": (
+        lambda plant, pi: cl.load("averaging-tank:all-inputs").at(inputs={"inflow": "10 %"}).point,
+        ("operating point, inputs", "no outflow, inflow.impurity", "every input", "give outflow"),
+    ),
     "unknown parameter": (
         lambda plant, pi: plant.with_values({"tank_1.aera": "1 m^2"}),
         ("plant, values", "tank_1.aera", "a parameter of quadruple-tank", "'tank_1.area' was"),

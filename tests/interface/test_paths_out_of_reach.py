@@ -17,6 +17,7 @@ CALLS = {
     "export": lambda path: cl.export(None, "three-tanks", path, to="fmu"),
     "study": lambda path: cl.study("three-tanks", folder=path),
     "new_process": lambda path: cl.new_process("mine", folder=path),
+    "new_lesson": lambda path: cl.new_lesson("mine", folder=path),
     "new_study": lambda path: cl.new_study("mine", "three-tanks", folder=path),
     "tune": lambda path: cl.tune(
         cl.design.simc("three-tanks"), "three-tanks", duration="1 min", state_file=path

@@ -17,6 +17,7 @@ from pages import blocks
 import clepsydra as cl
 from clepsydra import interface
 from clepsydra.interface.lab import rig_of
+from clepsydra.interface.papers import AgainstLimit, beside
 
 STEP = [cl.step("level_1", "0.5 V", at="5 s")]
 #: A function of Python's own that returns the one thing in a list.
@@ -47,9 +48,23 @@ def results(plant, pi, tmp_path_factory):
     kernel.run(4, parameters=pi.values, inputs={"time_step": 1.0})
     loop = pi.settings["level_1"]
     rig = rig_of(plant, pi)
-    session = {"form": 1, "version": cl.__version__, "digest": rig.digest, "process": plant.name}
+    session = {"form": 2, "version": cl.__version__, "digest": rig.digest, "process": plant.name}
     session |= {"controllers": [pi.name], "start": "rest", "samples": 9, "seed": 1, "touches": []}
     (folder / "session.json").write_text(json.dumps(session), encoding="utf-8")
+    level = plant.process.signal("level_1")
+    ours = beside.Entrant(
+        pi.name, False, True, False, True, 12.0, 1.2, 1.3, {level.name: 0.0}, {"pump_1": 0.0}
+    )
+    outcome = beside.Outcome(
+        "three-tanks",
+        "Every second",
+        10.0,
+        True,
+        ((level, 0.1),),
+        plant.process.inputs,
+        60.0,
+        (ours,),
+    )
     found = [
         plant, plant.point, plant.linear, cl.analyse(plant), pi, pi.settings, loop, loop["K"],
         run, run.scores, alone, study, study.best, study.shown(every=True), tuned, tuned.tuning,
@@ -58,7 +73,10 @@ def results(plant, pi, tmp_path_factory):
         cl.catalogue(), cl.catalogue()[0], cl.export(pi, plant, folder, to="c"),
         cl.verify(pi, plant, to=["c"]), cl.replay(folder / "session.json", plant, pi),
         cl.relay_experiment(plant, "level_1", "pump_1"),
+        cl.limit("three-tanks", [cl.step("level_3", "+1 cm", at="1 s")], duration="5 min"),
         cl.margins(pi, plant), cl.relative_gains(plant), cl.poles(plant), cl.audit(["three-tanks"]),
+        AgainstLimit((outcome,)),
+        cl.Laboratory(folder / "lab.html", "tanks"),
         pi.law, kernel, STEP[0], cl.PidForm("PI"), cl.Signal("level", "m"),
     ]  # fmt: skip
     assert all(map(repr, found))
@@ -119,6 +137,9 @@ def test_what_is_exported_elsewhere_has_the_same_text(name, tmp_path):
         except (cl.NotApplicable, cl.InputError):
             continue
         again = pickle.loads(pickle.dumps(pickle.loads(pickle.dumps(controller))))
+        if isinstance(controller.law, cl.PythonLaw):
+            assert again.law.state == controller.law.state
+            return  # has no text
         texts = [
             [file.read_text("utf-8") for file in cl.export(each, plant, folder, to="st").files]
             for each, folder in ((controller, tmp_path / "a"), (again, tmp_path / "b"))

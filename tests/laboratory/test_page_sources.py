@@ -1,5 +1,6 @@
 """What the page of a laboratory computes beside its rig."""
 
+import numpy as np
 import pytest
 from page_in_node import answered, source
 
@@ -26,7 +27,15 @@ HISTORY = f"""
 import {{ History }} from "{source("lab/history.ts")}";
 const history = new History(["a"], given.capacity);
 for (let sample = 0; sample < given.samples; ++sample) history.add(() => 10 * sample);
-answer(history.last(given.window, given.most, ["a"]));
+const fork = history.fork(given.fork);
+for (let sample = 0; sample < 3; ++sample) fork.add(() => -10);
+answer({{
+  seen: history.values("a", given.first, given.stop),
+  strange: history.values("b", 0, 2),
+  kept: [history.first, history.count],
+  fork: [fork.first, fork.count, fork.value("a", given.fork - 1), fork.value("a", given.fork)],
+  own: history.value("a", given.fork),
+}});
 """
 
 
@@ -54,23 +63,28 @@ def test_typed_numbers_are_taken_in_the_unit_that_is_shown(tmp_path):
     assert [shown for _, shown in found[:4]] == ["2.50", "2.50", "7.000", "3.500"]
     said = [words for words, _ in found[4:]]
     assert said[0] == "pump: 10.1 V is outside 0 to 10 V; type a number between them."
-    assert said[1] == "pump: “fast” is no number; type one in V."
-    assert said[2].startswith("pump: “” is no number")
+    assert said[1] == "pump: “fast” is not a number; type one in V."
+    assert said[2].startswith("pump: “” is not a number")
     assert said[3].startswith("level: -1 cm is outside 0 to 7 cm")
 
 
 @pytest.mark.parametrize(
-    ("samples", "window", "most", "seen"),
-    [
-        (5, 10, 10, [0, 1, 2, 3, 4]),
-        (25, 10, 10, list(range(15, 25))),
-        (25, 99, 99, list(range(5, 25))),
-        (25, 12, 4, [15, 18, 21, 24]),
-        (26, 12, 4, [15, 18, 21, 24, 25]),
-    ],
+    ("samples", "first", "stop"), [(5, 0, 10), (25, 15, 25), (25, -3, 4), (40_000, 8000, 40_001)]
 )
-def test_a_trend_shows_the_last_samples(samples, window, most, seen, tmp_path):
-    given = {"capacity": 20, "samples": samples, "window": window, "most": most}
-    assert answered(HISTORY, given, tmp_path) == {
-        "samples": seen, "values": [[10 * each for each in seen]],
-    }  # fmt: skip
+def test_a_history_has_each_sample_of_a_stretch(samples, first, stop, tmp_path):
+    given = {"capacity": 20_000, "samples": samples, "first": first, "stop": stop}
+    given["fork"] = samples - 2
+    found = answered(HISTORY, given, tmp_path)
+    oldest, end = found["kept"]
+    there = range(oldest, end)
+    assert [found["seen"][sample - first] for sample in range(first, stop) if sample in there] == [
+        10 * sample for sample in range(first, stop) if sample in there
+    ]
+    gone = [found["seen"][k - first] for k in range(first, stop) if k not in there]
+    assert np.isnan([*gone, *found["strange"]]).all()
+    # Of 40,000 samples at least 20,000 are kept, and no more than one part beyond.
+    assert 20_000 <= end - oldest < 40_000 if samples > 20_000 else oldest == 0
+    assert end == samples
+    # A branch has the same past, and leaves the other one alone.
+    assert found["fork"] == [oldest, samples + 1, 10 * (samples - 3), -10]
+    assert found["own"] == 10 * (samples - 2)

@@ -70,7 +70,11 @@ def test_nominal_outputs_fix_the_point_unless_inputs_are_given(minimum):
     asked = {"level_1": 50 * levels[0], "level_2": 50 * levels[1]}
     process = replace(minimum.process, nominal_outputs=asked)
     np.testing.assert_allclose(find_equilibrium(process).inputs, (2.0, 3.5), rtol=1e-12)
-    np.testing.assert_array_equal(find_equilibrium(process, {"pump_1": 1.0}).inputs, (1.0, 3.0))
+    given = {"pump_1": 1.0, "pump_2": 2.5}
+    np.testing.assert_array_equal(find_equilibrium(process, given).inputs, (1.0, 2.5))
+    for given in ({"pump_1": 1.0}, {}):
+        with pytest.raises(InputError, match=r"no (pump_1, )?pump_2, expected a value of every"):
+            find_equilibrium(process, given)
 
 
 def test_a_disturbance_is_balanced(minimum):

@@ -52,6 +52,21 @@ def test_noise_of_a_disturbance_stays_in_its_segment() -> None:
     assert not np.any(moved)
 
 
+def test_an_analyser_holds_the_noise_of_its_reading() -> None:
+    """Read, disturbed and rounded when it is read; told 8 samples later, and every 12 samples."""
+    file = Path(__file__).parents[2] / "docs" / "examples" / "analyser.toml"
+    analysis = analyse(load_process(f"{file}:seldom"))
+    scenario = default_scenario(analysis.model)
+    run = Loop(design_simc(analysis.model, analysis.pairing), analysis.model).run(scenario)
+    read = run.true_measurement("strength") + scenario.noise[:, 1]
+    told = run.values["strength"]
+    assert np.ptp(scenario.noise[:, 1]) > 1.0
+    for sample in range(18, scenario.samples, 12):
+        following = told[sample : sample + 12]
+        assert np.all(following == following[0])
+        assert following[0] == pytest.approx(read[sample - 8], rel=1e-13)
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize("solver", ["kernel", "reference"])
 def test_the_controller_gets_what_the_transmitter_shows(loop: Loop, solver: str) -> None:

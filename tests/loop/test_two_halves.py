@@ -94,6 +94,18 @@ def test_what_is_in_a_pipe_goes_on(tmp_path, name, solver):
     assert not np.array_equal(other.values["tank.level"], two.values["tank.level"][:30])
 
 
+@pytest.mark.parametrize("solver", ["kernel", "reference"])
+def test_what_a_sensor_has_not_told_yet_goes_on(tmp_path, solver):
+    """Readings of 20 s, told every 28 s: the halves meet between two reports."""
+    late = 'tank = "tank"\ndead_time = "20 s"\nsampling = "28 s"'
+    plant = plant_of(tmp_path, LATE, ('tank = "tank"\nrange', f"{late}\nrange"))
+    controller = cl.design.simc(plant)
+    whole, one, two = halves(plant, controller, "level", (28.0, 24.0), solver=solver)
+    assert_whole(whole, one, two)
+    told = two.values["level"]
+    assert told[0] == one.values["level"][-1] != two.values["tank.level"][0]
+
+
 def test_a_law_in_python_goes_on(four_tanks):
     def step(state, inputs, parameters, time_step):
         error = inputs["level_1.sp"] - inputs["level_1.pv"]

@@ -1,15 +1,19 @@
 """The audit of the laboratory report: every verdict, and its runs by a second route."""
 
 import math
+import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import clepsydra as cl
 from clepsydra.base.signal import path
 from clepsydra.papers.four_tank_laboratory.controllers import (
     at_the_simulator,
     decentralised,
     dynamic_decoupling,
+    precompensator_of,
     robust,
 )
 from clepsydra.papers.four_tank_laboratory.margins import response
@@ -434,3 +438,36 @@ def test_the_cut_off_holds_level_two():
     holes = np.array([1e4 * process.signal(f"outlet_{i}.area").initial for i in (1, 2, 3, 4)])
     inflow = 7.5 * (0.625 * K[1] + 0.375 * K[0])
     assert (inflow / holes[1]) ** 2 / (2 * 981.0) > 30.0  # [cm], above the rim
+
+
+def test_the_lesson_has_the_controllers_of_the_audit():
+    """Its PI control in numbers, its Glover-McFarlane controllers as MAT files."""
+    from scipy.io import loadmat
+
+    shipped = Path(cl.__file__).parent / "laboratory" / "lessons" / "shipped"
+    lesson = tomllib.loads((shipped / "four-tanks.toml").read_text("utf-8"))
+    for set_up, own in ((MINIMUM, lesson), (NON_MINIMUM, lesson["setups"]["nonminimum"])):
+        values = decentralised(set_up).values
+        controllers = own["controllers"]
+        for level, loop in controllers[f"PI, {set_up.phase}"]["loops"].items():
+            assert (loop["measurement"], loop["output"]) == (level, dict(set_up.pairing)[level])
+            for key, name in (("gain", "proportional_gain"), ("integral_time", "integral_time")):
+                assert float(loop[key].split()[0]) == pytest.approx(
+                    values[f"{level}.{name}"], rel=1e-6
+                )
+        table = controllers[f"Glover-McFarlane, {set_up.phase}"]
+        found = loadmat(shipped / table["regulator"])
+        designed = at_the_simulator(set_up, "robust", plant(set_up, "percent"))
+        s = np.exp(0.05j * np.geomspace(1e-3, 30.0, 40))
+        A, B, C, D = (found[name] for name in "ABCD")
+        law = precompensator_of(designed, course_model(set_up, "percent")).system
+        for z in s:
+            given = C @ np.linalg.solve(z * np.eye(len(A)) - A, B) + D
+            own_law = law.C @ np.linalg.solve(z * np.eye(len(law.A)) - law.A, law.B) + law.D
+            assert given == pytest.approx(own_law, rel=1e-6, abs=1e-9)
+
+
+def test_rows_on_manual_control_name_the_lesson():
+    rows = [row for row in cl.audit(["four-tank-laboratory"]).rows
+            if row.experiment == "manual-control"]  # fmt: skip
+    assert rows and all("--lesson four-tanks" in row.reason for row in rows)

@@ -1,4 +1,4 @@
-"""The page on process files: its keys, its defaults and its examples are those of the reader."""
+"""The pages on process files: their keys, defaults and examples are those of the reader."""
 
 import re
 import tomllib
@@ -6,20 +6,17 @@ from pathlib import Path
 
 import pytest
 from pages import blocks
-from shown_elements import PAGE, SECTIONS, examples, plant_with, title
+from shown_elements import PAGE, PAGES, SECTIONS, examples, plant_with, title
 
 from clepsydra import Element, InputError
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.process import reader
+from clepsydra.process.elements.sensor import Sensor
 from clepsydra.process.kinds import kinds
 from clepsydra.process.reader import load_process
 
 ROOT = Path(__file__).parents[2]
-BLOCKS = [
-    block.text
-    for page in ("process-files", "variants")
-    for block in blocks(f"docs/{page}.md", "toml")
-]
+BLOCKS = [block.text for page in PAGES for block in blocks(f"docs/{page}.md", "toml")]
 WHOLE = [block for block in BLOCKS if "name" in tomllib.loads(block)]
 PARTS = [block for block in BLOCKS if block not in WHOLE]
 
@@ -62,8 +59,8 @@ DEFAULTS = [
 ]
 
 
-def test_the_page_has_two_whole_processes_and_many_parts() -> None:
-    assert len(WHOLE) == 2
+def test_the_pages_have_whole_processes_and_many_parts() -> None:
+    assert len(WHOLE) >= 2
     assert len(PARTS) >= 20
 
 
@@ -74,7 +71,7 @@ def test_the_general_keys_are_those_of_the_reader() -> None:
 @pytest.mark.parametrize("kind", kinds(), ids=lambda kind: kind.kind)
 def test_the_keys_of_a_section_are_those_of_its_kind(kind: type[Element]) -> None:
     section = title(kind)
-    what = f"docs/process-files.md: write ## {section} with an example, and a table with a row for "
+    what = f"docs/elements: write a page # {section} with an example, and a table with a row for "
     assert set(rows(section)) == set(kind.keys), what + ", ".join(kind.keys)
 
 
@@ -121,7 +118,9 @@ def test_a_default_is_what_a_missing_key_means(
 ) -> None:
     """A key with its default, in the place of whatever an example has, is the same as no key."""
     tried = 0
-    for part in examples(title(kind)):
+    # A sensor that reports now and then has a page of its own.
+    others = examples("Analyser") if kind is Sensor else []
+    for part in [*examples(title(kind)), *others]:
         without = re.sub(rf"^{key} = .*\n", "", part, flags=re.MULTILINE)
         for name in names_of(part, kind):
             explicit = with_key(without, f"{kind.table}.{name}", f"{key} = {value}")
@@ -144,27 +143,27 @@ def test_the_default_of_gravity(tmp_path: Path) -> None:
     assert found[0] == found[1]
 
 
-def test_what_the_page_links_to_exists() -> None:
-    links = re.findall(r"\]\((?!https?:)([^)]+)\)", PAGE)
-    assert links
-    for link in links:
+@pytest.mark.parametrize("page", PAGES)
+def test_what_a_page_links_to_exists(page: str) -> None:
+    own = ROOT / "docs" / f"{page}.md"
+    for link in re.findall(r"\]\((?!https?:)([^)]+)\)", PAGES[page]):
         file, _, section = link.partition("#")
-        assert (
-            (ROOT / "docs" / file).exists()
-            if file
-            else section.replace("-", " ") in {name.lower() for name in SECTIONS}
-        )
+        there = own.parent / file if file else own
+        assert there.exists(), link
+        if section:
+            headings = re.findall(r"^#+ (.+)$", there.read_text(encoding="utf-8"), re.MULTILINE)
+            assert section.replace("-", " ") in {heading.lower() for heading in headings}, link
 
 
 @pytest.mark.thorough
 def test_signals_that_the_page_names_exist(tmp_path: Path) -> None:
-    """Every `element.quantity` on the page is a signal or an event of one of its examples."""
+    """Every `element.quantity` on a page is a signal or an event of one of the examples."""
     known = {"feed.salt"}
-    for number, part in enumerate([*PARTS, *PLANTS_OF_SIGNALS]):
-        folder = tmp_path / str(number)
-        folder.mkdir()
-        load(part, folder)
-        process = load_process(folder / "plant.toml")
+    texts = [*WHOLE, *map(plant_with, [*PARTS, *PLANTS_OF_SIGNALS])]
+    for number, text in enumerate(texts):
+        path = tmp_path / f"{number}.toml"
+        path.write_text(text, encoding="utf-8")
+        process = load_process(path)
         motion = process.motion
         for signals in (
             process.state, process.parameters, process.disturbances, motion.contents,
@@ -178,7 +177,7 @@ def test_signals_that_the_page_names_exist(tmp_path: Path) -> None:
     assert named <= known
 
 
-#: What the page names but none of its examples has.
+#: What the pages name but none of their examples has.
 PLANTS_OF_SIGNALS = [
     """
 [tanks.tank_1]

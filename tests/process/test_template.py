@@ -85,7 +85,7 @@ def test_what_the_template_shows_in_comments_can_be_written(table, tmp_path):
     lines = [line[2:] for line in block.group().splitlines()]
     # Words after a value are for the reader, and some keys exclude others.
     lines = [re.sub(r'^(\w+ = ("[^"]*"|\[.*\]|\{.*\}|\S+))\s{2,}.*$', r"\1", x) for x in lines]
-    lines = [x for x in lines if not x.startswith(("rangeability", "backlash"))]
+    lines = [x for x in lines if not x.startswith(("rangeability", "backlash", "pump"))]
     text = TEMPLATE.replace(block.group(), "\n".join(lines) + "\n")
     outlet = 'source = "tank_1"\ndestination = "basin"'
     if table == "splitters":

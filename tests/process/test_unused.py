@@ -26,6 +26,12 @@ def loaded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     return load
 
 
+def test_a_reservoir_whose_name_is_mistyped_where_a_flow_enters_is_suggested(loaded):
+    flow = '[flows.f]\nsource = "lke"\nrange = ["0 l/s", "1 l/s"]\nnominal = "0 l/s"\n'
+    with refused(place="flows.f.source", remedy="perhaps 'lake' was meant"):
+        loaded(LAKE + flow + 'destination = "tank_1"\n')
+
+
 LINE = VALID.count("\n") + 2
 
 

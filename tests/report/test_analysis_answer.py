@@ -40,3 +40,42 @@ def test_what_is_left_out_is_counted_and_shown_on_request():
 
 def test_equal_time_constants_are_told_once():
     assert "Its 8 time constants are 120 s." in cl.load("eight-tanks").analysis.words
+
+
+def test_what_a_valve_cannot_give_stands_first(tmp_path):
+    """A feed of 10 kg/s of water and a valve that gives 8.8 m³/h at 1 m: a load of 3 more."""
+    path = tmp_path / "tank.toml"
+    path.write_text(
+        """
+name = "tank"
+sampling_period = "10 s"
+controlled = ["LT1"]
+[reservoirs.sump]
+[tanks.T]
+area = "1 m^2"
+height = "2 m"
+[flows.feed]
+destination = "T"
+range = ["0 m^3/h", "12 m^3/h"]
+nominal = "6 m^3/h"
+step = "4 m^3/h"
+[valves.LV]
+source = "T"
+destination = "sump"
+kv = "28 m^3/h"
+range = ["0 %", "100 %"]
+[sensors.LT1]
+tank = "T"
+range = ["0 m", "2 m"]
+[operating_point]
+LT1 = "1 m"
+""",
+        encoding="utf-8",
+    )
+    plant = cl.load(path)
+    # 28 m³/h √(9.81 · 1 m/100) = 8.77 m³/h.
+    words = "LV gives at most 8.77 m³/h, and 10 m³/h are needed to hold the load step of feed by 4"
+    first = cl.analyse(plant).answer().parts[0]
+    assert first.text.startswith(words)
+    verdict = cl.study(plant, [cl.design.simc(plant)]).verdict
+    assert verdict.startswith(words)

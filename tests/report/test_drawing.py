@@ -1,6 +1,7 @@
 import re
 from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
+from pathlib import Path
 from random import Random
 from typing import ClassVar
 from xml.etree import ElementTree
@@ -340,6 +341,21 @@ def test_a_delay_says_how_long_it_is(shapes):
     assert "<title>transport delay channel, τ = 60 s</title>" in shapes[0]
 
 
+def test_what_a_reader_is_to_find_is_not_told(shapes):
+    _, point = shapes
+    drawing = process_drawing(point.process, point, hides=["channel.time"])
+    assert "60 s" in shapes[0]
+    assert "60 s" not in drawing
+    assert "<title>transport delay channel, τ</title>" in drawing
+    tanks = load_process("quadruple-tank")
+    own = process_drawing(tanks, find_equilibrium(tanks))
+    hidden = process_drawing(tanks, find_equilibrium(tanks), hides=["splitter_1.tank_1"])
+    assert "70 %" in own and "70 %" not in hidden
+    # Neither what the other pipe gets.
+    assert hidden.count("30 %") < own.count("30 %")
+    assert "60 %" in hidden
+
+
 def test_a_concentration_in_a_tank_has_its_whole_name_and_its_value():
     process = load_process("averaging-tank")
     root = ElementTree.fromstring(process_drawing(process, find_equilibrium(process)))
@@ -375,6 +391,12 @@ def test_instruments_have_the_letters_of_what_they_measure():
         ("FT", "flow_main"), ("FIC", "flow_main"), ("FT", "flow_cross"), ("FT", "flow_out"),
         ("LT", "level_c"), ("LIC", "level_c"), ("AT", "salt_c"),
     }  # fmt: skip
+
+
+def test_an_instrument_that_is_called_by_a_tag_has_its_number():
+    process = load_process(Path(__file__).parents[2] / "docs" / "examples" / "hotwell.toml")
+    (instrument,) = flow_graph(process).instruments
+    assert (instrument.letter, instrument.number) == ("L", "201")
 
 
 def test_a_pump_points_where_it_delivers():

@@ -1,24 +1,8 @@
 """The grammar of a ranking."""
 
-import pytest
-
 from clepsydra.scores.score import SCORES
 from clepsydra.studies.ranking import rule_of
-from clepsydra.studies.ranking_words import in_sentence, with_article
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("setpoint error", "a setpoint error"),
-        ("load error", "a load error"),
-        ("outflow change", "an outflow change"),
-        ("IAE of level_1", "an IAE of level_1"),
-        ("rise time", "a rise time"),
-    ],
-)
-def test_the_article_fits_the_sound(words, said):
-    assert with_article(words) == said
+from clepsydra.studies.ranking_words import in_sentence
 
 
 def test_no_title_of_a_score_stands_with_a_capital_within_a_sentence_but_abbreviations():

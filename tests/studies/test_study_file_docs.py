@@ -15,8 +15,15 @@ from clepsydra.studies.file.scheme_parts import SchemeParts
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "study-files.md").read_text(encoding="utf-8")
-SECTIONS = dict(re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", PAGE, re.MULTILINE | re.DOTALL))
-EXAMPLES = [block.text for block in blocks("docs/study-files.md", "toml")]
+CASES = (DOCS / "cases.md").read_text(encoding="utf-8")
+SECTIONS = {
+    title: text
+    for page in (PAGE, CASES)
+    for title, text in re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", page, re.MULTILINE | re.DOTALL)
+}
+EXAMPLES = [
+    block.text for page in ("study-files", "cases") for block in blocks(f"docs/{page}.md", "toml")
+]
 
 
 def rows(section):
@@ -49,6 +56,7 @@ PARTS = {key: KEYS[key]["additionalProperties"] for key in SchemeParts.propertie
         ("Scenario", 0, SCENARIO),
         ("Scenario", 1, SCENARIO["properties"]["load"]["items"]),
         ("Ranking", 0, STUDY["properties"]["ranking"]),
+        ("Keys of a case", 0, STUDY["properties"]["cases"]["additionalProperties"]),
         ("Tuning", 0, KEYS["tune"]),
         ("Loops", 0, PARTS["loops"]),
         ("Outputs", 0, PARTS["outputs"]),

@@ -20,7 +20,7 @@ GENERAL = [
     (
         'process = "a.toml"\ntitel = "b"\n',
         "s.toml, line 2, titel: got 'titel', expected one of process, title, seed, scenario, "
-        "ranking, controllers; perhaps 'title' was meant.",
+        "ranking, controllers, cases, designs; perhaps 'title' was meant.",
     ),
     (
         "controllers = {}\n",
@@ -33,7 +33,7 @@ GENERAL = [
         "path of a process file",
     ),
     ('process = "quadruple-tonk"\n', "perhaps 'quadruple-tank' was meant."),
-    ('process = "plant.toml"\n', "check the path, which starts in the folder of the study"),
+    ('process = "plant.toml"\n', "check the path, which starts in the folder of this file"),
     (QUADRUPLE + "seed = -1\n", "line 2, seed: got -1, expected a whole number from 0"),
     (QUADRUPLE + "seed = true\n", "line 2, seed: got True, expected a whole number from 0"),
     (QUADRUPLE + '[ranking]\nscores = ["iea"]\n', "line 3, ranking.scores: got 'iea', expected "),

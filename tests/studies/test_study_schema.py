@@ -20,6 +20,7 @@ SHOWN = [
     for page in PAGES
     for block in blocks(page, "toml")
     if block.table.keys() & {"controllers", "scenario", "ranking", "process"}
+    and "tasks" not in block.table
 ]
 
 

@@ -13,29 +13,84 @@ export interface Handler {
   choose(controller: number): void;
   noise(isOn: boolean): void;
   begin(start: Start): void;
+  /** Go on from where it stands as another run. */
+  goOn(): void;
   save(): void;
+  /** Bring a controller of one's own. */
+  bring(): void;
 }
+
+/** What keys press too. */
+export type Pressed = "step" | "noise" | "rest" | "empty" | "here" | "save";
 
 export class Bar {
   private readonly go = element("button", "go", "Run");
   private readonly told = element("span", "told", "");
+  private readonly controller: HTMLSelectElement;
+  private readonly noise = element("input", "");
   private isRunning = false;
+  private readonly pressed: Record<Pressed, HTMLElement>;
+  private readonly speed: HTMLSelectElement;
 
   constructor(place: HTMLElement, titles: string[], handler: Handler) {
     this.go.addEventListener("click", () => handler.run(!this.isRunning));
     const speed = choice("Speed", SPEEDS.map((times) => (times === Infinity ? "as fast as it goes" : `${times}×`)));
     speed.select.addEventListener("change", () => handler.speed(SPEEDS[speed.select.selectedIndex]!));
     const controller = choice("Controller", titles);
-    controller.select.addEventListener("change", () => handler.choose(controller.select.selectedIndex));
+    this.controller = controller.select;
+    titles.forEach((_, number) => (this.controller.options[number]!.value = String(number)));
+    this.controller.addEventListener("change", () => handler.choose(Number(this.controller.value)));
     const noise = element("label", "", "Noise ");
-    const box = Object.assign(element("input", ""), { type: "checkbox" });
+    const box = Object.assign(this.noise, { type: "checkbox" });
     box.addEventListener("change", () => handler.noise(box.checked));
     noise.append(box);
-    place.append(
-      this.go, button("One sample", () => handler.step()), speed.label, controller.label, noise,
-      button("Start at rest", () => handler.begin("rest")), button("Start empty", () => handler.begin("empty")),
-      button("Save session", () => handler.save()), this.told,
-    );
+    this.speed = speed.select;
+    this.pressed = {
+      step: button("One sample", () => handler.step()),
+      noise: box,
+      rest: button("Start at rest", () => handler.begin("rest")),
+      empty: button("Start empty", () => handler.begin("empty")),
+      here: button("Start here", () => handler.goOn()),
+      save: button("Save session", () => handler.save()),
+    };
+    const { step, rest, empty, here, save } = this.pressed;
+    const own = button("Load or type one…", () => handler.bring());
+    place.append(this.go, step, speed.label, controller.label, own, noise, rest, empty, here, save, this.told);
+  }
+
+  /** Press what a key stands for. */
+  press(what: Pressed): void {
+    this.pressed[what].click();
+  }
+
+  /** Take the next speed, or the one before. */
+  faster(steps: number): void {
+    const { speed } = this;
+    speed.selectedIndex = Math.min(speed.options.length - 1, Math.max(0, speed.selectedIndex + steps));
+    speed.dispatchEvent(new Event("change"));
+  }
+
+  /** Offer a controller by a name. */
+  offer(controller: number, title: string): void {
+    const known = this.optionOf(controller);
+    const option = known ?? element("option", "");
+    Object.assign(option, { value: String(controller), textContent: title });
+    if (!known) this.controller.append(option);
+  }
+
+  /** Show who has the rig, by a name that is told where it is not offered yet. */
+  chosen(controller: number, title: string): void {
+    if (!this.optionOf(controller)) this.offer(controller, title);
+    this.controller.value = String(controller);
+  }
+
+  /** Show whether sensors are noisy, at another moment. */
+  stand(isNoisy: boolean): void {
+    this.noise.checked = isNoisy;
+  }
+
+  private optionOf(controller: number): HTMLOptionElement | undefined {
+    return [...this.controller.options].find(({ value }) => value === String(controller));
   }
 
   /** Tell the time of the plant [s], and how fast it runs. */

@@ -1,6 +1,8 @@
 /** What the page of a laboratory carries, and what a session of it is. */
 
+import type { LawsData } from "./laws_data.ts";
 import type { RingOfState } from "../live/messages.ts";
+import type { LessonData } from "./lesson_data.ts";
 
 export type Start = "rest" | "empty";
 
@@ -21,6 +23,56 @@ export interface LoopData {
   moves: string[];
 }
 
+/** Where a flow runs: the element that causes it, and its ends; empty outside the plant. */
+export interface FlowPath {
+  element: string;
+  source: string;
+  destination: string;
+}
+
+/** A program of signals of the process to its flows [m³/s], in the order of the paths. */
+export interface FlowsData {
+  /** Its place among the modules. */
+  module: number;
+  inputs: string[];
+  /** Those of the inputs that come out of delays. */
+  delays: string[];
+  parameters: string[];
+  paths: FlowPath[];
+  /** The greatest flow at rest [m³/s]. */
+  much: number;
+  unit: string;
+  factor: number;
+}
+
+/** What switches itself in the process. */
+export interface EventData {
+  /** The output that counts how often it happened. */
+  count: string;
+  words: string;
+  /** It does harm to the plant. */
+  isHarm: boolean;
+}
+
+export type Priority = "low" | "medium" | "high";
+
+/** An alarm of a measurement, in the words of ISA-18.2. */
+export interface AlarmData {
+  /** Its path: outputs are called `${name}.state`, and what acknowledges it `${name}.acknowledge`. */
+  name: string;
+  measurement: string;
+  /** What an operator calls it: "HH". */
+  short: string;
+  words: string;
+  priority: Priority;
+  /** Where it comes [SI]; null where that is no level of the measurement. */
+  limit: number | null;
+  /** Input to the value at which it holds it [SI]. */
+  holds: Record<string, number>;
+  /** What it holds it holds until it is acknowledged, too. */
+  latches: boolean;
+}
+
 export interface ControllerData {
   name: string;
   title: string;
@@ -29,12 +81,50 @@ export interface ControllerData {
   /** Name and value at rest [SI], in the order of the program. */
   inputs: [string, number][];
   outputs: string[];
-  parameters: number[];
-  rings: (RingOfState & { isOfProcess: boolean })[];
+  states: string[];
+  /** Those of the process, then "controller.…": name and value [SI]. */
+  parameters: [string, number][];
+  rings: (RingOfState & { name: string; isOfProcess: boolean })[];
   /** How many of the first states are the process's. */
   moving: number;
   starts: Record<Start, { state: number[]; rings: number[] }>;
+  /** Its law with nothing in its memory: its states, and what its delays hold. */
+  cold: { state: number[]; rings: number[] };
   loops: LoopData[];
+  /** Output to the parameters of the law that limit it below and above. */
+  limits: Record<string, [low: string, high: string]>;
+  /** Its place among the drawings. */
+  drawing: number;
+}
+
+/** A parameter of the process. */
+export interface ParameterData extends ShownSignal {
+  /** [SI] */
+  value: number;
+}
+
+/** Numbers with which the rig is another one of the same build [SI]. */
+export interface Setup {
+  name: string;
+  title: string;
+  /** What it is, where its title does not say it. */
+  words: string;
+  parameters: Record<string, number>;
+}
+
+/** What hands can do to a tank. */
+export interface HandsOnTank {
+  tank: string;
+  /** The input that pours into it. */
+  pour: string;
+  /** The flow that adds a quarter of its scale in so many samples [m³/s]. */
+  full: number;
+  samples: number;
+  /** The parameter of a hole that is closed, and its area when it is open [m²]. */
+  extra_outlet: string;
+  area: number;
+  /** Element to the parameter that is 0 where it is plugged. */
+  outlets: Record<string, string>;
 }
 
 export interface Spill {
@@ -56,22 +146,63 @@ export interface LabData {
   period: number;
   signals: ShownSignal[];
   controlled: string[];
+  measurements: string[];
   inputs: string[];
   disturbances: string[];
+  parameters: ParameterData[];
+  /** The rig's own first. */
+  setups: Setup[];
+  tanks: HandsOnTank[];
   /** Of the noise. */
   seed: number;
   noises: { input: string; stream: number; deviation: number }[];
   spills: Spill[];
+  /** States that are levels. */
+  levels: string[];
+  events: EventData[];
+  alarms: AlarmData[];
+  /** None where nothing flows. */
+  flows: FlowsData | null;
+  /** What the reader is asked to do, if anything. */
+  lesson: LessonData | null;
+  /** Those that the page was written with, then the free ones of `laws`. */
   controllers: ControllerData[];
+  laws: LawsData;
   /** Base64 of deflated WebAssembly. */
   modules: string[];
 }
 
-/** A hand on the rig before a sample: an input of the program in SI, or who has the rig or whether sensors are noisy from then on. */
-export type Touch =
-  | { sample: number; input: string; value: number }
-  | { sample: number; controller: string }
-  | { sample: number; noise: boolean };
+/** What is much alike for all controllers, deflated in a page. */
+export interface PackedData extends Pick<LabData, "controllers" | "laws"> {
+  /** Those that are not seen at first, as SVG. */
+  drawings: string[];
+}
+
+/** The data as a page holds them: `packed` is base64 of deflated JSON of `PackedData`. */
+export interface HeldData extends Omit<LabData, "controllers" | "laws"> {
+  packed: string;
+}
+
+/**
+ * How a law takes the rig: as it has followed in manual so far; as it would stand after it had
+ * followed for long, where its numbers are new; or with its state at zero.
+ */
+export type Takeover = "bumpless" | "settled" | "zero";
+
+/** What a hand does to the rig. Numbers are in SI. */
+export type Hand =
+  | { input: string; value: number }
+  /** Of the process. */
+  | { parameters: Record<string, number> }
+  /** Of the law of a controller, as its program calls them. */
+  | { settings: Record<string, number>; of: string }
+  | { controller: string; start: Takeover }
+  | { noise: boolean }
+  /** What a sensor drifts by in a second from then on; 0 ends it. */
+  | { drift: string; rate: number };
+
+/** A hand before a sample. */
+export type Touch = { sample: number } & Hand;
 
 export interface SessionFile {
   form: number;
@@ -83,4 +214,6 @@ export interface SessionFile {
   samples: number;
   seed: number;
   touches: Touch[];
+  /** Controller to what its reader called it. */
+  titles?: Record<string, string>;
 }

@@ -1,42 +1,71 @@
 /** What signals were, sample by sample, as far back as there is room. */
 
-/** Samples that are kept. */
-const CAPACITY = 100_000;
+const CHUNK = 8192;
+/** Samples that are kept at least. */
+const CAPACITY = 1 << 20;
 
 export class History {
-  readonly names: string[];
+  readonly names: readonly string[];
   readonly capacity: number;
-  private count = 0;
-  private readonly columns: Float64Array[];
+  /** The first sample that is kept, and the one behind the last. */
+  first = 0;
+  count = 0;
+  /** Each signal's part of a chunk lies behind that of the one before. */
+  private chunks: Float64Array[] = [];
+  private readonly places: Map<string, number>;
 
-  constructor(names: string[], capacity = CAPACITY) {
+  constructor(names: readonly string[], capacity = CAPACITY) {
     this.names = names;
     this.capacity = capacity;
-    this.columns = names.map(() => new Float64Array(capacity));
+    this.places = new Map(names.map((name, place) => [name, place]));
   }
 
-  clear(): void {
-    this.count = 0;
-  }
-
-  add(value: (name: string) => number): void {
-    const place = this.count % this.capacity;
-    this.names.forEach((name, column) => (this.columns[column]![place] = value(name)));
+  /** Add a sample, of which a function tells each column. */
+  add(value: (column: number) => number): void {
+    const place = this.count % CHUNK;
+    if (place === 0) {
+      this.chunks.push(new Float64Array(CHUNK * this.names.length));
+      if ((this.chunks.length - 1) * CHUNK > this.capacity) {
+        this.chunks.shift();
+        this.first += CHUNK;
+      }
+    }
+    const chunk = this.chunks.at(-1)!;
+    for (let column = 0; column < this.names.length; ++column) chunk[column * CHUNK + place] = value(column);
     this.count += 1;
   }
 
-  /** Return the samples of the last so many, some left out where they are more than `most`, and their values. */
-  last(samples: number, most: number, names: string[]): { samples: number[]; values: number[][] } {
-    const first = Math.max(0, this.count - Math.min(samples, this.capacity));
-    const stride = Math.max(1, Math.ceil(samples / most));
-    const found: number[] = [];
-    // What is left out stays left out while the curve scrolls, lest it tremble.
-    for (let sample = Math.ceil(first / stride) * stride; sample < this.count; sample += stride) found.push(sample);
-    if (this.count && found.at(-1) !== this.count - 1) found.push(this.count - 1);
-    const values = names.map((name) => {
-      const column = this.columns[this.names.indexOf(name)]!;
-      return found.map((sample) => column[sample % this.capacity]!);
-    });
-    return { samples: found, values };
+  /** Return a signal at a sample; NaN where nothing is kept. */
+  value(name: string, sample: number): number {
+    const column = this.places.get(name);
+    if (column === undefined || sample < this.first || sample >= this.count) return NaN;
+    return this.chunks[Math.floor((sample - this.first) / CHUNK)]![column * CHUNK + (sample % CHUNK)]!;
+  }
+
+  /** Return the values of a signal from a sample to before another; NaN where nothing is kept. */
+  values(name: string, from: number, to: number): Float64Array {
+    const found = new Float64Array(Math.max(0, to - from)).fill(NaN);
+    const column = this.places.get(name);
+    if (column === undefined) return found;
+    const stop = Math.min(to, this.count);
+    for (let sample = Math.max(from, this.first); sample < stop; ) {
+      const place = sample % CHUNK;
+      const length = Math.min(CHUNK - place, stop - sample);
+      const start = column * CHUNK + place;
+      found.set(this.chunks[Math.floor((sample - this.first) / CHUNK)]!.subarray(start, start + length), sample - from);
+      sample += length;
+    }
+    return found;
+  }
+
+  /** Return the same past up to a sample; what is whole is shared, and never changes. */
+  fork(count: number): History {
+    const other = new History(this.names, this.capacity);
+    other.first = this.first;
+    other.count = count;
+    const chunks = Math.ceil((count - this.first) / CHUNK);
+    other.chunks = this.chunks.slice(0, chunks);
+    if (count % CHUNK) other.chunks[chunks - 1] = other.chunks[chunks - 1]!.slice();
+    return other;
   }
 }

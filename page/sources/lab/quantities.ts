@@ -1,5 +1,6 @@
 /** Signals as the reader sees them: in display units, and typed numbers back in SI. */
 
+import { timeUnit } from "../words.ts";
 import type { ShownSignal } from "./data.ts";
 
 /** Return a value [SI] in its display unit. */
@@ -16,6 +17,13 @@ export function panelText({ factor, low, high }: ShownSignal, value: number): st
   return (value * factor).toFixed(decimals).replace(/^-(?=[0.]*$)/, "").replace("-", "−");
 }
 
+/** Return the time of a sample as the others of its unit are written, in samples of so long a period [s]. */
+export function momentText(sample: number, period: number): string {
+  const seconds = sample * period;
+  const [unit, length] = timeUnit(seconds);
+  return `${(seconds / length).toFixed(length > 1 || period < 1 ? 2 : 0)} ${unit}`;
+}
+
 /** Return where a value [SI] stands in its range, as a share; undefined where that is open. */
 export function share(signal: ShownSignal, value: number): number | undefined {
   const { low, high } = signal;
@@ -26,7 +34,7 @@ export function share(signal: ShownSignal, value: number): number | undefined {
 export function typed(signal: ShownSignal, text: string): number | string {
   const number = Number(text.trim().replace("−", "-").replace(",", "."));
   const unit = signal.unit ? ` ${signal.unit}` : "";
-  if (!text.trim() || !Number.isFinite(number)) return `${signal.name}: “${text.slice(0, 30)}” is no number; type one in${unit || " its unit"}.`;
+  if (!text.trim() || !Number.isFinite(number)) return `${signal.name}: “${text.slice(0, 30)}” is not a number; type one in${unit || " its unit"}.`;
   const value = number / signal.factor;
   const [low, high] = [signal.low ?? -Infinity, signal.high ?? Infinity];
   // The ends themselves, however they round.

@@ -48,7 +48,9 @@ function finished({ states, finish }: FoldedScore, state: Float64Array): number 
 }
 
 /** Return the longest time from a step until |z − 1| ≤ band for good, between samples by a line. */
-function settlingTime({ steps, band }: SettlingScore, output: Float64Array, period: number): number {
+export function settlingTime(
+  { steps, band }: Pick<SettlingScore, "steps" | "band">, output: Float64Array, period: number,
+): number {
   if (!output.every(Number.isFinite)) return Infinity;
   const times = steps.map(([first, stop, start, target]) => {
     const response = output.subarray(first, stop);

@@ -5,13 +5,16 @@ import type { LiveController, LiveSetting } from "./messages.ts";
 /** Digits of a setting that is not as it was: what is shown is what runs. */
 const DIGITS = 4;
 
+/** What is asked of a controller: its settings, and what makes it bolder. */
+export type TriedController = Pick<LiveController, "name" | "values" | "loops" | "bolder">;
+
 export class TriedSettings {
-  readonly controller: LiveController;
+  readonly controller: TriedController;
   private factor = 1;
   /** In the unit shown, before the factor. */
   private readonly own = new Map<LiveSetting, number>();
 
-  constructor(controller: LiveController) {
+  constructor(controller: TriedController) {
     this.controller = controller;
   }
 

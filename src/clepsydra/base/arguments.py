@@ -10,6 +10,7 @@ from typing import Any
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
+from clepsydra.base.words import with_article
 
 
 def is_finite_number(value: object) -> bool:
@@ -96,8 +97,7 @@ give the name of a process.
     elif isinstance(value, str):
         shown = value[:60]
     else:  # a whole result or an array would bury the message
-        name = type(value).__name__
-        shown = f"{'an' if name[0].lower() in 'aeiou' else 'a'} {name}"
+        shown = with_article(type(value).__name__)
     raise InputError(place, shown, expected, remedy)
 
 

@@ -25,6 +25,9 @@ _HEADER = re.compile(r"\s*(.*?)\s*(?:\[\s*(.*?)\s*\]\s*)?")
 _DECIMAL_COMMA = re.compile(r"\s*[+-]?\d*,\d+\s*")
 _HEAD_EXAMPLE = "write a head such as time [s],pump_1 [V]"
 
+#: Takes a name, its unit, where the head stands and the number of the column.
+SignalOf = Callable[[str, str | None, str, int], Signal]
+
 
 class CsvTable(NamedTuple):
     """Signals over time as a file has them, with the line and the cells of each row."""
@@ -41,9 +44,7 @@ class CsvTable(NamedTuple):
         return f"{self.file}, line {self.rows[row][0]}, column '{column}'"
 
 
-def read_csv(
-    file: Path, most_rows: int, gap: str, signal_of: Callable[[str, str | None, str, int], Signal]
-) -> CsvTable:
+def read_csv(file: Path, most_rows: int, gap: str, signal_of: SignalOf) -> CsvTable:
     """Read a file whose head names time and signals with their units.
 
     Parameters

@@ -22,6 +22,15 @@ SYMBOLS = {
     "maximum_moves": ("R",),
     "weights": ("Q", "R"),
 }
+#: What ISA-18.2 and alarm lists call the keys of alarms.
+_ALARMS = {
+    "high_high": ("HH", "HiHi"),
+    "high": ("H", "Hi"),
+    "low": ("L", "Lo"),
+    "low_low": ("LL", "LoLo"),
+    "deviation": ("DEV",),
+    "rate": ("ROC", "rate_of_change"),
+}
 #: What the command line calls a call in Python, where that is not the same.
 _VERBS = {
     "audit": ("papers",),
@@ -66,6 +75,8 @@ def suggestion(wrong: object, known: Iterable[str], otherwise: str) -> str:
     "perhaps 'PI, SIMC' was meant"
     >>> suggestion("tau_c", ["pairing", "closed_loop_time_constant"], "choose one")
     "perhaps 'closed_loop_time_constant' was meant"
+    >>> suggestion("HH", ["high_high", "high", "low", "low_low"], "choose one")
+    "perhaps 'high_high' was meant"
     >>> suggestion("pump", ["tank_1", "basin"], "choose one")
     'choose one'
     """
@@ -108,6 +119,6 @@ def nearest_few(wrong: object, known: Iterable[str], most: int = 3) -> list[str]
 
 def _synonyms(given: str, spelt: Mapping[str, str]) -> list[str]:
     """Return the known names for what a symbol stands for."""
-    known = SYMBOLS | _VERBS
+    known = SYMBOLS | _ALARMS | _VERBS
     groups = ([each.lower() for each in (*more, name)] for name, more in known.items())
     return [each for group in groups if given in group for each in group if each in spelt]

@@ -222,6 +222,9 @@ def _factor_of_user(
         problem = f"the unit {unit_text!r} is unknown"
     except OtherKind:
         problem = f"{unit_text!r} measures something else"
+        if unit == "m" and convertible(unit_text, "Pa"):
+            problem = f"{unit_text!r} is a pressure, and what is asked for is a height of liquid"
+            example = f"{example} or '1 in'"
     except ValueError:
         problem = f"{_shortened(unit_text)!r} cannot be used as a unit"
     raise InputError(place, text, expected, f"{problem}: {example}") from None

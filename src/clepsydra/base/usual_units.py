@@ -65,6 +65,18 @@ _OTHERS = {
     ("day", "d"): Unit(Fraction(86_400), _SECOND.powers),
 }
 
+_US_GALLON, _FOOT = _OTHERS["gallon", "gal"], _OTHERS["foot", "ft feet"]
+#: Flows that people write in a word, of which Pint knows none: to it cfm is a length.
+FLOWS = {
+    "gpm GPM": _US_GALLON.times(_OTHERS["minute", "min"], -1),
+    "mgd MGD": _US_GALLON.times(_OTHERS["day", "d"], -1)._replace(
+        factor=_US_GALLON.factor * 10**6 / 86_400
+    ),
+    "lpm LPM": _METRIC["liter litre", "l L"].times(_OTHERS["minute", "min"], -1),
+    "cfm CFM": _ONE.times(_FOOT, 3).times(_OTHERS["minute", "min"], -1),
+    "cfs CFS": _ONE.times(_FOOT, 3).times(_SECOND, -1),
+}
+
 #: A name with its power, an operator or a bracket, or the blank that stands for a product.
 _TOKEN = re.compile(
     r"(?P<name>[A-Za-zµμ%]+)(?: *(?:\^|\*\*) *(?P<power>-?[1-9]))?"
@@ -92,7 +104,7 @@ def usual_units() -> dict[str, Unit]:
                     found[f"{prefix}{name}"] = found[f"{prefix}{name}s"] = scaled
                 for sign in signs.split() or [""]:
                     found |= {f"{sign}{symbol}": scaled for symbol in symbols.split()}
-    return found
+    return found | {name: unit for names, unit in FLOWS.items() for name in names.split()}
 
 
 def usual_unit(text: str) -> Unit | None:

@@ -82,6 +82,17 @@ def listed(names: Sequence[str]) -> str:
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
+def with_article(words: str) -> str:
+    """Return words with "a" or "an" before them.
+
+    Examples
+    --------
+    >>> with_article("setpoint error"), with_article("IAE of level"), with_article("overshoot")
+    ('a setpoint error', 'an IAE of level', 'an overshoot')
+    """
+    return f"{'an' if words[:1].lower() in 'aeiou' else 'a'} {words}"
+
+
 def digits_apart(value: float, *others: float, digits: int = 4) -> int:
     """Return with how many significant digits a number is told from others, `digits` at least.
 

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.words import with_article
 from clepsydra.cli.subject import name_of
 
 
@@ -72,7 +73,7 @@ def named_values(texts: Sequence[str] | None, what: str, place: str, remedy: str
     for text in texts or ():
         name, equals, value = text.partition("=")
         if not equals or name.strip() in found:
-            words = f"each {what} once" if equals else f"a {what}, '=' and its value"
+            words = f"each {what} once" if equals else f"{with_article(what)}, '=' and its value"
             raise InputError(place.format(text[:60]), text[:60], words, remedy)
         found[name.strip()] = value.strip()
     return found

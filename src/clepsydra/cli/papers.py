@@ -13,7 +13,12 @@ def papers(
     documents: list[str] | None = typer.Argument(
         None, metavar="[DOCUMENT]...", help="Keys of documents; all if left out."
     ),
-    every: bool = all_option("Show every row that is not as printed."),
+    beside_limit: bool = typer.Option(
+        False,
+        "--limit",
+        help="Run their controllers and ours beside the best that any could do instead.",
+    ),
+    every: bool = all_option("Show every row that is not as printed, or every controller."),
     as_json: JsonOption = False,
     folder: OutputOption = None,
 ) -> None:
@@ -22,16 +27,23 @@ def papers(
 
     from clepsydra.cli.output import print_json, results_folder, show, written_files
     from clepsydra.cli.progress import shown_progress
-    from clepsydra.interface.papers import audit
+    from clepsydra.interface.papers import against_limit, audit
 
+    work = against_limit if beside_limit else audit
+    stem, ending = ("against-the-limit", "md") if beside_limit else ("papers", "html")
+    told = (
+        "the controllers of each experiment"
+        if beside_limit
+        else "the reasons and the redrawn figures"
+    )
     place = results_folder(folder, as_json=as_json)
-    files = written_files(place, "papers", page="html")
+    files = written_files(place, stem, page=ending)
     with shown_progress(quiet=as_json) as tell:
-        result = audit(documents or (), workers=os.cpu_count() or 1, progress=tell)
+        result = work(documents or (), workers=os.cpu_count() or 1, progress=tell)
     for page in files.values():
         result.report(page)
     if as_json:
-        print_json([row.as_dict() for row in result.rows])
+        print_json(result.as_list())
         return
     show(result.shown(every=every))
-    typer.echo(f"\nNext: open {files['page']} for the reasons and the redrawn figures.")
+    typer.echo(f"\nNext: open {files['page']} for {told}.")

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import sys
+from typing import TYPE_CHECKING
+
 import typer
 
 from clepsydra.cli.options import JsonOption, OutputOption, all_option
 from clepsydra.cli.verb import verb
+
+if TYPE_CHECKING:
+    from clepsydra.interface.study import Study
 
 #: Of the file of trajectories, unless every run is asked for [bytes].
 LARGEST = 10_000_000
@@ -39,6 +45,12 @@ def study(
         help="Write the trajectories of every controller, not only of the first 10 MB: the "
         "recommended one, and then by rank.",
     ),
+    limit: bool | None = typer.Option(
+        None,
+        "--limit/--no-limit",
+        help="Find what the best possible controller could do, and compare with it: in a terminal "
+        "after the ranking is shown, elsewhere on request.",
+    ),
     seed: int | None = typer.Option(
         None, min=0, help="Seed of noise and tuning; 1, or that of the study file, if left out."
     ),
@@ -58,6 +70,8 @@ def study(
         result = study_of(request, seed=seed, accept=accept, progress=tell, folder=place)
     if not as_json:
         show(result.shown(every=every, why=why, refused=refused))
+    if sys.stdout.isatty() if limit is None else limit:
+        result = _with_limits(result, quiet=as_json)
     saved = 0
     if files:
         result.report(files["report"])
@@ -73,3 +87,20 @@ def study(
         if saved < len(result.ranking):
             left = f"{saved} of {len(result.ranking)} controllers; all of them: --every-run"
             typer.echo(f"Trajectories of {left}")
+
+
+def _with_limits(result: Study, *, quiet: bool) -> Study:
+    """Return a study with its physical limit, shown; as it was where that was interrupted."""
+    from clepsydra.cli.output import show
+    from clepsydra.cli.progress import shown_progress
+
+    try:
+        with shown_progress(quiet=quiet) as tell:
+            result = result.with_limits(tell)
+    except KeyboardInterrupt:
+        typer.echo("Interrupted: the study is whole but for the physical limit.", err=True)
+        return result
+    if not quiet:
+        typer.echo()
+        show(result.beside_limit())
+    return result

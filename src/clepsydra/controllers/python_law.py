@@ -33,7 +33,18 @@ class PythonLaw(StepLaw):
 
     It runs in a loop, sample by sample, and has a linear model by differences. It has no program:
     it is not compiled, exported or run as a batch.
+
+    Parameters
+    ----------
+    aside : tuple of str
+        States that do nothing to the outputs near rest: where a search begins, how unsure an
+        estimate is. The linear model leaves them out.
+    unsolved : str
+        The state that counts the samples in which a search came to no end; empty where none does.
     """
+
+    aside: tuple[str, ...] = ()
+    unsolved: str = ""
 
     def depends(self, result: int, argument: int) -> np.ndarray:
         """Return that each result may depend on all of an argument: no one sees into a function."""
@@ -53,7 +64,8 @@ class PythonLaw(StepLaw):
         """Return ∂x⁺/∂x, ∂x⁺/∂u, ∂y/∂x and ∂y/∂u by central differences.
 
         The way is 1e-5 of the range of a signal, or of its value or 1 where it has none. What is
-        no real number, a mode or a switch, is not moved: its columns are zero.
+        no real number, a mode or a switch, is not moved, nor what stands `aside`: its columns are
+        zero.
         """
         z, n = np.array([*state, *inputs], float), len(state)
 
@@ -63,7 +75,7 @@ class PythonLaw(StepLaw):
 
         slopes = np.zeros((n + len(self.outputs), len(z)))
         for place, signal in enumerate(map(signal_of, (*self.state, *self.inputs))):
-            if signal.kind == "real":
+            if signal.kind == "real" and signal.name not in self.aside:
                 size = signal.span if np.isfinite(signal.span) else max(1.0, abs(z[place]))
                 low, high = z.copy(), z.copy()
                 low[place] -= _SHARE * size

@@ -12,17 +12,13 @@ from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.blocks.matrix import column
 from clepsydra.controllers.blocks.sample import Reading, Sample
-from clepsydra.controllers.blocks.sampled_matrices import (
-    from_upper_triangle,
-    riccati_step,
-    sampled_expressions,
-    upper_triangle,
-)
+from clepsydra.controllers.blocks.sampled_matrices import from_upper_triangle, upper_triangle
 from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step, time_step_of
 from clepsydra.controllers.linear_quadratic_integral import varying_lqi
 from clepsydra.controllers.observers.state_source import ProcessState
 from clepsydra.controllers.process_model import evaluated, models_in
 from clepsydra.linear.process_equations import NEARLY_EMPTY, ProcessEquations
+from clepsydra.program.routines.recomputed_gain import recomputed_gain
 from clepsydra.program.step_law import StepLaw
 
 FAMILY = "recomputed LQI"
@@ -134,27 +130,18 @@ def _recomputed(
     B = ca.diag(1 / sizes) @ B @ ca.diag(moves)
     C = ca.diag(1 / errors) @ C @ ca.diag(sizes)
     weight = ca.diagcat(C.T @ C, ca.SX.eye(m))
-    sampled = sampled_expressions(A, B, weight, time, doublings)
-    of_a_second = sampled.cost * (1 / time)
     sums = ca.diag(time / horizons) @ C
-    held = ca.blockcat([[sampled.held, ca.SX(n, q)], [sums, ca.SX.eye(q)]])
-    moved = ca.vertcat(sampled.moved, ca.SX(q, m))
-    cost = ca.diagcat(of_a_second[:n, :n], ca.SX.eye(q), of_a_second[n:, n:])
-    cost[:n, n + q :] = of_a_second[:n, n:]
-    cost[n + q :, :n] = of_a_second[n:, :n]
     names, words = cost_names(source.equations), "cost to go, in scaled states and errors"
     last = sample.memory(*(Signal(name, description=words, matrix="cost") for name in names))
-    to_go, definite = from_upper_triangle(last, n + q), []
-    for _ in range(steps):
-        step = riccati_step(held, moved, cost, to_go)
-        to_go = ca.triu2symm(ca.triu(step.cost))
-        definite.append(step.definite)
-    gain = ca.diag(moves) @ ca.densify(step.gain)
+    step = recomputed_gain(
+        ca.horzcat(A, B), weight, sums, from_upper_triangle(last, n + q), time, doublings, steps
+    )
+    gain = ca.diag(moves) @ step.gain
     feedback = gain[:, :n] / ca.repmat(sizes.T, m)
     integral = gain[:, n:] / ca.repmat((errors * horizons).T, m)
     found = source.feedback.named(feedback) | source.integral_gain.named(integral)
     found |= zip(names, upper_triangle(step.cost), strict=True)
-    return found, [*definite, *(step.cost[k, k] >= 0 for k in range(n + q))]
+    return found, [step.definite, *(step.cost[k, k] >= 0 for k in range(n + q))]
 
 
 def cost_names(equations: ProcessEquations) -> list[str]:

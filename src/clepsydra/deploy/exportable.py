@@ -18,6 +18,7 @@ from clepsydra.deploy.printing.identifiers import identifier_of
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.tagged import TaggedLaw
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.process.alarm import interlocks
 from clepsydra.process.process import Process
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.program import Program
@@ -104,6 +105,8 @@ def exportable(
     ('quadruple_tank_pi_simc', 'PI, SIMC')
     """
     process = point.process
+    held = {n: v for n, v in interlocks(process.alarms).items() if n in controller.manipulated}
+    settings = replace(settings or PlantShell(), interlock=held)
     shelled = with_plant_shell(controller, process.sampling_period, settings)
     in_si = replace(_at_rest(shelled, point), name=exportable_name(process, controller))
     at_edge = in_shown_units(shelled)

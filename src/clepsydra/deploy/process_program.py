@@ -9,6 +9,7 @@ from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.motion_block import MotionBlock, motion_at_rest
 from clepsydra.loop.process_period import process_period
+from clepsydra.loop.reported_readings import reporting_at
 from clepsydra.loop.step_size import substeps_for
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.entries import with_signal
@@ -53,9 +54,12 @@ def process_program(point: OperatingPoint, substeps: int | None = None) -> Progr
     motion = MotionBlock(process.motion, process.sampling_period, substeps)
     moving = process_period(process, motion, (), shown="end")
     at = point.as_dict()
+    shown = {y.name: at[y.name] for y in process.measurements}
     started = with_defaults(
         without_fused(moving),
-        motion_at_rest(point) | {signal.name: at[signal.name] for signal in moving.inputs},
+        motion_at_rest(point)
+        | reporting_at(process, shown, asked=True, steps=substeps)
+        | {signal.name: at[signal.name] for signal in moving.inputs},
     )
     return replace(
         started,

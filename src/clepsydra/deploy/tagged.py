@@ -14,6 +14,7 @@ from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
 from clepsydra.program.operation import Operation
 from clepsydra.program.program import Call, Program, Statement
+from clepsydra.program.routine import RoutineCall
 
 
 def process_tagging(process: Process) -> Callable[[str], str]:
@@ -135,6 +136,7 @@ def tagged_point(point: OperatingPoint) -> OperatingPoint:
         disturbances=named(process.disturbances),
         measurements=named(process.measurements),
         parameters=named(process.parameters),
+        reporting={tagged(name): each for name, each in process.reporting.items()},
         motion=replace(
             motion,
             contents=named(motion.contents),
@@ -171,7 +173,7 @@ def tagged_program(program: Program, tagged: Callable[[str], str]) -> Program:
         return tagged(name) if "." in name else name
 
     def statement(each: Statement) -> Statement:
-        if isinstance(each, Operation):
+        if isinstance(each, (Operation, RoutineCall)):
             return each
         if isinstance(each, Call):
             called = tagged_program(each.program, tagged)

@@ -27,11 +27,10 @@ from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.at_operating_point import controller_at, numbers_at
 from clepsydra.designs.design import Studied, design
 from clepsydra.designs.designed_values import designed_values
-from clepsydra.designs.kalman import kalman_gain, process_noise
 from clepsydra.designs.loops.control_authority import check_ranges, control_authorities
 from clepsydra.designs.saturation_rate import rates_in_words, saturation_rates
 from clepsydra.designs.slowing_down import note_on_slowing, slow_down
-from clepsydra.designs.states.observed_process import observed_process
+from clepsydra.designs.states.model_observer import model_observer, note_on_observer
 from clepsydra.designs.states.state_controllers import sensitivity_peak
 from clepsydra.designs.virtual_settings import (
     ARGUMENTS,
@@ -307,17 +306,8 @@ def _observer(
             pass
         else:
             return None, None
-    observed = observed_process(model, measurements)
-    noise = process_noise(observed, max(_shortest_times(linearised)))
-    correction = kalman_gain(observed.held, observed.shown, noise).gain
-    names = [signal.name for signal in observed.estimated]
-    # States that act on them away from the operating point only run along uncorrected.
-    names += [name for name in linearised.equations.acting_on(names) if name not in names]
-    uncorrected = np.zeros((len(names) - len(correction), correction.shape[1]))
-    correction = np.vstack([correction, uncorrected])
-    equations = linearised.equations.of_states(names)
-    observer = ModelObserver(equations, observed.measurements, correction != 0.0)
-    return observer, correction
+    horizon = max(_shortest_times(linearised))
+    return model_observer(model, linearised.equations, measurements, horizon)
 
 
 def _rates(
@@ -348,11 +338,7 @@ def _notes(
     sensors = ", ".join(controller.measurements)
     notes = [f"Needs the sensors {sensors}; a fault of any of them holds every output."]
     if observer is not None:
-        names = ", ".join(observer.equations.states)
-        notes.append(
-            f"An observer runs the equations of the process for {names}; its gain holds for a "
-            f"sampling period of {process.sampling_period:g} s and no other."
-        )
+        notes.append(note_on_observer(observer))
     disturbing = (signal.name for signal in process.disturbances)
     loads = [name for name in disturbing if path("model", name) in controller.values]
     if loads:

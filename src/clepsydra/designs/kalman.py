@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +15,7 @@ from clepsydra.designs.states.observed_process import ObservedProcess
 from clepsydra.designs.states.riccati import optimal_regulator
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
+from clepsydra.process.process import Process
 
 #: Standard deviation of the noise of a sensor where the process gives none, a share of its range.
 NOISE_SHARE = 0.005
@@ -153,20 +155,59 @@ def process_noise(observed: ObservedProcess, horizon: float) -> Noise:
         # Noise of an input is held over a sample like the input, so that it is on its way too.
         W[:n, :n] = _accumulated(model.A, by_loads, period)
         W += observed.moved @ np.diag(variances * horizon / period) @ observed.moved.T
-    deviations = np.array(
-        [
-            process.noise.get(name, NOISE_SHARE * process.signal(name).span)
-            for name in observed.measurements
-        ]
-    )
-    if not np.all(np.isfinite(deviations) & (deviations > 0.0)):
-        name = observed.measurements[int(np.argmin(np.isfinite(deviations) & (deviations > 0.0)))]
-        raise NotApplicable(f"{name} has neither noise nor a finite range; give it one")
+    deviations = sensor_noise(process, observed.measurements)
     words = ", ".join(
         f"{name} {in_shown_unit(process.signal(name), value)}"
         for name, value in zip(observed.measurements, deviations, strict=True)
     )
     return Noise(W, np.diag(deviations**2), f"sensor noise {words}")
+
+
+def with_wandering(noise: Noise, variances: np.ndarray, period: float, horizon: float) -> Noise:
+    """Return the noise of a process with integrators behind its states, which wander.
+
+    Parameters
+    ----------
+    variances : ndarray [d]
+        Of how far each has wandered after the horizon.
+    period, horizon : float
+        [s]
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> with_wandering(Noise(one, one, ""), np.array([4.0]), 1.0, 8.0).process.diagonal()
+    array([1. , 0.5])
+    """
+    n, d = len(noise.process), len(variances)
+    W = np.zeros((n + d, n + d))
+    W[:n, :n] = noise.process
+    W[n:, n:] = np.diag(variances * period / horizon)
+    return noise._replace(process=W)
+
+
+def sensor_noise(process: Process, measurements: Sequence[str]) -> np.ndarray:
+    """Return the standard deviations of the noise of sensors [their units].
+
+    Raises
+    ------
+    NotApplicable
+        One has neither noise nor a finite range.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> sensor_noise(cl.load("quadruple-tank").process, ["level_1"]).round(6)  # [V]
+    array([0.05])
+    """
+    found = np.array(
+        [process.noise.get(name, NOISE_SHARE * process.signal(name).span) for name in measurements]
+    )
+    sound = np.isfinite(found) & (found > 0.0)
+    if not np.all(sound):
+        name = measurements[int(np.argmin(sound))]
+        raise NotApplicable(f"{name} has neither noise nor a finite range; give it one")
+    return found
 
 
 def load_steps(model: LinearModel) -> dict[str, float]:

@@ -74,7 +74,7 @@ def design_lqi_extended_kalman(
     ('level_1', 'level_2')
     """
     process = operating_point_of(model).process
-    check_lqi(model, process.motion.delays, "its equations have")
+    check_lqi(model, process.delayed, "its equations have")
     equations = process_equations(model)
     acting = acting_model(model, equations)
     deviations = acceptable_deviations(acting, maximum_errors, maximum_moves)

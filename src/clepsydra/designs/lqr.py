@@ -12,7 +12,12 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.designs.arguments.of_process import MEASUREMENTS
 from clepsydra.designs.arguments.weights import WEIGHTS
 from clepsydra.designs.design import Studied, design
-from clepsydra.designs.kalman import input_variances, kalman_gain, process_noise
+from clepsydra.designs.kalman import (
+    input_variances,
+    kalman_gain,
+    process_noise,
+    with_wandering,
+)
 from clepsydra.designs.loops.control_authority import check_ranges
 from clepsydra.designs.slowing_down import note_on_slowing, slow_down
 from clepsydra.designs.states.bryson_rule import DEVIATIONS, acceptable_deviations
@@ -143,10 +148,7 @@ def _filter(observed: ObservedProcess, horizon: float) -> Estimation:
     """Return the Kalman filter of the states and of a load at each input that wanders."""
     noise = process_noise(observed, horizon)
     whole = with_loads(observed)
-    n, m = observed.moved.shape
-    W = np.zeros((n + m, n + m))
-    W[:n, :n] = noise.process
     # In the horizon a load wanders as far as an input is unsure of itself.
-    W[n:, n:] = np.diag(input_variances(observed) * observed.period / horizon)
-    found = kalman_gain(whole.held, whole.shown, noise._replace(process=W))
+    whole_noise = with_wandering(noise, input_variances(observed), observed.period, horizon)
+    found = kalman_gain(whole.held, whole.shown, whole_noise)
     return Estimation.of(whole, found.gain)

@@ -117,7 +117,7 @@ def design_recomputed_lqi(
     [0.144569, 0.144569]
     """
     process = operating_point_of(model).process
-    check_lqi(model, process.motion.delays, "its equations have")
+    check_lqi(model, process.delayed, "its equations have")
     refuse_feedthrough(model)
     check_independent(model)
     equations = process_equations(model)

@@ -22,6 +22,7 @@ from clepsydra.engine.vector_code import KERNEL, KernelForm, vector_code
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.inlined import inlined
 from clepsydra.program.program import Block, Conditional, ForLoop, Program
+from clepsydra.program.routine import RoutineCall
 
 Array = NDArray[np.float64]
 
@@ -228,17 +229,23 @@ def _computed(block: Block, turns: int) -> int:
             found += count * _computed(statement.body, turns)
         elif isinstance(statement, Conditional):
             found += _computed(statement.body, turns)
+        elif isinstance(statement, RoutineCall):
+            found += sum(1 for _ in statement.routine.computed())
         else:
             found += 1
     return found
 
 
 def _always_computed(block: Block) -> int:
-    return sum(
-        _always_computed(statement.body) if isinstance(statement, ForLoop) else 1
-        for statement in block.statements
-        if not isinstance(statement, Conditional)
-    )
+    found = 0
+    for statement in block.statements:
+        if isinstance(statement, ForLoop):
+            found += _always_computed(statement.body)
+        elif isinstance(statement, RoutineCall):
+            found += sum(1 for _ in statement.routine.operations())
+        elif not isinstance(statement, Conditional):
+            found += 1
+    return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from clepsydra.engine.vector_parts import PartsPrinter, is_large
+from clepsydra.engine.vector_parts import PartsPrinter, stands_in_parts
 from clepsydra.engine.vector_rings import RingPrinter
 from clepsydra.engine.vector_statements import StatementPrinter
 from clepsydra.engine.vector_text import VectorText
@@ -59,7 +59,7 @@ def vector_code(program: Program, form: KernelForm) -> str:
     Statements that read only parameters and constants stand outside the time loop. A large
     program is printed as many functions, so that compiling takes time in proportion to its size.
     """
-    printer = _PartedKernelPrinter if is_large(program) else _KernelPrinter
+    printer = _PartedKernelPrinter if stands_in_parts(program) else _KernelPrinter
     return printer(program, form).code()
 
 

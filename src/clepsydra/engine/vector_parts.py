@@ -25,6 +25,7 @@ from clepsydra.program.program import (
     read_by,
     written_by,
 )
+from clepsydra.program.routine import RoutineCall
 
 #: Operations that one function may have: below, it compiles in less than half a second.
 LARGEST_WHOLE = 4000
@@ -32,16 +33,26 @@ LARGEST_WHOLE = 4000
 LARGEST_PART = 1000
 
 
-def is_large(program: Program) -> bool:
-    """Whether a program is printed in parts.
+def stands_in_parts(program: Program) -> bool:
+    """Whether a program is printed in parts, which have memory: it is long, or has arrays.
 
     Examples
     --------
     >>> from clepsydra.program.program import Block
-    >>> is_large(Program("nothing", (), (), (), (), Block(0, (), ())))
+    >>> stands_in_parts(Program("nothing", (), (), (), (), Block(0, (), ())))
     False
     """
+    if _has_arrays(program.block):
+        return True
     return sum(1 for _ in program.block.operations()) > LARGEST_WHOLE
+
+
+def _has_arrays(block: Block) -> bool:
+    return any(
+        isinstance(each, RoutineCall)
+        or (isinstance(each, (ForLoop, Conditional)) and _has_arrays(each.body))
+        for each in block.statements
+    )
 
 
 class _PartText(VectorText):
@@ -97,7 +108,9 @@ class PartsPrinter:
         self._workspace = workspace
         self._fuse = fuse
         self._rings = rings
-        self._printer = StatementPrinter(text, block, {}, fuse=fuse, rings=rings)
+        self._printer = StatementPrinter(
+            text, block, {}, fuse=fuse, rings=rings, workspace=workspace
+        )
         absorbed = map(self._printer.product_in, block.statements)
         self._dropped = {value for value in absorbed if value is not None} | set(constants)
 

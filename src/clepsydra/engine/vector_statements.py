@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from clepsydra.engine.elementary_functions import elementary_function
 from clepsydra.engine.vector_rings import RingPrinter
+from clepsydra.engine.vector_routines import RoutinePrinter
 from clepsydra.engine.vector_text import VectorText
 from clepsydra.engine.vector_turns import TurnPrinter
+from clepsydra.engine.workspace import Workspace
 from clepsydra.program.operation import LIBRARY, TO_SINGLE, Operation
 from clepsydra.program.program import Block, Conditional, ForLoop, Statement, read_by
+from clepsydra.program.routine import RoutineCall
 
 _ARITHMETIC = {"add": "fadd", "subtract": "fsub", "multiply": "fmul", "divide": "fdiv"}
 _COMPARE = {"less": "olt", "less_equal": "ole", "equal": "oeq", "not_equal": "une"}
@@ -25,11 +28,13 @@ class StatementPrinter:
         *,
         fuse: bool,
         rings: RingPrinter,
+        workspace: Workspace | None = None,
     ) -> None:
         self.text = text
         self.values = values
         self.fuse = fuse
         self.rings = rings
+        self.workspace = workspace
         self.products = _single_products(block) if fuse else {}
 
     def statement(self, statement: Statement) -> None:
@@ -38,6 +43,10 @@ class StatementPrinter:
             self._loop(statement)
         elif isinstance(statement, Conditional):
             self._conditional(statement)
+        elif isinstance(statement, RoutineCall):
+            assert self.workspace is not None
+            routines = RoutinePrinter(self.text, self.workspace, self._body)
+            self.values.update(routines.call(statement, self.values))
         elif isinstance(statement, Operation):
             self.values[statement.target] = self._operation(statement)
         else:
@@ -46,7 +55,9 @@ class StatementPrinter:
     def _body(self, body: Block, arguments: list[str]) -> list[str]:
         """Print the statements of a body and return the names of its results."""
         inner = dict(enumerate(arguments))
-        printer = StatementPrinter(self.text, body, inner, fuse=self.fuse, rings=self.rings)
+        printer = StatementPrinter(
+            self.text, body, inner, fuse=self.fuse, rings=self.rings, workspace=self.workspace
+        )
         for statement in body.statements:
             printer.statement(statement)
         return [inner[result] for result in body.results]

@@ -13,6 +13,7 @@ from clepsydra.linear.equilibrium import NoEquilibrium, find_equilibrium
 from clepsydra.loop.motion_block import MotionBlock, motion_from
 from clepsydra.loop.open_loop_plan import plan_simulation
 from clepsydra.loop.process_period import process_period
+from clepsydra.loop.reported_readings import reporting_at
 from clepsydra.process.process import Process
 
 
@@ -66,7 +67,7 @@ class ProcessBatch:
         first = np.array([given[0] for given in self.given.values()])
         inputs, disturbances = np.split(first, [len(process.inputs)])
         begins = [
-            motion_from(process.motion, x, inputs, disturbances, p)
+            {**motion_from(process.motion, x, inputs, disturbances, p), **self._reporting(x, p)}
             for x, p in zip(start.T, values.T, strict=True)
         ]
         count = self.samples if samples is None else samples
@@ -78,6 +79,12 @@ class ProcessBatch:
             threads=1,
         )
         return np.stack([result.output(s.name) for s in process.measurements], axis=1)
+
+    def _reporting(self, x: np.ndarray, p: np.ndarray) -> dict[str, float]:
+        """Return what the sensors have still to tell: as if they had read the same for ever."""
+        read = np.array(self.process.measure(x, p)).ravel()
+        names = (y.name for y in self.process.measurements)
+        return reporting_at(self.process, dict(zip(names, read.tolist(), strict=True)))
 
     @cached_property
     def _kernel(self) -> Kernel:

@@ -118,6 +118,13 @@ def schema_of_studies() -> dict[str, Any]:
     return study_schema()
 
 
+def schema_of_lessons() -> dict[str, Any]:
+    """Return the JSON Schema of lesson files, for editors."""
+    from clepsydra.laboratory.lessons.schema import lesson_schema
+
+    return lesson_schema()
+
+
 def schema_of_processes() -> dict[str, Any]:
     """Return the JSON Schema of process files, for editors."""
     from clepsydra.process.schema import process_schema

@@ -115,6 +115,15 @@ def glover_mcfarlane(
 ) -> Controller:
     """Design the most robust controller of a loop that a pre-compensator has shaped."""
 
+def inverse(
+    plant: Subject,
+    *,
+    measurements: Sequence[str] | None = ...,
+    maximum_errors: Mapping[str, Quantity] | None = ...,
+    observer_time: Quantity | None = ...,
+) -> Controller:
+    """Design the one-step inverse of a process, with an observer of what its model lacks."""
+
 def lambda_(
     plant: Subject,
     pairing: Pairing | None = ...,
@@ -170,6 +179,27 @@ def lqr(
     maximum_moves: Mapping[str, Quantity] | None = ...,
 ) -> Controller:
     """Design a linear-quadratic regulator with a precompensator for the setpoints."""
+
+def mpc(
+    plant: Subject,
+    *,
+    measurements: Sequence[str] | None = ...,
+    maximum_errors: Mapping[str, Quantity] | None = ...,
+    maximum_moves: Mapping[str, Quantity] | None = ...,
+    horizon: Quantity | None = ...,
+    moves: int = ...,
+) -> Controller:
+    """Design model predictive control with a linear model."""
+
+def nonlinear_mpc(
+    plant: Subject,
+    *,
+    horizon: Quantity | None = ...,
+    maximum_errors: Mapping[str, Quantity] | None = ...,
+    maximum_moves: Mapping[str, Quantity] | None = ...,
+    move_weight: Quantity = ...,
+) -> Controller:
+    """Design nonlinear model predictive control: in every sample it looks for the best inputs."""
 
 def own(
     plant: Subject,

@@ -144,6 +144,10 @@ def export(
         delivery = Delivery(own, plant.point, partial(_scenario, scenario, plant), shell)
         what = f"{own.title} on {plant.process.title}"
         found = [target.controller(delivery, options) for target, options in targets]
+        if plant.process.alarms:
+            from clepsydra.deploy.exported_alarms import with_alarms
+
+            found = with_alarms(found, targets, delivery)
     else:
         what = plant.process.title
         found = [_of_process(target, options, plant) for target, options in targets]

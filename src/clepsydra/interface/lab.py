@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,12 +15,41 @@ if TYPE_CHECKING:
     from clepsydra.laboratory.rig import Rig
 
 
+class Laboratory(os.PathLike[str]):
+    """The page of a laboratory, which a notebook shows.
+
+    Parameters
+    ----------
+    path : Path
+        Of its file.
+    title : str
+    """
+
+    def __init__(self, path: Path, title: str) -> None:
+        self.path, self.title = path, title
+
+    def __fspath__(self) -> str:
+        """Return the path of its file."""
+        return str(self.path)
+
+    def __repr__(self) -> str:
+        return f"Laboratory({str(self.path)!r})"
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: the page, in which the rig runs."""
+        from clepsydra.report.page import framed
+
+        return framed(self.path.read_text(encoding="utf-8"), self.title, saves=True)
+
+
 @keywords_checked()
 def lab(
     plant: Subject,
     controllers: AnyController | Sequence[AnyController],
     path: str | Path | None = None,
-) -> Path:
+    *,
+    regulators: str | Path | Sequence[str | Path] = (),
+) -> Laboratory:
     """Write a page in which a process under its controllers is moved by hand.
 
     It is one file that works without a network: the drawing of the process lives, each loop has a
@@ -33,17 +63,21 @@ def lab(
         The first has the rig when the page opens.
     path : str or Path, optional
         NAME-lab.html, after the process, if left out.
+    regulators : str or Path, or sequence of them
+        MAT files that the page brings along: it asks for units and sign of each before it is
+        switched on. A regulator whose units are known is one of the controllers.
 
     Returns
     -------
-    Path
-        Of the page.
+    Laboratory
+        Its `path`; as the result of a cell it is the page itself.
 
     Raises
     ------
     InputError
-        There is no controller, it is none of this plant, or a function in Python; or the script
-        of the page was not built with this installation.
+        There is no controller, it is none of this plant, or a function in Python; a file of a
+        regulator is none, or has more states than a page has room for; or the script of the page
+        was not built with this installation.
 
     Examples
     --------
@@ -56,18 +90,32 @@ def lab(
     ...         page = lab(plant, [cl.design.simc(plant)], f"{folder}/tanks.html")
     """
     from clepsydra.laboratory.page import lab_text
+    from clepsydra.laboratory.regulator_files import regulator_files
     from clepsydra.report.page import write_page
 
     rig = rig_of(plant, controllers)
     target = Path(f"{rig.process.file_stem}-lab.html") if path is None else Path(path)
-    write_page(lab_text(rig), target)
-    return target
+    files = [regulators] if isinstance(regulators, (str, Path)) else regulators
+    write_page(lab_text(rig, files=regulator_files(files)), target)
+    return Laboratory(target, f"Laboratory of {rig.process.title}")
 
 
-def rig_of(plant: Subject, controllers: AnyController | Sequence[AnyController]) -> Rig:
-    """Return a plant under its controllers, as a laboratory and its sessions have it."""
+def rig_of(
+    plant: Subject,
+    controllers: AnyController | Sequence[AnyController],
+    page: str | Path | None = None,
+) -> Rig:
+    """Return a plant under its controllers, as a laboratory and its sessions have it.
+
+    Parameters
+    ----------
+    page : str or Path, optional
+        A page of them, of which their numbers are.
+    """
+    from clepsydra.laboratory.page_file import numbers_of_page
     from clepsydra.laboratory.rig import Rig
 
     own = plant_of(plant)
     given = controllers if isinstance(controllers, Sequence) else (controllers,)
-    return Rig(own.linear, [of_plant(each, own) for each in given])
+    numbers = {} if page is None else numbers_of_page(page)
+    return Rig(own.linear, [of_plant(each, own) for each in given], numbers)

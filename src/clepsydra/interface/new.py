@@ -1,4 +1,4 @@
-"""`cl.new_process` and `cl.new_study`: a commented file to begin with."""
+"""`cl.new_process`, `cl.new_study` and `cl.new_lesson`: a commented file to begin with."""
 
 from __future__ import annotations
 
@@ -84,12 +84,49 @@ def new_study(name: str, process: str = STUDIED, *, folder: str | Path = ".") ->
     ...     new_study("compare", "three-tanks", folder=here).name
     'compare.toml'
     """
+    name, path = _free_path(name, folder)  # before the process is analysed
+    _write(path, name, _study(process))
+    return path
+
+
+def new_lesson(name: str, *, folder: str | Path = ".") -> Path:
+    """Write a commented lesson file, a laboratory with tasks.
+
+    Parameters
+    ----------
+    name : str
+        Of the lesson; the file is NAME.toml.
+    folder : str or Path
+
+    Returns
+    -------
+    Path
+        Of the file.
+
+    Raises
+    ------
+    InputError
+        As `new_process`.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as here:
+    ...     new_lesson("first-steps", folder=here).name
+    'first-steps.toml'
+    """
+    name, path = _free_path(name, folder)
+    _write(path, name, _template("new_lesson"))
+    return path
+
+
+def _free_path(name: str, folder: str | Path) -> tuple[str, Path]:
+    """Return a name without the ending of its file, and that file, which is not there yet."""
     name = name.removesuffix(".toml")
     check_process_name(name, "name")
     path = Path(folder, f"{name}.toml")
-    _check_free(path, name)  # before the process is analysed
-    _write(path, name, _study(process))
-    return path
+    _check_free(path, name)
+    return name, path
 
 
 def _check_free(path: Path, name: str) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from clepsydra.interface.shown import Answered, lifted
+from clepsydra.papers import against_limit as beside
 from clepsydra.papers import audit as inner
 
 if TYPE_CHECKING:
@@ -53,3 +54,46 @@ def audit(
         A document is unknown.
     """
     return lifted(Audit, inner.audit(documents, workers=workers, progress=progress))
+
+
+class AgainstLimit(Answered, beside.AgainstLimit):
+    """The documents' controllers and ours against the physical limit: `outcomes`."""
+
+    def answer(self, *, every: bool = False) -> Section:
+        """Return how near they come, and on request the table of each experiment."""
+        from clepsydra.papers.limit_page import limit_answer
+
+        return limit_answer(self, every=every)
+
+    def report(self, path: str | Path) -> None:
+        """Write a page in Markdown with the table of each experiment."""
+        from clepsydra.papers.limit_page import page_text
+        from clepsydra.report.page import write_page
+
+        write_page(page_text(self), path)
+
+
+def against_limit(
+    documents: Sequence[str] = (),
+    *,
+    workers: int = 1,
+    progress: Callable[[beside.ContestProgress], None] | None = None,
+) -> AgainstLimit:
+    """Run the controllers of five published documents, and ours, beside the best input there is.
+
+    Parameters
+    ----------
+    documents : sequence of str
+        Keys of documents; all if left out.
+    workers : int
+        Processes at once.
+    progress : callable, optional
+        Takes how far it is.
+
+    Raises
+    ------
+    InputError
+        A document is unknown.
+    """
+    found = beside.against_limit(documents, workers=workers, progress=progress)
+    return lifted(AgainstLimit, found)

@@ -23,6 +23,7 @@ from clepsydra.process.reader import load_process
 
 if TYPE_CHECKING:
     from clepsydra.base.signal import Signal
+    from clepsydra.linear.equilibrium_request import Asked
     from clepsydra.linear.linear_model import LinearModel
     from clepsydra.linear.operating_point import OperatingPoint
 
@@ -55,9 +56,18 @@ class Plant(Answered):
     ) -> None:
         require_type(process, Process, "plant", "a process", 'write cl.load("quadruple-tank")')
         self.process = process
-        self._inputs = self._read("inputs", inputs, process.inputs)
-        self._outputs = self._read("outputs", outputs, process.measurements)
-        self._disturbances = self._read("disturbances", disturbances, process.disturbances)
+        self.asked: Asked = {
+            "inputs": self._read("inputs", inputs, process.inputs),
+            "outputs": self._read("outputs", outputs, process.measurements),
+            "disturbances": self._read("disturbances", disturbances, process.disturbances),
+        }
+
+    @classmethod
+    def resting(cls, process: Process, asked: Asked) -> Plant:
+        """Return a process at the operating point that values in SI fix."""
+        plant = cls(process)
+        plant.asked = asked
+        return plant
 
     @keywords_checked('write as in plant.at(outputs={"level_1": "4 V"})')
     def at(
@@ -113,10 +123,7 @@ class Plant(Answered):
             replace(each, initial=found.get(each.name, each.initial))
             for each in self.process.parameters
         )
-        plant = Plant(replace(self.process, parameters=changed))
-        plant._inputs, plant._outputs = self._inputs, self._outputs
-        plant._disturbances = self._disturbances
-        return plant
+        return Plant.resting(replace(self.process, parameters=changed), self.asked)
 
     def equilibrium(self) -> OperatingPoint:
         """Return the operating point alone, without an analysis.
@@ -126,12 +133,12 @@ class Plant(Answered):
         NoEquilibrium
             It never rests as asked.
         """
-        return find_equilibrium(self.process, self._inputs, self._outputs, self._disturbances)
+        return find_equilibrium(self.process, **self.asked)
 
     @cached_property
     def analysis(self) -> Analysis:
         """What the linear model says about it, as `cl.analyse` returns it."""
-        found = analyse(self.process, self._inputs, self._outputs, self._disturbances)
+        found = analyse(self.process, **self.asked)
         return lifted(Analysis, found)
 
     @property
@@ -142,8 +149,7 @@ class Plant(Answered):
     @property
     def asked_for(self) -> OperatingPoint | None:
         """The operating point where one was asked for; None for that of the process file."""
-        asked = (self._inputs, self._outputs, self._disturbances)
-        return None if all(each is None for each in asked) else self.point
+        return None if all(each is None for each in self.asked.values()) else self.point
 
     @property
     def linear(self) -> LinearModel:

@@ -6,9 +6,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from clepsydra.base.errors import InputError
 from clepsydra.base.keywords import keywords_checked
 from clepsydra.interface.controller import AnyController
 from clepsydra.interface.lab import rig_of
+from clepsydra.interface.lesson import is_lesson, rig_of_lesson
 from clepsydra.interface.shown import Answered, lifted
 from clepsydra.interface.subject import Subject
 from clepsydra.laboratory import replay as inner
@@ -31,8 +33,9 @@ class Replayed(Answered, inner.Replayed):
 @keywords_checked()
 def replay(
     session: str | Path,
-    plant: Subject,
-    controllers: AnyController | Sequence[AnyController],
+    plant: Subject | None = None,
+    controllers: AnyController | Sequence[AnyController] | None = None,
+    page: str | Path | None = None,
 ) -> Replayed:
     """Run a session again that was saved in a laboratory.
 
@@ -40,9 +43,14 @@ def replay(
     ----------
     session : str or Path
         The file.
-    plant : Plant, str or Path
-    controllers : Controller, or sequence of Controller
-        Those with which the page was written.
+    plant : Plant, str or Path, optional
+        What the page was written for; the lesson or the process that the session names if left
+        out. The name or path of a lesson brings its controllers.
+    controllers : Controller, or sequence of Controller, optional
+        Those with which the page was written, unless they are those of a lesson.
+    page : str or Path, optional
+        The page itself: its numbers count then. A controller that was tuned may differ in its last
+        digits where it is tuned again on another machine, and its session would be refused.
 
     Returns
     -------
@@ -55,5 +63,15 @@ def replay(
         The file is no session, of another version, process or controllers, or damaged; the
         message says where.
     """
-    rig = rig_of(plant, controllers)
-    return lifted(Replayed, inner.replayed(rig, read_session(session), str(session)))
+    found = read_session(session)
+    wanted = found.process if plant is None else plant
+    if isinstance(wanted, (str, Path)) and is_lesson(wanted):
+        rig = rig_of_lesson(wanted, page)
+    elif controllers is None:
+        raise InputError(
+            "replay, controllers", None, f"{', '.join(found.controllers)}, as the session has them",
+            "give the controllers with which the page was written",
+        )  # fmt: skip
+    else:
+        rig = rig_of(wanted, controllers, page)
+    return lifted(Replayed, inner.replayed(rig, found, str(session)))

@@ -16,6 +16,7 @@ from clepsydra.base.words import time_text
 from clepsydra.interface.scores import Scores
 from clepsydra.interface.shown import Answered
 from clepsydra.loop import run as inner
+from clepsydra.loop.alarm_times import AlarmTimes, alarm_times, alarms_as_dict
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.studies.trial import scores_of
 
@@ -66,15 +67,22 @@ class Run(_Drawn, inner.Run):
         """Every score of the run by its name, "iae[level_1]"; printed with units and words."""
         return Scores(scores_of(self), self.process, self.scenario.duration)
 
+    @cached_property
+    def alarms(self) -> tuple[AlarmTimes, ...]:
+        """The alarms of the process: when each was there, how often, and for how long."""
+        return alarm_times(self)
+
     def answer(self, *, every: bool = False) -> Section:
         """Return what was simulated, and the scores that say most, or every score."""
+        from clepsydra.report.alarm_tables import alarms_of_run
+
         said = "; ".join(self._happened())
         head = (
             f"{self.controller.title} on {self.process.name}, {time_text(self.scenario.duration)}"
         )
         happened = (Line(f"{said}."),) if said else ()
         scores = self.scores.answer() if every else self.scores.short()
-        return Section(head, (*self._begins(), *happened, *scores.parts))
+        return Section(head, (*self._begins(), *happened, *scores.parts, *alarms_of_run(self)))
 
     def as_dict(self) -> dict[str, Any]:
         """Return what was simulated and what came of it as values for JSON, in SI."""
@@ -92,6 +100,7 @@ class Run(_Drawn, inner.Run):
             "substeps": self.substeps,
             "error_estimate": self.error_estimate,
             "final_state": dict(self.final_state),
+            **alarms_as_dict(self),
         }
 
     def _begins(self) -> tuple[Line, ...]:
@@ -163,6 +172,11 @@ class OpenLoopRun(_Drawn, Simulation):
 
     plan: Plan = field(kw_only=True)
 
+    @cached_property
+    def alarms(self) -> tuple[AlarmTimes, ...]:
+        """The alarms of the process: when each was there, how often, and for how long."""
+        return alarm_times(self)
+
     def to_xarray(self) -> xarray.Dataset:
         """Return a dataset over time [s]; each variable carries its unit and description."""
         return inner.dataset(self.signals, self.values, self.time, {"process": self.process.name})
@@ -206,4 +220,5 @@ class OpenLoopRun(_Drawn, Simulation):
             "substeps": self.substeps,
             "error_estimate": self.error_estimate,
             "warnings": list(plan.point.warnings),
+            **alarms_as_dict(self),
         }

@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from clepsydra.base.arguments import is_finite_number, sequence_of
+from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.files import require_writable
 from clepsydra.base.keywords import keywords_checked
 from clepsydra.base.section import Section
-from clepsydra.controllers import controller as inner
-from clepsydra.interface.controller import AnyController, Controller, of_plant
+from clepsydra.interface.controller import AnyController, Controller
 from clepsydra.interface.plant import Plant
-from clepsydra.interface.scenario import scenario_of
-from clepsydra.interface.shown import Answered, Told, lifted, screen
-from clepsydra.interface.subject import Subject, plant_of, read_subject
-from clepsydra.loop.step_size import substeps_for
+from clepsydra.interface.shown import Answered, Page, Told, lifted, screen
+from clepsydra.interface.study_request import asked_of
+from clepsydra.interface.subject import Subject
 from clepsydra.studies import result as results
-from clepsydra.studies.file.request import ControllerRequest, Maker, StudyRequest
+from clepsydra.studies.file.request import StudyRequest
 from clepsydra.studies.ranking import verdict
 from clepsydra.studies.recommendation import recommend
 from clepsydra.studies.study import StudyProgress, controller_names, run_study
@@ -34,6 +32,7 @@ if TYPE_CHECKING:
     from clepsydra.interface.quantities import Quantity
     from clepsydra.interface.run import Run
     from clepsydra.interface.tuned import Tuned
+    from clepsydra.limits.limits import LimitProgress
 
 
 class Candidate(Told, results.Candidate):
@@ -125,6 +124,24 @@ class Study(Answered, results.StudyResult):
         recommended = None if advice is None else advice.simplest.controller.name
         return {**super().as_dict(), "recommended": recommended, "accept": self.accept}
 
+    def with_limits(self, progress: Callable[[LimitProgress], None] | None = None) -> Study:
+        """Return the study with the physical limit of its setpoint steps, see `cl.limit`.
+
+        The ranking, the report and `as_dict` then say how many times it each controller is.
+        """
+        from clepsydra.studies.kept_limits import limits_of_study
+
+        return replace(self, limits=limits_of_study(self, progress))
+
+    def beside_limit(self) -> Page:
+        """Return how far the first controllers are from the limit, to print."""
+        from clepsydra.report.limit_answer import beside_limit
+        from clepsydra.report.ranking_rows import RANKED
+
+        advice = recommend(self.ranking, self.accept)
+        advised = None if advice is None else advice.simplest
+        return Page(beside_limit(self, advised, RANKED))
+
     def report(self, path: str | Path) -> None:
         """Write the study as one HTML file."""
         from clepsydra.report.html import report_text
@@ -200,6 +217,8 @@ def study(
     *,
     duration: Quantity | None = None,
     seed: int | None = None,
+    cases: Mapping[str, Plant] | None = None,
+    designed_anew: Sequence[str] = (),
     only: str | None = None,
     accept: float = results.ACCEPTED,
     folder: str | Path | None = None,
@@ -218,8 +237,13 @@ def study(
         The scenario, as for `cl.simulate`; the default scenario if left out.
     seed : int, optional
         Of noise and tuning; 1, or that of the study file, if left out.
+    cases : mapping, optional
+        Other operating points and variants at which the same steps are taken: a name to a plant,
+        `{"low": plant.at(outputs={"level": "20 %"})}`. The worst case of each controller counts.
+    designed_anew : sequence of str
+        The cases for which the controllers are designed; in the others they keep their settings.
     only : str, optional
-        The name of the one design that is wanted, "PI, SIMC".
+        The name of the one design that is wanted, "PI, SIMC"; it is tried without cases.
     accept : float
         The simplest controller whose relative error is at most this is recommended.
     folder : str or Path, optional
@@ -254,28 +278,11 @@ def study(
     kept = None if folder is None else Path(folder)
     if kept is not None:
         require_writable(kept, "study, folder")
-    if isinstance(plant, (str, Path)):
-        plant = read_subject(plant, seed)
-    if isinstance(plant, StudyRequest):
-        _check_alone(controllers, events, duration)
-        found = run_study(plant, progress=progress, tuning_folder=kept, only=only)
-        return _of_plant(found, Plant(plant.process), accept, named=bool(plant.controllers))
-    plant = plant_of(plant)
-    substeps_for(plant.linear)  # a process that cannot be simulated is refused before all else
-    scenario = scenario_of(plant, events, duration, 1 if seed is None else seed)
-    given = None if controllers is None else _given(controllers, plant)
-    request = StudyRequest(
-        path=None,
-        title=plant.process.title,
-        process=plant.process,
-        analysis=plant.analysis,
-        scenario=scenario,
-        controllers=given or (),
-        scores=(),
-        seed=1 if seed is None else seed,
-    )
+    asked = asked_of(plant, controllers, events, duration, seed, cases, designed_anew)
+    request = asked.request
     found = run_study(request, progress=progress, tuning_folder=kept, only=only)
-    return _of_plant(found, plant, accept, named=given is not None)
+    plants = {each.name: Plant.resting(each.study.process, each.asked) for each in request.cases}
+    return _of_plant(found, asked.plant, accept, plants, named=bool(request.controllers))
 
 
 def so_far(progress: StudyProgress) -> RenderableType:
@@ -317,60 +324,49 @@ def names_of(subject: Plant | StudyRequest) -> tuple[str, ...]:
     return controller_names(subject.process if isinstance(subject, Plant) else subject)
 
 
-def _check_alone(controllers: object, events: object, duration: object) -> None:
-    for name, value in (("controllers", controllers), ("events", events), ("duration", duration)):
-        if value is not None:
-            raise InputError(
-                f"study, {name}", "given beside a study file", f"no {name}: the file names them",
-                "leave them out, or give the plant instead of the file",
-            )  # fmt: skip
-
-
-def _given(controllers: object, plant: Plant) -> tuple[ControllerRequest, ...]:
-    """Return controllers as a study file asks for them, each by a name of its own."""
-    chosen = sequence_of(
-        controllers, (inner.Controller, results.TriedController), "study, controllers",
-        "a list of controllers", "write as in [cl.design.simc(plant)]",
-    )  # fmt: skip
-    if not chosen:
-        raise InputError(
-            "study, controllers", "none", "at least one controller",
-            "leave the list out for every design that applies",
-        )  # fmt: skip
-    own: list[Controller] = []
-    for each in chosen:
-        made, number = of_plant(each, plant), 1
-        name = made.name
-        while name in [other.name for other in own]:
-            number += 1
-            name = f"{made.name}, {number}"
-        own.append(made.named(name))
-    return tuple(ControllerRequest(each.name, _made(each), None) for each in own)
-
-
-def _made(controller: inner.Controller) -> Maker:
-    """Return what makes a controller that is there already."""
-    return lambda analysis, model: controller
-
-
-def _of_plant(found: results.StudyResult, plant: Plant, accept: float, *, named: bool) -> Study:
+def _of_plant(
+    found: results.StudyResult,
+    plant: Plant,
+    accept: float,
+    plants: Mapping[str, Plant],
+    *,
+    named: bool,
+) -> Study:
+    """Return what was found with the classes of the interface, and so its cases."""
     # A first row needs none of these, nor what they load.
     from clepsydra.interface.run import Run
     from clepsydra.interface.scores import Scores
     from clepsydra.interface.tuned import Tuned
     from clepsydra.studies.single_precision import told_of_single_precision
 
-    ranking = tuple(
-        lifted(
+    cases = {
+        name: _of_plant(each, plants[name], accept, {}, named=named)
+        for name, each in found.cases.items()
+    }
+    there = {
+        (name, each.controller.name): each for name, case in cases.items() for each in case.ranking
+    }
+
+    def candidate(each: results.Candidate) -> Candidate:
+        cases_of = {
+            name: there.get((name, each.controller.name)) if name in cases else case
+            for name, case in each.cases.items()
+        }
+        own = each.controller  # which rests at this plant, whatever it was made for
+        if not (isinstance(own, Controller) and own.plant is plant):
+            own = lifted(Controller, own, plant=plant)
+        return lifted(
             Candidate,
             each,
-            controller=of_plant(each.controller, plant),
+            controller=own,
             run=lifted(Run, each.run),
             tuning=each.tuning and lifted(Tuned, each.tuning),
             scores=Scores(each.scores, plant.process, each.run.scenario.duration),
+            cases=cases_of,
         )
-        for each in told_of_single_precision(found.ranking, found.model, accept)
-    )
+
+    told = told_of_single_precision(found.ranking, found.model, accept)
+    ranking = tuple(map(candidate, told))
     said = verdict(plant.process, ranking, accept, found.out_of_reach)
     how = {"ranking": ranking, "plant": plant, "accept": accept, "verdict": said, "named": named}
-    return lifted(Study, found, **how)
+    return lifted(Study, found, **how, cases=cases)

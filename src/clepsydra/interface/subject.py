@@ -6,6 +6,7 @@ from pathlib import Path
 
 from clepsydra.base.arguments import require_type
 from clepsydra.interface.plant import Plant, load
+from clepsydra.process.drawn import numbered as numbered
 from clepsydra.studies.file.kind import is_study_file
 from clepsydra.studies.file.request import StudyRequest as StudyRequest
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.keywords import keywords_checked
+from clepsydra.deploy.exported_alarms import alarm_items
 from clepsydra.deploy.proof import row as inner_proof
 from clepsydra.deploy.proof.item import controller_item, process_item_of
 from clepsydra.deploy.proof.proof import ProofProgress, prove
@@ -123,7 +124,7 @@ def verify(
         for each in (given if several else [given])
     ]
     found = prove(
-        [*items, process_item_of(plant.point)],
+        [*items, *alarm_items(plant.point), process_item_of(plant.point)],
         scans=scans,
         seed=seed,
         to=chosen,

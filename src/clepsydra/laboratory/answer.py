@@ -5,6 +5,7 @@ from __future__ import annotations
 from clepsydra.base.section import Line, Mark, Section, Table
 from clepsydra.base.words import time_text
 from clepsydra.laboratory.replay import Replayed
+from clepsydra.report.alarm_tables import alarms_of_run
 from clepsydra.report.quantities import number_text, quantity_text
 from clepsydra.scores.score import SCORES
 from clepsydra.scores.score_key import ScoreKey, by_signal
@@ -32,4 +33,4 @@ def session_answer(found: Replayed) -> Section:
         Table("Where it ends", ("state", "value"), levels),
         Table("Scores, in SI units", ("score", "what it is", "value"), scores),
     )
-    return Section("Session", (Line(words, Mark.ANSWER), *tables))
+    return Section("Session", (Line(words, Mark.ANSWER), *tables, *alarms_of_run(found)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from typing import Any
 
 from clepsydra import __version__
@@ -10,36 +11,56 @@ from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import unit_text
 from clepsydra.engine.trajectories import rings_and_turns
 from clepsydra.engine.white_noise import stream_of
+from clepsydra.laboratory.alarms_data import alarms_data
+from clepsydra.laboratory.drawings import drawn
+from clepsydra.laboratory.flows import flows_data
+from clepsydra.laboratory.laws_data import laws_data
+from clepsydra.laboratory.lessons.lesson import Lesson
+from clepsydra.laboratory.lessons.lesson_data import lesson_data
+from clepsydra.laboratory.limits import output_limits
 from clepsydra.laboratory.rig import STARTS, Rig, Station
+from clepsydra.laboratory.setups import Setup, setups, setups_of
+from clepsydra.loop.rims import open_rims
 from clepsydra.report.drawing.control_functions import control_functions
 from clepsydra.report.live.modules import Modules
-from clepsydra.report.quantities import display_factor
+from clepsydra.report.quantities import display_factor, flow_unit
 
 #: Of what stands here, and of a session; another one is refused.
-FORM = 1
+FORM = 2
 #: Of the noise.
 SEED = 1
 
 
-def page_data(rig: Rig) -> dict[str, Any]:
+def page_data(rig: Rig, lesson: Lesson | None = None, *, answers: bool = False) -> dict[str, Any]:
     """Return all that the page needs beside its drawings.
+
+    Parameters
+    ----------
+    lesson : Lesson, optional
+        That the rig is of.
+    answers : bool
+        Whether the page is the lecturer's.
 
     Examples
     --------
     >>> import clepsydra as cl
     >>> plant = cl.load("quadruple-tank")
     >>> data = page_data(Rig(plant.linear, [cl.design.simc(plant)]))
-    >>> [loop["moves"] for loop in data["controllers"][0]["loops"]], len(data["modules"])
-    ([['pump_1'], ['pump_2']], 1)
+    >>> [loop["moves"] for loop in data["controllers"][0]["loops"]]
+    [['pump_1'], ['pump_2']]
     """
     process, modules = rig.process, Modules()
-    controllers = [_controller(station, modules) for station in rig.stations]
+    measured = {signal.name for signal in process.measurements}
+    controllers = [
+        {**_controller(station, modules), "drawing": number}
+        for station, number in zip(rig.stations, drawn(rig)[1], strict=True)
+    ]
     return {
         "form": FORM,
         "version": __version__,
         "digest": rig.digest,
-        "process": process.address,
-        "name": process.file_stem,
+        "process": process.address if lesson is None else lesson.address,
+        "name": process.file_stem if lesson is None else lesson.file_stem,
         "period": process.sampling_period,
         "signals": [
             _shown(signal)
@@ -47,17 +68,47 @@ def page_data(rig: Rig) -> dict[str, Any]:
             for signal in group
         ],
         "controlled": list(process.controlled),
+        "measurements": [signal.name for signal in process.measurements],
         "inputs": [signal.name for signal in process.inputs],
-        "disturbances": [signal.name for signal in process.disturbances],
+        "disturbances": [signal.name for signal in rig.point.process.disturbances],
+        "parameters": [
+            {**_shown(signal), "value": signal.initial} for signal in process.parameters
+        ],
+        "setups": [asdict(setup) for setup in _setups(rig, lesson)],
+        "lesson": None if lesson is None else lesson_data(lesson, answers=answers),
+        "tanks": [asdict(tank) for tank in rig.tanks],
         "seed": SEED,
         "noises": [
-            {"input": path(name, "noise"), "stream": stream_of(name), "deviation": deviation}
+            {
+                "input": path(name, "noise") if name in measured else name,
+                "stream": stream_of(name),
+                "deviation": deviation,
+            }
             for name, deviation in rig.noises.items()
         ],
         "spills": _spills(rig),
+        "levels": list(process.levels),
+        "events": [
+            {"count": each.counted, "words": each.words, "isHarm": bool(each.harm)}
+            for each in process.motion.events
+        ],
+        "alarms": alarms_data(process),
+        "flows": flows_data(
+            # What hands pour is counted as the plant counts.
+            rig.stations[0].loop.point,
+            flow_unit(rig.point.process),
+            modules,
+        ),
         "controllers": controllers,
+        "laws": laws_data(rig.model, rig.controllers, rig.free, modules),
         "modules": modules.held,
     }
+
+
+def _setups(rig: Rig, lesson: Lesson | None) -> list[Setup]:
+    if lesson is None:
+        return setups(rig.point.process)
+    return setups_of([(name, title, "", way) for name, (title, way) in lesson.ways.items()])
 
 
 def _shown(signal: Signal) -> dict[str, Any]:
@@ -73,17 +124,19 @@ def _shown(signal: Signal) -> dict[str, Any]:
 
 
 def _controller(station: Station, modules: Modules) -> dict[str, Any]:
-    program, controller = station.program, station.controller
+    program, controller, own = station.program, station.controller, station.numbers
     rings, of_process = rings_and_turns(program), set(station.process_rings)
     return {
         "name": controller.name,
         "title": controller.title,
         "module": modules.add(program),
-        "inputs": [[signal.name, station.at_rest[signal.name]] for signal in program.inputs],
+        "inputs": [[signal.name, own.at_rest[signal.name]] for signal in program.inputs],
         "outputs": [signal.name for signal in program.outputs],
-        "parameters": list(station.parameters.values()),
+        "states": list(own.starts["rest"].state),
+        "parameters": list(own.parameters.items()),
         "rings": [
             {
+                "name": ring.name,
                 "initial": 0.0,
                 "length": ring.length,
                 "turns": turns,
@@ -94,16 +147,21 @@ def _controller(station: Station, modules: Modules) -> dict[str, Any]:
         "moving": station.moving,
         "starts": {
             start: {
-                "state": list(station.starts[start].state.values()),
+                "state": list(own.starts[start].state.values()),
                 "rings": [
                     value
                     for ring, _ in rings
-                    for value in station.starts[start].rings[ring.name].tolist()
+                    for value in own.starts[start].rings[ring.name].tolist()
                 ],
             }
             for start in STARTS
         },
+        "cold": {
+            "state": list(own.cold.state.values()),
+            "rings": [value for ring in own.cold.rings.values() for value in ring.tolist()],
+        },
         "loops": _loops(station),
+        "limits": output_limits(controller),
     }
 
 
@@ -127,13 +185,15 @@ def _loops(station: Station) -> list[dict[str, Any]]:
 
 
 def _spills(rig: Rig) -> list[dict[str, Any]]:
-    totals = {signal.name: signal for signal in rig.process.motion.totals}
+    process = rig.process
+    totals = {signal.name: signal for signal in process.motion.totals}
+    spilling = {tank: totals[total] for tank, total in process.spilt.items()} | open_rims(process)
     return [
         {
             "tank": tank,
-            "total": total,
-            "factor": display_factor(totals[total]),
-            "unit": unit_text(totals[total].shown_unit),
+            "total": total.name,
+            "factor": display_factor(total),
+            "unit": unit_text(total.shown_unit),
         }
-        for tank, total in rig.process.spilt.items()
+        for tank, total in spilling.items()
     ]

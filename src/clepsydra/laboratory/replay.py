@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import groupby, pairwise
 from typing import Any
 
 import numpy as np
 
 from clepsydra.base.arguments import require_known
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import path
-from clepsydra.controllers.blocks.status import Mode
-from clepsydra.engine.kernel import Kernel
-from clepsydra.engine.white_noise import stream_of, white_noise
-from clepsydra.laboratory.rig import Rig, Standing, Station
-from clepsydra.laboratory.session import Session, Touch
-from clepsydra.loop.closed_loop import loop_inputs, true_name
+from clepsydra.laboratory.input_columns import input_columns
+from clepsydra.laboratory.player import Player, Stretch
+from clepsydra.laboratory.rig import Rig
+from clepsydra.laboratory.session import Session
+from clepsydra.laboratory.touch import (
+    DriftTouch,
+    InputTouch,
+    ParameterTouch,
+    SettingTouch,
+    TakeoverTouch,
+    Touch,
+)
+from clepsydra.loop.alarm_times import alarms_as_dict
+from clepsydra.loop.closed_loop import true_name
 from clepsydra.process.process import Process
 from clepsydra.scores.evaluate import score_run
 from clepsydra.scores.scored_run import ScoredRun
@@ -47,6 +54,16 @@ class Replayed:
     levels: dict[str, float]
     scores: dict[str, float]
 
+    @property
+    def samples(self) -> int:
+        """How many sampling periods it lasts."""
+        return self.session.samples
+
+    @property
+    def time(self) -> np.ndarray:
+        """Start of each sample [s]."""
+        return self.process.sampling_period * np.arange(self.samples, dtype=np.float64)
+
     def as_dict(self) -> dict[str, Any]:
         """Return where it ended and its scores as values for JSON, in SI."""
         return {
@@ -55,6 +72,7 @@ class Replayed:
             "samples": self.session.samples,
             "levels": self.levels,
             "scores": self.scores,
+            **alarms_as_dict(self),
         }
 
 
@@ -76,87 +94,120 @@ def replayed(rig: Rig, session: Session, place: str) -> Replayed:
         raise InputError(
             f"{place}, digest", session.digest,
             f"{rig.digest}, that of {rig.process.name} under {', '.join(names)}",
-            "give the process file and the controllers that the page was written with",
+            "give the process file and the controllers that the page was written with; if one of "
+            "them was tuned on another machine, give the page too, --page FILE.html",
         )  # fmt: skip
-    known = [signal.name for signal in loop_inputs(rig.process)]
     for number, touch in enumerate(session.touches):
-        where = f"{place}, touches[{number}]"
-        if touch.controller:
-            require_known(f"{where}.controller", touch.controller, names)
-        elif touch.input:
-            require_known(f"{where}.input", touch.input, known)
+        _check(touch, rig, f"{place}, touches[{number}]")
     return _Replay(rig, session).run()
 
 
+def _check(touch: Touch, rig: Rig, place: str) -> None:
+    """Refuse a touch of what the rig does not have."""
+    stations = {station.controller.name: station for station in rig.stations}
+    match touch:
+        case InputTouch():
+            require_known(f"{place}.input", touch.input, list(rig.inputs))
+        case ParameterTouch():
+            known = [signal.name for signal in rig.process.parameters]
+            for name in touch.values:
+                require_known(f"{place}.parameters", name, known)
+        case SettingTouch():
+            require_known(f"{place}.of", touch.controller, list(stations))
+            for name in touch.values:
+                known = stations[touch.controller].settings
+                require_known(f"{place}.settings", name, known)
+        case TakeoverTouch():
+            require_known(f"{place}.controller", touch.controller, list(stations))
+        case DriftTouch():
+            known = [signal.name for signal in rig.process.measurements]
+            require_known(f"{place}.drift", touch.measurement, known)
+
+
 class _Replay:
-    """The hands on a rig, sample by sample, between two takeovers at once."""
+    """The hands on a rig, from one touch that changes who moves it, or what, to the next."""
 
     def __init__(self, rig: Rig, session: Session) -> None:
         self.rig, self.session = rig, session
-        self.stations = {station.controller.name: station for station in rig.stations}
-        self.kernels = {
-            name: Kernel(station.program, fuse=False) for name, station in self.stations.items()
+        self.players = {
+            station.controller.name: Player(station, session.start) for station in rig.stations
         }
-        self.standing = {
-            name: station.starts[session.start] for name, station in self.stations.items()
-        }
-        self.inputs = _columns(rig, session)
+        self.leading = rig.stations[0].controller.name
+        self.inputs = input_columns(rig, session)
+        self.parameters: dict[str, float] = {}
+        self.stretches: list[Stretch] = []
 
     def run(self) -> Replayed:
-        leading = self.rig.stations[0].controller.name
-        parts: list[dict[str, np.ndarray]] = []
-        chosen = [touch for touch in self.session.touches if touch.controller]
-        cuts = [Touch(0, controller=leading), *chosen]
-        ends = [*(touch.sample for touch in cuts), self.session.samples]
-        for touch, (first, last) in zip(cuts, pairwise(ends), strict=True):
-            self._take_over(leading, touch.controller)
-            leading = touch.controller
-            if last > first:
-                parts.append(self._part(leading, first, last))
+        changes = [
+            touch
+            for touch in self.session.touches
+            if isinstance(touch, ParameterTouch | SettingTouch | TakeoverTouch)
+        ]
+        by_sample = {
+            # A controller takes over with the numbers that it gets in the same sample.
+            sample: sorted(each, key=lambda touch: isinstance(touch, TakeoverTouch))
+            for sample, each in groupby(changes, lambda touch: touch.sample)
+        }
+        cuts = sorted({0, *by_sample, self.session.samples})
+        parts = []
+        for first, last in pairwise(cuts):
+            for touch in by_sample.get(first, ()):
+                self._change(touch)
+            parts.append(self._part(first, last))
         values = {
             name: np.concatenate([part[name] for part in parts])
             for name in parts[0]
             if all(name in part for part in parts)
         }
-        state = self.standing[leading].state
+        state = self.players[self.leading].standing.state
         return Replayed(
-            self.rig.process, self.session, values, state,
-            _levels(self.stations[leading], state), self._scores(values),
+            self.rig.process, self.session, values, state, self._levels(state),
+            self._scores(values),
         )  # fmt: skip
 
-    def _take_over(self, before: str, after: str) -> None:
-        """Let a controller stand where another one has moved the process."""
-        old, new, station = self.standing[before], self.standing[after], self.stations[after]
-        own = [entry.name for entry in station.program.state[: station.moving]]
-        rings = {name: old.rings[name] for name in station.process_rings}
-        self.standing[after] = Standing(
-            {**new.state, **{name: old.state[name] for name in own}}, {**new.rings, **rings}
-        )
+    def _change(self, touch: Touch) -> None:
+        match touch:
+            case ParameterTouch():
+                self.parameters = {**self.parameters, **touch.values}
+            case SettingTouch():
+                player = self.players[touch.controller]
+                # Up to here it has followed with those that it had.
+                player.follow(self.stretches)
+                player.settings = {**player.settings, **touch.values}
+            case TakeoverTouch():
+                player, before = self.players[touch.controller], self.players[self.leading]
+                if player is not before:
+                    player.follow(self.stretches)
+                    player.take_process(before.standing)
+                if touch.start == "settled":
+                    player.settle(self._now(touch.sample), self.parameters)
+                if touch.start == "zero":
+                    player.forget()
+                self.leading = touch.controller
 
-    def _part(self, leading: str, first: int, last: int) -> dict[str, np.ndarray]:
+    def _now(self, sample: int) -> dict[str, float]:
+        """Return the inputs of a sample, manual values where the process had them before it."""
+        now = {name: float(column[sample]) for name, column in self.inputs.items()}
+        last = self.stretches[-1].moved if self.stretches else {}
+        return now | {f"{name}.manual": float(column[-1]) for name, column in last.items()}
+
+    def _part(self, first: int, last: int) -> dict[str, np.ndarray]:
         given = {name: column[first:last] for name, column in self.inputs.items()}
-        recorded = self._run(leading, given, last - first)
-        by_hand = {}
-        for u in self.rig.process.inputs:
-            by_hand[f"{u.name}.mode"] = np.full(last - first, float(Mode.MANUAL))
-            by_hand[f"{u.name}.manual"] = recorded[u.name]
-        for name in self.stations:
-            if name != leading:
-                self._run(name, given | by_hand, last - first)
+        recorded = self.players[self.leading].lead(given, self.parameters, last - first)
+        moved = {u.name: recorded[u.name] for u in self.rig.process.inputs}
+        self.stretches.append(Stretch(last - first, given, moved, self.parameters))
+        self.players[self.leading].done = len(self.stretches)
         setpoints = {f"{y}.setpoint": given[f"{y}.setpoint"] for y in self.rig.process.controlled}
         return recorded | setpoints
 
-    def _run(self, name: str, given: dict[str, np.ndarray], samples: int) -> dict[str, np.ndarray]:
-        station, stood = self.stations[name], self.standing[name]
-        result = self.kernels[name].run(
-            samples, inputs={**station.at_rest, **given}, parameters=station.parameters,
-            state=stood.state, rings=stood.rings,
-        )  # fmt: skip
-        final = zip(stood.state, result.final_state[:, 0].tolist(), strict=True)
-        rings = {ring: content[0] for ring, content in result.rings().items()}
-        self.standing[name] = Standing(dict(final), {n: rings[n] for n in stood.rings})
-        rows = np.ascontiguousarray(result.record_of(0).T)
-        return dict(zip((each.name for each in station.program.outputs), rows, strict=True))
+    def _levels(self, state: dict[str, float]) -> dict[str, float]:
+        process = self.rig.process
+        values = process.parameter_values.copy()
+        for place, parameter in enumerate(process.parameters):
+            values[place] = self.parameters.get(parameter.name, values[place])
+        contents = [state[signal.name] for signal in process.motion.contents]
+        found = np.array(process.motion.to_state(contents, values)).ravel()
+        return dict(zip((x.name for x in process.state), found.tolist(), strict=True))
 
     def _scores(self, values: dict[str, np.ndarray]) -> dict[str, float]:
         process = self.rig.process
@@ -169,43 +220,3 @@ class _Replay:
             {y.name: values[true_name(y)] for y in controlled}, inputs, limits,
         )  # fmt: skip
         return score_run(run)
-
-
-def _columns(rig: Rig, session: Session) -> dict[str, np.ndarray]:
-    """Return the inputs of a rig as hands set them by name [samples]."""
-    own = [signal.name for signal in loop_inputs(rig.process)]
-    at_rest = rig.stations[0].at_rest
-    given = {name: [(0, at_rest[name])] for name in own}
-    for touch in session.touches:
-        if touch.input:
-            given[touch.input].append((touch.sample, touch.value))
-    columns = {}
-    for name, changes in given.items():
-        samples, values = zip(*changes, strict=True)
-        held = np.diff([*samples, session.samples])
-        columns[name] = np.repeat(np.array(values), held)
-    return columns | _noises(rig, session)
-
-
-def _noises(rig: Rig, session: Session) -> dict[str, np.ndarray]:
-    """Return the noise of each sensor [samples]: none where it is switched off."""
-    noisy = np.zeros(session.samples, bool)
-    for touch in session.touches:
-        if touch.noise is not None:
-            noisy[touch.sample :] = touch.noise
-    return {
-        path(name, "noise"): np.where(
-            noisy,
-            deviation * white_noise(session.seed, stream_of(name), 0, session.samples),
-            0.0,
-        )
-        for name, deviation in rig.noises.items()
-        if noisy.any()
-    }
-
-
-def _levels(station: Station, state: dict[str, float]) -> dict[str, float]:
-    process = station.loop.process
-    contents = [state[signal.name] for signal in process.motion.contents]
-    found = np.array(process.motion.to_state(contents, process.parameter_values)).ravel()
-    return dict(zip((x.name for x in process.state), found.tolist(), strict=True))

@@ -8,44 +8,22 @@ from pathlib import Path
 from typing import Any
 
 from clepsydra import __version__
-from clepsydra.base.arguments import is_finite_number
 from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.input_file import read_input
+from clepsydra.engine.philox import WORD
+from clepsydra.laboratory.fields import AGAIN, WHAT, Fields
 from clepsydra.laboratory.page_data import FORM
 from clepsydra.laboratory.rig import STARTS, Start
+from clepsydra.laboratory.touch import Touch, touch_of
 
 #: Of a file: some hundred thousand touches [bytes].
 LARGEST = 20_000_000
 #: Four months at a sample a second.
 MOST_SAMPLES = 10_000_000
+#: Of what a reader calls a controller.
+LONGEST_TITLE = 300
 #: What a page counts exactly.
-MOST_SEED = 2**32 - 1
-_WHAT = "a session that a laboratory saved"
-_AGAIN = "save it once more from the laboratory"
-
-
-@dataclass(frozen=True)
-class Touch:
-    """A hand on the rig before a sample: an input set, another controller chosen, or noise.
-
-    Parameters
-    ----------
-    sample : int
-    input : str
-        Empty where something else is done.
-    value : float
-        Of the input [SI].
-    controller : str
-        The name of the one that is chosen; else empty.
-    noise : bool or None
-        Whether the sensors are noisy from then on; None where something else is done.
-    """
-
-    sample: int
-    input: str = ""
-    value: float = 0.0
-    controller: str = ""
-    noise: bool | None = None
+MOST_SEED = WORD
 
 
 @dataclass(frozen=True)
@@ -66,6 +44,8 @@ class Session:
         Of the noise.
     touches : tuple of Touch
         In the order of their samples.
+    titles : dict
+        Controller to what its reader called it, as by the file that was loaded.
     """
 
     process: str
@@ -75,6 +55,7 @@ class Session:
     samples: int
     seed: int
     touches: tuple[Touch, ...]
+    titles: dict[str, str]
 
 
 def read_session(path: str | Path) -> Session:
@@ -86,16 +67,16 @@ def read_session(path: str | Path) -> Session:
         It is no such file, or something in it is missing or wrong.
     """
     place = str(path)
-    content = read_input(Path(path), _WHAT, LARGEST)
+    content = read_input(Path(path), WHAT, LARGEST)
     try:
         found = json.loads(content)
     except UnicodeDecodeError:
-        raise InputError(place, Finding("no text in UTF-8"), _WHAT, _AGAIN) from None
+        raise InputError(place, Finding("no text in UTF-8"), WHAT, AGAIN) from None
     except json.JSONDecodeError as error:
         where = f"{place}, line {error.lineno}, column {error.colno}"
-        raise InputError(where, Finding("no JSON"), _WHAT, _AGAIN) from None
+        raise InputError(where, Finding("no JSON"), WHAT, AGAIN) from None
     except RecursionError:
-        raise InputError(place, Finding("too many brackets"), _WHAT, _AGAIN) from None
+        raise InputError(place, Finding("too many brackets"), WHAT, AGAIN) from None
     return session_of(found, place)
 
 
@@ -109,13 +90,13 @@ def session_of(found: Any, place: str) -> Session:
 
     Examples
     --------
-    >>> session_of({"form": 1, "version": "0.0.1"}, "session.json")
+    >>> session_of({"form": 2, "version": "0.0.1"}, "session.json")
     Traceback (most recent call last):
         ...
     clepsydra.base.errors.InputError: session.json, version: got '0.0.1', expected the version of \
 this installation, '0.1.0'; run it with Clepsydra 0.0.1, or make the page once more.
     """
-    fields = _Fields(found, place)
+    fields = Fields(found, place)
     form = fields.take("form", int, "a number")
     if form != FORM:
         raise InputError(
@@ -130,25 +111,25 @@ this installation, '0.1.0'; run it with Clepsydra 0.0.1, or make the page once m
         )  # fmt: skip
     start = fields.take("start", str, "where it begins")
     if start not in STARTS:
-        raise InputError(f"{place}, start", start, f"one of {', '.join(STARTS)}", _AGAIN)
+        raise InputError(f"{place}, start", start, f"one of {', '.join(STARTS)}", AGAIN)
     names = fields.take("controllers", list, "the names of its controllers")
     if not names or not all(isinstance(each, str) for each in names):
-        raise InputError(f"{place}, controllers", names, "names", _AGAIN)
+        raise InputError(f"{place}, controllers", names, "names", AGAIN)
     samples = fields.take("samples", int, "how many samples it has")
     if not 1 <= samples <= MOST_SAMPLES:
         expected = f"a whole number from 1 to {MOST_SAMPLES}"
-        raise InputError(f"{place}, samples", samples, expected, _AGAIN)
+        raise InputError(f"{place}, samples", samples, expected, AGAIN)
     seed = fields.take("seed", int, "the seed of its noise")
     if not 0 <= seed <= MOST_SEED:
         expected = f"a whole number from 0 to {MOST_SEED}"
-        raise InputError(f"{place}, seed", seed, expected, _AGAIN)
+        raise InputError(f"{place}, seed", seed, expected, AGAIN)
     touches, last = [], 0
     for number, each in enumerate(fields.take("touches", list, "what was done")):
-        touch = _touch(each, f"{place}, touches[{number}]")
+        touch = touch_of(each, f"{place}, touches[{number}]")
         if not last <= touch.sample < samples:
             raise InputError(
                 f"{place}, touches[{number}].sample", touch.sample,
-                f"a sample from {last}, that of the touch before, to {samples - 1}", _AGAIN,
+                f"a sample from {last}, that of the touch before, to {samples - 1}", AGAIN,
             )  # fmt: skip
         last = touch.sample
         touches.append(touch)
@@ -160,37 +141,16 @@ this installation, '0.1.0'; run it with Clepsydra 0.0.1, or make the page once m
         samples,
         seed,
         tuple(touches),
+        _titles(fields),
     )
 
 
-def _touch(found: Any, place: str) -> Touch:
-    fields = _Fields(found, place)
-    sample = fields.take("sample", int, "the sample before which it was")
-    if "controller" in fields.found:
-        return Touch(sample, controller=fields.take("controller", str, "a controller"))
-    if "noise" in fields.found:
-        return Touch(sample, noise=fields.take("noise", bool, "true or false"))
-    name = fields.take("input", str, "what was set")
-    value = fields.found.get("value")
-    if value is None or not is_finite_number(value):
-        raise InputError(f"{place}.value", value, "a finite number, in SI", _AGAIN)
-    return Touch(sample, name, float(value))
-
-
-class _Fields:
-    """An object of JSON whose fields are taken one by one."""
-
-    def __init__(self, found: Any, place: str) -> None:
-        if not isinstance(found, dict):
-            raise InputError(place, Finding("no object"), _WHAT, _AGAIN)
-        self.found, self.place = found, place
-
-    def take(self, name: str, kind: type, words: str) -> Any:
-        """Return a field of a type; refuse one that is missing or of another."""
-        where = f"{self.place}, {name}"
-        if name not in self.found:
-            raise InputError(where, Finding("nothing"), words, _AGAIN)
-        value = self.found[name]
-        if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
-            raise InputError(where, value, words, _AGAIN)
-        return value
+def _titles(fields: Fields) -> dict[str, str]:
+    if "titles" not in fields.found:
+        return {}
+    titles: dict[str, Any] = fields.take("titles", dict, "texts by controller")
+    for name, title in titles.items():
+        if not isinstance(title, str) or len(title) > LONGEST_TITLE:
+            expected = f"a text of up to {LONGEST_TITLE} letters"
+            raise InputError(f"{fields.place}, titles.{name[:30]}", title, expected, AGAIN)
+    return titles

@@ -25,6 +25,7 @@ from clepsydra.linear.directionality import Directionality, directionality, few_
 from clepsydra.linear.directions import ZeroDirection, blocking_zeros
 from clepsydra.linear.equilibrium import find_equilibria
 from clepsydra.linear.equilibrium_request import Given
+from clepsydra.linear.late_outputs import words_on_late_readings
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
@@ -204,6 +205,7 @@ def analyse(
             *words_on_poles(roots.zeros_of, roots.poles, roots.time_constants),
             *words_on_speed(model, roots.poles, process.sampling_period),
             *words_on_interaction(model, relative, pairs, index),
+            *words_on_late_readings(process),
             *words_on_dead_time(model, late, roots.note),
             *words_on_zeros(roots.zeros_of, roots.zeros, _rationally_minimum(roots)),
             *words_on_zero_directions(model, blocking_zeros(model)),

@@ -85,7 +85,7 @@ def find_equilibrium(
     ----------
     inputs : mapping, optional
         Manipulated input to its value, SI; without `outputs`, an input that is not named keeps
-        its nominal value.
+        its nominal value, where the process has no nominal outputs.
     outputs : mapping, optional
         Measurement to the value asked for [its SI unit], as many as there are inputs not given.
     disturbances : mapping, optional
@@ -194,8 +194,20 @@ def inputs_beyond_at(
 
 
 def _warnings_at(point: OperatingPoint) -> list[Remark]:
-    """Return what leaves no room for control there."""
-    return [*warnings_of_sensors(point.process, point.measurements), *warnings_of_inputs(point)]
+    """Return what leaves no room for control there, and what elements say of it."""
+    return [
+        *warnings_of_sensors(point.process, point.measurements),
+        *warnings_of_inputs(point),
+        *warnings_of_elements(point),
+    ]
+
+
+def warnings_of_elements(point: OperatingPoint) -> list[Remark]:
+    """Return what each element finds unusual about itself at an operating point."""
+    process = point.process
+    values = {s.name: s.initial for s in (*process.parameters, *process.motion.memories)}
+    values |= point.as_dict()
+    return [remark for element in process.elements for remark in element.remarks(values)]
 
 
 def _rounded(values: np.ndarray) -> np.ndarray:

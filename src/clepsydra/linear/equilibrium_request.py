@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
 from clepsydra.process.process import Process
@@ -16,6 +16,8 @@ from clepsydra.process.signal_values import beyond_range
 
 #: Values of signals by their names [SI].
 Given = Mapping[str, float] | None
+#: What fixes an operating point: "inputs", "outputs" and "disturbances" to what is given of each.
+Asked = Mapping[str, Given]
 
 
 @dataclass(frozen=True)
@@ -55,8 +57,9 @@ def read_request(
     Raises
     ------
     InputError
-        A name is unknown, a value is not a finite number or outside the signal's range, or the
-        number of outputs is not that of the free inputs.
+        A name is unknown, a value is not a finite number or outside the signal's range, the
+        number of outputs is not that of the free inputs, or inputs are left out where the process
+        has nominal outputs.
 
     Examples
     --------
@@ -70,6 +73,8 @@ def read_request(
     asked = _checked(process.measurements, outputs or {}, "outputs", "a measurement")
     forced = _checked(process.disturbances, disturbances or {}, "disturbances", "a disturbance")
     free = [i for i, signal in enumerate(process.inputs) if signal.name not in given]
+    if free and not asked and process.nominal_outputs:
+        _refuse_missing(process, free)
     if not asked:
         free = []
     elif len(asked) != len(free):
@@ -92,6 +97,17 @@ def _refuse_number(
         expected = f"exactly {len(free)} outputs, one for each manipulated input ({names})"
         remedy = "name as many outputs as there are inputs to be found"
     raise InputError("operating point, outputs", ", ".join(asked), expected, remedy)
+
+
+def _refuse_missing(process: Process, free: list[int]) -> None:
+    """Refuse to rest where inputs are left out, of which the process file does not say a value."""
+    names = [process.inputs[place].name for place in free]
+    expected = (
+        f"a value of every input, since the file of {process.name} gives measurements at rest "
+        f"({', '.join(process.nominal_outputs)}) and no inputs"
+    )
+    remedy = f"give {' and '.join(names)} too, or measurements in place of inputs"
+    raise InputError("operating point, inputs", Finding(f"no {', '.join(names)}"), expected, remedy)
 
 
 def _checked(

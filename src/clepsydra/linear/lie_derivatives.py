@@ -38,16 +38,6 @@ class InputAffineEquations(ProcessEquations):
     drift: ca.SX
     fields: ca.SX
 
-    def acting_on(self, names: Sequence[str]) -> list[str]:
-        """Return some states, and those that act on them, at once or through further ones."""
-        found = list(names)
-        for name in found:
-            rate = self.rates[self.states.index(name)]
-            for place, other in enumerate(self.states):
-                if other not in found and ca.depends_on(rate, self.state[place]):
-                    found.append(other)
-        return found
-
 
 def input_affine_equations(model: LinearModel) -> InputAffineEquations:
     """Return the equations of a process, solved for how its inputs act.
@@ -86,11 +76,11 @@ or leave all but one of them alone.
     """
     point = operating_point_of(model)
     process = point.process
-    if process.motion.delays:
-        got = ", ".join(delay.name for delay in process.motion.delays)
+    if process.delayed:
+        got = ", ".join(process.delayed)
         expected = "a process without dead time: no feedback undoes what comes later"
         remedy = "control it by a method that holds for dead time"
-        raise NotLinearisable(f"{process.name}, transport delays", got, expected, remedy)
+        raise NotLinearisable(f"{process.name}, {process.what_delays}", got, expected, remedy)
     whole = process_equations(model, every_state=True)
     drift, fields = _solved(whole.rates, whole.moved, point, model.inputs)
     return InputAffineEquations(**vars(whole), drift=drift, fields=fields)

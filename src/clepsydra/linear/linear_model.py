@@ -257,7 +257,21 @@ class LinearModel:
             kind: tuple(getattr(self, kind)[place] for place in places)
             for kind, places in chosen.items()
         }
-        return self.with_matrix(self.matrix[np.ix_(rows, columns)], self.times, **names)
+        part = self.with_matrix(self.matrix[np.ix_(rows, columns)], self.times, **names)
+        return part if part.delays is None else part._without_hidden(self.delays)
+
+    def _without_hidden(self, before: InternalDelays | None) -> LinearModel:
+        """Return the model without delayed signals that only outputs showed which are gone."""
+        late, at = self.delays, self.ports
+        if late is None or before is None:
+            return self
+        shown = before.to_outputs.any(axis=0) & ~late.to_outputs.any(axis=0)
+        kept = np.flatnonzero(~shown | late.to_states.any(axis=0) | late.through.any(axis=0))
+        if len(kept) == len(late.times):
+            return self
+        rows = [*range(at.w.start), *(at.w.start + i for i in kept)]
+        columns = [*range(at.z.start), *(at.z.start + i for i in kept)]
+        return self.with_matrix(self.matrix[np.ix_(rows, columns)], late.times[kept])
 
     def to_control(self) -> control.StateSpace:
         """Return python-control's continuous state space with the same names.

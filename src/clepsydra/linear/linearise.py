@@ -11,6 +11,7 @@ import numpy as np
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.linear.balance import unbalanced
+from clepsydra.linear.late_outputs import reading_ages, with_late_outputs
 from clepsydra.linear.linear_model import InternalDelays, LinearModel, Ports
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
@@ -98,6 +99,8 @@ class Derivatives:
 def linearise(point: OperatingPoint) -> LinearModel:
     """Return A = ∂f/∂x, B = ∂f/∂u, E = ∂f/∂d and C = ∂h/∂x at the point, D = 0; delays stay exact.
 
+    What a sensor tells late is a delayed output, see `clepsydra.linear.late_outputs`.
+
     The derivatives are exact (algorithmic differentiation), not differences. The model has all
     inputs, disturbances and measurements; `LinearModel.select` takes some of them.
 
@@ -159,7 +162,8 @@ def _linearised(point: OperatingPoint) -> LinearModel:
         tuple(signal.name for signal in group) for group in groups
     )
     D = np.zeros((len(C), B.shape[1]))
-    return LinearModel(A, B, E, C, D, states, inputs, disturbances, outputs, point, delays)
+    model = LinearModel(A, B, E, C, D, states, inputs, disturbances, outputs, point, delays)
+    return with_late_outputs(model, reading_ages(process))
 
 
 def _without_rounding(point: OperatingPoint, *by_cause: np.ndarray) -> list[np.ndarray]:

@@ -93,6 +93,16 @@ class ProcessEquations:
         shown = process.measure(state, ca.vertcat(*(symbols[p.name] for p in process.parameters)))
         return shown[[signal.name for signal in process.measurements].index(measurement)]
 
+    def acting_on(self, names: Sequence[str]) -> list[str]:
+        """Return some states, and those that act on them, at once or through further ones."""
+        found = list(names)
+        for name in found:
+            rate = self.rates[self.states.index(name)]
+            for place, other in enumerate(self.states):
+                if other not in found and ca.depends_on(rate, self.state[place]):
+                    found.append(other)
+        return found
+
     def of_states(self, names: Sequence[str]) -> ProcessEquations:
         """Return the equations of some of the states; the others stand at the operating point.
 
@@ -177,11 +187,10 @@ def process_equations(model: LinearModel, *, every_state: bool = False) -> Proce
     """
     point = operating_point_of(model)
     process, at = point.process, point.as_dict()
-    if process.motion.delays:
-        got = ", ".join(delay.name for delay in process.motion.delays)
-        expected = "a process without dead time"
+    if process.delayed:
+        got, expected = ", ".join(process.delayed), "a process without dead time"
         remedy = "control it by a method that holds for dead time"
-        raise InputError(f"{process.name}, transport delays", got, expected, remedy)
+        raise InputError(f"{process.name}, {process.what_delays}", got, expected, remedy)
     alone = [signal for signal in process.inputs if signal.name not in model.inputs]
     held = [(signal, at[signal.name]) for signal in (*process.disturbances, *alone)]
     held += [(parameter, parameter.initial) for parameter in process.parameters]

@@ -110,7 +110,7 @@ def relative_degree(model: LinearModel) -> VectorRelativeDegree:
         degrees,
         tuple(derivatives),
         decoupling,
-        _elimination_order(equations.at(decoupling), model),
+        elimination_order(equations.at(decoupling), model),
     )
 
 
@@ -150,8 +150,14 @@ def linear_relative_degrees(model: LinearModel) -> tuple[int, ...]:
     return tuple(found)
 
 
-def _elimination_order(matrix: np.ndarray, model: LinearModel) -> tuple[tuple[int, int], ...]:
-    """Return rows and columns in the order of complete pivoting; refuse a singular matrix."""
+def elimination_order(matrix: np.ndarray, model: LinearModel) -> tuple[tuple[int, int], ...]:
+    """Return rows and columns in the order of complete pivoting.
+
+    Raises
+    ------
+    NotLinearisable
+        The matrix is singular, as near as matters.
+    """
     process = operating_point_of(model).process
     spans = np.array([process.signal(name).span for name in model.inputs])
     left = matrix * np.where(np.isfinite(spans), spans, 1.0)

@@ -11,6 +11,9 @@ from clepsydra.linear.minimal_realisation import minimal_realisation
 from clepsydra.linear.poles import integrators
 from clepsydra.linear.response import evaluate_transfer
 
+#: What is left of effects that balance, as a share of their sum, is rounding.
+_ROUNDING = 1e-13
+
 
 def static_gain(model: LinearModel) -> np.ndarray:
     """Return G(0) = D - C A⁻¹ B, with infinite entries where the model integrates.
@@ -38,7 +41,10 @@ def static_gain(model: LinearModel) -> np.ndarray:
     model = same_at_the_origin(model)
     size = fastest_rate(model.A)
     if not integrators(model.A):
-        return np.asarray(model.D - model.C @ np.linalg.solve(model.A, model.B))
+        gain = model.D - model.C @ np.linalg.solve(model.A, model.B)
+        effects = np.abs(model.C) @ np.abs(np.linalg.inv(model.A)) @ np.abs(model.B)
+        summed = np.abs(model.D) + effects
+        return np.where(np.abs(gain) > _ROUNDING * summed, gain, 0.0)
     gain = np.zeros((len(model.outputs), len(model.inputs)))
     for row, column in np.ndindex(*gain.shape):
         B, C, D = model.B[:, [column]], model.C[[row]], model.D[[row]][:, [column]]

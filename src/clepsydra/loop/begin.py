@@ -14,6 +14,7 @@ from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.loop_state import LoopState
 from clepsydra.loop.motion_block import motion_at_rest
 from clepsydra.loop.open_loop_plan import Start, emptied
+from clepsydra.loop.reported_readings import held_names, reporting_at, told_at
 from clepsydra.process.process import Process
 
 #: How a controller begins: its states solved so that its outputs stand where the inputs do, or as
@@ -57,10 +58,9 @@ class Begin:
     substeps: int = 1
 
     def measurements(self, process: Process) -> dict[str, float]:
-        """Return what the sensors show there, without noise [SI]."""
-        state = np.array([self.state[signal.name] for signal in process.state])
-        shown = np.array(process.show(state, process.parameter_values)).ravel()
-        return {y.name: float(v) for y, v in zip(process.measurements, shown, strict=True)}
+        """Return what the sensors tell there, without noise [SI]."""
+        oldest = {name: float(ring[0]) for name, ring in self.rings.items()}
+        return told_at(process, _shown(process, self.state), {**self.motion, **oldest})
 
     def as_dict(self) -> dict[str, Any]:
         """Return all that a run begins with as values for JSON, in SI."""
@@ -154,10 +154,10 @@ def begin_from(
             for group in (process.state, process.inputs)
         )
         begin = Begin(words + but, state, inputs, motion_at_rest(point), {}, way, None, dict(law))
-    return _moved(begin, process, given)
+    return _moved(begin, process, given, goes_on=isinstance(start, LoopState))
 
 
-def _moved(begin: Begin, process: Process, given: Mapping[str, float]) -> Begin:
+def _moved(begin: Begin, process: Process, given: Mapping[str, float], *, goes_on: bool) -> Begin:
     """Return a begin with some states and inputs of the process elsewhere."""
     for part in (begin.state, begin.inputs):
         part |= {name: value for name, value in given.items() if name in part}
@@ -166,7 +166,16 @@ def _moved(begin: Begin, process: Process, given: Mapping[str, float]) -> Begin:
         contents = np.array(process.motion.to_contents(state, process.parameter_values)).ravel()
         for signal, value in zip(process.motion.contents, contents, strict=True):
             begin.motion[signal.name] = float(value)
+        if not goes_on:  # else sensors still have to tell what they read before
+            begin.motion.update(reporting_at(process, _shown(process, begin.state)))
     return begin
+
+
+def _shown(process: Process, at: Mapping[str, float]) -> dict[str, float]:
+    """Return what the sensors show of a state, without noise [SI]."""
+    state = np.array([at[signal.name] for signal in process.state])
+    shown = np.array(process.show(state, process.parameter_values)).ravel()
+    return {y.name: float(v) for y, v in zip(process.measurements, shown, strict=True)}
 
 
 def check_point(process: Process, point: OperatingPoint) -> None:
@@ -178,6 +187,7 @@ def _check(process: Process, signals: list[str], name: str, motion: Mapping[str,
     """Refuse a start on another process, which has other states, inputs or contents."""
     wanted = [s.name for s in (*process.state, *process.inputs)]
     lived = [s.name for s in (*process.motion.contents, *process.motion.memories)]
+    lived += held_names(process)
     if not set(wanted) <= set(signals) or not set(lived) <= set(motion):
         missing = next((n for n in wanted if n not in signals), f"the contents of {process.name}")
         raise InputError(

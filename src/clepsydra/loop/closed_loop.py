@@ -10,9 +10,20 @@ from clepsydra.base.conversion import Conversion, conversion
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.wiring import controller_name
+from clepsydra.loop.alarms import LoopAlarms
+from clepsydra.loop.faults import (
+    append_final_elements,
+    append_readings,
+    applied_signals,
+    fault_inputs,
+    held_states,
+)
 from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.motion_block import MotionBlock
 from clepsydra.loop.plant_readings import append_plant_readings, plant_readings
+from clepsydra.loop.reported_readings import append_reported, reporting_state
+from clepsydra.loop.rims import append_rims, open_rims
+from clepsydra.process.alarm import interlocks
 from clepsydra.process.process import Process
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.delay_ring import DelayRing
@@ -70,14 +81,19 @@ def closed_loop(
     statuses: bool = False,
     adjustable: bool = False,
     readings: bool = False,
+    faults: bool = False,
+    alarms: bool = False,
+    operated: bool = False,
+    rims: bool = False,
     law: Program | None = None,
 ) -> Program:
     """Join a process and a controller to the program of one sampling period.
 
     At the start of a sample the sensors are read, the step law computes the manipulated
-    variables, and these are held while RK4 carries the process to the next sample. An input
-    that the law does not move stands at its manual value. The process may be computed with
-    fused multiply-adds, the controller never.
+    variables from what they tell by then (`clepsydra.loop.reported_readings`), and these are held
+    while RK4 carries the process to the next sample. An input that the law does not move stands
+    at its manual value. The process may be computed with fused multiply-adds, the controller
+    never.
 
     Parameters
     ----------
@@ -98,6 +114,17 @@ def closed_loop(
     readings : bool
         Record what the sensors would read without noise, resolution and limits too, and
         `clepsydra.loop.plant_readings`.
+    faults : bool
+        Let sensors and final elements fail, see `clepsydra.loop.faults`.
+    alarms : bool
+        Record the alarms of the process, see `clepsydra.loop.alarms`. Where some of them hold
+        an input they are in the program in any case.
+    operated : bool
+        Let an operator acknowledge each of the alarms that are recorded, by inputs such as
+        "level_1.high.acknowledge".
+    rims : bool
+        Let open tanks without a weir spill between samples what is above their rim, and record what
+        they have spilt, see `clepsydra.loop.rims`.
     law : Program, optional
         The program of the controller in single precision, `in_single_arithmetic`, to stand in the
         place of its law; it gets its inputs in single precision.
@@ -105,13 +132,15 @@ def closed_loop(
     Returns
     -------
     Program
-        State: the process's, then "controller." + the law's. Inputs, for a controlled
+        State: the process's, that of late sensors (`reporting_state`), with faults "u.held", with
+        alarms "alarms." + theirs, then "controller." + the law's. Inputs, for a controlled
         measurement y, any measurement m and a manipulated variable u: "y.setpoint", the
-        disturbances, "m.noise", "m.sensor" (1 = good), "u.mode", "u.manual", "u.tracking".
+        disturbances, "m.noise", "m.sensor" (1 = good), "u.mode", "u.manual", "u.tracking", with
+        faults those of `fault_inputs`.
         Parameters: the process's, then "controller." + the law's. Outputs: the process's state,
         the measurements, the manipulated variables, "u.status", and of a cascade
         "m.inner_setpoint", the setpoint of the inner loop of measurement m in this sample; with
-        readings "m.true" and those of the plant at the end.
+        readings "m.true" and those of the plant at the end, with faults "u.applied" behind them.
 
     Examples
     --------
@@ -135,9 +164,15 @@ def closed_loop(
     )
     constant, own = constant or {}, controller.law
     told, summed = (scores.inputs, scores.state) if scores else ((), ())
-    every = (*loop_inputs(process), *free_inputs(controller), *told)
+    failing, held = (fault_inputs(process), held_states(process)) if faults else ((), ())
+    watched = alarms or bool(interlocks(process.alarms))
+    alarmed = LoopAlarms(process, operated=operated) if watched and process.alarms else None
+    of_alarms, answers = (alarmed.state, alarmed.inputs) if alarmed else ((), ())
+    every = (*loop_inputs(process), *free_inputs(controller), *failing, *answers, *told)
     inputs = tuple(signal for signal in every if signal.name not in constant)
-    state = (*motion.state, *map(_renamed, own.state), *summed)
+    spilling = tuple(open_rims(process).values()) if rims else ()
+    living = (*motion.state, *spilling, *reporting_state(process))
+    state = (*living, *held, *of_alarms, *map(_renamed, own.state), *summed)
     tuned = (replace(p, name=controller_name(p.name)) for p in own.parameters)
     parameters = (*process.parameters, *tuned, *motion.parameters)
     names = [entry.name for entry in (*state, *inputs, *parameters)]
@@ -148,15 +183,25 @@ def closed_loop(
     of_process = [value[p.name] for p in process.parameters]
     moving = [value[x.name] for x in motion.state]
     true = _measure(builder, process, value, moving[: len(process.motion.contents)])
+    reported, next_reporting = append_reported(builder, process, value, value)
+    value |= reported
+    if faults:
+        value |= append_readings(builder, process, value)
+    next_alarms = alarmed.append(builder, value) if alarmed else []
     for u in process.inputs:
         value[u.name] = value[f"{u.name}.manual"]  # where the law does not move it
     next_law = _control(builder, process, controller, value, time_step, law)
     place = {entry.name: index for index, entry in enumerate(own.state)}
     inner = inner_setpoints(controller, process)
     value |= {each.name: next_law[place[each.state]] for each in inner}
-    held = [value[s.name] for s in (*process.inputs, *process.disturbances)]
+    next_alarms += alarmed.moved(value) if alarmed else []
+    applied, next_held = append_final_elements(builder, process, value) if faults else ({}, [])
+    moved_by = value | applied
+    outside = [moved_by[s.name] for s in (*process.inputs, *process.disturbances)]
     lengths = [value[p.name] for p in motion.parameters]
-    next_state = motion.move(builder, moving, [*held, *of_process, *lengths])
+    next_state = motion.move(builder, moving, [*outside, *of_process, *lengths])
+    if rims:
+        next_state = _spilt(builder, process, value, next_state)
     recorded = (
         *process.state,
         *process.measurements,
@@ -164,16 +209,33 @@ def closed_loop(
         *(Signal(f"{u}.status", kind="integer") for u in controller.manipulated),
         *(each.signal for each in inner),
         *motion.state[len(process.motion.contents) :],
+        *spilling,
     )
     added = scores.append(builder, value | true) if scores else []
     shown = [value[signal.name] for signal in recorded]
     if readings:
         named = (replace(y, name=true_name(y)) for y in process.measurements)
         recorded = (*recorded, *named, *plant_readings(process))
-        shown += [*true.values(), *append_plant_readings(builder, process, value)]
-    block = builder.finish([*next_state, *next_law, *added, *shown])
+        shown += [*true.values(), *append_plant_readings(builder, process, moved_by)]
+    if faults:
+        recorded = (*recorded, *applied_signals(process))
+        shown += applied.values()
+    if alarms and alarmed:
+        recorded = (*recorded, *alarmed.signals)
+        shown += [value[signal.name] for signal in alarmed.signals]
+    moved = (*next_state, *next_reporting, *next_held, *next_alarms)
+    block = builder.finish([*moved, *next_law, *added, *shown])
     name = f"{process.name} with {controller.name}"
     return Program(name, state, inputs, parameters, recorded, block)
+
+
+def _spilt(
+    builder: BlockBuilder, process: Process, value: dict[str, int], moved: tuple[int, ...]
+) -> tuple[int, ...]:
+    """Return the next state of a motion where tanks spill, and behind it what they have spilt."""
+    names = [signal.name for signal in process.motion.contents]
+    kept, spilt = append_rims(builder, process, value, dict(zip(names, moved, strict=False)))
+    return (*(kept[name] for name in names), *moved[len(names) :], *spilt)
 
 
 def true_name(measurement: Signal) -> str:

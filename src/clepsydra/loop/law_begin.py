@@ -15,6 +15,7 @@ from clepsydra.loop.begin import Begin
 from clepsydra.loop.delay_content import delay_content
 from clepsydra.loop.motion_block import RING_PARTS, motion_at_rest, ring_name
 from clepsydra.loop.open_loop_plan import emptied
+from clepsydra.loop.reported_readings import reporting_state
 from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.wired_loop import WiredLoop
 from clepsydra.process.process import Process
@@ -164,7 +165,8 @@ def process_rings(process: Process, begin: Begin, substeps: int) -> dict[str, Ar
             steps = round(delay.time / (process.sampling_period / substeps))
             parts = zip(RING_PARTS, content.over(steps), strict=True)
             found |= {ring_name(delay.name, part): ring for part, ring in parts}
-    return found
+    readings = {entry.name for entry in reporting_state(process)}
+    return found | {name: ring for name, ring in begin.rings.items() if name in readings}
 
 
 def in_manual(loop: WiredLoop, now: Mapping[str, float], parameters: Array, most: int) -> Array:

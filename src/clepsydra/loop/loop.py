@@ -13,6 +13,7 @@ from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.controllers.wiring import controller_name
 from clepsydra.engine.kernel import Kernel
 from clepsydra.engine.trajectories import Trajectories
+from clepsydra.loop.alarms import alarm_signals
 from clepsydra.loop.closed_loop import closed_loop, loop_inputs
 from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.law_begin import loop_begin
@@ -100,7 +101,7 @@ class Loop(WiredLoop):
             kernel = Kernel(
                 closed_loop(
                     self.process, self.controller, substeps=count,
-                    constant=self.fixed(scenario), law=law,
+                    constant=self.fixed(scenario), alarms=True, law=law,
                 )
             )  # fmt: skip
             (run,) = self._by_kernel(scenario, kernel, [count], told, rounded=True)
@@ -229,6 +230,7 @@ class Loop(WiredLoop):
             *(each.signal for each in inner_setpoints(self.controller, process)),
             *process.disturbances,
             *recorded_signals(process),
+            *alarm_signals(process),
         )
         known = given | computed
         values = {s.name: np.asarray(known[s.name], float) for s in signals}

@@ -34,7 +34,7 @@ def loop_kernel(
 
     Half of a study's controllers have a law in common, as PI control: what it is wired to and the
     numbers of the process make its program, its own numbers are parameters. With scores it keeps
-    the status of each scenario and stores no trajectories.
+    the status of each scenario and stores no trajectories, nor alarms.
 
     Examples
     --------
@@ -83,6 +83,7 @@ def _kernel(form: _Form) -> Kernel:
     program = closed_loop(
         form.process, form.controller, substeps=form.substeps, constant=form.constant,
         adjustable=form.adjustable, scores=form.scores, statuses=form.scores is not None,
+        alarms=form.scores is None,
     )  # fmt: skip
     lanes = _SIDE_BY_SIDE if form.adjustable else None
     return Kernel(program, record=form.scores is None, lanes=lanes)

@@ -13,6 +13,7 @@ from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import from_si, unit_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.wiring import controller_name
+from clepsydra.loop.reported_readings import held_names
 from clepsydra.loop.shown_levels import shown_levels
 from clepsydra.process.process import Process
 from clepsydra.program.delay_ring import DelayRing
@@ -36,7 +37,8 @@ class LoopState(Mapping[str, float]):
     numbers : dict
         Signal to its value [SI].
     contents : dict
-        What is integrated or remembered of the process, as the integrator has it.
+        What is integrated or remembered of the process, as the integrator has it, and of what its
+        sensors have told.
     rings : dict
         What each delay ring holds, the oldest first [length].
     substeps : int
@@ -108,7 +110,8 @@ def loop_state(
         What was last applied at each input of the process.
     """
     motion = process.motion
-    contents = {s.name: float(found[s.name]) for s in (*motion.contents, *motion.memories)}
+    lived = [s.name for s in (*motion.contents, *motion.memories)] + held_names(process)
+    contents = {name: float(found[name]) for name in lived}
     integrated = np.array([contents[signal.name] for signal in motion.contents])
     states = np.array(motion.to_state(integrated, process.parameter_values)).ravel()
     columns = {s.name: np.array([v]) for s, v in zip(process.state, states, strict=True)}

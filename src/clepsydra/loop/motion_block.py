@@ -14,6 +14,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.lane_status import STATUS_SIGNALS, append_status, step_check
 from clepsydra.loop.motion_step import MotionStep, located_step
+from clepsydra.loop.reported_readings import reporting_at
 from clepsydra.process.motion import Motion
 from clepsydra.process.process import Process
 from clepsydra.program.builder import BlockBuilder
@@ -309,8 +310,13 @@ def steps_told(period: float, substeps: Sequence[int]) -> dict[str, np.ndarray]:
 
 def motion_at_rest(point: OperatingPoint) -> dict[str, float]:
     """Return what lives from sample to sample by name, at rest; nothing has happened yet."""
-    values = point.process.parameter_values
-    return motion_from(point.process.motion, point.state, point.inputs, point.disturbances, values)
+    process, values = point.process, point.process.parameter_values
+    shown = np.array(process.show(point.state, values)).ravel()
+    by_name = {y.name: float(v) for y, v in zip(process.measurements, shown, strict=True)}
+    return {
+        **motion_from(process.motion, point.state, point.inputs, point.disturbances, values),
+        **reporting_at(process, by_name),
+    }
 
 
 def motion_from(

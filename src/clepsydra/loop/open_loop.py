@@ -11,6 +11,7 @@ import numpy as np
 from clepsydra.base.signal import Signal
 from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.loop.alarms import LoopAlarms, alarm_signals, without_controller
 from clepsydra.loop.events import Occurrence, events_of
 from clepsydra.loop.motion_block import (
     MotionBlock,
@@ -20,8 +21,11 @@ from clepsydra.loop.motion_block import (
 )
 from clepsydra.loop.process_period import process_period
 from clepsydra.loop.reference_motion import ReferenceMotion
+from clepsydra.loop.reported_readings import reporting_at
 from clepsydra.loop.shown_levels import shown_levels
 from clepsydra.loop.step_size import Solver
+from clepsydra.loop.stepped_alarms import SteppedAlarms
+from clepsydra.loop.told_readings import ToldReadings
 from clepsydra.process.balance import DELAYED, ENTERED, LEFT
 from clepsydra.process.process import Process
 from clepsydra.scores.plant_flows import forced_flows
@@ -71,7 +75,7 @@ class Simulation:
         One for each trajectory.
     values : dict
         Name to trajectory [samples + 1] in SI: states, measurements (without noise), inputs,
-        disturbances (held during a sample), volumes spilt, memories of switches.
+        disturbances (held during a sample), volumes spilt, memories of switches, alarms.
     events : tuple of Occurrence
         Events in order of time.
     balances : tuple of Balance
@@ -99,6 +103,11 @@ class Simulation:
     balances: tuple[Balance, ...]
     substeps: int
     error_estimate: float | None = None
+
+    @property
+    def samples(self) -> int:
+        """How many sampling periods it lasted."""
+        return len(self.time) - 1
 
     @property
     def end(self) -> Occurrence | None:
@@ -206,7 +215,15 @@ class _OpenLoop:
         )
         states = {signal.name for signal in process.state}
         recorded = tuple(s for s in motion.state if s.name not in states)
-        return Kernel(process_period(process, motion, recorded, shown="start"))
+        alarms = LoopAlarms(process) if process.alarms else None
+        return Kernel(process_period(process, motion, recorded, shown="start", alarms=alarms))
+
+    def _reporting(self) -> dict[str, float]:
+        """Return what the sensors have to tell where they have shown the start for ever."""
+        process, values = self.process, self.process.parameter_values
+        shown = np.array(process.show(process.motion.to_state(self.contents, values), values))
+        names = (y.name for y in process.measurements)
+        return reporting_at(process, dict(zip(names, shown.ravel().tolist(), strict=True)))
 
     def by_kernel(self, substeps: int) -> Simulation:
         return self.moved(self.kernel(substeps), substeps, {})
@@ -220,7 +237,7 @@ class _OpenLoop:
         result = kernel.run(
             self.samples + 1,
             inputs={name: np.append(values, values[-1]) for name, values in self.profiles.items()},
-            state=motion_at_rest(self.point) | contents,
+            state=motion_at_rest(self.point) | contents | self._reporting(),
             parameters=told,
             turns=substeps,
         )
@@ -231,25 +248,39 @@ class _OpenLoop:
         process = self.process
         start = dict(zip((s.name for s in process.motion.contents), self.contents, strict=True))
         motion = ReferenceMotion(self.point, substeps, self.totals, start=start)
+        shown = self._shown(motion)
+        sensors = ToldReadings(process, shown)
+        alarms, missing = SteppedAlarms(process), without_controller(process)
         rows = []
-        given = np.reshape(list(self.profiles.values()), (len(self.outside), self.samples))
         for sample in range(self.samples + 1):
             state = motion.state()
-            measured = np.array(process.show(state, process.parameter_values)).ravel()
-            rows.append(
-                {s.name: v for s, v in zip(process.state, state, strict=True)}
-                | {s.name: v for s, v in zip(process.measurements, measured, strict=True)}
-                | motion.recorded()
-            )
+            shown = self._shown(motion)
+            measured = sensors.told(shown)
+            now = {
+                name: float(profile[min(sample, self.samples - 1)])
+                for name, profile in self.profiles.items()
+            }
+            now |= {s.name: v for s, v in zip(process.state, state, strict=True)}
+            now |= {s.name: v for s, v in zip(process.measurements, measured, strict=True)}
+            now |= motion.recorded()
+            now |= alarms.look(now | missing)
+            alarms.moved(now)
+            rows.append(now)
             if sample < self.samples:
-                motion.advance(*np.split(given[:, sample], [len(process.inputs)]))
+                groups = (process.inputs, process.disturbances)
+                motion.advance(*(np.array([now[s.name] for s in group]) for group in groups))
+                sensors.advance(shown)
         values = {name: np.array([row[name] for row in rows]) for name in rows[0]}
         return self._collect(values, 0)
+
+    def _shown(self, motion: ReferenceMotion) -> np.ndarray:
+        return np.array(self.process.show(motion.state(), self.process.parameter_values)).ravel()
 
     def _collect(self, values: dict[str, np.ndarray], substeps: int) -> Simulation:
         process, motion = self.process, self.process.motion
         for name, profile in self.profiles.items():
-            values[name] = np.append(profile, profile[-1])
+            # An alarm may have held it elsewhere.
+            values.setdefault(name, np.append(profile, profile[-1]))
         time = process.sampling_period * np.arange(self.samples + 1, dtype=float)
         values |= forced_flows(process, time, values)
         # Not from the last states: an emptied tank holds what was dissolved, which its volume
@@ -260,6 +291,7 @@ class _OpenLoop:
             *process.measurements,
             *self.outside,
             *recorded_signals(process),
+            *alarm_signals(process),
         )
         totals = {s.name: float(values[s.name][-1]) for s in motion.totals}
         shown = values | shown_levels(process, values)

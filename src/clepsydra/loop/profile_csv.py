@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from clepsydra.base.csv_table import read_csv
+from clepsydra.base.arguments import require_signal
+from clepsydra.base.csv_table import SignalOf, read_csv
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.loop.profile import Change, check_range, outside_signal
@@ -53,6 +54,28 @@ def read_profile_csv(path: str | Path, process: Process) -> list[Change]:
     def signal_of(name: str, unit: str | None, head: str, number: int) -> Signal:
         return outside_signal(name, process, f"{head}, column {number}")
 
+    return _changes(path, signal_of)
+
+
+def read_profile_of(path: Path, signal: Signal) -> list[Change]:
+    """Read the values of one signal over time: a column of time, and one with its name.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, has a column of another signal, or one of its cells cannot be
+        used.
+    """
+
+    def signal_of(name: str, unit: str | None, head: str, number: int) -> Signal:
+        return require_signal(
+            f"{head}, column {number}", name, (signal,), "the column of the signal"
+        )
+
+    return _changes(path, signal_of)
+
+
+def _changes(path: str | Path, signal_of: SignalOf) -> list[Change]:
     table = read_csv(Path(path), _MOST_ROWS, _GAP, signal_of)
     changes: list[Change] = []
     last = -math.inf

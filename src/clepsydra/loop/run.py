@@ -96,6 +96,11 @@ class Run:
         # Limits that leave no room are none that a signal could stand between.
         return (low, high) if low < high else (signal.low, signal.high)
 
+    @property
+    def samples(self) -> int:
+        """How many sampling periods it lasts."""
+        return self.scenario.samples
+
     def to_pandas(self) -> pandas.DataFrame:
         """Return a table with one row a sample, indexed by time [s], one column a signal."""
         import pandas

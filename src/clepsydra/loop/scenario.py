@@ -66,6 +66,11 @@ class Scenario:
         """Return the first sample of a segment."""
         return min(round(segment.start / self.sampling_period), self.samples - 1)
 
+    def settled_sample_of(self, segment: Segment) -> int:
+        """Return the first sample from which the signal of a segment stays where it is."""
+        reached = round((segment.start + segment.over) / self.sampling_period)
+        return min(reached, self.samples - 1)
+
     @property
     def time(self) -> np.ndarray:
         """Start of each sample [s]."""

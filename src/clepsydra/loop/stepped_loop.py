@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from clepsydra.base.errors import InputError
@@ -19,6 +21,8 @@ from clepsydra.loop.motion_block import motion_at_rest
 from clepsydra.loop.reference_motion import ReferenceMotion
 from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.step_size import Solver
+from clepsydra.loop.stepped_alarms import SteppedAlarms
+from clepsydra.loop.told_readings import ToldReadings
 from clepsydra.loop.wired_loop import WiredLoop
 from clepsydra.program.step_law import Equations, step_law
 
@@ -60,11 +64,12 @@ def stepped_loop(
         np.array([state[controller_name(entry.name)] for entry in law.state]),
         {e.name: rings[name] for e in law.state if (name := controller_name(e.name)) in rings},
     )
-    inner = inner_setpoints(controller, loop.process)
+    inner, alarms = inner_setpoints(controller, loop.process), SteppedAlarms(loop.process)
     rows: list[dict[str, float]] = []
     for k in range(scenario.samples):
         now = at_rest | {name: float(column[k]) for name, column in given.items()}
         now |= plant.look(now)
+        now |= alarms.look(now)
         try:
             outputs = evaluation.step(loop.law_inputs(now))
         except InputError as error:
@@ -74,6 +79,7 @@ def stepped_loop(
         after = dict(zip((x.name for x in law.state), evaluation.state, strict=True))
         now |= {each.name: float(after[each.state]) for each in inner}
         plant.advance(now)
+        alarms.moved(now)
         rows.append(now)
     after = {
         controller_name(entry.name): value
@@ -91,7 +97,8 @@ class _KernelPlant:
     """A process that a kernel moves, every input at its manual value."""
 
     def __init__(self, loop: WiredLoop, substeps: int, begin: Begin | None) -> None:
-        process, at_rest = loop.process, loop.at_rest()
+        # Alarms look at the loop, and no process on its own has one.
+        process, at_rest = replace(loop.process, alarms=()), loop.at_rest()
         self._by_hand = {f"{u.name}.manual": u.name for u in process.inputs}
         self._outside = {d.name for d in process.disturbances}
         self._outside |= {f"{y.name}.noise" for y in process.measurements}
@@ -128,6 +135,9 @@ class _ReferencePlant:
         start = None if begin is None else begin.motion
         held = None if begin is None else begin.rings
         self._motion = ReferenceMotion(loop.point, substeps, spilt, start=start, rings=held)
+        at_first = loop.process.show(self._motion.state(), loop.process.parameter_values)
+        self._sensors = ToldReadings(loop.process, np.array(at_first).ravel(), start, held)
+        self._shown = np.zeros(0)
 
     def look(self, now: dict[str, float]) -> dict[str, float]:
         process, state = self._process, self._motion.state()
@@ -136,15 +146,18 @@ class _ReferencePlant:
         found |= self._motion.recorded()
         true = np.array(process.measure(state, process.parameter_values)).ravel()
         noise = [now[f"{y.name}.noise"] for y in process.measurements]
-        shown = np.array(process.display(true + noise)).ravel()
-        return found | {y.name: float(v) for y, v in zip(process.measurements, shown, strict=True)}
+        self._shown = np.array(process.display(true + noise)).ravel()
+        told = self._sensors.told(self._shown)
+        return found | {y.name: float(v) for y, v in zip(process.measurements, told, strict=True)}
 
     def advance(self, now: dict[str, float]) -> None:
         groups = (self._process.inputs, self._process.disturbances)
         self._motion.advance(*(np.array([now[s.name] for s in group]) for group in groups))
+        self._sensors.advance(self._shown)
 
     def final(self) -> tuple[dict[str, float], dict[str, np.ndarray]]:
-        return self._motion.recorded(), self._motion.rings()
+        motion, sensors = self._motion, self._sensors
+        return motion.recorded() | sensors.state, motion.rings() | sensors.rings
 
 
 #: Stands for no controller: every input of the process is at its manual value.

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import multiprocessing
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from contextlib import ExitStack
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from clepsydra.papers.document import Document, Findings, documents, load_document
 from clepsydra.papers.row import COUNTED, VERDICTS, Row
+from clepsydra.papers.side_by_side import side_by_side
 
 #: Keys of a document and of one of its experiments.
 _Task = tuple[str, str]
@@ -64,6 +63,10 @@ class Audit:
         """How often each verdict was given, in the order of `VERDICTS`."""
         return _counts(self.rows)
 
+    def as_list(self) -> list[dict[str, Any]]:
+        """Return every row as values for JSON."""
+        return [row.as_dict() for row in self.rows]
+
     @property
     def summary(self) -> str:
         """The result in two sentences."""
@@ -106,20 +109,11 @@ def audit(
     loaded = [load_document(key) for key in dict.fromkeys(keys or documents())]
     tasks = [(document.key, name) for document in loaded for name in document.experiments]
     found: dict[_Task, Findings] = {}
-    with ExitStack() as stack:
-        results: Iterable[tuple[_Task, Findings]] = map(_run, tasks)
-        if (workers := min(workers, len(tasks))) > 1:
-            # Forked processes would share locks of threads that are not there.
-            spawn = multiprocessing.get_context("spawn")
-            pool = ProcessPoolExecutor(workers, mp_context=spawn)
-            stack.callback(pool.shutdown, cancel_futures=True)
-            futures = [pool.submit(_run, task) for task in tasks]
-            results = (future.result() for future in as_completed(futures))
-        for task, findings in results:
-            found[task] = findings
-            if progress is not None:
-                title = load_document(task[0]).experiments[task[1]]
-                progress(AuditProgress(len(found), len(tasks), f"{task[0]}: {title}"))
+    for task, findings in side_by_side(_run, tasks, workers):
+        found[task] = findings
+        if progress is not None:
+            title = load_document(task[0]).experiments[task[1]]
+            progress(AuditProgress(len(found), len(tasks), f"{task[0]}: {title}"))
     audited = []
     for document in loaded:
         of_document = {name: found[document.key, name] for name in document.experiments}
@@ -130,5 +124,5 @@ def audit(
     return Audit(tuple(audited))
 
 
-def _run(task: _Task) -> tuple[_Task, Findings]:
-    return task, load_document(task[0]).findings(task[1])
+def _run(task: _Task) -> Findings:
+    return load_document(task[0]).findings(task[1])

@@ -17,7 +17,7 @@ _BARE_QUANTITY = re.compile(
     r"([\w.-]+) *= *([-+]?[\d.]+(?:e[-+]?\d+)?) *([A-Za-z%µ°(][^'\"#]*)", re.I
 )
 
-Kind = Literal["process", "study", "fuzzy"]
+Kind = Literal["process", "study", "fuzzy", "lesson"]
 #: Keys that only a study file has.
 _ONLY_STUDY = ("process", "controllers", "scenario", "ranking")
 #: How to begin with a file of each kind.
@@ -25,6 +25,7 @@ _BEGIN = {
     "process": "begin with one that clepsydra new NAME writes",
     "study": "begin with one that clepsydra new --study writes",
     "fuzzy": "begin with a copy of the example of docs/fuzzy-files.md",
+    "lesson": "begin with a copy of the example of docs/lessons.md",
 }
 
 
@@ -67,7 +68,7 @@ def parse(content: bytes, file: str, kind: Kind = "process") -> Document:
     ----------
     file : str
         Its name, for messages.
-    kind : {"process", "study", "fuzzy"}
+    kind : {"process", "study", "fuzzy", "lesson"}
         What it should be, for messages.
 
     Examples
@@ -93,7 +94,8 @@ def parse(content: bytes, file: str, kind: Kind = "process") -> Document:
 
 
 def kind_of(document: Document) -> Kind:
-    """Return whether a file is a process, which has tanks, or a study, which names its process.
+    """Return whether a file is a process, which has tanks, a study, which names its process, or a
+    lesson, which has tasks.
 
     Examples
     --------
@@ -101,6 +103,8 @@ def kind_of(document: Document) -> Kind:
     ('study', 'process')
     """
     tables = document.tables
+    if "tasks" in tables:
+        return "lesson"
     is_study = "tanks" not in tables and any(key in tables for key in _ONLY_STUDY)
     return "study" if is_study else "process"
 

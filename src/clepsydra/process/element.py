@@ -15,11 +15,13 @@ from typing import TYPE_CHECKING, ClassVar, Self
 import casadi as ca
 
 from clepsydra.base.quantity import declared, quantities
+from clepsydra.base.remark import Remark
 from clepsydra.base.signal import Signal
 from clepsydra.process.component import Component
 from clepsydra.process.declared import DeclaredKeys, Part, read_fields
 from clepsydra.process.flow import Flow, Flows
 from clepsydra.process.hybrid import Delay, Event, Switch
+from clepsydra.process.reporting import Reporting
 from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
@@ -180,6 +182,10 @@ class Element(ABC):
         """Return the sizes of typical load steps, one after the other, of its disturbances."""
         return {}
 
+    def largest_rates(self) -> dict[str, float]:
+        """Return how fast what acts follows those of its inputs that it limits [input unit/s]."""
+        return {}
+
     def measurements(self) -> tuple[Signal, ...]:
         """Return the measurements that it brings."""
         return ()
@@ -195,6 +201,10 @@ class Element(ABC):
             for each in quantities(type(self))
         )
         return tuple(signal for signal in found if signal is not None)
+
+    def as_built(self) -> tuple[str, ...]:
+        """Return those of its parameters that differ from one plant of a kind to the next."""
+        return ()
 
     def flows(self, symbols: Symbols, received: Flows) -> tuple[Flow, ...]:
         """Return the flows that it causes; `received` is complete where it passes on."""
@@ -263,6 +273,19 @@ class Element(ABC):
 
     def readings(self, symbols: Symbols) -> dict[str, ca.SX]:
         """Return the value of each of its measurements."""
+        return {}
+
+    @property
+    def driven(self) -> bool:
+        """Whether a pump that is no element of its own stands before it."""
+        return False
+
+    def remarks(self, symbols: Mapping[str, float]) -> tuple[Remark, ...]:
+        """Return what is unusual about it at rest with these values of every signal [SI]."""
+        return ()
+
+    def reporting(self) -> dict[str, Reporting]:
+        """Return how late and how seldom those measurements are told that are not at once."""
         return {}
 
     def noises(self) -> dict[str, float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import Any, TypeVar
 
@@ -18,6 +18,7 @@ from clepsydra.process.element import Element
 from clepsydra.process.flow import Flow
 from clepsydra.process.hybrid import Delay, Event
 from clepsydra.process.motion import FlowPath, Motion, MotionEvent
+from clepsydra.process.reporting import Reporting
 from clepsydra.process.wiring import flow_order
 
 _Said = TypeVar("_Said")
@@ -53,6 +54,8 @@ class Equations:
         file gives it.
     motion : Motion
         The same equations for an integrator, with delays, memories and switches.
+    reporting : mapping
+        Measurement that controllers do not see at once to how late and how seldom they do.
     """
 
     state: tuple[Signal, ...]
@@ -66,6 +69,7 @@ class Equations:
     display: ca.Function
     noise: dict[str, float]
     motion: Motion
+    reporting: dict[str, Reporting] = field(default_factory=dict)
 
 
 def join(
@@ -220,6 +224,7 @@ class _Join:
             display=ca.Function("display", [y], [display], ["y"], ["shown"]),
             noise=_merged(e.noises() for e in self.elements),
             motion=motion,
+            reporting=_merged(e.reporting() for e in self.elements),
         )
 
     def _evaluate(

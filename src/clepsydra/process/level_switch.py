@@ -224,8 +224,10 @@ def read_starter(table: TableReader) -> LevelStarter | None:
 def _limits(table: TableReader, key: str) -> tuple[LevelLimit, ...]:
     if not table.has(key):
         return ()
-    expected = "a level for each tank"
-    inner = table.table(key, expected, f'write as in {key} = {{ tank_1 = "20 cm" }}')
+    expected, remedy = "a level for each tank", f'write as in {key} = {{ tank_1 = "20 cm" }}'
+    if not isinstance(table.raw(key), dict):
+        raise table.wrong(key, expected, remedy)
+    inner = table.table(key, expected, remedy)
     if not inner.present:
         raise table.refused(key, "{}", expected, "name a tank, or remove the key")
     limits = []

@@ -24,7 +24,8 @@ def _manipulated_signal(table: TableReader) -> dict[str, Any]:
     if table.has("nominal"):
         expected = "a voltage" if unit == "V" else "a signal"
         remedy = f"choose a {'voltage' if unit == 'V' else 'value'} within the range"
-        nominal = table.quantity("nominal", unit, expected, remedy, at_least=low, at_most=high)
+        asked = table.of_range("nominal", unit, (low, high))
+        nominal = asked.quantity("nominal", unit, expected, remedy, at_least=low, at_most=high)
     return {"unit": unit, "low": low, "high": high, "nominal": nominal}
 
 
@@ -88,7 +89,7 @@ def read_disturbance_range(table: TableReader, unit: str, quantity: str) -> Dist
     """
     what = f"a {quantity}"
     low, high = table.range("range", unit, at_least=0.0)
-    nominal = table.quantity(
+    nominal = table.of_range("nominal", unit, (low, high)).quantity(
         "nominal",
         unit,
         what,
@@ -106,7 +107,10 @@ def _steps(
     low, high, nominal = ends
     written = table.raw("step") if table.has("step") else []
     listed = written if isinstance(written, list) else [written]
-    rows = [table.with_value("step", each) for each in listed]
+    rows = [
+        table.with_value("step", each).of_range("step", unit, (low, high), change=True)
+        for each in listed
+    ]
     steps = tuple(row.quantity("step", unit, what, "give the size of a load step") for row in rows)
     slack = _ROUNDING * (high - low)
     for row, value in zip(rows, list(accumulate(steps, initial=nominal))[1:], strict=True):

@@ -12,6 +12,7 @@ import numpy as np
 
 from clepsydra.base.remark import Remark
 from clepsydra.base.signal import Signal
+from clepsydra.process.alarm import Alarm
 from clepsydra.process.component import Component
 from clepsydra.process.document import Document
 from clepsydra.process.element import Element
@@ -50,6 +51,8 @@ class Process(Equations):
         Those controlled measurements whose tank is there to smooth the flow through it.
     bands : mapping
         Those of them that loads must leave in a band to its ends [unit of the measurement].
+    drawn : int
+        The number from which its holes, splits and gains are drawn; 0 for those of the file.
     document : Document or None
         What that file says, with its lines.
     tags : mapping
@@ -79,6 +82,8 @@ class Process(Equations):
     averaging: tuple[str, ...] = ()
     bands: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     tags: Mapping[str, str] = field(default_factory=dict)
+    drawn: int = 0
+    alarms: tuple[Alarm, ...] = ()
     document: Document | None = field(default=None, compare=False, repr=False)
 
     @cached_property
@@ -102,7 +107,8 @@ class Process(Equations):
     def address(self) -> str:
         """What a user types to load it again: "laboratory-four-tanks:fitted,volts"."""
         where = str(self.path or self.name)
-        return f"{where}:{','.join(self.variant)}" if self.variant else where
+        where = f"{where}:{','.join(self.variant)}" if self.variant else where
+        return f"{where}#{self.drawn}" if self.drawn else where
 
     def place(self, *keys: str) -> str:
         """Return where a key of its file stands, for a message; its name where it has no file."""
@@ -111,7 +117,8 @@ class Process(Equations):
     @property
     def file_stem(self) -> str:
         """What files about it are called: "laboratory-four-tanks-fitted-volts"."""
-        return "-".join((self.name, *self.variant))
+        number = (str(self.drawn),) if self.drawn else ()
+        return "-".join((self.name, *self.variant, *number))
 
     @cached_property
     def levels(self) -> tuple[str, ...]:
@@ -120,6 +127,16 @@ class Process(Equations):
             state.name for each in self.elements if each.holds_liquid for state in each.states()
         }
         return tuple(each.name for each in self.state if each.name in held and each.unit == "m")
+
+    @property
+    def delayed(self) -> tuple[str, ...]:
+        """What comes later than its cause: what is in transport delays, and what is told late."""
+        return (*(delay.name for delay in self.motion.delays), *self.reporting)
+
+    @property
+    def what_delays(self) -> str:
+        """What of it holds these back, in words."""
+        return "transport delays" if self.motion.delays else "sensors with dead time"
 
     @property
     def spilt(self) -> dict[str, str]:

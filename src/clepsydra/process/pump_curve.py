@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Self
+from typing import Any, Self
 
 import casadi as ca
 
@@ -13,6 +13,8 @@ from clepsydra.process.table_reader import TableReader
 
 #: Flow below which it grows smoothly from zero, as a share of the last flow of the curve.
 _SMALL_FLOW = 0.01
+#: Head to spare below which the flow through a throttle is laminar [m].
+LAMINAR = 1e-3
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,63 @@ class PumpCurve:
             )
         return cls(points)
 
+    @property
+    def segments(self) -> list[tuple[float, float]]:
+        """a_i [m] and b_i [s²/m⁵] between two points each."""
+        found = []
+        for (q1, h1), (q2, h2) in pairwise(self.points):
+            slope = (h1 - h2) / (q2**2 - q1**2)
+            found.append((h1 + slope * q1**2, slope))
+        return found
+
+    def head(self, flow: float) -> float:
+        """Return the head at a flow and full speed [m]."""
+        ends = zip(self.points[1:], self.segments, strict=True)
+        a, b = next((each for end, each in ends if flow <= end[0]), self.segments[-1])
+        return a - b * flow**2
+
+    def flow_at(self, head: float) -> float:
+        """Return the largest flow at a head and full speed [m³/s], 0 above the highest one."""
+        falling = [
+            (end, a, b)
+            for (_, end), (a, b) in zip(self.points[1:], self.segments, strict=True)
+            if b > 0.0
+        ]
+        _, a, b = next((each for each in falling if head >= each[0]), falling[-1])
+        return float(max((a - head) / b, 0.0) ** 0.5)
+
+    @property
+    def highest(self) -> float:
+        """The head at no flow [m]."""
+        return self.segments[0][0]
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether it begins with one head up to a flow."""
+        return self.segments[0][1] == 0.0
+
+    def throttled(self, conductance: Any, lift: Any, pumps: Any) -> ca.SX:
+        """Return the flow of pumps at full speed through a throttle [m³/s].
+
+        Parameters
+        ----------
+        conductance : casadi.SX
+            G of pipe and throttle [m³/s per root of a metre].
+        lift : casadi.SX
+            H_s, from the liquid at the source up to the end of the pipe [m].
+        pumps : casadi.SX
+            N, how many run.
+        """
+        shut_off, slope = (ca.SX(each) for each in self.segments[0])
+        squared = conductance * conductance
+        per_pump = 1 / (pumps * pumps)
+        for (flow, head), (a, b) in zip(self.points[1:], self.segments[1:], strict=False):
+            # The throttle takes more where the segments meet: the flow is larger.
+            beyond = squared * (head - lift) * per_pump > flow * flow
+            shut_off, slope = ca.if_else(beyond, a, shut_off), ca.if_else(beyond, b, slope)
+        root = falling_root(shut_off - lift, LAMINAR)
+        return conductance * root / ca.sqrt(1 + slope * per_pump * squared)
+
     def flow(self, speed: ca.SX, static_head: ca.SX | float, loss: ca.SX | float) -> ca.SX:
         """Return the flow [m³/s].
 
@@ -85,10 +144,9 @@ class PumpCurve:
         """
         squared = ca.fmax(speed, 0) ** 2
         segments = []
-        for (q1, h1), (q2, h2) in zip(self.points, self.points[1:], strict=False):
-            slope = (h1 - h2) / (q2**2 - q1**2)
+        for shut_off, slope in self.segments:
             share = 1 / (slope + ca.SX(loss))
-            segments.append((squared * (h1 + slope * q1**2) - static_head) * share)
+            segments.append((squared * shut_off - static_head) * share)
         flow_squared = segments[0]
         for (flow, head), segment in zip(self.points[1:], segments[1:], strict=False):
             # The pump has head to spare where the segments meet: the flow is larger.

@@ -15,11 +15,13 @@ from clepsydra.base.signal import Signal
 from clepsydra.base.standing import Standing, standing_at
 from clepsydra.base.suggestion import suggestion
 from clepsydra.process import told
+from clepsydra.process.alarm_reader import ALARMS, read_alarms
 from clepsydra.process.averaging import read_averaging, read_bands
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
 from clepsydra.process.component import Component
 from clepsydra.process.components import check_components, read_components
 from clepsydra.process.document import Document, kind_of, parse
+from clepsydra.process.drawn import drawn, split_number
 from clepsydra.process.element import Element
 from clepsydra.process.elements.tank import Tank
 from clepsydra.process.equations import join
@@ -39,6 +41,7 @@ from clepsydra.process.variants import (
     variants_asked,
 )
 from clepsydra.process.vessels.vessel import Vessel
+from clepsydra.process.whole_samples import in_whole_samples
 from clepsydra.process.wiring import check_wiring
 
 _STANDARD_GRAVITY = 9.81
@@ -69,6 +72,7 @@ GENERAL_KEYS = {
     "averaging": told.names("controlled levels whose tank is there to smooth the flow"),
     "manipulated": told.names("what controllers move; all pumps and valves if left out"),
     "components": told.by_name("what is dissolved in the liquid", {"type": "object"}),
+    "alarms": ALARMS,
     "elements": told.text("a Python file with elements of your own, which is run"),
     "operating_point": told.by_name("measurements at the operating point"),
     **VARIANT_KEYS,
@@ -88,7 +92,8 @@ def load_process(name_or_path: str | Path, variant: str | Sequence[str] | None =
     name_or_path : str or Path
         A name of the catalogue, "quadruple-tank", or the path of a TOML file. A text is a
         path where it ends in ".toml", contains a separator of folders or names a file. Variants
-        may follow a colon, "averaging-tank:inflow-constant" or "plant.toml:large,cold".
+        may follow a colon, "averaging-tank:inflow-constant" or "plant.toml:large,cold", and the
+        number that draws its holes, splits and gains a sign, "quadruple-tank#7".
     variant : str or sequence of str, optional
         Variants of the file, laid over it in this order. Without any, those that the file
         names in `default_variant`.
@@ -113,7 +118,14 @@ def load_process(name_or_path: str | Path, variant: str | Sequence[str] | None =
         _expected(),
         "give it as text or as a Path",
     )
-    asked = variants_asked(variant)
+    if isinstance(name_or_path, str) and not _exists(name_or_path):
+        name_or_path, number = split_number(name_or_path)
+        return drawn(_loaded(name_or_path, variants_asked(variant)), number)
+    return _loaded(name_or_path, variants_asked(variant))
+
+
+def _loaded(name_or_path: str | Path, asked: tuple[str, ...] | None) -> Process:
+    """Return a process as its file has it."""
     if isinstance(name_or_path, str) and not _exists(name_or_path):
         name_or_path, written = split_variants(name_or_path)
         if written is not None and asked is not None:
@@ -166,6 +178,11 @@ def _process(document: Document, path: Path | None, asked: tuple[str, ...] | Non
         raise InputError(
             document.file, Finding("a study file"), "a process file, with tanks", remedy
         )
+    if kind_of(document) == "lesson":
+        raise InputError(
+            document.file, Finding("a lesson"), "a process file, with tanks",
+            "give it to clepsydra lab --lesson",
+        )  # fmt: skip
     chosen = choose_variants(document, asked)
     document = chosen.document
     known = (*GENERAL_KEYS, *(kind.table for kind in kinds()))
@@ -177,7 +194,7 @@ def _process(document: Document, path: Path | None, asked: tuple[str, ...] | Non
     read = _elements(document, general, components, own_kinds)
     elements, components, unused = without_unused(document, read, components)
     _check_complete(general, elements)
-    check_wiring(elements, document.place)
+    check_wiring(elements, document.place, read)
     check_sensor_ranges(document, elements)
     gravity = Signal(
         "gravity",
@@ -188,6 +205,8 @@ def _process(document: Document, path: Path | None, asked: tuple[str, ...] | Non
         description="acceleration of gravity",
     )
     check_components(components, elements, document.place)
+    period = general.declared(_SAMPLING_PERIOD, {}, MISSING)
+    elements, rounded = in_whole_samples(document, elements, period)
     manipulated = _manipulated(general, elements)
     with joining_own(own_kinds, general):
         joined = join(elements, gravity, components=components, manipulated=manipulated)
@@ -202,14 +221,15 @@ def _process(document: Document, path: Path | None, asked: tuple[str, ...] | Non
         controlled=controlled,
         elements=elements,
         nominal_outputs=nominal_outputs,
-        sampling_period=general.declared(_SAMPLING_PERIOD, {}, MISSING),
+        sampling_period=period,
         path=path,
         document=None if path is None else document,
         components=components,
         variant=chosen.names,
         variants=chosen.descriptions,
-        warnings=() if path is None else (*chosen.warnings, *unused, *vanished),
+        warnings=() if path is None else (*chosen.warnings, *unused, *vanished, *rounded),
         averaging=averaging,
+        alarms=read_alarms(document, general, joined, controlled),
         bands=read_bands(document, elements, averaging, nominal_outputs),
         tags=read_tags(document, elements),
     )

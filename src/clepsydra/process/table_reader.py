@@ -157,6 +157,29 @@ class TableReader:
         other._content = {**self._content, key: value}
         return other
 
+    def of_range(
+        self, key: str, unit: str, ends: tuple[float, float], *, change: bool = False
+    ) -> TableReader:
+        """Return this table with a key in a unit, where it was written in percent of a range.
+
+        Parameters
+        ----------
+        unit : str
+            SI unit; percent are percent of a signal that is itself a number.
+        ends : tuple of float
+            Of the range [`unit`].
+        change : bool
+            Whether it is a difference of two values.
+        """
+        written = self._content.get(key)
+        parts = split_quantity(written)
+        if unit == "1" or parts is None or parts[1] != "%":
+            return self
+        low, high = ends
+        value = to_si(written, "1", self.place(key)) * (high - low) + (0.0 if change else low)
+        shown = self.display_units("range").get("range", unit)
+        return self.with_value(key, f"{from_si(value, unit, shown)!r} {shown}")
+
     def flag(self, key: str, *, default: bool) -> bool:
         """Return true or false."""
         value = self._content.get(key, default)

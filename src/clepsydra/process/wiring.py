@@ -19,13 +19,15 @@ _WANTED = {
 Place = Callable[..., str]
 
 
-def check_wiring(elements: Sequence[Element], place: Place) -> None:
+def check_wiring(elements: Sequence[Element], place: Place, read: Sequence[Element] = ()) -> None:
     """See that every connection ends where it may, and that every element is connected.
 
     Parameters
     ----------
     place : callable
         Takes a table and keys below it, returns where they stand.
+    read : sequence of Element, optional
+        All of the file, with those that no flow touches: one of them may be meant.
 
     Examples
     --------
@@ -53,8 +55,9 @@ def check_wiring(elements: Sequence[Element], place: Place) -> None:
             )
         by_name[element.name.lower()] = element
     named = {element.name: element for element in elements}
+    meant = {element.name: element for element in read or elements}
     for element in elements:
-        _check_connections(element, named, place)
+        _check_connections(element, named, meant, place)
     _check_touched(elements, place)
     _check_identifiers(elements, place)
     try:
@@ -115,12 +118,14 @@ def _check_delays(elements: Sequence[Element], named: dict[str, Element], place:
             )
 
 
-def _check_connections(element: Element, by_name: dict[str, Element], place: Place) -> None:
+def _check_connections(
+    element: Element, by_name: dict[str, Element], meant: dict[str, Element], place: Place
+) -> None:
     connections = element.connections()
     for connection in connections:
         named = by_name.get(connection.name)
         if named is None or not _fits(named, connection):
-            fitting = [name for name, other in by_name.items() if _fits(other, connection)]
+            fitting = [name for name, other in meant.items() if _fits(other, connection)]
             wanted = _WANTED.get(connection.wanted, connection.wanted)
             raise InputError(
                 place(element.table, element.name, *connection.key),

@@ -11,6 +11,7 @@ import numpy as np
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.operation import COMPARISONS, EXACT, LIBRARY, LOGIC, TO_SINGLE, Operation
 from clepsydra.program.program import Block, Call, Conditional, ForLoop, Program, Statement
+from clepsydra.program.routine import Routine, RoutineCall
 
 #: What an operation makes of constants.
 _FOLDED: dict[str, Callable[..., Any]] = {
@@ -168,6 +169,47 @@ class BlockBuilder:
         self._statements.append(Call(targets, program, instance, given))
         results = zip(program.outputs, targets[len(program.state) :], strict=True)
         self._flags.update(target for signal, target in results if signal.kind == "boolean")
+        return targets
+
+    def routine(
+        self,
+        routine: Routine,
+        arguments: Sequence[int],
+        tables: Sequence[tuple[float, ...]] = (),
+        condition: int | None = None,
+    ) -> tuple[int, ...]:
+        """Return the results of a routine; an array that is given as numbers becomes a table.
+
+        Parameters
+        ----------
+        routine : Routine
+        arguments : sequence of int
+            The elements of all its arguments, or of those that have no table.
+        tables : sequence of tuple of float
+            The numbers of each argument where they are known already, else none.
+        condition : int, optional
+            Where it is false the routine is passed over, and its results are zero.
+        """
+        given, found = list(self._numbers(arguments)), list[tuple[float, ...]]()
+        kept: list[int] = []
+        for place, array in enumerate(routine.arguments):
+            table = tables[place] if tables else ()
+            if not table:
+                values, given = given[: array.size], given[array.size :]
+                known = [self._constant_of(value) for value in values]
+                numbers = tuple(number for number in known if number is not None)
+                table = numbers if len(numbers) == array.size else ()
+                kept += [] if table else values
+            found.append(table)
+        size = sum(array.size for array in routine.results)
+        if condition is not None:
+            inner = BlockBuilder(size + len(kept))
+            results = inner.routine(routine, range(size, size + len(kept)), found)
+            zeros = [self.constant(0.0)] * size
+            body = inner.finish(results)
+            return self.conditional(routine.name, condition, body, zeros, kept)
+        targets = self._targets(size)
+        self._statements.append(RoutineCall(targets, routine, tuple(kept), tuple(found)))
         return targets
 
     def finish(self, results: Sequence[int]) -> Block:

@@ -8,6 +8,7 @@ from dataclasses import replace
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.operation import Operation
 from clepsydra.program.program import Block, Call, ForLoop, Program
+from clepsydra.program.routine import RoutineCall
 
 
 def inlined(program: Program) -> Program:
@@ -74,6 +75,8 @@ def append(
             continue
         if isinstance(each, Call):
             found = called(builder, each, place)
+        elif isinstance(each, RoutineCall):
+            found = builder.routine(each.routine, at(each.arguments), each.tables)
         elif isinstance(each, ForLoop):
             found = builder.loop(
                 each.name, each.body, each.count, each.tables, at(each.carried),

@@ -97,11 +97,17 @@ class KeptEquations:
         return Equations(following, outputs, between, self.words)
 
 
+#: Returns what a called function gives for its arguments, or None where the call stays.
+WrittenOut = Callable[[ca.Function, list[ca.SX]], list[ca.SX] | None]
+
+
 class _Rewriting:
     """The steps of a function written once more, with the calls of its blocks as they are now."""
 
-    def __init__(self, calls: Mapping[str, tuple[Any, str]]) -> None:
-        self.calls = calls
+    def __init__(
+        self, calls: Mapping[str, tuple[Any, str]], written_out: WrittenOut = lambda *_: None
+    ) -> None:
+        self.calls, self.written_out = calls, written_out
         self._functions: dict[int, ca.Function] = {}
 
     def results(self, function: ca.Function, given: Sequence[Sequence[ca.SX]]) -> list[ca.SX]:
@@ -136,6 +142,8 @@ class _Rewriting:
             return self._block(*self.calls[function.name()], given)
         sizes = accumulate((function.numel_in(i) for i in range(function.n_in())), initial=0)
         groups = [ca.vertcat(ca.SX(0, 1), *given[a:b]) for a, b in pairwise(sizes)]
+        if (found := self.written_out(function, groups)) is not None:
+            return found
         return [entry for each in self._anew(function).call(groups) for entry in _entries(each)]
 
     def _block(self, block: Any, instance: str, given: list[ca.SX]) -> list[ca.SX]:
@@ -155,6 +163,24 @@ class _Rewriting:
             kept = {"never_inline": True}
             self._functions[key] = ca.Function(function.name(), symbols, results, kept)
         return self._functions[key]
+
+
+def with_calls_written_out(function: ca.Function, written_out: WrittenOut) -> ca.Function:
+    """Return a function in which some of its calls are expressions.
+
+    Examples
+    --------
+    >>> x = ca.SX.sym("x")
+    >>> square = ca.Function("square", [x], [x * x], {"never_inline": True})
+    >>> plain = with_calls_written_out(
+    ...     ca.Function("f", [x], [square(x) + 1]), lambda _, given: [given[0] * given[0]]
+    ... )
+    >>> [plain.instruction_id(k) for k in range(plain.n_instructions())].count(ca.OP_CALL)
+    0
+    """
+    symbols = [ca.SX.sym(f"a{i}", *function.size_in(i)) for i in range(function.n_in())]
+    results = _Rewriting({}, written_out).results(function, [*map(_entries, symbols)])
+    return ca.Function(function.name(), symbols, results, function.name_in(), function.name_out())
 
 
 def _entries(values: ca.SX) -> list[ca.SX]:

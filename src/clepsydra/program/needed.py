@@ -16,6 +16,7 @@ from clepsydra.program.program import (
     read_by,
     written_by,
 )
+from clepsydra.program.routine import RoutineCall
 
 
 def needed_part(block: Block) -> tuple[Block, Counter[int]]:
@@ -89,6 +90,9 @@ def needed_body(
 def _needed_by(statement: Statement, read: Container[int]) -> Iterator[int]:
     if isinstance(statement, (Operation, Call)):
         yield from read_by(statement)
+        return
+    if isinstance(statement, RoutineCall):
+        yield from statement.needed(read).arguments_read
         return
     live = needed_values(statement, read)
     body, inside = needed_body(statement, live)

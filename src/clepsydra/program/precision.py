@@ -14,6 +14,8 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.program.operation import LIBRARY, TO_SINGLE, Operation
 from clepsydra.program.program import Block, Call, ForLoop, Program, Statement, written_by
+from clepsydra.program.routine import RoutineCall, Step
+from clepsydra.program.step_block import block_of
 
 #: LREAL and double, or REAL and float.
 Precision = Literal["double", "single"]
@@ -105,6 +107,9 @@ def in_precision(program: Program, precision: Precision) -> Program:
         if isinstance(each, ForLoop):
             tables = tuple(numbers(table, f"table of {each.name}") for table in each.tables)
             return replace(each, tables=tables)
+        if isinstance(each, RoutineCall):
+            where = f"numbers of {each.routine.name}"
+            return replace(each, tables=tuple(numbers(table, where) for table in each.tables))
         return each
 
     def signal(each: Signal) -> Signal:
@@ -163,6 +168,8 @@ def _rounding_block(block: Block) -> Block:
     for each in block.statements:
         if isinstance(each, Call):
             statements.append(replace(each, program=_rounding(each.program)))
+        elif isinstance(each, RoutineCall):
+            statements.append(each.with_steps(_rounding_step))
         elif not isinstance(each, Operation):
             statements.append(replace(each, body=_rounding_block(each.body)))
         elif each.code in _INEXACT:
@@ -172,6 +179,12 @@ def _rounding_block(block: Block) -> Block:
         else:
             statements.append(each)
     return replace(block, statements=tuple(statements))
+
+
+def _rounding_step(step: Step) -> Step:
+    block = _rounding_block(block_of(step))
+    operations = tuple(each for each in block.statements if isinstance(each, Operation))
+    return replace(step, operations=operations)
 
 
 def _single(value: float, place: str) -> float:

@@ -13,6 +13,7 @@ from clepsydra.program.counted_loop import Table
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.entries import signal_of, with_signal
 from clepsydra.program.operation import Operation
+from clepsydra.program.routine import RoutineCall
 
 
 @dataclass(frozen=True)
@@ -101,8 +102,6 @@ class Conditional:
 
     Examples
     --------
-    Two halves of a value where it is above a limit:
-
     >>> body = Block(1, (Operation(1, "constant", (), 0.5), Operation(2, "multiply", (0, 1))), (2,))
     >>> halve = Conditional((3,), 2, body, (0,), (), "halve")
     >>> read_by(halve), written_by(halve)
@@ -170,7 +169,7 @@ class Call:
         return zip(self.program.inputs, self.arguments[first:], strict=True)
 
 
-Statement = Operation | ForLoop | Conditional | Call
+Statement = Operation | ForLoop | Conditional | Call | RoutineCall
 
 
 @dataclass(frozen=True)
@@ -182,8 +181,6 @@ class Block:
 
     Examples
     --------
-    The block of y = √(a + b):
-
     >>> block = Block(2, (Operation(2, "add", (0, 1)), Operation(3, "square_root", (2,))), (3,))
     >>> [operation.code for operation in block.operations()], block.uses()
     (['add', 'square_root'], {3: 1, 0: 1, 1: 1, 2: 1})
@@ -228,6 +225,8 @@ class Block:
         def changed(each: Statement) -> Statement:
             if isinstance(each, (ForLoop, Conditional)):
                 each = replace(each, body=each.body.with_statements(change))
+            elif isinstance(each, RoutineCall):
+                each = each.with_operations(change)
             return change(each)
 
         return replace(self, statements=tuple(map(changed, self.statements)))
@@ -237,6 +236,8 @@ class Block:
         for statement in self.statements:
             if isinstance(statement, Operation):
                 yield statement
+            elif isinstance(statement, RoutineCall):
+                yield from statement.routine.operations()
             elif isinstance(statement, Call):
                 yield from statement.program.block.operations()
             else:
@@ -249,7 +250,7 @@ def read_by(statement: Statement) -> tuple[int, ...]:
         return statement.arguments
     if isinstance(statement, ForLoop):
         return statement.carried + statement.invariants
-    if isinstance(statement, Call):
+    if isinstance(statement, (Call, RoutineCall)):
         return statement.arguments
     return (statement.condition, *statement.carried, *statement.invariants)
 

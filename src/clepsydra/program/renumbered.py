@@ -15,6 +15,7 @@ from clepsydra.program.program import (
     read_by,
     written_by,
 )
+from clepsydra.program.routine import RoutineCall
 
 
 def renumbered(program: Program) -> Program:
@@ -48,6 +49,8 @@ def _block(block: Block) -> tuple[Block, dict[int, int]]:
             called = renumbered(each.program)
             targets, given = new(each.targets), new(each.arguments)
             return replace(each, targets=targets, program=called, arguments=given)
+        if isinstance(each, RoutineCall):
+            return replace(each, targets=new(each.targets), arguments=new(each.arguments))
         changed = replace(
             each,
             targets=new(each.targets),

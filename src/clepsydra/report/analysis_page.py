@@ -6,10 +6,13 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+from clepsydra.base.errors import InputError
+from clepsydra.base.remark import Remark
 from clepsydra.base.section import Line, Mark, Picture, Section, Table, marked
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.analysis_words import relative_gain_text
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.report.analysis_pictures import (
     bode_figure,
     directionality_figure,
@@ -27,6 +30,7 @@ from clepsydra.report.drawing.plant import process_drawing
 from clepsydra.report.facts import gain_text, told_table
 from clepsydra.report.page import page_text, svg_text
 from clepsydra.report.quantities import time_cell
+from clepsydra.studies.warnings.out_of_reach import out_of_reach
 
 #: Identifier, title, words, and drawn by.
 _PICTURES: tuple[tuple[str, str, str, Callable[[Analysis], Any]], ...] = (
@@ -125,6 +129,7 @@ def analysis_answer(analysis: Analysis, *, every: bool = False) -> Section:
     if not every:
         words, warnings = words[:_SAID], warnings[:_WATCHED]
         tables = [each for each in (_pairs(analysis), _at_rest(point)) if each is not None]
+    parts += marked(Mark.WATCH, [each.brief for each in _out_of_reach(analysis)])
     parts += marked(Mark.POINT, words)
     parts += marked(Mark.WATCH, warnings)
     for table in tables:
@@ -135,6 +140,16 @@ def analysis_answer(analysis: Analysis, *, every: bool = False) -> Section:
         parts += [_EMPTY, Line(f"{said} signal, pole, zero and gain: --all")]
     following = Line(f"Next: clepsydra study {point.process.address}", Mark.COMMAND)
     return Section(f"{point.process.title} ({point.process.name})", (*parts, following))
+
+
+def _out_of_reach(analysis: Analysis) -> tuple[Remark, ...]:
+    """Return what the steps of a study would ask of final elements that they cannot give."""
+    try:
+        scenario = default_scenario(analysis.model)
+    except InputError:
+        # A study says why it has no scenario; an analysis needs none.
+        return ()
+    return out_of_reach(analysis.model, scenario)
 
 
 def _pairs(analysis: Analysis) -> Table | None:

@@ -21,7 +21,9 @@ from clepsydra.controllers.signals import owners
 from clepsydra.process.process import Process
 from clepsydra.program.called_blocks import without_untold
 from clepsydra.program.owned_state import with_owned_state
+from clepsydra.report.alarm_tables import alarms_of_run, alarms_of_study
 from clepsydra.report.analysis_tables import analysis_grids, margin_grid, operating_point_grid
+from clepsydra.report.case_tables import cases_section
 from clepsydra.report.drawing.block_picture import program_svg
 from clepsydra.report.drawing.plant import process_drawing
 from clepsydra.report.facts import facts_table
@@ -32,6 +34,7 @@ from clepsydra.report.law_tables import (
     parameter_tables,
     status_words,
 )
+from clepsydra.report.limit_answer import limit_sections
 from clepsydra.report.live.live_data import live_data
 from clepsydra.report.overlay import event_windows, overlay_data, sensitivity_data, shown_signals
 from clepsydra.report.overlay_picture import overlay_svg
@@ -73,6 +76,7 @@ def report_text(result: StudyResult) -> str:
     controllers = [
         controller_section(result, each, with_blocks=each in first[:1]) for each in result.ranking
     ]
+    cases = [cases_section(result, first[0])] if result.cases and first else []
     closing = first[0].controller if first else None
     name = result.title or result.process.title
     return rendered(
@@ -90,7 +94,7 @@ def report_text(result: StudyResult) -> str:
         first=first,
         recommended=None if advice is None else advice.simplest,
         drawing=process_drawing(result.process, result.point, closing),
-        details=[*controllers, *_more(result)],
+        details=[*cases, *limit_sections(result, first[:1]), *controllers, *_more(result)],
         assets=assets,
         still_words=STILL_WORDS,
         data=data,
@@ -128,6 +132,8 @@ def _more(result: StudyResult) -> list[Section]:
         refused = facts_table("", reasons)
         folded = bool(result.ranking)
         found.append(Section("Not applicable, and why", (refused,), folded=folded))
+    if alarms := alarms_of_study(result.ranking):
+        found.insert(0, alarms)
     bits = tuple((str(bit.value), bit.meaning) for bit in STATUS_BITS.values())
     meanings: tuple[Line | Table, ...] = (
         *ranking_notes(result),
@@ -276,6 +282,8 @@ def controller_section(
         Section("How robust it is", (robust,)),
         Section("How it behaved", tuple(behaved)),
     ]
+    if alarms := alarms_of_run(candidate.run):
+        parts.append(Section("Its alarms", alarms))
     if with_blocks and (picture := _blocks(result, candidate)):
         parts.append(Section("The blocks of its export", (picture,), folded=True))
     return Section(f"{candidate.rank}. {controller.title}", tuple(parts), folded=True)

@@ -54,7 +54,7 @@ _HEAD = "<head>\n"
 _HEIGHT = "45rem"
 
 
-def framed(text: str, title: str) -> str:
+def framed(text: str, title: str, *, saves: bool = False) -> str:
     """Return a page as an element of another one, as a notebook shows it.
 
     Its script runs, and reaches nothing outside of its frame.
@@ -65,6 +65,8 @@ def framed(text: str, title: str) -> str:
         The page, as of `page_text`.
     title : str
         Of the frame, for readers who do not see it.
+    saves : bool
+        Whether it saves files.
 
     Examples
     --------
@@ -75,8 +77,9 @@ def framed(text: str, title: str) -> str:
     # Links to places of the page would lead to those of the notebook.
     own = text.replace(_HEAD, f'{_HEAD}<base href="about:srcdoc">\n', 1)
     style = f"width: 100%; height: {_HEIGHT}; border: 0"
+    allowed = "allow-scripts allow-downloads" if saves else "allow-scripts"
     return (
-        f'<iframe title="{escape(title)}" sandbox="allow-scripts" srcdoc="{escape(own)}" '
+        f'<iframe title="{escape(title)}" sandbox="{allowed}" srcdoc="{escape(own)}" '
         f'style="{style}"></iframe>'
     )
 

@@ -12,6 +12,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si, unit_text
 from clepsydra.base.words import time_unit
 from clepsydra.process.elements.sensor import Sensor
+from clepsydra.process.elements.tank import Tank
 from clepsydra.process.process import Process
 
 
@@ -235,6 +236,27 @@ def sensor_scale(process: Process, measurement: str) -> SensorScale:
         readings.append(float(np.asarray(output).ravel()[row]))
     gain = (readings[1] - readings[0]) / level.span
     return SensorScale(gain, readings[0] - gain * level.low)
+
+
+#: Tanks that hold less [m³] count in the first unit, where their file names none.
+_LARGE, _SMALL_FLOW, _LARGE_FLOW = 1.0, "cm^3/s", "m^3/h"
+
+
+def flow_unit(process: Process) -> str:
+    """Return the unit in which a plant counts flows: that of its own signals, if there is one.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> flow_unit(load_process("quadruple-tank"))
+    'cm^3/s'
+    """
+    outside = (*process.inputs, *process.disturbances)
+    own = [signal.shown_unit for signal in outside if signal.unit == "m^3/s"]
+    if own:
+        return own[0]
+    held = [each.vessel.capacity for each in process.elements if isinstance(each, Tank)]
+    return _SMALL_FLOW if max(held, default=0.0) < _LARGE else _LARGE_FLOW
 
 
 def shown_signal(process: Process, measurement: str) -> tuple[Signal, float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from clepsydra.base.section import Line, Table
 from clepsydra.report.facts import told_table
@@ -14,6 +14,8 @@ from clepsydra.studies.result import Candidate, Standing
 
 #: Of the ranking in an answer.
 RANKED = 5
+#: The head of the column that compares with the physical limit.
+TIMES = "× limit"
 #: The standing of a controller in a word.
 STANDING_WORDS = {
     Standing.ROBUST: "robust",
@@ -31,8 +33,16 @@ def standing_word(candidate: Candidate | Trial) -> str:
     return STANDING_WORDS[candidate.standing]
 
 
-def ranking_glance(shown: Sequence[Candidate]) -> Table:
-    """Return candidates of a ranking in physical numbers, then beside the first of it."""
+def ranking_glance(
+    shown: Sequence[Candidate], times: Callable[[Candidate], float | None] = lambda _: None
+) -> Table:
+    """Return candidates of a ranking in physical numbers, then beside the first of it.
+
+    Parameters
+    ----------
+    times : callable, optional
+        Candidate to how many times the physical limit it is, where that is known.
+    """
     process = shown[0].run.process
     figures = figures_of(process)
     standings = [standing_word(each) for each in shown]
@@ -47,11 +57,12 @@ def ranking_glance(shown: Sequence[Candidate]) -> Table:
             standing if several else "",
             *(figure.cell(process, each) for figure in figures),
             number_text(each.relative_error),
+            number_text(math.nan if (limit := times(each)) is None else limit),
             number_text(each.maximum_sensitivity),
         )
         for each, standing, factor in zip(shown, standings, slowed, strict=True)
     ]
-    return told_table((*head, "relative error", "max|S|"), rows, names=2, kept=3)
+    return told_table((*head, "relative error", TIMES, "max|S|"), rows, names=2, kept=3)
 
 
 def trial_line(trial: Trial) -> Line:

@@ -49,6 +49,10 @@ _COLUMNS_NOTE = (
     "much. Max|S| is the peak of the sensitivity at the controlled measurements; inner loops and "
     "manipulated variables have theirs with the controller."
 )
+_CASES_NOTE = (
+    "Physical numbers of the ranking are those of the base case; standing and multiples are those "
+    "of each controller's worst case. "
+)
 _AVERAGING_NOTE = (
     "A level that averages is meant to move: how it settles, deviates and overshoots is with the "
     "controller in the report. "
@@ -65,7 +69,8 @@ def ranking_notes(result: StudyResult) -> tuple[Line, ...]:
     if any(each.controller.slowed > 1.0 for each in result.ranking):
         columns.insert(0, ("slowed", SLOWED_WORDS))
     averaging = _AVERAGING_NOTE if result.process.averaging else ""
-    words = f"{averaging}{_COLUMNS_NOTE} Order: {result.rule or RULE}"
+    cases = _CASES_NOTE if result.cases else ""
+    words = f"{averaging}{cases}{_COLUMNS_NOTE} Order: {result.rule or RULE}"
     said = (f"{title.capitalize()}: {in_sentence(meaning)}" for title, meaning in columns)
     return marked(Mark.POINT, (*said, *re.split(r"(?<=\.) (?=[A-Z])", words), SETTINGS_WORDS))
 

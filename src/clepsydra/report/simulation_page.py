@@ -15,6 +15,7 @@ from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.open_loop_plan import TOLERANCE, Plan
 from clepsydra.loop.profile import Change
 from clepsydra.process.process import Process
+from clepsydra.report.alarm_tables import alarm_words, alarms_of_run
 from clepsydra.report.drawing.plant import process_drawing
 from clepsydra.report.facts import facts_table
 from clepsydra.report.html import address_text, integration_words, versions_text
@@ -49,6 +50,7 @@ def simulation_text(plan: Plan, run: Simulation) -> str:
         _changes_grid(plan),
         trajectories_grid(run),
         events if events.rows else Line("No event happened."),
+        *alarms_of_run(run),
         *((balances, Line(_BALANCED)) if balances.rows else ()),
     )
     begins = Line(f"The values are those with which it begins: {plan.begins}.")
@@ -103,6 +105,7 @@ def simulation_answer(plan: Plan, run: Simulation, *, every: bool = False) -> Se
     if every:
         tables = trajectories_grid(run), events_grid(run, _LISTED), balances_grid(run)
         parts += [table for table in tables if table.rows]
+        parts += alarms_of_run(run)
         parts += [Line(trust_sentence(run)), *marked(Mark.WATCH, warnings)]
     else:
         shown = shown_signals(run)
@@ -111,6 +114,7 @@ def simulation_answer(plan: Plan, run: Simulation, *, every: bool = False) -> Se
         moved = Table("", ("what moved", "start", "end", "smallest", "largest"), rows)
         for table in (moved, replace(events_grid(run, _EVENTS), title="", names=3)):
             parts += [Line(""), table] if table.rows else []
+        parts += [Line(words)] if (words := alarm_words(run)) else []
         parts += [Line(trust_sentence(run)), *marked(Mark.WATCH, warnings[:_WATCHED])]
         still = len(shown) - len(rows)
         more = f"{still} more signal{'s' if still > 1 else ''}, times" if still else "Times"

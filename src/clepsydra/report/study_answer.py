@@ -11,19 +11,29 @@ from clepsydra.base.words import listed, time_text
 from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.designs.slowing_down import SENSITIVITY_LIMIT
 from clepsydra.process.process import Process
+from clepsydra.report.alarm_tables import alarm_words, alarms_of_study
 from clepsydra.report.analysis_tables import margin_table
+from clepsydra.report.case_tables import (
+    case_by_case,
+    error_in_cases,
+    settings_anew,
+    watched_in_cases,
+)
 from clepsydra.report.facts import first_rows
 from clepsydra.report.figures import figures_of, performance_words
+from clepsydra.report.limit_answer import limit_words
 from clepsydra.report.pid_tables import settings_table
 from clepsydra.report.quantities import number_text, time_cell
-from clepsydra.report.ranking_rows import RANKED, ranking_glance, standing_word
+from clepsydra.report.ranking_rows import RANKED, TIMES, ranking_glance, standing_word
 from clepsydra.report.scheme_tables import added_table
 from clepsydra.report.score_tables import ranking_notes, reasons
 from clepsydra.scores.score import in_sentence
+from clepsydra.studies.case_words import cases_sentence
 from clepsydra.studies.ranking import QUIET
 from clepsydra.studies.ranking_words import TIE, trust_sentence
 from clepsydra.studies.recommendation import Recommendation, recommend, watched
 from clepsydra.studies.result import Candidate, Standing, StudyResult
+from clepsydra.studies.worst_case import least_trusted_case
 
 #: Of the answer: rows of settings, and warnings.
 _SETTINGS, _WATCHED = 3, 2
@@ -57,22 +67,55 @@ def study_answer(
     parts: list[Line | Table | Section] = [Line(result.verdict, Mark.ANSWER)]
     if advice is not None:
         parts += advised(result, advice, why=why)
-    if result.ranking:
-        shown = ranking_glance(result.ranking if every else _first(result, advice))
+    if result.cases and result.ranking:
+        parts += _in_cases(result, advice, every=every)
+    if result.ranking and (every or not result.cases):
+        listed_rows = result.ranking if every else _first(result, advice)
+        shown = ranking_glance(listed_rows, result.times_limit)
         parts += [_EMPTY, replace(shown, kept=0) if every else shown]
+    alarms = alarms_of_study(result.ranking) if every else None
+    parts += [] if alarms is None else [_EMPTY, alarms]
     rest, narrow = (_rest(result, every, why, refused, columns) for columns in ("", "{}"))
     parts += [Line(rest, narrow=narrow)] if narrow else []
     if why:
-        parts += _reasons(result)
+        parts += _reasons(result, advice)
     if refused or not result.ranking:
-        named = (f"{name} does not apply: {reason}" for name, reason in result.not_applicable)
+        named = [f"{name} does not apply: {reason}" for name, reason in result.not_applicable]
+        named += [
+            f"{name} does not apply in the case {case}: {reason}"
+            for case, found in result.cases.items()
+            for name, reason in found.not_applicable
+            if (name, reason) not in result.not_applicable
+        ]
         parts += [_EMPTY, *marked(Mark.REFUSED, named)]
     if advice is not None:
         parts += [_EMPTY, *_commands(result, advice)]
     elif result.ranking:
         step = "Next: open the report, and change the process or its sampling."
+        if any(case.settings == "frozen" for case in result.cases.values()):
+            step = 'Next: where it fails, try settings = "designed_anew", or leave that case out.'
         parts += [_EMPTY, Line(step, Mark.NEXT)]
     return Section("", tuple(parts))
+
+
+def _told_first(result: StudyResult, advice: Recommendation | None) -> Candidate:
+    """Return the recommended controller, or the least bad."""
+    return result.ranking[0] if advice is None else advice.simplest
+
+
+def _in_cases(
+    result: StudyResult, advice: Recommendation | None, *, every: bool
+) -> list[Line | Table | Section]:
+    """Return what the recommended controller, or the least bad, does in each case, and others."""
+    first = _told_first(result, advice)
+    words = cases_sentence(result, first)
+    parts: list[Line | Table | Section] = [Line(words), _EMPTY, case_by_case(result, first)]
+    for settings in settings_anew(result, first):
+        parts += [_EMPTY, first_rows(settings, _SETTINGS, _MORE)]
+    if len(result.ranking) > 1:
+        shown = result.ranking if every else _first(result, advice)
+        parts += [_EMPTY, error_in_cases(result, shown)]
+    return parts
 
 
 def advised(
@@ -88,6 +131,8 @@ def advised(
     settings = [loops and _action_once(loops), added_table(simplest.controller, process)]
     tables = [first_rows(each, _SETTINGS, _MORE) for each in settings if each is not None]
     parts += [_EMPTY, *tables] if tables else []
+    parts += [Line(words)] if (words := limit_words(result, simplest)) else []
+    parts += [Line(words)] if (words := alarm_words(simplest.run)) else []
     parts += watch_lines(result, simplest, every=why)
     if best is not simplest:
         parts.append(Line(better_words(advice)))
@@ -129,7 +174,8 @@ def better_words(advice: Recommendation) -> str:
         needs = ""
     said = advice.best.warnings if needs else watched(advice.best)
     watch = f"; {in_sentence(said[0].brief)}" if said else "."
-    saved = f"has {100.0 * advice.saved:.0f} % less error"
+    at_worst = " in the worst case" if advice.best.cases else ""
+    saved = f"has {100.0 * advice.saved:.0f} % less error{at_worst}"
     return f"The best, {controller.title}, {saved}{needs}{watch}"
 
 
@@ -140,7 +186,10 @@ def watch_lines(
 
     What to do stands beside it where all is told, else it comes with the rest.
     """
-    found = [(each.brief, each.advice) for each in (*result.warnings, *watched(candidate))]
+    # The answer has told what is out of reach; what to do about it is told with the rest.
+    told = () if every else result.out_of_reach
+    warnings = [each for each in (*result.warnings, *watched(candidate)) if each not in told]
+    found = [(each.brief, each.advice) for each in warnings]
     for caveat in candidate.caveats:
         if caveat.seen:
             shared = [any(c.about == caveat.about for c in each.caveats) for each in result.ranking]
@@ -174,7 +223,7 @@ def _rest(result: StudyResult, every: bool, why: bool, refused: bool, columns: s
     return "; ".join(said)
 
 
-def _reasons(result: StudyResult) -> list[Line | Table | Section]:
+def _reasons(result: StudyResult, advice: Recommendation | None) -> list[Line | Table | Section]:
     parts: list[Line | Table | Section] = [_EMPTY]
     for each, words in zip(result.ranking, reasons(result.ranking), strict=True):
         parts.append(Line(f"{each.rank}  {each.controller.title}: {words}"))
@@ -182,6 +231,8 @@ def _reasons(result: StudyResult) -> list[Line | Table | Section]:
         titled = (f"{each.controller.title}: {words}" for words in each.warnings)
         parts += marked(Mark.WATCH, titled)
     parts += marked(Mark.WATCH, (*result.warnings, *result.caveats))
+    if result.cases and result.ranking:
+        parts += marked(Mark.WATCH, watched_in_cases(result, _told_first(result, advice)))
     return [*parts, _EMPTY, *ranking_notes(result)]
 
 
@@ -243,6 +294,8 @@ def lead(result: StudyResult, advice: Recommendation | None) -> str:
         if why.startswith("the best"):
             better = better.replace("The best,", "The best of all,")
         said.append(better)
+    said += [cases_sentence(result, advice.simplest)] if result.cases else []
+    said += [words] if (words := limit_words(result, advice.simplest)) else []
     return " ".join(said)
 
 
@@ -251,7 +304,8 @@ def counted_words(result: StudyResult) -> str:
     ran = len(result.ranking)
     good = sum(each.standing is Standing.ROBUST for each in result.ranking)
     refused = len(result.not_applicable)
-    words = f"{ran} controller{'' if ran == 1 else 's'} ran, {good} within all limits"
+    where = f" in {len(result.cases) + 1} cases" if result.cases else ""
+    words = f"{ran} controller{'' if ran == 1 else 's'} ran{where}, {good} within all limits"
     return f"{words}, {refused} not applicable" if refused else words
 
 
@@ -295,7 +349,8 @@ def _how_good(process: Process, compared: Sequence[Candidate]) -> Section:
 
 
 def _how_sure(process: Process, first: Candidate) -> Section:
-    rows = [("standing", standing_word(first), "")]
+    where = f"in the worst case, {least_trusted_case(first).name}" if first.cases else ""
+    rows = [("standing", standing_word(first), where)]
     if not math.isnan(peak := first.maximum_sensitivity):
         rows.append(("max|S|", number_text(peak), f"limit {SENSITIVITY_LIMIT:g}"))
     if first.response is not None:
@@ -326,6 +381,7 @@ def ranking_columns(result: StudyResult) -> list[RankingColumn]:
         ("relative error", [each.relative_error for each in ranking]),
         ("total variation, × least", [each.wear for each in ranking]),
         ("max|S|", [each.maximum_sensitivity for each in ranking]),
+        (TIMES, [math.nan if t is None else t for t in map(result.times_limit, ranking)]),
     ):
         cells = [(number_text(value), math.inf if math.isnan(value) else value) for value in values]
         columns.append(RankingColumn(title, tuple(cells)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 SegmentKind = Literal["setpoint", "load", "noise"]
@@ -19,7 +19,9 @@ class Segment:
     start, stop : float
         [s]
     size : float
-        Of the step, in the signal's unit.
+        Of the step, in the signal's unit; of a profile, where it is farthest from before.
+    over : float
+        How long the signal takes to get to where it stays [s]; 0 for a step.
     """
 
     kind: SegmentKind
@@ -27,3 +29,4 @@ class Segment:
     start: float
     stop: float
     size: float
+    over: float = field(default=0.0, repr=False)

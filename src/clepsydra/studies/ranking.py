@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from clepsydra.base.words import with_article
 from clepsydra.scores.effort import IDLE, NOISE_MOVEMENT
 from clepsydra.scores.score import in_sentence
 from clepsydra.scores.score_key import score_key
@@ -19,7 +20,7 @@ from clepsydra.studies.ranking_words import (
     TIE,
     percent,
     reason,
-    with_article,
+    trust_sentence,
 )
 from clepsydra.studies.recommendation import as_good_as_first, recommend, rival_of
 from clepsydra.studies.result import ACCEPTED, Candidate, Standing, TriedController
@@ -132,31 +133,50 @@ def rank(trials: Sequence[Trial], scores: Sequence[str] = ()) -> tuple[Candidate
     InputError
         A score that is asked for is none of these runs.
     """
-    if not trials:
-        return ()
     standings = [trial.standing for trial in trials]
     first = [t for t, s in zip(trials, standings, strict=True) if s is min(standings)]
-    judge = Judge(trials[0], first, min(standings), scores)
+    return in_order(judged(trials, first, scores))
+
+
+def judged(
+    trials: Sequence[Trial], best_of: Sequence[Trial], scores: Sequence[str] = ()
+) -> list[Candidate]:
+    """Return trials with the numbers that decide between them, in the order given.
+
+    Parameters
+    ----------
+    best_of : sequence of Trial
+        Those whose best an error is a multiple of, all of one standing or worse ones.
+    scores : sequence of str
+        As for `rank`.
+    """
+    if not trials:
+        return []
+    judge = Judge(trials[0], best_of, min(trial.standing for trial in best_of), scores)
     candidates = []
-    for trial, standing in zip(trials, standings, strict=True):
+    for trial in trials:
         criteria = judge.criteria(trial)
         candidates.append(
             Candidate(
                 **vars(trial),
-                standing=standing,
+                standing=trial.standing,
                 mean_error=float(np.mean(list(criteria.values()))),
                 criteria=criteria,
                 wear=judge.wear(trial),
             )
         )
+    return candidates
+
+
+def in_order(candidates: Sequence[Candidate]) -> tuple[Candidate, ...]:
+    """Return candidates, best first, each with its rank and what put it there."""
     groups = _groups(candidates)
     ordered = [(candidate, number) for number, group in enumerate(groups) for candidate in group]
-    least = ordered[0][0].mean_error
     ranking = []
     for place, (candidate, group) in enumerate(ordered):
         rival, other = ordered[place - 1] if place else (*ordered, (None, None))[1]
         words = reason(candidate, rival, ahead=not place, tied=other == group)
-        mean = candidate.mean_error
+        mean, least = candidate.mean_error, ordered[0][0].mean_error
         relative = 1.0 if mean == least else mean / least if math.isfinite(least) else math.nan
         ranking.append(replace(candidate, rank=place + 1, relative_error=relative, reason=words))
     return tuple(ranking)
@@ -177,8 +197,7 @@ def verdict(
     accept : float
         As of `recommend`.
     out_of_reach : sequence of Remark
-        What the scenario asks of final elements that they cannot give: where no controller can be
-        recommended, that is told first.
+        What the scenario asks of final elements that they cannot give, which is told first.
 
     Examples
     --------
@@ -189,13 +208,15 @@ def verdict(
     if not ranking:
         return f"No controller of this study applies to {process.title}; the reasons are listed."
     best, advice = ranking[0], recommend(ranking, accept)
+    first = "".join(f"{each.brief} " for each in out_of_reach)
     if advice is None:
-        first = "".join(f"{each.brief} " for each in out_of_reach)
+        whom = f"for every case of {process.title}" if best.cases else f"for {process.title}"
+        why = trust_sentence(best) if best.cases else best.reason
         return (
-            f"{first}No controller of this study can be recommended for {process.title}; "
-            f"the least bad is {best.controller.title}: {best.reason[0].lower()}{best.reason[1:]}"
+            f"{first}No controller of this study can be recommended {whom}; "
+            f"the least bad is {best.controller.title}: {why[0].lower()}{why[1:]}"
         )
-    use = f"Use {advice.simplest.controller.title} on {process.title}"
+    use = f"{first}Use {advice.simplest.controller.title} on {process.title}"
     if advice.simplest is best:
         return f"{use}: the best{_lead(ranking)}."
     return f"{use}: {advice.why}."
@@ -221,10 +242,11 @@ def _beside(best: Candidate, rival: Candidate) -> str:
         return f", {STANDINGS[best.standing]} where {name} is not"
     if rival.mean_error > TIE * best.mean_error:
         saved = 100 * (1 - best.mean_error / rival.mean_error)
-        judged = " and ".join(in_sentence(title) for title in best.criteria)
+        criteria = " and ".join(in_sentence(title) for title in best.criteria)
+        at_worst = " in the worst case" if best.cases else ""
         if len(best.criteria) > 1:
-            return f", with {percent(saved)} less {judged} on average than {name}"
-        return f", with {with_article(judged)} {percent(saved)} below that of {name}"
+            return f", with {percent(saved)} less {criteria} on average{at_worst} than {name}"
+        return f", with {with_article(criteria)}{at_worst} {percent(saved)} below that of {name}"
     return f", as good as {name} with less movement of the inputs"
 
 

@@ -10,6 +10,7 @@ from clepsydra.studies.departure import departures
 from clepsydra.studies.result import Candidate, Standing
 from clepsydra.studies.warnings.harm import harms
 from clepsydra.studies.warnings.strokes import driven_to_and_fro
+from clepsydra.studies.worst_case import least_trusted_case, worst_case
 
 #: Controllers whose mean differs by less are as good as each other, and their wear decides.
 TIE = 1.02
@@ -83,10 +84,18 @@ def trust_sentence(candidate: Candidate) -> str:
     --------
     >>> from types import SimpleNamespace
     >>> trust_sentence(SimpleNamespace(
-    ...     standing=Standing.ROBUST, maximum_sensitivity=1.5, inner_peak=None))
+    ...     standing=Standing.ROBUST, maximum_sensitivity=1.5, inner_peak=None, cases={}))
     'Robust (max|S| 1.50).'
     """
-    return f"{_standing(candidate)}."
+    if not candidate.cases:
+        return f"{_standing(candidate)}."
+    case = least_trusted_case(candidate)
+    if case.candidate is None:
+        return f"Does not apply in a case ({case.name})."
+    if case.candidate.standing is Standing.ROBUST:
+        peaks = _peaks(case.candidate)
+        return f"Robust in every case, with the thinnest margin ({case.name}) at {peaks}."
+    return f"In the worst case ({case.name}): {in_sentence(_standing(case.candidate))}."
 
 
 def _numbers(candidate: Candidate) -> str:
@@ -100,6 +109,8 @@ def _numbers(candidate: Candidate) -> str:
     words = " and ".join(several) + " times the best"
     if len(several) > 1 and math.isfinite(candidate.mean_error):
         words += f", {candidate.mean_error:.2f} in the mean"
+    if candidate.cases:
+        words += f" in the worst case ({worst_case(candidate).name})"
     return f"{words[0].upper()}{words[1:]}; {_wear(candidate.wear)}."
 
 
@@ -153,17 +164,6 @@ def _moves(more: float, less: float) -> str:
     if less > 0.0 and math.isfinite(more):
         return f"moves its inputs {more / less:.2f} times as much"
     return "moves its inputs more"
-
-
-def with_article(words: str) -> str:
-    """Return words with "a" or "an" before them.
-
-    Examples
-    --------
-    >>> with_article("setpoint error"), with_article("IAE of level"), with_article("overshoot")
-    ('a setpoint error', 'an IAE of level', 'an overshoot')
-    """
-    return f"{'an' if words[:1].lower() in 'aeiou' else 'a'} {words}"
 
 
 def percent(number: float) -> str:

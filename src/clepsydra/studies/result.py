@@ -13,15 +13,19 @@ from clepsydra.studies.warnings.caveat import Caveat, told_once
 
 if TYPE_CHECKING:
     from clepsydra.controllers.controller import Controller
+    from clepsydra.limits.limits import Limits
     from clepsydra.linear.analysis import Analysis
     from clepsydra.linear.linear_model import LinearModel
     from clepsydra.linear.operating_point import OperatingPoint
     from clepsydra.loop.run import Run
     from clepsydra.loop.scenario import Scenario
     from clepsydra.process.process import Process
+    from clepsydra.studies.file.request import Settings
     from clepsydra.studies.tuning.result import TuningResult
     from clepsydra.studies.warnings.loop_response import LoopResponse
 
+#: The study's own operating point, beside its cases.
+BASE_CASE = "base case"
 #: The relative error that is good enough beside the best.
 ACCEPTED = 1.5
 
@@ -96,6 +100,9 @@ class Candidate(TriedController):
     wear : float
         Mean over the manipulated variables of the total variation, each as a multiple of the
         best; it decides between controllers within 2 % of each other.
+    cases : mapping
+        Of a study of several cases: the base case and each other one to the candidate that it is
+        there, None where it does not apply. What it is judged by then is that of its worst case.
     """
 
     standing: Standing
@@ -105,6 +112,7 @@ class Candidate(TriedController):
     reason: str = ""
     criteria: Mapping[str, float] = field(default_factory=dict)
     wear: float = 1.0
+    cases: Mapping[str, Candidate | None] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         """Return its place and the numbers of the ranking, in a line."""
@@ -140,6 +148,12 @@ class StudyResult:
         Those of the warnings that say which final element cannot give what the scenario asks.
     judged_by : tuple of str
         The scores that the study asked for; empty for the usual ones.
+    cases : mapping
+        Name of each other operating point or variant to what was found there.
+    settings : {"frozen", "designed_anew"}
+        Of a case: whether its controllers have the settings of the study, or its own.
+    limits : Limits or None
+        The least errors that any controller could leave in its scenario, where they were sought.
     """
 
     process: Process
@@ -155,6 +169,9 @@ class StudyResult:
     accept: float = ACCEPTED
     out_of_reach: tuple[Remark, ...] = ()
     judged_by: tuple[str, ...] = ()
+    cases: Mapping[str, StudyResult] = field(default_factory=dict)
+    settings: Settings = "designed_anew"
+    limits: Limits | None = None
 
     def __repr__(self) -> str:
         """Return what was studied and what came first, in a line."""
@@ -202,6 +219,33 @@ class StudyResult:
                 "segments": [asdict(segment) for segment in self.scenario.segments],
                 **({} if self.scenario.begin is None else self.scenario.begin.as_dict()),
             },
+            **self._cases_as_dict(),
+            **self._limits_as_dict(),
+        }
+
+    def times_limit(self, candidate: Candidate) -> float | None:
+        """Return the setpoint error of a controller as a multiple of the least possible.
+
+        It is None where the limit was not sought, or there is none.
+        """
+        return None if self.limits is None else self.limits.times(candidate.run)
+
+    def _limits_as_dict(self) -> dict[str, Any]:
+        """Return the physical limit, and how many times it each controller is."""
+        if self.limits is None:
+            return {}
+        times = {each.controller.name: self.times_limit(each) for each in self.ranking}
+        return {"limit": {**self.limits.as_dict(courses=False), "times": times}}
+
+    def _cases_as_dict(self) -> dict[str, Any]:
+        """Return each case as a study of its own; nothing where there is none."""
+        if not self.cases:
+            return {}
+        return {
+            "cases": {
+                name: {"settings": each.settings, "address": each.process.address, **each.as_dict()}
+                for name, each in self.cases.items()
+            }
         }
 
 
@@ -210,6 +254,9 @@ def _counted(number: int, what: str) -> str:
 
 
 def _candidate(candidate: Candidate) -> dict[str, Any]:
+    # With a run alone: what makes a design loads no loop.
+    from clepsydra.loop.alarm_times import alarms_as_dict
+
     controller, run = candidate.controller, candidate.run
     return {
         "rank": candidate.rank,
@@ -235,4 +282,25 @@ def _candidate(candidate: Candidate) -> dict[str, Any]:
         "caveats": [each.words for each in candidate.caveats],
         "error_estimate": run.error_estimate,
         "substeps": run.substeps,
+        **alarms_as_dict(run),
+        **_cases(candidate),
+    }
+
+
+def _cases(candidate: Candidate) -> dict[str, Any]:
+    """Return how a candidate stands in each case; nothing where there is none."""
+    if not candidate.cases:
+        return {}
+    return {
+        "cases": {
+            name: None
+            if each is None
+            else {
+                "standing": each.standing.name.lower(),
+                "mean_error": each.mean_error,
+                "maximum_sensitivity": each.maximum_sensitivity,
+                "scores": dict(each.scores),
+            }
+            for name, each in candidate.cases.items()
+        }
     }

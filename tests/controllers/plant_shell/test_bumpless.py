@@ -20,6 +20,7 @@ AT_ONCE = [
     ("LQI, recomputed", "quadruple-tank"),
     ("2DOF polynomial, LQ", "quadruple-tank"),
     ("Feedback linearisation", "quadruple-tank"),
+    ("One-step inverse", "averaging-tank"),
     ("Fuzzy PI", "quadruple-tank"),
     ("2DOF polynomial, LQ", DEAD_TIME),
 ]

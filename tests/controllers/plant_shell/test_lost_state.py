@@ -72,6 +72,7 @@ def test_with_kept_state_it_goes_on_from_the_last_output():
     [
         ("LQI with Kalman filter", "quadruple-tank"),
         ("Feedback linearisation", "quadruple-tank"),
+        ("One-step inverse", "averaging-tank"),
         ("Smith predictor, PI", "eight-tanks"),
         ("Fuzzy PI", "quadruple-tank"),
         ("Start/stop levels", "wet-well:start-stop"),

@@ -104,6 +104,7 @@ def test_a_cold_start_takes_the_designed_value_where_none_is_valid():
         ("PI, SIMC", "quadruple-tank"),
         ("LQI with Kalman filter", "quadruple-tank"),
         ("Feedback linearisation", "quadruple-tank"),
+        ("One-step inverse", "averaging-tank"),
         ("Fuzzy PI", "quadruple-tank"),
         ("Glover-McFarlane on PI, SIMC", "quadruple-tank"),
         ("Start/stop levels", "wet-well:start-stop"),

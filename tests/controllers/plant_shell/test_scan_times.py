@@ -123,6 +123,7 @@ def test_a_clock_that_fails_more_often_than_not_fails_safe():
         ("LQI with Kalman filter", "quadruple-tank"),
         ("2DOF polynomial, LQ", "quadruple-tank"),
         ("Feedback linearisation", "quadruple-tank"),
+        ("One-step inverse", "averaging-tank"),
         ("Glover-McFarlane on PI, SIMC", "quadruple-tank"),
         ("Fuzzy PI", "quadruple-tank"),
     ],

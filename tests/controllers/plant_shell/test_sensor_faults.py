@@ -259,6 +259,7 @@ LEVELS = ["level_1", "level_2", "level_3", "level_4"]
         ("PI, SIMC, dynamic decoupling", [["level_1"], ["level_2"]]),
         ("LQI, Bryson", [LEVELS, LEVELS]),
         ("Feedback linearisation", [LEVELS, LEVELS]),
+        ("One-step inverse", [LEVELS, LEVELS]),
         ("Fuzzy PI", [["level_1"], ["level_2"]]),
     ],
 )

@@ -22,6 +22,7 @@ FAMILIES = [
     ("LQI with Kalman filter", "quadruple-tank"),
     ("2DOF polynomial, LQ", "quadruple-tank"),
     ("Feedback linearisation", "quadruple-tank"),
+    ("One-step inverse", "averaging-tank"),
     ("Fuzzy PI", "quadruple-tank"),
     ("Glover-McFarlane on PI, SIMC", "quadruple-tank"),
     ("PI, gain scheduling", "averaging-tank"),

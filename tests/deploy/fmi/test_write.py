@@ -190,7 +190,7 @@ def test_a_machine_without_a_name_is_refused_and_nothing_is_left(monkeypatch, tm
     assert (tmp_path / "pi.fmu").is_file()
 
 
-@pytest.mark.parametrize("name", ["pegel_höhe", "level 1", "a..b", "tank.1st", "[1]", "a<b", ""])
+@pytest.mark.parametrize("name", ["pegel_höhe", "level 1", "a..b", "[1]", "a<b", ""])
 def test_a_name_that_is_none_of_the_naming_convention_is_refused(name):
     program = pi_program()
     named = replace(program, outputs=(replace(program.outputs[0], name=name), *program.outputs[1:]))

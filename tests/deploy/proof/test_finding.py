@@ -49,8 +49,8 @@ SINGLE = {"precision": "single", "against": "engine in double", "differing": 7}
         ([row("FMU 3.0 exchange", verdict="refused", limit="delays in model exchange"), row("C"),
           row("FMU 2.0", verdict="refused", reason="no package fmpy")],
          ["refused without need: FMU 2.0 (no package fmpy)",
-          "not run: FMU 3.0 for model exchange (an importer integrates the present, and a "
-          "transport delay needs the past)"]),
+          "not run: FMU 3.0 for model exchange (an importer integrates the present, and dead "
+          "time needs the past)"]),
         ([row("C", verdict="within the bound", bound=1e-12, largest=3e-14, differing=2)], []),
     ],
 )  # fmt: skip

@@ -1,6 +1,7 @@
 """The worker's share of whole reports, in Node: with the report's settings it finds its numbers."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +13,8 @@ from clepsydra.report.overlay import shown_signals, shown_span
 
 from .conftest import shown_windows
 
+#: A plant whose analyser takes its time and reports once a minute.
+SELDOM = f"{Path(__file__).parents[3] / 'docs' / 'examples' / 'analyser.toml'}:seldom"
 #: Of the range; the native kernel fuses multiplications into additions, a module does not.
 FUSED = 1e-9
 #: Each search for a peak stops where a maximum can rise by no more than this share.
@@ -25,6 +28,16 @@ def test_it_finds_again_what_the_report_says(process, studied, report_session):
     data = live_of(result)
     if data is None:
         pytest.skip("no setting of its first controllers moves")
+    assert_found_again(result, data, report_session)
+
+
+def test_it_finds_again_what_an_analyser_tells_late_and_seldom(report_session):
+    plant = cl.load(SELDOM)
+    result = cl.study(plant, controllers=[cl.design.simc(plant), cl.design.amigo(plant)])
+    assert_found_again(result, live_of(result), report_session)
+
+
+def assert_found_again(result, data, report_session):
     messages = [
         {"kind": "run", "run": place, "controller": place, "values": live["values"]}
         for place, live in enumerate(data["controllers"])

@@ -14,7 +14,7 @@ from clepsydra.controllers.blocks.matrix import column
 from clepsydra.controllers.blocks.sample import Reading, Sample
 from clepsydra.controllers.blocks.sampled_matrices import (
     from_upper_triangle,
-    sampled_expressions,
+    held_matrix,
     upper_triangle,
 )
 from clepsydra.controllers.blocks.validity import all_of, is_number, time_step_of
@@ -184,7 +184,7 @@ class ExtendedKalman(ProcessState, Observer):
         """Return P of the next sample."""
         here = self.equations.bounded(x, NEARLY_EMPTY)
         A, *acting = evaluated(self.equations, self._linear, s, here, applied)
-        held = sampled_expressions(A, ca.SX(A.shape[0], 1), None, time, self.doublings).held
+        held = held_matrix(A, time, self.doublings)
         intensity = ca.SX(0)
         for acts, part, of in zip(acting, _NOISES, self._noisy, strict=False):
             scaled = acts @ ca.diag(column(s, part, of))

@@ -20,7 +20,7 @@ from clepsydra.controllers.observers.state_source import StateSource
 from clepsydra.program.step_law import Symbols
 
 #: More quantities than this make a law that nobody can read or check on a plant.
-MOST_ESTIMATES = 40
+MOST_ESTIMATES = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +44,7 @@ class ObserverStructure:
     corrected : ndarray of bool [N, p]
         Where M has numbers.
 
-    Raises InputError: there is nothing to estimate, or more than 40 quantities.
+    Raises InputError: there is nothing to estimate, or more than 64 quantities.
     """
 
     estimated: tuple[Signal, ...]

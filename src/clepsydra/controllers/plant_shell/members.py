@@ -11,6 +11,7 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal, path
+from clepsydra.controllers.alarms.interlock import INTERLOCK, INTERLOCK_VALUE
 from clepsydra.controllers.blocks.status import Mode
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.plant_shell.edge import at_port
@@ -88,6 +89,9 @@ class Members:
         self.parameters: list[Signal] = []
         self.sources: dict[str, str] = {}
         self.own_rates: dict[str, float] = {}
+        #: The inputs by which alarms hold outputs, and the names of these.
+        self.interlocks: list[Signal] = []
+        self.interlocked: set[str] = set()
         #: What the shell cannot do here.
         self.notes: list[str] = []
         #: An input that nobody wires is to be seen: no sensor, manual, no time between two scans.
@@ -203,6 +207,8 @@ class Members:
         value = self._add(FAIL_SAFE, signal, name, source, low, output=signal)
         self.unwired |= {path(signal, what): value for what in ("manual", "tracking")}
         self.unwired[path(signal, "mode")] = float(Mode.MANUAL)
+        if name in self.settings.interlock:
+            self._add_interlock(signal, name, low, high)
         rate, own = self.settings.rate_limit.get(name), path(signal, "rate_limit")
         if own in self.own:
             if rate is not None:
@@ -216,6 +222,15 @@ class Members:
         else:
             self._add(RATE_LIMIT, signal, name, "default: no rate limit", output=signal)
         return value
+
+    def _add_interlock(self, signal: Signal, name: str, low: float, high: float) -> None:
+        """Let alarms hold an output; one that nobody wires holds it."""
+        value = min(high, max(low, self.settings.interlock[name]))
+        parameter = INTERLOCK_VALUE.of(signal, value, output=signal)
+        self.parameters.append(parameter)
+        self.sources[parameter.name] = f"interlock of {name} in the process file"
+        self.interlocks.append(replace(INTERLOCK, name=path(signal, INTERLOCK.name), initial=1.0))
+        self.interlocked.add(signal.name)
 
     def _unhurried(self, signal: Signal, name: str) -> str | None:
         """Return why the rate of an output cannot be limited, if it cannot."""

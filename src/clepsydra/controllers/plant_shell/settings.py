@@ -34,6 +34,7 @@ _SETTINGS: dict[str, tuple[str, str, Callable[[float], bool], str]] = {
     ),
     "rate_limit": ("manipulated", "manipulated variable", _is_rate, f"a number above {_LARGEST}"),
     "fail_safe": ("manipulated", "manipulated variable", math.isfinite, "a finite number"),
+    "interlock": ("manipulated", "manipulated variable", math.isfinite, "a finite number"),
 }  # fmt: skip
 
 
@@ -51,6 +52,9 @@ class PlantShell:
         Manipulated variable to its largest rate [unit/s]; none if left out.
     fail_safe : mapping
         Manipulated variable to its value after a fault [unit]; its low limit if left out.
+    interlock : mapping
+        Manipulated variable that alarms hold to the value at which they do [unit]; none if left
+        out, and then it has no input for it.
 
     Raises InputError: A value is no number, or outside what is possible.
     """
@@ -59,6 +63,7 @@ class PlantShell:
     setpoint_rate: Mapping[str, float] = field(default_factory=dict)
     rate_limit: Mapping[str, float] = field(default_factory=dict)
     fail_safe: Mapping[str, float] = field(default_factory=dict)
+    interlock: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for what, (_, _, holds, expected) in _SETTINGS.items():

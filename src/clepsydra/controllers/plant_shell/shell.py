@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 from dataclasses import dataclass, field, fields, replace
 
 from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.signal import Signal, owned, path
 from clepsydra.controllers import signals
+from clepsydra.controllers.blocks.status import status_port
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.plant_shell.members import Members
 from clepsydra.controllers.plant_shell.parameter_check import last_valid
 from clepsydra.controllers.plant_shell.scan import ASKED, WATCHDOG, scan_start
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.signal_check import RAMP, signal_check
-from clepsydra.controllers.plant_shell.status import CONDITIONS, STATUS
 from clepsydra.controllers.plant_shell.status import STATE as COMMAND_STATE
+from clepsydra.controllers.plant_shell.status import conditions, status_bits
 from clepsydra.controllers.plant_shell.step import ShellScan
 from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.controllers.signals import owners
@@ -92,7 +93,7 @@ def _check_law(law: StepLaw, place: str) -> None:
         raise InputError(
             place, f"{law.name}, a law in Python",
             "a law of expressions: one in Python has none that could be put into a shell",
-            "write it as expressions, by step_law",
+            "write it as expressions, by step_law, or take another controller",
         )  # fmt: skip
     names = {signal.name for signal in law.inputs}
     needed = ["time_step"]
@@ -128,20 +129,24 @@ def _shelled(bare: Controller, members: Members) -> ShelledController:
         for check in members.checks
         for parameter in check.state.values()
     ]
-    _check_clashes(bare, [*ASKED, *members.parameters, *added, WATCHDOG])
+    _check_clashes(bare, [*ASKED, *members.interlocks, *members.parameters, *added, WATCHDOG])
     state = [*law.state, *added]
     initial = {**bare.initial_state, **{signal.name: signal.initial for signal in added}}
-    shown = [told for u in members.outputs for told in owned(u, CONDITIONS)]
+    held = members.interlocked
+    shown = [
+        told for u in members.outputs for told in owned(u, conditions(interlocked=u.name in held))
+    ]
     shown += [seen for loop in members.loops for seen in loop.faceplate()]
     shelled = step_law(
         f"{law.name}_with_shell",
         inputs=[
             *(replace(s, initial=members.unwired.get(s.name, s.initial)) for s in law.inputs),
             *ASKED,
+            *members.interlocks,
         ],
         parameters=[*law.parameters, *members.parameters],
         state=state,
-        outputs=[*map(_with_shell_status, law.outputs), *shown, WATCHDOG],
+        outputs=[*(_with_shell_status(each, held) for each in law.outputs), *shown, WATCHDOG],
         equations=lambda symbols: ShellScan(members, symbols, state, initial).equations(),
         description=(*law.description, *_DESCRIPTION),
         blocks=law.blocks,
@@ -152,7 +157,10 @@ def _shelled(bare: Controller, members: Members) -> ShelledController:
         "values": values,
         "initial_state": initial,
         "notes": (*bare.notes, *members.notes),
-        "free_inputs": {**bare.free_inputs, **{signal.name: 0.0 for signal in ASKED}},
+        "free_inputs": {
+            **bare.free_inputs,
+            **{signal.name: 0.0 for signal in (*ASKED, *members.interlocks)},
+        },
         "free_outputs": (*bare.free_outputs, *(s.name for s in (*shown, WATCHDOG))),
     }
     return ShelledController(**whole, bare=bare, sources=members.sources)
@@ -181,5 +189,8 @@ def _check_clashes(bare: Controller, added: Iterable[Signal]) -> None:
             )  # fmt: skip
 
 
-def _with_shell_status(signal: Signal) -> Signal:
-    return replace(STATUS, name=signal.name) if signal.part == "status" else signal
+def _with_shell_status(signal: Signal, interlocked: Container[str]) -> Signal:
+    if signal.part != "status":
+        return signal
+    bits = status_bits(interlocked=signal.owner in interlocked)
+    return replace(status_port(bits), name=signal.name)

@@ -11,6 +11,7 @@ import casadi as ca
 from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
+from clepsydra.controllers.alarms.interlock import INTERLOCK
 from clepsydra.controllers.blocks.ports import truth, words_for
 from clepsydra.controllers.blocks.status import (
     STATUS_BITS,
@@ -71,7 +72,7 @@ STATE = (
 
 
 @cache
-def output_command(*, limited: bool, rate: Rate) -> Block:
+def output_command(*, limited: bool, rate: Rate, interlocked: bool = False) -> Block:
     """Return the block that tells who moves an output.
 
     Where a needed sensor has failed, or the time is not known, the output goes to its fail-safe
@@ -88,12 +89,16 @@ def output_command(*, limited: bool, rate: Rate) -> Block:
     somebody else does, and a fail-safe value is not slowed. Limits win over the rate: an output
     beyond one is brought back at once.
 
-    `limited`: whether the law has limits of the output.
+    An alarm that holds the output moves it as tracking does, but nobody has looked: it clears no
+    fault.
+
+    `limited`: whether the law has limits of the output; `interlocked`: whether alarms may hold it.
     """
     name = {"shell": "", "law": "_of_own_rate", "none": "_without_rate"}[rate]
     used = Signal("rate_used", description="rate limit that the law gets; 1e9 for none")
     return Block(
-        f"output_command{'' if limited else '_without_limits'}{name}",
+        f"output_command{'' if limited else '_without_limits'}{name}"
+        f"{'_with_interlock' if interlocked else ''}",
         (
             MODE,
             signals.TRACKING.port,
@@ -107,6 +112,7 @@ def output_command(*, limited: bool, rate: Rate) -> Block:
             FAIL_SAFE.port,
             *(LIMITS if limited else ()),
             *(() if rate == "none" else (RATE_LIMIT.port,)),
+            *((INTERLOCK,) if interlocked else ()),
         ),
         STATE,
         (
@@ -130,7 +136,8 @@ def not_by_law(mode: ca.SX) -> ca.SX:
 def _commanded(s: Symbols, limited: bool, rate: Rate) -> Equations:
     mode, before, good = s["mode"], s["failed_safe"], s["good"]
     automatic, manual = mode == Mode.AUTOMATIC, not_by_law(mode)
-    cleared = ca.logic_and(good, ca.logic_or(s["acknowledged"], manual))
+    taken = ca.logic_and(manual, ca.logic_not(s["interlock"])) if "interlock" in s else manual
+    cleared = ca.logic_and(good, ca.logic_or(s["acknowledged"], taken))
     latched = ca.logic_or(s["failed"], ca.logic_and(before, ca.logic_not(cleared)))
     safe = ca.logic_and(latched, ca.logic_not(manual))
     comes_back = ca.logic_and(before, ca.logic_not(latched))
@@ -232,29 +239,46 @@ SHELL_STATUS_BITS: dict[str, StatusBit] = {
         "acknowledged",
     ),
 }
-#: The same as a structure of truth values.
-CONDITIONS = tuple(
-    replace(truth(path("conditions", name), bit.meaning), record="output_conditions")
-    for name, bit in SHELL_STATUS_BITS.items()
-)
-#: The status of an output as the shell gives it.
-STATUS = status_port(SHELL_STATUS_BITS)
+#: Of an output that alarms may hold.
+INTERLOCKED_BITS: dict[str, StatusBit] = {
+    **SHELL_STATUS_BITS,
+    "interlocked": StatusBit(
+        262144,
+        "an alarm holds the output at its interlock value, in every mode: it tracks that value",
+    ),
+}
+
+
+def status_bits(*, interlocked: bool) -> dict[str, StatusBit]:
+    """Return the bits of the status word of an output, which alarms may hold."""
+    return INTERLOCKED_BITS if interlocked else SHELL_STATUS_BITS
+
+
+def conditions(*, interlocked: bool) -> tuple[Signal, ...]:
+    """Return the same as a structure of truth values."""
+    record = "interlocked_output_conditions" if interlocked else "output_conditions"
+    return tuple(
+        replace(truth(path("conditions", name), bit.meaning), record=record)
+        for name, bit in status_bits(interlocked=interlocked).items()
+    )
+
+
 #: Bits that only the law knows; of an output without limits also whether it stands at one.
 OF_LAW = ("sensor_fault", "invalid_input")
 OF_LIMITS = ("at_low_limit", "at_high_limit")
 
 
 @cache
-def output_end(told: tuple[str, ...], *, rated: bool) -> Block:
+def output_end(told: tuple[str, ...], *, rated: bool, interlocked: bool = False) -> Block:
     """Return the block of what stands at the actuator.
 
     `told`: the bits that the law tells; without `OF_LIMITS` the output has limits; `rated`: whether
-    the shell limits its rate.
+    the shell limits its rate; `interlocked`: whether alarms may hold it.
     """
     limited, slowed = "at_low_limit" not in told, "at_rate_limit" in told
     return Block(
         f"output_end{'' if limited else '_without_limits'}{'' if rated else '_without_rate'}"
-        f"{'_of_own_rate' if slowed else ''}",
+        f"{'_of_own_rate' if slowed else ''}{'_with_interlock' if interlocked else ''}",
         (
             Signal("asked", description="demand of the law"),
             MODE,
@@ -266,6 +290,7 @@ def output_end(told: tuple[str, ...], *, rated: bool) -> Block:
             *TOLD,
             *(LIMITS if limited else ()),
             *(REACH if rated else ()),
+            *((INTERLOCK,) if interlocked else ()),
             truth("ramps", SHELL_STATUS_BITS["setpoint_ramps"].meaning),
             truth("limited", SHELL_STATUS_BITS["setpoint_limited"].meaning),
             *(truth(bit, STATUS_BITS[bit].meaning) for bit in told),
@@ -273,18 +298,22 @@ def output_end(told: tuple[str, ...], *, rated: bool) -> Block:
             truth("invalid", "a measurement or a setpoint that it needs is not a number"),
         ),
         (),
-        (Signal("out", description="output to the actuator"), STATUS, *CONDITIONS),
-        lambda s: _ended(s, told, rated),
+        (
+            Signal("out", description="output to the actuator"),
+            status_port(status_bits(interlocked=interlocked)),
+            *conditions(interlocked=interlocked),
+        ),
+        lambda s: _ended(s, told, rated, interlocked),
         ("What stands at the actuator, and the status word: one bit a condition.",),
     )
 
 
-def _ended(s: Symbols, told: tuple[str, ...], rated: bool) -> Equations:
+def _ended(s: Symbols, told: tuple[str, ...], rated: bool, interlocked: bool) -> Equations:
     # But for manual and tracking it stands at its fail-safe value.
     safe = ca.logic_and(s["latched"], ca.logic_not(not_by_law(s["mode"])))
     out = ca.if_else(safe, s["tracked"], s["asked"])
     automatic, slowed = s["mode"] == Mode.AUTOMATIC, s.get("at_rate_limit", ca.SX(0))
-    conditions = {
+    found = {
         "automatic": automatic,
         "tracking": s["mode"] == Mode.TRACKING,
         **{bit: s[bit] for bit in told},
@@ -302,7 +331,7 @@ def _ended(s: Symbols, told: tuple[str, ...], rated: bool) -> Equations:
     }
     if "low_limit" in s:
         at_low, at_high = out <= s["low_limit"], out >= s["high_limit"]
-        conditions |= {"at_low_limit": at_low, "at_high_limit": at_high}
+        found |= {"at_low_limit": at_low, "at_high_limit": at_high}
     if rated:
         # At a limit of the actuator it is that which holds it.
         inside = ca.logic_and(out > s["low_limit"], out < s["high_limit"])
@@ -310,7 +339,10 @@ def _ended(s: Symbols, told: tuple[str, ...], rated: bool) -> Equations:
         slowed = ca.logic_or(slowed, ca.logic_and(inside, at_end))
     in_force = ca.logic_and(automatic, ca.logic_not(ca.logic_or(safe, s["follows"])))
     ramps = ca.logic_and(s["ramps"], in_force)
-    conditions |= {"at_rate_limit": slowed, "setpoint_ramps": ramps}
-    results = {signal.name: conditions[signal.part] for signal in CONDITIONS}
-    results |= {"out": out, "status": status_word(conditions, SHELL_STATUS_BITS)}
+    if interlocked:
+        found["interlocked"] = s["interlock"]
+    found |= {"at_rate_limit": slowed, "setpoint_ramps": ramps}
+    bits, shown = status_bits(interlocked=interlocked), conditions(interlocked=interlocked)
+    results = {signal.name: found[signal.part] for signal in shown}
+    results |= {"out": out, "status": status_word(found, bits)}
     return Equations({}, results, {"safe": safe})

@@ -8,6 +8,7 @@ from dataclasses import replace
 import casadi as ca
 
 from clepsydra.base.signal import Signal, path
+from clepsydra.controllers.alarms.interlock import OUTPUT_INTERLOCK
 from clepsydra.controllers.blocks.ports import told as optional
 from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.status import STATUS_BITS
@@ -61,6 +62,9 @@ class ShellScan(Sample):
         #: The last output of each to the value that it fails safe to.
         self.safe: dict[str, ca.SX] = {}
         self._begin()
+        for u in members.outputs:
+            if u.name in members.interlocked:
+                self._interlock(u)
         given = dict(self.symbols)
         # What the law integrates over is the time that the scan counts for.
         given["time_step"] = self["elapsed"]
@@ -140,6 +144,12 @@ class ShellScan(Sample):
         self.symbols.update((p.name, found.outputs[own]) for own, p in check.results.items())
         return found.outputs["invalid"]
 
+    def _interlock(self, u: Signal) -> None:
+        """Give an output that an alarm holds the mode and the tracking value for that."""
+        found = self.call(OUTPUT_INTERLOCK, path(u, "interlock"), u)
+        self.symbols[path(u, "mode")] = found["mode_given"]
+        self.symbols[path(u, "tracking")] = found["tracking_given"]
+
     def _fail_safe(self, u: Signal) -> ca.SX:
         if not self.members.limited(u):
             return self[path(u, "fail_safe")]
@@ -152,7 +162,11 @@ class ShellScan(Sample):
             rate = "law" if rate_limit in self.members.own else "shell"
         sensors = [self.checks[name] for name in self.members.needed[u.name]]
         return self.call(
-            output_command(limited=self.members.limited(u), rate=rate),
+            output_command(
+                limited=self.members.limited(u),
+                rate=rate,
+                interlocked=u.name in self.members.interlocked,
+            ),
             path(u, "command"),
             u,
             good=all_of([ca.SX(1), *(sensor["good"] for sensor in sensors)]),
@@ -227,7 +241,11 @@ class ShellScan(Sample):
         told = {bit: law[path(u, f"status_{bit}")] for bit in self.told[u.name]}
         command = self.commands[u.name]
         ended = self.call(
-            output_end(self.told[u.name], rated="lowest" in command),
+            output_end(
+                self.told[u.name],
+                rated="lowest" in command,
+                interlocked=u.name in self.members.interlocked,
+            ),
             path(u, "end"),
             u,
             **command,

@@ -191,7 +191,11 @@ class _Source:
         for name, signal in body.constants.items():
             kind, value = language.types[signal.kind], language.initial(signal)
             constants += remarked(f"static const {kind} {name} = {value};", comment(signal), 2)
-        lines = _declared(body.lines, body.temporaries)
+        # Loops beside each other use them.
+        real, whole = language.types["real"], body.arrays.items()
+        arrays = [f"{real} {name}{language.dimension(each)};" for name, each in whole]
+        own = {name: kind for name, kind in body.temporaries.items() if name not in body.arrays}
+        lines = [*arrays, *_declared(body.lines, own)]
         code = "\n".join(line for line in lines if not line.lstrip().startswith("/*"))
         unread = (each for each in arguments if not re.search(rf"(?<![\w>.]){each}\b", code))
         lines = [*(f"(void){each};" for each in unread), *lines]

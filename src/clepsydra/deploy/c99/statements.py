@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.printing.expressions import OPERATORS
-from clepsydra.deploy.printing.listing import BlockCall
+from clepsydra.deploy.printing.listing import BlockCall, DeclaredArray
 from clepsydra.deploy.printing.statements import Language
 from clepsydra.deploy.printing.whole_numbers import INTEGER_LOW
 from clepsydra.program.operation import LIBRARY
@@ -64,6 +64,18 @@ class C99(Language):
         # The lowest 32-bit integer has no literal of its own in C.
         lowest = signal.kind == "integer" and signal.initial == INTEGER_LOW
         return "INT32_MIN" if lowest else super().initial(signal)
+
+    def dimension(self, array: DeclaredArray) -> str:
+        """Write what stands behind the name of an array in its declaration.
+
+        Where nothing is known of it, it begins with zeros: compilers warn of what they cannot see
+        to be assigned.
+
+        >>> C99("law", "double").dimension(DeclaredArray(3, (0.5, 0.0, 0.0)))
+        '[3] = {0.5, 0.0, 0.0}'
+        """
+        numbers = ", ".join(map(self.number, array.initial or (0.0,)))
+        return f"[{array.length}] = {{{numbers}}}" if array.length else f" = {numbers}"
 
     def record(self, name: str) -> str:
         """Return what a structure is called, or what the names of a block begin with.

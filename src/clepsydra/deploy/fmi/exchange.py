@@ -38,7 +38,8 @@ def exchange_model(point: OperatingPoint, origin: Origin) -> FmuModel:
     Raises
     ------
     InputError
-        The process has transport delays, which no ordinary differential equation has.
+        The process has transport delays or late sensors, which no ordinary differential equation
+        has.
 
     Examples
     --------
@@ -108,10 +109,12 @@ def exchange_model(point: OperatingPoint, origin: Origin) -> FmuModel:
 
 
 def _refuse_delays(process: Process) -> None:
-    for delay in process.motion.delays:
+    found = [f"{each.name}, a transport delay of {each.time:g} s" for each in process.motion.delays]
+    found += [f"{name}, which is told late" for name in process.reporting]
+    if found:
         raise InputError(
             f"model exchange FMU of {process.name}",
-            f"{delay.name}, a transport delay of {delay.time:g} s",
+            found[0],
             "a process without delays: an importer's integrator keeps no past",
             "write the FMU for co-simulation, which keeps it",
         )

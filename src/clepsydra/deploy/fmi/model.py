@@ -24,6 +24,7 @@ _WORD = r"[A-Za-z_]\w*(\[\d+\])*"
 #: each with the place of an element behind it where it has any.
 _STRUCTURED = re.compile(rf"{_WORD}(\.{_WORD})*|der\(({_WORD}\.)*{_WORD}\)", re.ASCII)
 _PLACE = re.compile(r"\.(\d+)(?=\.|\)|$)")
+_DIGIT_FIRST = re.compile(r"(?<=\.)(?=\d)")
 #: Namespace of the tokens that identify a model.
 _NAMESPACE = uuid.uuid5(uuid.NAMESPACE_DNS, "clepsydra.functional-mock-up-unit")
 
@@ -57,11 +58,13 @@ class FmuVariable:
     def name(self) -> str:
         """The name in the FMU, with dots between words and brackets round the place of an element.
 
-        >>> share = Signal("level_8.model_share.2")
-        >>> FmuVariable(share, "parameters.share", "parameter", "tunable").name
-        'level_8.model_share[2]'
+        No word begins with a digit there: an underscore stands before it.
+
+        >>> names = "level_8.model_share.2", "feed.40_s_before"
+        >>> [FmuVariable(Signal(name), "", "parameter", "tunable").name for name in names]
+        ['level_8.model_share[2]', 'feed._40_s_before']
         """
-        return _PLACE.sub(r"[\1]", self.signal.name)
+        return _DIGIT_FIRST.sub("_", _PLACE.sub(r"[\1]", self.signal.name))
 
     @property
     def settable(self) -> bool:

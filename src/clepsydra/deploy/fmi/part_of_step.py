@@ -6,12 +6,11 @@ from dataclasses import dataclass, replace
 
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.fmi.model_header import call_beside, function_text
+from clepsydra.deploy.fmi.reports import Reports, oldest, reports_of_step, turned_on
 from clepsydra.deploy.process_program import HELD, without_fused
 from clepsydra.loop.motion_block import CLOCK, MotionBlock, PartOfStep
 from clepsydra.process.process import Process
 from clepsydra.program.builder import BlockBuilder
-from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.entries import is_ring
 from clepsydra.program.program import Program
 
 #: Fractions of the integration step between which the part lies.
@@ -24,17 +23,18 @@ class Parts:
 
     Parameters
     ----------
-    program : Program
+    programs : tuple of Program
         Without state: from what the process holds, what comes out of its delays, what has
         entered them since the start of the step and what is held from outside, to what it holds
-        at the end of the part and what has entered its delays by then.
+        at the end of the part and what has entered its delays by then; and of late sensors that of
+        `reports_of_step`.
     functions : str
         C of ``model_part`` and ``model_complete``.
     kept : tuple of str
         The numbers that the memory of the model has for it.
     """
 
-    program: Program
+    programs: tuple[Program, ...]
     functions: str
     kept: tuple[str, ...]
 
@@ -57,7 +57,7 @@ def parts_of_step(process: Process, name: str) -> Parts:
     --------
     >>> from clepsydra.process.reader import load_process
     >>> parts = parts_of_step(load_process("quadruple-tank"), "tank")
-    >>> parts.program.name, parts.kept
+    >>> parts.programs[0].name, parts.kept
     ('tank_part', ('integration_first', 'integration_last'))
     """
     motion = MotionBlock(process.motion, process.sampling_period, 1)
@@ -92,18 +92,15 @@ def parts_of_step(process: Process, name: str) -> Parts:
     )
     kept = tuple(signal.identifier for signal in (*entered, _FIRST, _LAST))
     members = {s.name: f"state.{s.identifier}" for s in held}
-    members |= {ring.name: _oldest(ring) for ring in motion.rings}
+    members |= {ring.name: oldest(ring) for ring in motion.rings}
     members |= {s.name: s.identifier for s in (*entered, _FIRST, _LAST)}
     members |= {s.name: f"inputs.{s.identifier}" for s in outside}
     members |= {s.name: f"parameters.{s.identifier}" for s in process.parameters}
-    return Parts(program, "\n".join([_part(program, members), _complete(motion, entered)]), kept)
-
-
-def _oldest(ring: DelayRing) -> str:
-    """Return the member of the memory that holds what comes out of a delay in this step."""
-    name = ring.signal.identifier
-    place = f"state.{name}"
-    return f"{place}[memory->{place}_position]" if is_ring(ring) else place
+    reports = reports_of_step(process, name)
+    functions = [_part(program, members), _complete(motion, entered, reports)]
+    if reports is None:
+        return Parts((program,), "\n".join(functions), kept)
+    return Parts((program, reports.program), "\n".join([reports.function, *functions]), kept)
 
 
 def _part(program: Program, members: dict[str, str]) -> str:
@@ -114,16 +111,18 @@ def _part(program: Program, members: dict[str, str]) -> str:
     )
 
 
-def _complete(motion: MotionBlock, entered: tuple[Signal, ...]) -> str:
+def _complete(motion: MotionBlock, entered: tuple[Signal, ...], reports: Reports | None) -> str:
     """Write that a step which was made in parts is over."""
     body = []
     for ring, signal in zip(motion.rings, entered, strict=True):
-        body.append(f"memory->{_oldest(ring)} = memory->{signal.identifier};")
+        body.append(f"memory->{oldest(ring)} = memory->{signal.identifier};")
         body.append(f"memory->{signal.identifier} = 0.0;")
-        if is_ring(ring):
-            position = f"memory->state.{ring.signal.identifier}_position"
-            body.append(f"{position} = {position} + 1 < {ring.length} ? {position} + 1 : 0;")
+        body += turned_on(ring)
     if motion.motion.events:
         body.append(f"memory->state.{Signal(f'{HELD}.{CLOCK}').identifier} += 1.0;")
+    if reports is not None:
+        body.append("model_report(memory);")
+        for ring in reports.rings:
+            body += turned_on(ring)
     comment = "What enters the delays in the step goes on its way."
     return function_text("model_complete", body or ["(void)memory;"], comment)

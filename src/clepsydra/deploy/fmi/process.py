@@ -7,13 +7,14 @@ from dataclasses import replace
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.deploy.fmi.model import FmuModel, FmuVariable, output_dependencies, variables_of
 from clepsydra.deploy.fmi.model_header import call_beside, call_step
 from clepsydra.deploy.fmi.part_of_step import parts_of_step
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.process_program import HELD, process_program
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.loop.reported_readings import TOLD
 from clepsydra.process.process import Process
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.entries import is_ring, signal_of
@@ -57,7 +58,7 @@ def process_model(point: OperatingPoint, substeps: int, origin: Origin) -> FmuMo
     show = call_beside("model_show", "The outputs of the present state.", reading, members)
     advance = call_step("model_advance", "One integration step.", program)
     return FmuModel(
-        programs=(program, reading, parts.program),
+        programs=(program, reading, *parts.programs),
         variables=tuple(_variables(process, program, reading)),
         functions="\n".join([show, advance, parts.functions]),
         step=step,
@@ -97,22 +98,26 @@ def _variables(process: Process, program: Program, reading: Program) -> list[Fmu
 
 
 def _reading(process: Process, program: Program) -> Program:
-    """Return the program of states and measurements as functions of the contents."""
+    """Return the program of states and measurements as functions of contents and what is told."""
     contents = [
         replace(signal, name=f"{HELD}.{signal.name}", kind="real")
         for signal in process.motion.contents
     ]
-    builder = BlockBuilder(len(contents) + len(process.parameters))
-    parameters = range(len(contents), len(contents) + len(process.parameters))
+    told = {name: Signal(f"{HELD}.{path(name, TOLD)}") for name in process.reporting}
+    inputs = (*contents, *told.values())
+    builder = BlockBuilder(len(inputs) + len(process.parameters))
+    parameters = range(len(inputs), len(inputs) + len(process.parameters))
     states = inline(builder, process.motion.to_state, [*range(len(contents)), *parameters])
-    measured = inline(builder, process.show, [*states, *parameters])
+    shown = inline(builder, process.show, [*states, *parameters])
+    seen = dict(zip((y.name for y in process.measurements), shown, strict=True))
+    seen |= {name: len(contents) + place for place, name in enumerate(told)}
     return Program(
         f"{program.name}_reading",
         (),
-        tuple(contents),
+        inputs,
         process.parameters,
         (*process.state, *process.measurements),
-        builder.finish([*states, *measured]),
+        builder.finish([*states, *seen.values()]),
     )
 
 

@@ -19,6 +19,7 @@ from clepsydra.deploy.printing.listing import (
     BlockCall,
     Compound,
     ListingStatement,
+    Repeated,
     touched,
 )
 from clepsydra.deploy.printing.statements import Language, ring_place
@@ -108,6 +109,8 @@ class Body:
         folded = FoldedBlock(program.block, given, scope, labels, preferred, ranges, kinds)
         #: Tables of the loops by name.
         self.tables, results = scope.tables, folded.results
+        #: Arrays that routines keep numbers in, by name.
+        self.arrays = scope.arrays
         self._statements = folded.statements
         kept = zip(self._held, self._kept(results), strict=True)
         stores = [Assignment(ring_place(p, n), self._plain(s, r)) for (_, s, p, n), r in kept]
@@ -262,7 +265,10 @@ def _declared(statements: Sequence[ListingStatement]) -> list[tuple[str, str]]:
     found: list[tuple[str, str]] = []
     for entry in statements:
         if isinstance(entry, Assignment):
-            found.append((entry.name, entry.expression.kind))
+            # An element belongs to an array, which is declared as a whole.
+            found += [] if entry.name.endswith("]") else [(entry.name, entry.expression.kind)]
+        elif isinstance(entry, Repeated):
+            found += [(entry.index, "integer"), *_declared(entry.body)]
         elif isinstance(entry, Compound):
             found += [(entry.index, "integer")] if len(entry.turns) > 1 else []
             found += [(turn.oldest, "real") for turn in entry.rings if turn.oldest]

@@ -137,9 +137,7 @@ def read_tables(
         elif found := on_lines(table, values, over, notation.precision):
             entries.append(found)
         else:
-            known = (name for name, other in scope.tables.items() if table.like(other))
-            name = next(known, "") or names.new(table.name)
-            scope.tables[name] = table
+            name = scope.table(table)
             behind = f" - {table.first}" if table.first else ""
             entries.append(variable(f"{name}[{index}{behind}]"))
         if notation.computes:

@@ -261,6 +261,10 @@ class Notation:
     #: What does not hold, and what does.
     truths = ("FALSE", "TRUE")
 
+    def readable(self, number: float) -> bool:
+        """Whether the system can read a number at all."""
+        return True
+
     def writes(self, expression: Expression) -> bool:
         """Whether an expression can be part of another one.
 

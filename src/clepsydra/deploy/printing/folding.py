@@ -16,11 +16,13 @@ from clepsydra.deploy.printing.listing import (
     RingTurn,
     Scope,
 )
+from clepsydra.deploy.printing.routines import RoutineListing
 from clepsydra.deploy.printing.typed_values import in_own_type
 from clepsydra.deploy.printing.whole_numbers import INTEGERS, WholeRange
 from clepsydra.program.needed import needed_body, needed_part, needed_values
 from clepsydra.program.operation import Operation
 from clepsydra.program.program import Block, Call, Conditional, ForLoop, read_by
+from clepsydra.program.routine import RoutineCall
 
 #: A truth value up to this width is written wherever it is read [characters].
 _SHORT = 32
@@ -117,6 +119,8 @@ class FoldedBlock:
                 self._fold(statement)
             elif isinstance(statement, Call):
                 self._call(statement)
+            elif isinstance(statement, RoutineCall):
+                self._routine(statement)
             else:
                 self._compound(statement)
         #: The expressions of its results.
@@ -190,6 +194,22 @@ class FoldedBlock:
         self._values |= dict.fromkeys(call.targets[:states], _UNREAD)
         for signal, target in zip(program.outputs, call.targets[states:], strict=True):
             self._values[target] = reading(signal.kind, f"{name}.{signal.identifier}")
+
+    def _routine(self, call: RoutineCall) -> None:
+        """Compute a routine, whose results are read as elements of its arrays."""
+        call = call.needed(self._uses)
+        listing = RoutineListing(call, self._scope, self._depth, self._of_step)
+        self.statements += listing.statements(self._values)
+        for array, targets in call.told:
+            read = (place for place, target in enumerate(targets) if target in self._uses)
+            for place in read:
+                self._values[targets[place]] = variable(listing.element(array, place))
+
+    def _of_step(
+        self, block: Block, read: Sequence[Expression]
+    ) -> tuple[list[ListingStatement], Expression]:
+        folded = FoldedBlock(block, read, self._scope, depth=self._depth)
+        return folded.statements, folded.results[0]
 
     def _carry(self, statement: ForLoop | Conditional, live: Sequence[int]) -> dict[int, str]:
         """Name the variables of those carried values that need one, by their position.

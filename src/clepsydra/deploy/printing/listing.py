@@ -95,7 +95,33 @@ class BlockCall:
             yield signal, value.to(signal.kind)
 
 
-ListingStatement = Assignment | Compound | BlockCall
+@dataclass(frozen=True)
+class Repeated:
+    """A counted loop over arrays: what is done where an index is first, …, last.
+
+    Parameters
+    ----------
+    index : str
+    first, last, behind : str
+        The first index, the last one, and the one behind it; none is taken where last < first.
+    body : tuple
+    """
+
+    index: str
+    first: str
+    last: str
+    behind: str
+    body: tuple[ListingStatement, ...]
+
+
+@dataclass(frozen=True)
+class Remark:
+    """What a reader is told before the next statement."""
+
+    text: str
+
+
+ListingStatement = Assignment | Compound | BlockCall | Repeated | Remark
 
 
 def touched(statement: ListingStatement) -> set[str]:
@@ -113,7 +139,9 @@ def touched(statement: ListingStatement) -> set[str]:
         found, given = {statement.name}, [statement.expression]
     elif isinstance(statement, BlockCall):
         found, given = {place for _, place in statement.told}, [*statement.arguments]
-    else:
+    elif isinstance(statement, Repeated):
+        found = found.union(*map(touched, statement.body))
+    elif isinstance(statement, Compound):
         found = found.union(*map(touched, (*statement.start, *statement.body, *statement.update)))
         given = [turn.written for turn in statement.rings]
         given += [statement.condition] if statement.condition else []
@@ -125,6 +153,17 @@ def assigned(statement: ListingStatement) -> list[str]:
     if isinstance(statement, Compound):
         return [each.name for each in statement.start]
     return [statement.name] if isinstance(statement, Assignment) else []
+
+
+@dataclass(frozen=True)
+class DeclaredArray:
+    """An array of a routine: its length, 0 for one number, and its numbers that never change.
+
+    `initial`: a number for each entry; empty where all of them are assigned.
+    """
+
+    length: int
+    initial: tuple[float, ...] = ()
 
 
 @dataclass
@@ -140,9 +179,19 @@ class Scope:
         Numbers that loops read by a name.
     tables : dict
         The tables that they read, by name.
+    arrays : dict
+        The arrays that routines keep numbers in, by name: what each is declared with.
     """
 
     notation: Notation
     names: Identifiers
     known: Sequence[Table] = ()
     tables: dict[str, Table] = field(default_factory=dict)
+    arrays: dict[str, DeclaredArray] = field(default_factory=dict)
+
+    def table(self, table: Table) -> str:
+        """Return the name of a table, which all share that read the same numbers."""
+        known = (name for name, other in self.tables.items() if table.like(other))
+        name = next(known, "") or self.names.new(table.name)
+        self.tables[name] = table
+        return name

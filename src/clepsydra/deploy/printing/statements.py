@@ -16,6 +16,8 @@ from clepsydra.deploy.printing.listing import (
     BlockCall,
     Compound,
     ListingStatement,
+    Remark,
+    Repeated,
     assigned,
 )
 from clepsydra.program.entries import is_ring
@@ -155,6 +157,11 @@ class Language(Notation, ABC):
             return self.assign(entry.name, entry.expression)
         if isinstance(entry, BlockCall):
             return self.call(entry)
+        if isinstance(entry, Remark):
+            return [self.comment.format(entry.text)]
+        if isinstance(entry, Repeated):
+            begin = self.repeated.format(entry.index, entry.first, entry.last, entry.behind)
+            return [begin, *indented(self.statements(entry.body)), self.repeated_end]
         title, lines, turns = entry.label, self._body(entry), entry.turns
         if entry.condition is not None:
             lines = self._decided([(self.expression(entry.condition), lines)])

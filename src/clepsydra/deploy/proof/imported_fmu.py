@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import re
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -180,9 +181,12 @@ def rates_of_fmu(
 
 def _references(program: Program, description: Any) -> dict[str, int]:
     """Return the value reference of each variable by the names of the program."""
-    # The place of an element, in brackets there, is a word of a path.
+    # The place of an element, in brackets there, is a word of a path, and a word may begin with a
+    # digit.
     found = {
-        variable.name.replace("[", ".").replace("]", ""): variable.valueReference
+        re.sub(r"\._(?=\d)", ".", variable.name.replace("[", ".").replace("]", "")): (
+            variable.valueReference
+        )
         for variable in description.modelVariables
     }
     # What a process holds has the name of the process in an FMU, where nothing else has it.

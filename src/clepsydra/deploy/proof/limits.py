@@ -14,6 +14,7 @@ from clepsydra.deploy.proof.item import ProofItem
 from clepsydra.program.entries import signal_of
 from clepsydra.program.operation import Operation
 from clepsydra.program.program import Block, Call, ForLoop, Program
+from clepsydra.program.routine import RoutineCall
 
 _SINGLE = np.finfo(np.float32)
 #: Magnitudes that stand for no limit and for no divisor, which single precision replaces.
@@ -91,7 +92,7 @@ def _beyond_whole(item: ProofItem) -> bool:
 
 
 def _delays(item: ProofItem) -> bool:
-    return item.point is not None and bool(item.point.process.motion.delays)
+    return item.point is not None and bool(item.point.process.delayed)
 
 
 PYTHON_LAW: Limit = Limit(
@@ -128,7 +129,7 @@ OF_SINGLE = (
 )
 DELAYS = Limit(
     "delays in model exchange",
-    "an importer integrates the present, and a transport delay needs the past",
+    "an importer integrates the present, and dead time needs the past",
     _delays,
 )
 LIMITS = (PYTHON_LAW, *OF_TEXT, MATIEC_NUMBERS, *OF_SINGLE, DELAYS)
@@ -161,7 +162,9 @@ def _tables(block: Block) -> Iterator[float]:
         if isinstance(statement, Call):
             yield from _tables(statement.program.block)
             continue
-        if isinstance(statement, ForLoop):
+        if isinstance(statement, (ForLoop, RoutineCall)):
             for table in statement.tables:
                 yield from table
+        if isinstance(statement, RoutineCall):
+            continue
         yield from _tables(statement.body)

@@ -79,9 +79,12 @@ def function_block(
     temporaries = dict.fromkeys(wording.products, wording.real) | body.temporaries
     by_type = sorted(temporaries.items(), key=lambda each: each[1])
     variables = tuple(Variable(name, kind) for name, kind in by_type)
+    arrays = _arrays(body, wording)
     declarations = (
         *_sections(program, wording, origin),
         *_constants(body, wording),
+        # matiec translates no array of VAR_TEMP into C.
+        Section("VAR", "", (("arrays of one sample", arrays),)),
         Section("VAR_TEMP", "", (("values of one sample", variables),)),
     )
     local = {entry.name.lower() for section in declarations for entry in section.variables}
@@ -131,6 +134,15 @@ def _products(wording: StructuredText) -> list[str]:
         text = "\n    * ".join(rows)
         lines += [wording.dialect.commented(why), *f"{name} := {text};".splitlines()]
     return lines
+
+
+def _arrays(body: Body, wording: StructuredText) -> tuple[Variable, ...]:
+    found = []
+    for name, array in body.arrays.items():
+        place = f"an entry of {name}"
+        texts = tuple(wording.number(value, place) for value in array.initial)
+        found += [Variable(name, wording.real, texts, array.length)] if array.length else []
+    return tuple(found)
 
 
 def _constants(body: Body, wording: StructuredText) -> list[Section]:

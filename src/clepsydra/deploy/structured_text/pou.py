@@ -168,7 +168,8 @@ def _declaration(names: str, entry: Variable, dialect: Dialect) -> list[str]:
     # A comment to the end of the line cannot be wrapped with it.
     if value or (entry.comment and dialect.line_comments):
         return [*above, line]
-    return [*above, *textwrap.wrap(line, _WIDTH, subsequent_indent="  ")]
+    rows = textwrap.wrap(line, _WIDTH, subsequent_indent="  ", break_long_words=False)
+    return [*above, *rows]
 
 
 def _commented(line: str, text: str, dialect: Dialect) -> list[str]:

@@ -7,17 +7,15 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from clepsydra import __version__
-from clepsydra.base.conversion import conversion
 from clepsydra.base.errors import Finding, InputError
-from clepsydra.base.signal import Signal, identifier
+from clepsydra.base.signal import Signal
 from clepsydra.base.units import convertible, from_si
+from clepsydra.controllers.alarms.interlock import INTERLOCK
 from clepsydra.controllers.blocks.status import Mode
-from clepsydra.controllers.plant_shell.edge import at_port
-from clepsydra.deploy.printing.declarations import Variable, declared
-from clepsydra.deploy.printing.expressions import Expression, constant, variable
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.structured_text.dialect import Dialect, dialect_of
-from clepsydra.deploy.structured_text.pou import Section, Unit, unit_text
+from clepsydra.deploy.structured_text.loop_program import Beside, Wiring, loop_program
+from clepsydra.deploy.structured_text.pou import Unit, unit_text
 from clepsydra.deploy.structured_text.printer import function_blocks
 from clepsydra.deploy.structured_text.statements import StructuredText
 from clepsydra.deploy.structured_text.time_literal import time_literal
@@ -50,6 +48,8 @@ class Project:
     origin, process_origin : Origin, optional
     precision : {"double", "single"}
     dialect : {"codesys", "matiec", "scl"}
+    alarms : Beside, optional
+        The alarms of the process, called before the controller, whose interlocks they are.
     """
 
     controller: Program
@@ -60,6 +60,7 @@ class Project:
     process_origin: Origin | None = None
     precision: Precision = "double"
     dialect: str = "codesys"
+    alarms: Beside | None = None
 
     @property
     def interval(self) -> str:
@@ -78,15 +79,23 @@ class Project:
         """
         dialect, precision = dialect_of(self.dialect), self.precision
         time_literal(self.sampling_period)  # refuses what no TIME can hold
-        pair = (self.controller, self.process)
-        named = [(each.name, f"the block {each.name}") for each in pair]
+        printed = [(self.controller, self.origin), (self.process, self.process_origin)]
+        if self.alarms:
+            printed.insert(0, (self.alarms.program, self.alarms.origin))
+        named = [(each.name, f"the block {each.name}") for each, _ in printed]
         dialect.names.check_distinct(named)
-        controller, process = (in_precision(each, precision) for each in pair)
-        wording = StructuredText(dialect, precision, (controller.name, process.name))
-        wiring = wired(controller, process, self.wires, self.sampling_period)
-        program = _loop_program(controller, process, *wiring, wording)
+        *beside, controller, process = (in_precision(each, precision) for each, _ in printed)
+        used = (each.name for each in (*beside, controller, process))
+        wording = StructuredText(dialect, precision, tuple(used))
+        measured, moved, rest = wired(controller, process, self.wires, self.sampling_period)
+        wiring = Wiring(measured, rest), Wiring(moved, rest)
+        alarms = None
+        if self.alarms:
+            seen, _, still = wired(beside[0], process, self.alarms.wires, self.sampling_period)
+            alarms = beside[0], Wiring(seen, still)
+        program = loop_program(controller, process, wiring, wording, alarms)
         units: dict[str, tuple[Unit, Program]] = {}
-        for each, origin in zip(pair, (self.origin, self.process_origin), strict=True):
+        for each, origin in printed:
             for unit in function_blocks(each, dialect, precision, origin):
                 # What both have stands there once.
                 known, other = units.setdefault(unit.name.lower(), (unit, each))
@@ -212,7 +221,8 @@ def wired(
     driven = {signal.name: signal for signal in process.inputs}
     known = shown | driven
     measured, moved, rest = {}, {}, {}
-    fixed = {"mode": float(Mode.AUTOMATIC), "sensor": 1.0}
+    # Where no alarm stands beside the tank what it would hold is forced by hand.
+    fixed = {"mode": float(Mode.AUTOMATIC), "sensor": 1.0, INTERLOCK.name: 0.0}
     for signal in controller.inputs:
         wire = wires.get(signal.name, "")
         base, _, what = wire.rpartition(".")
@@ -239,61 +249,3 @@ def _check(wire: str, known: Mapping[str, Signal], place: str, what: str) -> Non
             f"test project, {place}", wire or Finding("no wire"),
             f"{what} of the process: {', '.join(known)}", "wire it as in the loop",
         )  # fmt: skip
-
-
-def _loop_program(
-    controller: Program,
-    process: Program,
-    measured: Mapping[str, str],
-    moved: Mapping[str, str],
-    rest: Mapping[str, float],
-    wording: StructuredText,
-) -> Unit:
-    """Return the program that runs a controller against a process; both in its precision."""
-    dialect, names, mark = wording.dialect, wording.names, wording.dialect.local_mark
-    name = names.new(f"{controller.name}_test")
-    first, second = names.new("controller"), names.new("plant")
-
-    def new(signal: Signal, start: float) -> Variable:
-        named = at_port(replace(signal, initial=start))
-        return replace(declared([named], wording)[0], name=names.new(signal.variable))
-
-    def converted(source: str, unit: str, wanted: str) -> str:
-        way = conversion(unit, wanted)
-        if way is None:
-            return source
-        return wording.expression(Expression(way.code, (variable(source), constant(way.number))))
-
-    body: list[str] = []
-    given: list[Variable] = []
-    reads = "the controller reads the plant as it is at this scan"
-    moves = "and the plant moves on to the next scan"
-    pair = (controller, first, measured, reads), (process, second, moved, moves)
-    for (block, instance, wires, about), (other, its, *_) in zip(pair, pair[::-1], strict=True):
-        units = {signal.name: signal.unit for signal in other.outputs}
-        arguments = []
-        for signal in block.inputs:
-            if wire := wires.get(signal.name):
-                source, unit = f"{mark}{its}.{identifier(wire)}", units[wire]
-            else:
-                given.append(new(signal, rest.get(signal.name, signal.initial)))
-                source, unit = f"{mark}{given[-1].name}", at_port(signal).unit
-            arguments.append(f"  {signal.identifier} := {converted(source, unit, signal.unit)}")
-        call = [f"{mark}{instance}(", *",\n".join(arguments).splitlines(), ");"]
-        body += [dialect.commented(about), *call]
-    seen = []
-    for block, instance, *_ in pair:
-        for inside, signal in {each.variable: each for each in block.outputs}.items():
-            seen.append(new(signal, signal.initial))
-            value = converted(f"{mark}{instance}.{inside}", signal.unit, at_port(signal).unit)
-            body.append(f"{mark}{seen[-1].name} := {value};")
-    instances = (
-        Variable(first, controller.name, comment="the controller", is_block=True),
-        Variable(second, process.name, comment="the simulated process", is_block=True),
-    )
-    groups = (
-        ("instances", instances),
-        ("what an engineer sets or forces", tuple(given)),
-        ("what there is to see", tuple(seen)),
-    )
-    return Unit("PROGRAM", name, (), (Section("VAR", "", groups),), tuple(body))

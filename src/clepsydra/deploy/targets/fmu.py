@@ -43,8 +43,8 @@ def _process(point: OperatingPoint, options: Options) -> ExportedFiles:
     point = tagged_point(point)
     model = process_model(point, substeps, origin)
     files = {f"{model.name}.fmu": _fmu(model, options)}
-    if point.process.motion.delays:
-        exchange = "Its transport delays have no form for model exchange."
+    if point.process.delayed:
+        exchange = f"Its {point.process.what_delays} have no form for model exchange."
     else:
         other = exchange_model(point, origin)
         files[f"{other.name}.fmu"] = _fmu(other, options)

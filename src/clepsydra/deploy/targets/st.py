@@ -9,7 +9,9 @@ from clepsydra.deploy.target import TARGETS, Delivery, ExportedFiles, Options, T
 
 if TYPE_CHECKING:
     from clepsydra.deploy.compiler import Compiler
+    from clepsydra.deploy.exportable import Exportable
     from clepsydra.deploy.proof.run import Run
+    from clepsydra.deploy.structured_text.loop_program import Beside
     from clepsydra.program.program import Program
 
 #: How the test project comes into the editors of each dialect, and runs.
@@ -45,18 +47,20 @@ def _controller(delivery: Delivery, options: Options) -> ExportedFiles:
     texts = {
         f"{name}.{ending}": print_structured_text(ready.program, origin=ready.origin, **options)
     }
-    tank = process_program(tagged_point(ready.point))
-    try:
-        print_structured_text(tank, **options)
-    except InputError as refusal:
-        steps = [f"there is no test project, since the tank cannot be printed: {refusal}"]
-    else:
-        projects = _test_projects(delivery, tank, options)
-        texts |= {f"{name}_test.{kind}": text for kind, text in projects.items()}
-        steps = [
-            _IMPORT[dialect].format(test=f"{name}_test", period=period),
-            "Run it in the PLC's simulator first: its controller drives a simulated tank.",
-        ]
+    steps = []
+    if ready.controller.manipulated:
+        tank = process_program(tagged_point(ready.point))
+        try:
+            print_structured_text(tank, **options)
+        except InputError as refusal:
+            steps = [f"there is no test project, since the tank cannot be printed: {refusal}"]
+        else:
+            projects = _test_projects(delivery, tank, options)
+            texts |= {f"{name}_test.{kind}": text for kind, text in projects.items()}
+            steps = [
+                _IMPORT[dialect].format(test=f"{name}_test", period=period),
+                "Run it in the PLC's simulator first: its controller drives a simulated tank.",
+            ]
     steps.append(f"For the plant take {name}.{ending} alone, wired, in a task of {period}.")
     # TIA Portal takes a text without a byte order mark for one of the machine's code page.
     encoding = "utf-8-sig" if dialect == "scl" else "utf-8"
@@ -78,11 +82,21 @@ def _test_projects(delivery: Delivery, tank: Program, options: Options) -> dict[
         ready.process.sampling_period,
         ready.origin,
         process_origin(ready.point),
+        alarms=_beside(ready) if ready.process.alarms else None,
         **options,
     )
     if options["dialect"] == "scl":  # TIA Portal reads no PLCopen XML
         return {"scl": print_test_project(project)}
     return {"st": print_test_project(project), "xml": print_plcopen_project(project)}
+
+
+def _beside(ready: Exportable) -> Beside:
+    """Return the alarms of the process, to stand beside the controller."""
+    from clepsydra.deploy.exported_alarms import exportable_alarms
+    from clepsydra.deploy.structured_text.loop_program import Beside
+
+    alarms = exportable_alarms(ready.point)
+    return Beside(alarms.program, alarms.wires, alarms.origin)
 
 
 def _runs(kind: str, compiler: Compiler) -> list[Run]:

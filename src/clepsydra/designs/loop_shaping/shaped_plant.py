@@ -76,7 +76,7 @@ def shaped_plant(model: LinearModel, precompensator: Precompensator) -> ShapedPl
     chosen = without_idle_states(model.select(precompensator.outputs, precompensator.inputs))
     if np.any(chosen.D != 0.0):
         raise NotApplicable("an input acts on an output at once, before it can be sampled")
-    held, moved = sampled_process(chosen, period)
+    held, moved, shown = sampled_process(chosen, period)
     count = len(held) + len(precompensator.system.A)
     if count > MOST_STATES:
         raise NotApplicable(
@@ -85,8 +85,6 @@ def shaped_plant(model: LinearModel, precompensator: Precompensator) -> ShapedPl
         )
     spans = np.array([point.process.signal(name).span for name in chosen.outputs])
     sizes = np.where(np.isfinite(spans), spans, 1.0)
-    shown = np.zeros((len(sizes), len(held)))
-    shown[:, : chosen.C.shape[1]] = chosen.C
     process = SampledSystem(held, moved, shown, np.zeros((len(sizes), moved.shape[1])))
     A, B, C, D = precompensator.system.then(process)
     shaped = SampledSystem(A, B * sizes, C / sizes[:, None], D)

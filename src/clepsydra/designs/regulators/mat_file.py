@@ -16,6 +16,8 @@ _EXPECTED = "a MAT file with the matrices A, B, C and D"
 _SAVE = "[A, B, C, D] = ssdata(F); save('reg1.mat', 'A', 'B', 'C', 'D', '-v7')"
 #: Sixty states take 0.1 MB.
 _LARGEST_FILE = 1_000_000
+#: How Octave begins a file for which no version was asked.
+_OCTAVES_OWN = {b"# Created by Octave": "Octave's text form", b"Octave-1-": "Octave's binary form"}
 _REQUIRED = ("A", "B", "C", "D")
 _OPTIONAL = ("E", "Ts")
 
@@ -24,7 +26,8 @@ def read_mat(path: str | Path) -> GivenRegulator:
     """Read a regulator from a MAT file of version 4, 6 or 7.
 
     Nothing but six matrices of numbers is read: A, B, C, D; Ts, the sampling period [s], zero or
-    left out in continuous time; and E, which has to be the identity. Others may stand beside them.
+    left out in continuous time; and E, which has to be the identity, or empty as Matlab's dssdata
+    has it. Others may stand beside them.
 
     Raises
     ------
@@ -39,10 +42,15 @@ def read_mat(path: str | Path) -> GivenRegulator:
     if b"\x89HDF\r\n" in content[:520]:
         expected = f"{_EXPECTED} of version 7 or lower"
         raise InputError(place, "version 7.3, an HDF5 file", expected, remedy)
+    for beginning, form in _OCTAVES_OWN.items():
+        if content.startswith(beginning):
+            raise InputError(place, Finding(form), _EXPECTED, remedy)
     try:
         found = mat_variables(content, MOST_STATES)
     except ValueError:
-        raise InputError(place, "something else, or damaged", _EXPECTED, remedy) from None
+        raise InputError(
+            place, "something that is not a MAT file, or is damaged", _EXPECTED, remedy
+        ) from None
     missing = [name for name in _REQUIRED if name not in found]
     if missing:
         there = ", ".join(sorted(name for name in found if name.isidentifier()))[:60]
@@ -71,7 +79,8 @@ def _numbers(place: str, variable: Variable) -> np.ndarray:
 
 def _period(place: str, matrices: dict[str, np.ndarray]) -> float | None:
     """Return Ts, and refuse a descriptor system, which may be improper."""
-    if "E" in matrices and not np.array_equal(matrices["E"], np.eye(len(matrices["A"]))):
+    E = matrices.get("E", np.empty(0))
+    if E.size and not np.array_equal(E, np.eye(len(matrices["A"]))):
         expected = "the identity: a regulator x' = A x + B e"
         remedy = "make it proper and explicit, as with ss(F, 'explicit')"
         raise InputError(f"{place}, E", "another matrix", expected, remedy)

@@ -175,7 +175,8 @@ class SampledLoops:
         point = operating_point_of(model)
         process = point.process
         controlled = tuple(dict.fromkeys(controller.setpoints))
-        seen = model.select(tuple(dict.fromkeys(controller.measurements)), controller.manipulated)
+        read = tuple(dict.fromkeys((*controller.measurements, *controlled)))
+        seen = model.select(read, controller.manipulated)
         if np.any(seen.D != 0.0):
             raise InputError(
                 "linear model, D",
@@ -186,13 +187,12 @@ class SampledLoops:
         self._derivatives = StepLawDerivatives(controller.law)
         self._state = controller.initial_state
         self._inputs = inputs_at_rest(controller, model)
-        self.held, self.moved = sampled_process(seen, period)
-        rows = [seen.outputs.index(name) for name in controller.measurements]
-        self.measured = self._widened(seen.C[rows])
+        self.held, self.moved, shown = sampled_process(seen, period)
+        self.measured = shown[[read.index(name) for name in controller.measurements]]
         self.enters = np.array(
             [[float(y == name) for name in controlled] for y in controller.measurements]
         )
-        self.controlled = self._widened(model.select(outputs=controlled).C)
+        self.controlled = shown[[read.index(name) for name in controlled]]
         spans = np.array([process.signal(name).span for name in controlled])
         self.sizes = np.where(np.isfinite(spans), spans, 1.0)
 
@@ -261,7 +261,3 @@ class SampledLoops:
 
     def _shown(self, law: LinearStepLaw) -> np.ndarray:
         return np.hstack([self.controlled, np.zeros((len(self.sizes), law.A.shape[-1]))])
-
-    def _widened(self, C: np.ndarray) -> np.ndarray:
-        """Return C for the sampled states: what is on its way does not show."""
-        return np.hstack([C, np.zeros((len(C), len(self.held) - C.shape[1]))])

@@ -9,6 +9,7 @@ import numpy as np
 
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.linear.dead_time import delay_dependencies, has_delay_in_loop
+from clepsydra.linear.late_outputs import late_outputs
 from clepsydra.linear.linear_model import InternalDelays, LinearModel
 from clepsydra.linear.ways import in_any_steps
 
@@ -19,17 +20,20 @@ MOST_STATES = 600
 
 
 class SampledProcess(NamedTuple):
-    """x(k+1) = held x(k) + moved u(k), whose first states are those of the process.
+    """x(k+1) = held x(k) + moved u(k), y = shown x, whose first states are those of the process.
 
     Parameters
     ----------
     held : ndarray [N, N]
     moved : ndarray [N, m]
-        With dead time the further states are what is on its way: earlier states and inputs.
+        With dead time the further states are what is on its way: earlier states, inputs and
+        readings.
+    shown : ndarray [q, N]
     """
 
     held: np.ndarray
     moved: np.ndarray
+    shown: np.ndarray
 
 
 @lru_cache(maxsize=16)
@@ -40,7 +44,8 @@ def sampled_process(model: LinearModel, period: float) -> SampledProcess:
     were held. So copies of the motion, one for every sum L of dead times along a way through
     the process, run side by side over the period, each from what its states were then and with
     the inputs of then, which change once within the period where L is no multiple of it (the
-    modified z-transform in state space). Nothing is approximated.
+    modified z-transform in state space). Of an output that is told late the readings of each
+    sample are on their way. Nothing is approximated.
 
     Parameters
     ----------
@@ -52,8 +57,8 @@ def sampled_process(model: LinearModel, period: float) -> SampledProcess:
     Raises
     ------
     NotApplicable
-        A dead time stands in a loop, or delays an output itself, or is so many periods long
-        that the model would have more than 600 states.
+        A dead time stands in a loop, or an output shows it beside something else, or it is so
+        many periods long that the model would have more than 600 states.
 
     References
     ----------
@@ -70,8 +75,8 @@ def sampled_process(model: LinearModel, period: float) -> SampledProcess:
     array([[0.367879]])
     """
     if model.delays is None:
-        return SampledProcess(*held_over(model.A, model.B, period))
-    return _Cascade(model, model.delays, period).sampled()
+        return SampledProcess(*held_over(model.A, model.B, period), model.C)
+    return _Cascade(model, period).sampled()
 
 
 def sampled_states(model: LinearModel, period: float) -> list[tuple[str, float]]:
@@ -93,7 +98,7 @@ def sampled_states(model: LinearModel, period: float) -> list[tuple[str, float]]
     now = [(name, 0.0) for name in model.states]
     if model.delays is None:
         return now
-    return now + _Cascade(model, model.delays, period).on_the_way()
+    return now + _Cascade(model, period).on_the_way()
 
 
 def held_over(A: np.ndarray, B: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
@@ -117,8 +122,10 @@ def held_over(A: np.ndarray, B: np.ndarray, period: float) -> tuple[np.ndarray, 
 class _Cascade:
     """The copies of a model at every sum of dead times, and the register of what they need."""
 
-    def __init__(self, model: LinearModel, delays: InternalDelays, period: float) -> None:
-        waits = f"dead times of {', '.join(f'{time:.6g}' for time in delays.times)} s"
+    def __init__(self, model: LinearModel, period: float) -> None:
+        waits = f"dead times of {', '.join(f'{time:.6g}' for time in model.times)} s"
+        model, ages = late_outputs(model)
+        delays = model.delays or _none(model)
         if has_delay_in_loop(model):
             raise NotApplicable(
                 f"{waits}, one of them in a loop, have no sampled model; judge it by simulation"
@@ -130,26 +137,38 @@ class _Cascade:
         self.model, self.delays, self.period = model, delays, period
         self.lags = _sums_along_ways(delay_dependencies(model), delays.times, _SAME * period)
         # L = steps T + late, with 0 <= late < T.
-        self.steps = [int(np.floor(lag / period + _SAME)) for lag in self.lags]
-        late = [lag - k * period for lag, k in zip(self.lags, self.steps, strict=True)]
-        self.late = [0.0 if time <= _SAME * period else time for time in late]
+        parts = [_whole_and_rest(lag, period) for lag in self.lags]
+        self.steps, self.late = [k for k, _ in parts], [late for _, late in parts]
+        self.told = {
+            model.outputs.index(name): _whole_and_rest(age, period) for name, age in ages.items()
+        }
         # The places of the states that something delayed depends on.
         fed = (delays.from_states != 0.0) @ in_any_steps(model.A != 0.0)
-        self.kept = np.flatnonzero(fed.any(axis=0))
+        part_late = [row for row, (_, late) in self.told.items() if late]
+        self.kept = np.flatnonzero(fed.any(axis=0) | model.C[part_late].any(axis=0))
+        self.latenesses = sorted({*self.late, *(late for _, late in self.told.values())})
         # The register holds x(kT - late), k steps back, for each lateness, and u.
         self.places: dict[tuple[float, int], slice] = {}
         n, m = model.B.shape
         stop = n
-        for lateness in sorted(set(self.late)):
-            longest = max(k for k, of in zip(self.steps, self.late, strict=True) if of == lateness)
+        for lateness in self.latenesses:
+            longest = max(
+                (k for k, of in zip(self.steps, self.late, strict=True) if of == lateness),
+                default=0,
+            )
             # x(kT - late) is made in the step before, so it is there with none back already.
             for back in range(0 if lateness else 1, longest + 1):
                 self.places[lateness, back] = slice(stop, stop + len(self.kept))
                 stop += len(self.kept)
         self.input_places: dict[int, slice] = {}
-        for back in range(1, max(self.steps) + 2):
+        for back in range(1, max(self.steps) + 2 if len(delays.times) else 1):
             self.input_places[back] = slice(stop, stop + m)
             stop += m
+        # And of each output that is told late its readings, the newest first.
+        self.reading_places: dict[int, range] = {}
+        for row, (k, _) in self.told.items():
+            self.reading_places[row] = range(stop, stop + k)
+            stop += k
         self.size = stop
         if stop > MOST_STATES:
             raise NotApplicable(
@@ -164,7 +183,12 @@ class _Cascade:
             for late, back in self.places
             for place in self.kept
         ]
-        return found + [(name, back * self.period) for back in self.input_places for name in inputs]
+        found += [(name, back * self.period) for back in self.input_places for name in inputs]
+        return found + [
+            (self.model.outputs[row], self.told[row][1] + (back + 1) * self.period)
+            for row, places in self.reading_places.items()
+            for back in range(len(places))
+        ]
 
     def sampled(self) -> SampledProcess:
         """Return the sampled model: register and held input to the next register."""
@@ -179,7 +203,7 @@ class _Cascade:
             state[rows, np.arange(columns.start, columns.stop)] = 1.0
         following = np.zeros((size, size + m))
         now, period = 0.0, self.period
-        moments = sorted({*self.late, *(period - late for late in self.late if late), period})
+        moments = sorted({*self.late, *(period - late for late in self.latenesses if late), period})
         for moment in moments:
             if moment - now > _SAME * period:
                 middle = 0.5 * (now + moment)
@@ -187,7 +211,7 @@ class _Cascade:
                 Phi, Gamma = held_over(*motion, moment - now)
                 state = Phi @ state + Gamma @ held
                 now = moment
-            for late in set(self.late):
+            for late in self.latenesses:
                 if late and abs(period - late - moment) <= _SAME * period:
                     following[self.places[late, 0]] = state[self.kept]
         following[:n] = state[:n]
@@ -199,7 +223,26 @@ class _Cascade:
         for back, taken in self.input_places.items():
             before = slice(size, size + m) if back == 1 else self.input_places[back - 1]
             following[taken, before] = np.eye(m)
-        return SampledProcess(following[:, :size], following[:, size:])
+        read = self._read()
+        for row, places in self.reading_places.items():
+            for back, place in enumerate(places):
+                following[place] = read[row] if back == 0 else np.eye(size + m)[place - 1]
+        shown = read[:, :size].copy()
+        for row, places in self.reading_places.items():
+            if places:
+                shown[row] = np.eye(size)[places[-1]]
+        return SampledProcess(following[:, :size], following[:, size:], shown)
+
+    def _read(self) -> np.ndarray:
+        """Return what every sensor reads, less than a sample ago, by register and u(k)."""
+        C = self.model.C
+        read = np.zeros((len(C), self.size + self.model.B.shape[1]))
+        read[:, : C.shape[1]] = C
+        for row, (_, late) in self.told.items():
+            if late:
+                read[row] = 0.0
+                read[row, self.places[late, 0]] = C[row, self.kept]
+        return read
 
     def _motion(self) -> tuple[np.ndarray, np.ndarray]:
         """Return A and B of all copies side by side, driven by the inputs of each."""
@@ -236,6 +279,25 @@ class _Cascade:
         columns = slice(self.size, self.size + m) if back == 0 else self.input_places[back]
         chosen[:, columns] = np.eye(m)
         return chosen
+
+
+def _whole_and_rest(time: float, period: float) -> tuple[int, float]:
+    """Return the whole periods in a time, and what is left."""
+    whole = int(np.floor(time / period + _SAME))
+    rest = time - whole * period
+    return whole, 0.0 if rest <= _SAME * period else rest
+
+
+def _none(model: LinearModel) -> InternalDelays:
+    """Return no delayed signals of a model."""
+    n, m, k, q = (
+        len(names) for names in (model.states, model.inputs, model.disturbances, model.outputs)
+    )
+    zeros = np.zeros
+    return InternalDelays(
+        zeros(0), zeros((n, 0)), zeros((0, n)), zeros((0, m)), zeros((0, k)), zeros((0, 0)),
+        zeros((q, 0)),
+    )  # fmt: skip
 
 
 def _sums_along_ways(depends: np.ndarray, times: np.ndarray, near: float) -> list[float]:

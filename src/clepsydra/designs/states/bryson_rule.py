@@ -17,6 +17,7 @@ from clepsydra.designs.request import in_shown_unit, positive_number
 from clepsydra.designs.states.quadratic_weights import QuadraticWeights
 from clepsydra.linear.control_authority import DESIGN_STEP
 from clepsydra.linear.dead_time import at_rest
+from clepsydra.linear.late_outputs import late_outputs
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.poles import origin_radius, time_constants
@@ -107,13 +108,33 @@ def acceptable_deviations(
     {'level_1': 0.5, 'level_2': 1.0}
     """
     point = operating_point_of(model)
-    steps = {name: DESIGN_STEP * point.process.signal(name).span for name in model.outputs}
-    errors = _given("maximum_errors", maximum_errors, steps)
+    errors = acceptable_errors(model, maximum_errors)
     rooms = control_authorities(point, model.inputs).tolist()
     usual = dict(zip(model.inputs, rooms, strict=True))
     moves = _given("maximum_moves", maximum_moves, usual)
     asked = Deviations(errors, moves, 0.0)
     return asked._replace(horizon=_horizon(model, *asked.sizes()))
+
+
+def acceptable_errors(
+    model: LinearModel, maximum_errors: Mapping[str, float] | None
+) -> dict[str, float]:
+    """Return the largest acceptable error of each output: a tenth of its range if none is given.
+
+    Raises
+    ------
+    InputError
+        The mapping names an unknown output, or an error is not above zero.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> acceptable_errors(cl.load("averaging-tank").linear, {"volume": 0.1})
+    {'concentration': 2500.0, 'volume': 0.1}
+    """
+    signal = operating_point_of(model).process.signal
+    steps = {name: DESIGN_STEP * signal(name).span for name in model.outputs}
+    return _given("maximum_errors", maximum_errors, steps)
 
 
 def bryson_weights(
@@ -149,11 +170,27 @@ def bryson_weights(
     25.0
     """
     errors, moves = np.asarray(maximum_errors, float), np.asarray(maximum_moves, float)
+    shown = late_outputs(model).prompt.C
     return QuadraticWeights(
-        states=model.C.T @ np.diag(errors**-2) @ model.C,
+        states=shown.T @ np.diag(errors**-2) @ shown,
         inputs=np.diag(moves**-2),
         integrals=np.diag((errors * settling_horizon) ** -2),
     )
+
+
+def inverse_response(model: LinearModel) -> float:
+    """Return 1/z of the slowest zero z in the right half-plane [s], zero where there is none.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> model = cl.load("quadruple-tank-nonminimum-phase").linear
+    >>> round(inverse_response(model), 1), inverse_response(cl.load("quadruple-tank").linear)
+    (78.4, 0.0)
+    """
+    model = at_rest(model)
+    radius = origin_radius(model.A)
+    return max((1.0 / float(abs(zero)) for zero in zeros(model) if zero.real > radius), default=0.0)
 
 
 def _horizon(model: LinearModel, errors: np.ndarray, moves: np.ndarray) -> float:
@@ -161,10 +198,9 @@ def _horizon(model: LinearModel, errors: np.ndarray, moves: np.ndarray) -> float
     late = float(model.times.sum())
     model = at_rest(model)
     times = [float(time) for time in time_constants(model) if math.isfinite(time) and time > 0.0]
-    radius = origin_radius(model.A)
-    inverse = [1.0 / abs(zero) for zero in zeros(model) if zero.real > radius]
+    inverse = inverse_response(model)
     if times or inverse or late:
-        return max(max(times, default=0.0) / 3.0, max(inverse, default=0.0), late)
+        return max(max(times, default=0.0) / 3.0, inverse, late)
     rates = np.abs(model.C @ model.B) @ moves
     if not np.all(rates > 0.0):
         raise NotApplicable("the model has no time constant to scale the weights with")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -83,17 +84,49 @@ def with_loads(observed: ObservedProcess) -> ObservedProcess:
     >>> [signal.name for signal in with_loads(seen).estimated]
     ['well.level', 'duty.actual', 'duty.load']
     """
-    N, m = observed.moved.shape
     process = operating_point_of(observed.model).process
-    loads = tuple(
-        replace(process.signal(name), name=path(name, "load")) for name in observed.model.inputs
-    )
+    inputs = map(process.signal, observed.model.inputs)
+    return with_integrators(observed, [as_load(signal) for signal in inputs], observed.moved)
+
+
+def as_load(signal: Signal) -> Signal:
+    """Return the constant load on what a signal moves, in its unit.
+
+    Examples
+    --------
+    >>> as_load(Signal("pump", "V")).name
+    'pump.load'
+    """
+    return replace(signal, name=path(signal, "load"))
+
+
+def with_integrators(
+    observed: ObservedProcess, signals: Sequence[Signal], moves: np.ndarray
+) -> ObservedProcess:
+    """Return the process with further states that stay as they are: d(k+1) = d.
+
+    Parameters
+    ----------
+    signals : sequence of Signal [d]
+        What they are.
+    moves : ndarray [N, d]
+        What each does to the process in a sample.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> from clepsydra.designs.states.observed_process import observed_process
+    >>> seen = observed_process(cl.load("equalisation-tank").linear, None)
+    >>> with_integrators(seen, [Signal("rain")], np.ones((1, 1))).held[:, -1]
+    array([1., 1.])
+    """
+    (N, m), d = observed.moved.shape, len(signals)
     return replace(
         observed,
-        estimated=(*observed.estimated, *loads),
-        held=np.block([[observed.held, observed.moved], [np.zeros((m, N)), np.eye(m)]]),
-        moved=np.vstack([observed.moved, np.zeros((m, m))]),
-        shown=np.hstack([observed.shown, np.zeros((len(observed.shown), m))]),
+        estimated=(*observed.estimated, *signals),
+        held=np.block([[observed.held, moves], [np.zeros((d, N)), np.eye(d)]]),
+        moved=np.vstack([observed.moved, np.zeros((d, m))]),
+        shown=np.hstack([observed.shown, np.zeros((len(observed.shown), d))]),
     )
 
 

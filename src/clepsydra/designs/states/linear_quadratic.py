@@ -15,6 +15,7 @@ from clepsydra.designs.sampled.sampled_process import sampled_process, sampled_s
 from clepsydra.designs.states.quadratic_weights import QuadraticWeights
 from clepsydra.designs.states.riccati import Regulator, optimal_regulator
 from clepsydra.linear.dead_time import at_rest
+from clepsydra.linear.late_outputs import late_outputs
 from clepsydra.linear.linear_model import LinearModel
 
 ANTI_WINDUP = word("anti_windup", "what integrals do while an output is at a limit", AntiWindup)
@@ -96,8 +97,7 @@ def lqi_gains(
     cost, sizes, moves = scaled_cost(model, weights, sampling_period, horizon)
     n = len(sizes)
     sums = 1.0 / np.sqrt(np.diag(weights.integrals))
-    C = np.zeros((q, n))
-    C[:, : len(model.states)] = model.C * sizes[: len(model.states)]
+    C = sampled_process(model, sampling_period).shown * sizes
     held = np.block(
         [[cost.held, np.zeros((n, q))], [sampling_period * C / sums[:, None], np.eye(q)]]
     )
@@ -174,10 +174,12 @@ def scaled_cost(
         cost = sampled_cost(A, B, Q, R, period)
         of_a_second = [matrix / period for matrix in (cost.Q, cost.N, cost.R)]
         return SampledCost(cost.held, cost.moved, *of_a_second), sizes, moves
-    held, moved = sampled_process(model, period)
+    held, moved, _ = sampled_process(model, period)
     n, N = len(model.states), len(held)
     # What is on its way is as large as where it came from.
     of_signals = dict(zip(model.states + model.inputs, [*sizes, *moves], strict=True))
+    readings = np.abs(late_outputs(model).prompt.C) @ sizes
+    of_signals |= dict(zip(model.outputs, readings, strict=True))
     sizes = np.array([of_signals[name] for name, _ in sampled_states(model, period)])
     whole = np.zeros((N, N))
     whole[:n, :n] = Q

@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from clepsydra.designs.applicability import NotApplicable
+from clepsydra.linear.late_outputs import late_outputs, with_late_outputs
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise, operating_point_of
 from clepsydra.linear.ways import in_any_steps, ways
@@ -70,16 +71,19 @@ def with_outputs(model: LinearModel, measurements: tuple[str, ...]) -> LinearMod
     >>> with_outputs(model, ("level_4",)).C
     array([[ 0.,  0.,  0., 50.]])
     """
-    shown = linearise(operating_point_of(model)).select(measurements, model.inputs)
+    own = late_outputs(model).prompt
+    whole = linearise(operating_point_of(model)).select(measurements, model.inputs)
+    shown, ages = late_outputs(whole)
     columns = [shown.states.index(name) for name in model.states]
-    delays = model.delays
+    delays = own.delays
     if delays is not None:
         assert shown.delays is not None
         delays = dataclasses.replace(delays, to_outputs=shown.delays.to_outputs)
     no_feedthrough = np.zeros((len(measurements), len(model.inputs)))
-    return dataclasses.replace(
-        model, C=shown.C[:, columns], D=no_feedthrough, outputs=measurements, delays=delays
+    found = dataclasses.replace(
+        own, C=shown.C[:, columns], D=no_feedthrough, outputs=measurements, delays=delays
     )
+    return with_late_outputs(found, ages)
 
 
 def of_measurements(

@@ -99,15 +99,13 @@ def observed_process(model: LinearModel, measurements: Sequence[str] | None) -> 
     signal = operating_point_of(model).process.signal
     chosen = _chosen(model, measurements)
     seen = without_idle_states(with_outputs(model, chosen))
-    held, moved = sampled_process(seen, period)
+    held, moved, shown = sampled_process(seen, period)
     if len(held) > MOST_ESTIMATES:
         raise NotApplicable(
             f"{len(held)} quantities would have to be estimated, and a law takes at most "
             f"{MOST_ESTIMATES}; with dead time a longer sampling period makes them fewer"
         )
     estimated = tuple(_aged(signal(name), age) for name, age in sampled_states(seen, period))
-    shown = np.zeros((len(chosen), len(held)))
-    shown[:, : len(seen.states)] = seen.C
     sizes, moves = _sizes(estimated), _sizes([signal(name) for name in model.inputs])
     held = _without_rounding(held, sizes, sizes)
     moved = _without_rounding(moved, sizes, moves)

@@ -10,6 +10,8 @@ import numpy as np
 from clepsydra.designs.applicability import NotApplicable
 
 _REFINEMENTS = 2
+#: 2⁶⁰ samples are for ever.
+_DOUBLINGS = 60
 #: A solution with a larger residual, as a share of its largest term, is none.
 LARGEST_RESIDUAL = 1e-9
 
@@ -75,8 +77,8 @@ def optimal_regulator(
         raise NotApplicable(
             "the Riccati equation has no stabilising solution: a mode is out of reach"
         ) from error
-    except ValueError as error:  # of a pair of matrices that cannot be reordered
-        raise NotApplicable("the Riccati equation is too ill-conditioned to be solved") from error
+    except ValueError:  # of a pair of matrices that cannot be reordered
+        P = _doubled(held, moved, Q, N, R)
     P = _refined(held, moved, Q, N, R, P)
     if riccati_residual(held, moved, Q, N, R, P) > LARGEST_RESIDUAL:
         raise NotApplicable("the Riccati equation cannot be solved to nine digits")
@@ -85,6 +87,36 @@ def optimal_regulator(
     if not np.all(np.abs(eigenvalues) < 1.0):
         raise NotApplicable("the Riccati solution does not stabilise the model")
     return Regulator(gain, P, eigenvalues)
+
+
+def _doubled(
+    held: np.ndarray, moved: np.ndarray, Q: np.ndarray, N: np.ndarray, R: np.ndarray
+) -> np.ndarray:
+    """Return P as the cost of 1, 2, 4, 8 … samples, where eigenvalues are too alike to be sorted.
+
+    A register of readings on their way has as many eigenvalues at zero as places, and rounding
+    moves each of them far; doubling asks for none.
+
+    References
+    ----------
+    B. D. O. Anderson, Second-order convergent algorithms for the steady-state Riccati equation,
+    International Journal of Control 28(2), 1978, 295-306.
+    """
+    A, cost = held - moved @ np.linalg.solve(R, N.T), Q - N @ np.linalg.solve(R, N.T)
+    reach = moved @ np.linalg.solve(R, moved.T)
+    try:
+        with np.errstate(all="ignore"):
+            for _ in range(_DOUBLINGS):
+                both = np.linalg.solve(np.eye(len(A)) + reach @ cost, np.hstack([A, reach]))
+                moves, reached = both[:, : len(A)], both[:, len(A) :]
+                added, reach = moves.T @ cost @ A, reach + A @ reached @ A.T
+                A, cost = A @ moves, cost + (added + added.T) / 2.0
+                largest = np.abs(cost).max()
+                if np.isfinite(largest) and np.abs(added).max() <= np.finfo(float).eps * largest:
+                    return cost
+    except np.linalg.LinAlgError:
+        pass  # told below
+    raise NotApplicable("the Riccati equation is too ill-conditioned to be solved")
 
 
 def _refined(

@@ -11,10 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.fuzzy.file import FuzzyFile, WiredFuzzy, read_fuzzy
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise, operating_point_of
+from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.run import Run
 from clepsydra.papers.averaging_tank import PRINTED, fuzzy_tables
 from clepsydra.papers.averaging_tank.continuous_pi import (
@@ -102,23 +104,27 @@ def fuzzy_run(
     horizon: float = _HORIZON,
     period: float = PERIOD,
 ) -> Run:
-    """Return steps of C [kmol/m³] and V [m³] at the first sample, from the equilibrium.
+    """Return steps of C [kmol/m³] and V [m³] at the first sample, from the equilibrium."""
+    model = _model(period)
+    controller = fuzzy_controller(reading, operating_point_of(model))
+    return step_run(controller, model, sizes, horizon)
+
+
+def fuzzy_controller(reading: Reading, point: OperatingPoint) -> Controller:
+    """Return the controller in a reading, for a tank whose three inputs are moved.
 
     The document's controller does not wait for a bumpless start: nothing is added to its outputs.
     """
-    model = _model(period)
-    point = operating_point_of(model)
     controller = WiredFuzzy(fuzzy_file(reading), point.process).controller(point, "fuzzy")
     times = {
         name: reading.filter_time for name in controller.values if name.endswith(".filter_time")
     }
     offsets = {n: 0.0 for n in controller.initial_state if n.endswith(".offset")}
-    controller = dataclasses.replace(
+    return dataclasses.replace(
         controller,
         values=controller.values | times,
         initial_state=controller.initial_state | offsets,
     )
-    return step_run(controller, model, sizes, horizon)
 
 
 def _rate(found: Run, name: str) -> float:

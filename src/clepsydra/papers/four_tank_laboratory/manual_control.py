@@ -32,7 +32,7 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
 )
 from clepsydra.papers.four_tank_laboratory.simulator import SEEDS_BY_HAND, Runs, by_hand
 from clepsydra.papers.printed import Printed
-from clepsydra.papers.row import Row, Rows
+from clepsydra.papers.row import Row, Rows, joined
 
 _TABLES = {MINIMUM: "Table 3", NON_MINIMUM: "Table 4"}
 #: Voltages with which the report keeps both lower levels at 15 cm, and where it shows that.
@@ -53,12 +53,21 @@ _SIMULATOR = (
     "above 27.5 cm until 27 cm are not printed: mean and three standard deviations of one reading, "
     f"{SEEDS_BY_HAND} runs, 750 to 1000 s"
 )
+_BY_HAND = "By one's own hand: clepsydra lab --lesson four-tanks."
 #: A reading of two tables of one run may differ by the noise, three standard deviations of it.
 _DEVIATIONS = 3.0
 
 
 def run() -> Found:
-    """Run the simulator by hand, as the report does."""
+    """Run the simulator by hand, as the report does; each row says that a reader can too."""
+    for found in _found():
+        if isinstance(found, Row):
+            yield dataclasses.replace(found, reason=joined(found.reason, _BY_HAND))
+        else:
+            yield found
+
+
+def _found() -> Found:
     for set_up in SET_UPS:
         yield from _table(set_up)
     for coupled in _COUPLED:

@@ -37,7 +37,7 @@ from clepsydra.studies.warnings.loop_response import LoopResponse, loop_response
 
 #: As designed, and as the simulator has it.
 _UNITS: dict[Units, CurveKind] = {"volts": "line", "percent": "dashed"}
-_NAMES: dict[Kind, str] = {"decentralised": "PI", "robust": "Glover-McFarlane"}
+NAMES: dict[Kind, str] = {"decentralised": "PI", "robust": "Glover-McFarlane"}
 
 
 def run() -> Found:
@@ -87,7 +87,7 @@ def _norm(set_up: SetUp) -> tuple[float, float, float, float]:
 def _figure(set_up: SetUp) -> Figure:
     shown = [
         Curve(f"{name}, {units}", each.frequencies, np.linalg.norm(each.at_output, 2, (1, 2)), look)
-        for kind, name in _NAMES.items()
+        for kind, name in NAMES.items()
         for units, look in _UNITS.items()
         for each in [response(set_up, kind, units)]
     ]

@@ -131,19 +131,28 @@ def runs(
     into tank 1, and later into tank 2.
     """
     process = plant(set_up, units, holes)
-    every, stretch = (4, 150.0) if set_up is MINIMUM else (10, 800.0)
-    each, second = (round(time / process.sampling_period) for time in (stretch, 1.0))
+    every = 4 if set_up is MINIMUM else 10
+    each, second = (round(time / process.sampling_period) for time in (stretch_of(set_up), 1.0))
     samples = 3 * each
     given: dict[str, float | np.ndarray] = {}
     for tank in (1, 2):
-        target = TARGET * process.signal(f"level_{tank}").high / 1.2
-        given[f"level_{tank}.setpoint"] = np.full(samples, target)
+        given[f"level_{tank}.setpoint"] = np.full(samples, target_of(process, f"level_{tank}"))
         pour = given[f"pour_{tank}"] = np.zeros(samples)
         pour[tank * each : tank * each + second] = POURED
     law = at_the_simulator(set_up, kind, process)
     return _simulated(
         law, process, samples, given, {}, seed=4, seeds=SEEDS, noise=noise, every=every
     )
+
+
+def stretch_of(set_up: SetUp) -> float:
+    """Return how long a step or a pour has until the next one [s]."""
+    return 150.0 if set_up is MINIMUM else 800.0
+
+
+def target_of(process: Process, name: str) -> float:
+    """Return the reference of a level in its unit; its sensor goes on to 120 %."""
+    return TARGET * process.signal(name).high / 1.2
 
 
 def _simulated(

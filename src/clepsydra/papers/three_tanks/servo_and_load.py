@@ -33,9 +33,9 @@ from clepsydra.papers.three_tanks.state_feedback import STEP, placed_loop
 
 _LEVELS = ("level_1", "level_2", "level_3")
 _LOAD = 1e-5  # into tank 3 [m³/s], ours: the document's is not printed
-_LOAD_AT, _END = 1500.0, 3000.0  # [s]
+LOAD_AT, _END = 1500.0, 3000.0  # [s]
 #: Fast enough for poles at -40 1/s, and the common period of a plant.
-_FAST, _USUAL = 0.01, 1.0  # [s]
+FAST, USUAL = 0.01, 1.0  # [s]
 
 
 def run() -> Found:
@@ -53,19 +53,21 @@ def run() -> Found:
 
 
 @cache
-def _model(period: float) -> LinearModel:
+def model_at(period: float) -> LinearModel:
+    """Return the linear model to level 3, sampled with a period [s]."""
     process = dataclasses.replace(three_tanks(), sampling_period=period)
     return linearise(find_equilibrium(process)).select(outputs=["level_3"])
 
 
-def _feedback(loop: FeedbackLoop) -> Controller:
+def feedback_controller(loop: FeedbackLoop, period: float) -> Controller:
+    """Return a state feedback with its precompensator, for a sampling period [s]."""
     setpoint = np.array([[loop.setpoint_gain]])
     return state_feedback_controller(
-        loop.label, _model(_FAST), _LEVELS, loop.gain, setpoint, fading_time=100.0
+        loop.label, model_at(period), _LEVELS, loop.gain, setpoint, fading_time=100.0
     )
 
 
-def _pid_controller() -> Controller:
+def pid_controller() -> Controller:
     """Return PID control with the printed gains, derivative on the measurement, Td/10 filter."""
     law = multiloop_pid_law(
         ["level_3"], ["feed"], PidForm("PID", anti_windup="conditional_integration")
@@ -92,7 +94,7 @@ def _scenario(model: LinearModel) -> Scenario:
     point = operating_point_of(model)
     changes = (
         Change("level_3", float(point.state[2]) + STEP, 0.0, 0.0),
-        Change("inflow_3", _LOAD, _LOAD_AT, _LOAD_AT),
+        Change("inflow_3", _LOAD, LOAD_AT, LOAD_AT),
     )
     return scenario_of_changes(point, changes, round(_END / point.process.sampling_period) + 1)
 
@@ -101,14 +103,14 @@ def _scenario(model: LinearModel) -> Scenario:
 def runs() -> dict[str, Run]:
     """Return a setpoint step of 1 cm and a load of 10 cm³/s under each controller, by name."""
     designs = {
-        "Ziegler-Nichols PID": (_pid_controller(), _USUAL),
-        "FSFB, -25 ± j25": (_feedback(placed_loop(25)), _FAST),
-        "FSFB, -5 ± j5": (_feedback(placed_loop(5)), _FAST),
-        "LQC, R = 0.1": (_feedback(quadratic_loop("0.1")), _FAST),
-        "LQI, Bryson": (design_lqi(_model(_USUAL)), _USUAL),
+        "Ziegler-Nichols PID": (pid_controller(), USUAL),
+        "FSFB, -25 ± j25": (feedback_controller(placed_loop(25), FAST), FAST),
+        "FSFB, -5 ± j5": (feedback_controller(placed_loop(5), FAST), FAST),
+        "LQC, R = 0.1": (feedback_controller(quadratic_loop("0.1"), FAST), FAST),
+        "LQI, Bryson": (design_lqi(model_at(USUAL)), USUAL),
     }
     return {
-        name: Loop(controller, _model(period)).run(_scenario(_model(period)))
+        name: Loop(controller, model_at(period)).run(_scenario(model_at(period)))
         for name, (controller, period) in designs.items()
     }
 

@@ -11,10 +11,12 @@ import casadi as ca
 
 from clepsydra.base.errors import Finding
 from clepsydra.base.quantity import quantity
+from clepsydra.base.remark import Remark
 from clepsydra.base.signal import Signal
 from clepsydra.process import told
 from clepsydra.process.actuator import ROUNDING, follows_in, limited_speed
-from clepsydra.process.declared import choice, filled, flag, link, part
+from clepsydra.process.constant_speed_pump import BAR, WATER, ConstantSpeedPump, kv_conductance
+from clepsydra.process.declared import choice, filled, flag, link, part, table_schema
 from clepsydra.process.element import Element
 from clepsydra.process.elements.orifice import LAMINAR
 from clepsydra.process.flow import Flow, Flows
@@ -28,8 +30,6 @@ from clepsydra.process.valve_characteristic import CHARACTERISTICS, opened
 from clepsydra.process.vessels.vessel import Vessel, vessel_of
 from clepsydra.program.step_law import Symbols
 
-#: What a Kv is defined with: water, and a pressure difference of 1 bar.
-_DENSITY, _BAR = 1000.0, 1e5
 _AT_ONCE = "leave it out for a valve that follows at once"
 
 
@@ -51,7 +51,9 @@ class ControlValve(Element):
 
     A free discharge falls into whatever is below, and nothing comes back; a submerged valve
     joins two tanks at their floors and flows either way. A valve that would go on emptying a
-    tank without liquid breaks off, see `clepsydra.process.suction`.
+    tank without liquid breaks off, see `clepsydra.process.suction`. Behind a pump at constant
+    speed the flow is where its curve meets lift, line and valve, see
+    `clepsydra.process.constant_speed_pump`.
 
     Parameters
     ----------
@@ -66,6 +68,8 @@ class ControlValve(Element):
         Supply pressure at the source above that at the outlet [Pa].
     line_kv : float
         Kv of pipe and fittings in series [m³/s].
+    pump : ConstantSpeedPump or None
+        Before it.
     source_vessel : Vessel or None
         Shape of the tank above; None for a reservoir.
     suction : Suction or None
@@ -148,6 +152,11 @@ class ControlValve(Element):
         },
         default=None,
     )
+    pump: ConstantSpeedPump | None = part(
+        lambda table, key, known: ConstantSpeedPump.read(table, key) if table.has(key) else None,
+        default=None,
+        **{"description": "a pump at constant speed before it", **table_schema(ConstantSpeedPump)},
+    )
     source_vessel: Vessel | None = part(
         lambda table, key, known: vessel_of(table, known["source"]),
         SUCTION_TOLD,
@@ -166,7 +175,11 @@ class ControlValve(Element):
                 'remove it, or write characteristic = "equal percentage"',
             )
         source = valve.source
-        forced = valve.elevation + valve.pressure / _BAR > 0.0
+        if valve.pump:
+            expected = "no such key beside a pump, whose curve and static_head say it"
+            table.refuse(("elevation", "submerged"), expected, "remove one of the two")
+            valve = replace(valve, pump=valve.pump.named(name))
+        forced = valve.pump is not None or valve.elevation + valve.pressure / BAR > 0.0
         if valve.source_vessel is None and not valve.submerged and not forced:
             raise table.refused(
                 "pressure",
@@ -206,25 +219,21 @@ class ControlValve(Element):
         """Return the numbers of the valve, of its line and of its actuator."""
         own = [] if self.friction is None else self.friction.parameters()
         friction = [self._parameter(key, "1", value, words) for key, value, words in own]
-        return (*super().parameters(), *friction)
+        pump = () if self.pump is None else self.pump.parameters()
+        return (*super().parameters(), *friction, *pump)
+
+    def as_built(self) -> tuple[str, ...]:
+        """Return its Kv."""
+        return (f"{self.name}.kv",)
 
     def flows(self, symbols: Symbols, received: Flows) -> tuple[Flow, ...]:
         """Return q = (Kv √(g/100)) · (f φ), with the line in series."""
-        gravity = symbols["gravity"]
-        coefficient = symbols[f"{self.name}.kv"] * ca.sqrt(gravity * (_DENSITY / _BAR))
-        share = opened(
-            self.characteristic, self._stem(symbols), symbols.get(f"{self.name}.rangeability", 1.0)
-        )
-        if self._has_line:
-            ratio = symbols[f"{self.name}.kv"] / symbols[f"{self.name}.line_kv"]
-            share = share / ca.sqrt(1 + (ratio * ratio) * (share * share))
-        head = ca.SX(0)
-        if self.elevation:
-            head = head + self.elevation
-        if self.pressure:
-            head = head + symbols[f"{self.name}.pressure"] / (_DENSITY * gravity)
-        if self.submerged or self.source_vessel:
-            head = head + symbols[f"{self.source}.level"]
+        coefficient, share, head = self._hydraulics(symbols)
+        if self.pump:
+            flow = self.pump.flow(coefficient * share, head, symbols)
+            if self.suction:
+                flow = drawn(self.name, flow, symbols)
+            return (Flow(self.source, self.destination, ca.SX(1), flow),)
         if self.submerged:
             driving = signed_root(head - symbols[f"{self.destination}.level"], LAMINAR)
         else:
@@ -243,6 +252,38 @@ class ControlValve(Element):
             ),
         )
 
+    def _hydraulics(self, symbols: Symbols) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """Return what the open valve lets through per root of a metre, its share, and the head."""
+        gravity = symbols["gravity"]
+        coefficient = symbols[f"{self.name}.kv"] * kv_conductance(gravity)
+        share = opened(
+            self.characteristic, self._stem(symbols), symbols.get(f"{self.name}.rangeability", 1.0)
+        )
+        if self._has_line:
+            ratio = symbols[f"{self.name}.kv"] / symbols[f"{self.name}.line_kv"]
+            share = share / ca.sqrt(1 + (ratio * ratio) * (share * share))
+        head = ca.SX(0)
+        if self.elevation:
+            head = head + self.elevation
+        if self.pressure:
+            head = head + symbols[f"{self.name}.pressure"] / (WATER * gravity)
+        if self.submerged or self.source_vessel:
+            head = head + symbols[f"{self.source}.level"]
+        return coefficient, share, head
+
+    @property
+    def driven(self) -> bool:
+        """Whether a pump stands before it."""
+        return self.pump is not None
+
+    def remarks(self, symbols: Mapping[str, float]) -> tuple[Remark, ...]:
+        """Return what its pump does not bear for long."""
+        if self.pump is None:
+            return ()
+        numbers = {name: ca.SX(value) for name, value in symbols.items()}
+        coefficient, share, head = self._hydraulics(numbers)
+        return self.pump.remarks(float(coefficient * share), float(head), symbols)
+
     def rates(self, symbols: Symbols, received: Flows, given: Flows) -> dict[str, ca.SX]:
         """Return the speed of the actuator."""
         if not self._lags:
@@ -254,6 +295,10 @@ class ControlValve(Element):
             per_lag = rate * (1 / ROUNDING)
         missing = self._asked(symbols) - symbols[self._position]
         return {self._position: limited_speed(missing, per_lag, rate)}
+
+    def largest_rates(self) -> dict[str, float]:
+        """Return the speed of its stroke, if that takes a time."""
+        return {self.name: (self.high - self.low) / self.stroke_time} if self.stroke_time else {}
 
     def events(self, symbols: Symbols) -> tuple[Event, ...]:
         """Return where its tank runs empty, and where the stem breaks away and sticks."""

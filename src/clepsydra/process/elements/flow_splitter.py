@@ -74,6 +74,10 @@ class FlowSplitter(Element):
             for destination, fraction in first
         )
 
+    def as_built(self) -> tuple[str, ...]:
+        """Return its fractions: how the valve stands."""
+        return tuple(parameter.name for parameter in self.parameters())
+
     def flows(self, symbols: Symbols, received: Flows) -> tuple[Flow, ...]:
         """Return each received flow in parts."""
         *first, last = self.destinations

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import casadi as ca
 
@@ -33,6 +34,8 @@ class LinearOutlet(Element):
     """
 
     kind, table, symbol, place = "linear outlet", "linear_outlets", "orifice", 4
+    #: The parameter that is 0 where it is plugged.
+    opening: ClassVar[str] = "coefficient"
 
     source: str = link("the name of a tank", "tank")
     destination: str = link("the name of a tank or reservoir", "receiver")
@@ -44,6 +47,10 @@ class LinearOutlet(Element):
         remedy="give the flow at one metre of level",
     )
     submerged: bool = flag(default=False, words="whether it joins two tanks below their surfaces")
+
+    def as_built(self) -> tuple[str, ...]:
+        """Return its flow per level."""
+        return (f"{self.name}.coefficient",)
 
     def flows(self, symbols: Symbols, received: Flows) -> tuple[Flow, ...]:
         """Return q = k h."""

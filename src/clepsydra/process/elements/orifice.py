@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import casadi as ca
 
@@ -50,6 +51,8 @@ class Orifice(Element):
     """
 
     kind, table, symbol, place = "orifice", "orifices", "orifice", 3
+    #: The parameter that is 0 where it is plugged.
+    opening: ClassVar[str] = "area"
 
     source: str = link("the name of a tank", "tank")
     destination: str = link("the name of a tank or reservoir", "receiver")
@@ -90,6 +93,10 @@ class Orifice(Element):
         if diameter is not None:
             area = replace(area, display_unit=f"{diameter}^2")
         return (area, *super().parameters())
+
+    def as_built(self) -> tuple[str, ...]:
+        """Return its area: how a hole was drilled."""
+        return (f"{self.name}.area",)
 
     def flows(self, symbols: Symbols, received: Flows) -> tuple[Flow, ...]:
         """Return q = (c a √(2 g)) · φ: one root a step, the other once a run."""

@@ -202,6 +202,10 @@ class Pump(Element):
         """Return the standard deviation of its noise [1]."""
         return {self._noise: self.noise} if self.noise else {}
 
+    def as_built(self) -> tuple[str, ...]:
+        """Return its gain, where it has one."""
+        return () if self.gain is None else (f"{self.name}.gain",)
+
     def flows(self, symbols: Symbols, received: Flows) -> tuple[Flow, ...]:
         """Return q = k max(v - v₀, 0), or the flow of the curve."""
         value = symbols[self._actual] if self._lags else self._asked(symbols)
@@ -234,6 +238,10 @@ class Pump(Element):
             per_lag = symbols[f"{self.name}.rate"] / (ROUNDING * (self.high - self.low))
         missing = self._asked(symbols) - symbols[self._actual]
         return {self._actual: limited_speed(missing, per_lag, rate)}
+
+    def largest_rates(self) -> dict[str, float]:
+        """Return its rate, if that is limited."""
+        return {self.name: self.rate} if self._limited else {}
 
     @property
     def per_unit(self) -> str:

@@ -16,6 +16,7 @@ from clepsydra.process.component import Component
 from clepsydra.process.declared import filled, part
 from clepsydra.process.element import Connection, Element
 from clepsydra.process.flow import Flows
+from clepsydra.process.reporting import Reporting
 from clepsydra.process.sensor_reading import (
     CONTENTS,
     gain_unit,
@@ -48,7 +49,8 @@ class Sensor(Element):
     measured, since it may jump. What reaches the controller is y with noise, rounded to the
     resolution and limited to the range. A signal of 4 to 20 mA is limited to 3.8 and 20.5 mA
     (NAMUR NE 43, Standardisation of the signal level for the failure information of digital
-    transmitters, 2003).
+    transmitters, 2003). With a dead time it reaches the controller that much later, and with a
+    sampling only at every report, between which the last one is held.
 
     Parameters
     ----------
@@ -65,6 +67,9 @@ class Sensor(Element):
         "level" [m], "volume" [m³], "flow" [m³/s], or the name of a component [its unit].
     vessel : Vessel or None
         Shape of the tank, which a volume needs.
+    dead_time, sampling, first_report : float
+        From a reading to the controller; from one report to the next, 0 for all the time; and of
+        the first report after the start of a run [s].
     band : tuple of float or None
         Lowest and highest measurement [`unit`] between which loads may move an averaging level.
 
@@ -119,6 +124,28 @@ class Sensor(Element):
         default=None,
         remedy="leave it out for none",
     )
+    dead_time: float = quantity(
+        "s",
+        "a dead time",
+        above=0.0,
+        default=0.0,
+        remedy="leave it out for none",
+    )
+    sampling: float = quantity(
+        "s",
+        "the time from one report to the next",
+        above=0.0,
+        default=0.0,
+        remedy="leave it out for a sensor that tells what it reads at any time",
+    )
+    first_report: float = quantity(
+        "s",
+        "the time of its first report",
+        at_least=0.0,
+        default=0.0,
+        needs="sampling",
+        remedy="leave it out for one at the start",
+    )
     noise: float | None = part(
         read_share, default=None, **told.quantity("standard deviation of its noise")
     )
@@ -147,6 +174,9 @@ class Sensor(Element):
                 f"the time constant of a sensor of {'flow' if sensor.flow else 'such a volume'}",
                 'write as in lag = "0.5 s"' + ("" if sensor.flow else ", or measure the level"),
             )
+        if table.has("first_report") and sensor.first_report >= sensor.sampling:
+            expected = "a time below that from one report to the next, its sampling"
+            raise table.wrong("first_report", expected, "shorten it, or leave it out")
         return sensor
 
     @property
@@ -215,14 +245,21 @@ class Sensor(Element):
 
     def measurements(self) -> tuple[Signal, ...]:
         """Return the measurement."""
-        ends = self.low, self.high, 0.0
-        return (self._signal(self.name, self.unit, ends, f"measured {self._words}"),)
+        ends, words = (self.low, self.high, 0.0), f"measured {self._words}"
+        words = ", ".join([words, *(each.words for each in self.reporting().values())])
+        return (self._signal(self.name, self.unit, ends, words),)
 
     def measured_states(self) -> dict[str, str]:
         """Return the level, the concentration or the lagged state that the measurement shows."""
         if self.lag is not None:
             return {self.name: self._lagged}
         return {self.name: f"{self.tank}.level" if self.measured == "volume" else self.quantity}
+
+    def reporting(self) -> dict[str, Reporting]:
+        """Return how late and how seldom it tells what it reads, where it does not at once."""
+        if not (self.dead_time or self.sampling):
+            return {}
+        return {self.name: Reporting(self.dead_time, self.sampling, self.first_report)}
 
     def noises(self) -> dict[str, float]:
         """Return the standard deviation of the measurement [`unit`] where it is known."""

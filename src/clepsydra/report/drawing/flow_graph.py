@@ -177,6 +177,9 @@ def flow_graph(process: Process) -> FlowGraph:
             concentration = concentration or getattr(element, "measured", "") in dissolved
             letter = ("A" if concentration else "L") if seat in held else "F" if seat else "X"
             tag = _TAG.fullmatch(process.tags.get(element.measurements()[0].name, ""))
+            named = _TAG.fullmatch(element.name)
+            if tag is None and named and named[1] == letter:  # a level that is called LT301
+                tag = named
             letter, number = tag.groups() if tag else (letter, number)
             instruments.append(Instrument(element.name, letter, seat, number))
         elif flowing or element.symbol in ("flow", "pump"):

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from itertools import pairwise
 
 from clepsydra.report.colours import INK
+from clepsydra.report.drawing.alive import direction_mark
 from clepsydra.report.drawing.bodies import NAME, PITCH, Pipe, direction
 from clepsydra.report.drawing.routing import ORDER, Routes
 from clepsydra.report.drawing.shapes import PIPE, box, element, path, polygon, text, titled, width
@@ -28,7 +29,7 @@ def draw_lines(ways: Mapping[Pipe, Points], still: set[str], *, alive: bool = Fa
     still : set of str
         Elements and junctions through which nothing flows: their pipes are thin.
     alive : bool
-        Whether each tells to which element it belongs, for a page that moves it.
+        Whether each tells what runs through it, and where to, for a page that moves it.
     """
     parts = []
     for pipe, points in ways.items():
@@ -39,8 +40,13 @@ def draw_lines(ways: Mapping[Pipe, Points], still: set[str], *, alive: bool = Fa
         dash = "5 3" if pipe.kind == "signal" else ""
         line = path(_arched(pipe, ways), thick, stroke=colour, stroke_dasharray=dash)
         tip = _tip(points, size, colour) if pipe.arrow else ""
-        of = pipe.line if alive and pipe.kind == "pipe" else ""
-        parts.append(titled(title, line, tip, kind=pipe.kind, data_of=of))
+        told = {}
+        if alive and pipe.kind == "pipe":
+            tip = tip or direction_mark(points, colour)
+            told = {"data_pipe": pipe.line, "data_from": pipe.source, "data_to": pipe.end}
+        elif alive and pipe.kind == "signal":
+            told = {"data_acts": pipe.end}
+        parts.append(titled(title, line, tip, kind=pipe.kind, **told))
     return parts
 
 

@@ -1,16 +1,15 @@
-"""What stands in the process drawing, after the habits of ISA-5.1: vessels, fittings, control."""
+"""What stands in the process drawing, after the habits of ISA-5.1: fittings and control."""
 
 from __future__ import annotations
 
 import math
 
-from clepsydra.base.signal import Signal
 from clepsydra.report.colours import INK, MUTED
-from clepsydra.report.drawing.bodies import NAME, PITCH, RADII, SMALL, Body, Point, direction
+from clepsydra.report.drawing.alive import UNKNOWN, alarm_mark, marked, plug_mark, state_mark
+from clepsydra.report.drawing.bodies import PITCH, RADII, Body, Point, direction
 from clepsydra.report.drawing.control_functions import ControlFunction
 from clepsydra.report.drawing.flow_graph import Instrument
-from clepsydra.report.drawing.outline import TANK_HEIGHT, TANK_WIDTH
-from clepsydra.report.drawing.scene import INSIDE, Scene
+from clepsydra.report.drawing.scene import Scene
 from clepsydra.report.drawing.shapes import (
     ALARM,
     PAPER,
@@ -18,22 +17,22 @@ from clepsydra.report.drawing.shapes import (
     STEEL,
     box,
     circle,
-    element,
     path,
     polygon,
-    shortened,
     text,
     titled,
-    width,
-    wrapped,
 )
-from clepsydra.report.quantities import percent_text, quantity_text, short_text
+from clepsydra.report.quantities import percent_scale, short_text
 
 #: Where the share of a branch is written, from the middle of its splitter.
 _SHARE = {(1, 0): (16, -7), (-1, 0): (-16, -7), (0, -1): (6, -22), (0, 1): (8, 30)}
 
 #: What has a symbol of its own; all else, such as a user's element, is a box.
 _OWN_SYMBOLS = ("pump", "valve", "flow", "orifice", "stub")
+
+
+#: A pump that always runs, where liquid comes into a valve.
+_PUMP_BEFORE = circle(0, 24, 8.5, STEEL, width=1.3) + path("M-7.4 28.3L0 15.5L7.4 28.3Z", 1.0, PIPE)
 
 
 def draw_fitting(scene: Scene, body: Body) -> list[str]:
@@ -63,7 +62,12 @@ def draw_fitting(scene: Scene, body: Body) -> list[str]:
         angle = math.degrees(math.atan2(way[0], -way[1]))
         moved = f"translate({x:g} {y:g})" + (f" rotate({angle:g})" if angle else "")
         of = name if scene.alive else ""
-        shape = titled(title, _symbol(symbol, name in scene.still), moved=moved, data_of=of)
+        shapes = [_symbol(symbol, name in scene.still)]
+        if scene.elements[name].driven:
+            shapes.append(_PUMP_BEFORE)
+        if scene.alive and symbol in ("orifice", "valve"):
+            shapes.append(plug_mark(name))
+        shape = titled(title, *shapes, moved=moved, data_of=of)
     return [shape, *_words(scene, body, x, y)]
 
 
@@ -87,7 +91,7 @@ def _symbol(symbol: str, still: bool) -> str:
 
 
 def _colour(scene: Scene, words: str) -> str:
-    return ALARM if words.startswith("at its ") else INK
+    return ALARM if words.startswith("at its ") and not scene.alive else INK
 
 
 def _way(scene: Scene, body: Body) -> Point:
@@ -102,7 +106,7 @@ def _way(scene: Scene, body: Body) -> Point:
 
 def _words(scene: Scene, body: Body, x: float, y: float) -> list[str]:
     """Return the lines beside a body, or below it where liquid runs through it sideways."""
-    lines = scene.labels[body.name]
+    lines, told = scene.labels[body.name], _told_beside(scene, body.name)
     quiet, stub = body.symbol == "orifice", body.symbol == "stub"
     area = body.areas[1] if len(body.areas) > 1 else body.areas[0]
     anchor = "middle" if body.across or stub else "end" if body.side < 0 else "start"
@@ -118,27 +122,35 @@ def _words(scene: Scene, body: Body, x: float, y: float) -> list[str]:
         left, step = near - 8 * body.side, 17
     return [
         text(
-            left, first + step * place, words, anchor,
+            left, first + step * place, words if what not in UNKNOWN else "", anchor,
             "small" if body.across or quiet or stub else "" if place else "name",
-            MUTED if quiet else _colour(scene, words), **_marks(scene, body.name, place),
+            MUTED if quiet else _colour(scene, words), **_mark(scene, what, body.name),
         )
-        for place, words in enumerate(lines)
+        for place, (what, words) in enumerate(zip(told, lines, strict=True))
     ]  # fmt: skip
 
 
-def _marks(scene: Scene, name: str, place: int) -> dict[str, str]:
-    """Return of which signal a line beside an element is, for a page that moves it."""
-    told = place - len(scene.labels[name]) + len(scene.readings(name))
-    if not scene.alive or told < 0:
-        return {}
-    return {"data_percent" if told else "data_value": name}
+def _mark(scene: Scene, what: str, name: str) -> dict[str, str]:
+    """Return by what a page finds a line beside an element."""
+    if what != "state":
+        return marked(what, name)
+    own = scene.process.signal(name)
+    return state_mark(name, percent_scale(scene.process, name) if own.shown_unit != "%" else None)
+
+
+def _told_beside(scene: Scene, name: str) -> list[str]:
+    """Return what each line beside an element tells, for a page that moves it; else nothing."""
+    told = list(scene.moving(name)) if scene.alive else []
+    return [""] * (len(scene.labels[name]) - len(told)) + told
 
 
 def _splitter(scene: Scene, body: Body, x: float, y: float) -> list[str]:
     junction = scene.graph.junction(body.name)
     shares = dict(zip(junction.targets, junction.shares, strict=True)) if junction else {}
-    words = ", ".join(f"{100 * share:g} %" for share in shares.values() if share is not None)
-    title = f"{scene.elements[body.name].kind} {body.name}: {words}"
+    if any(f"{body.name}.{target}" in scene.hides for target in shares):
+        shares = dict.fromkeys(shares)
+    told = ", ".join(f"{100 * share:g} %" for share in shares.values() if share is not None)
+    title = f"{scene.elements[body.name].kind} {body.name}: {told}"
     label = scene.labels[body.name][0]
     if body.symbol == "header":
         half, _ = body.half
@@ -156,7 +168,9 @@ def _splitter(scene: Scene, body: Body, x: float, y: float) -> list[str]:
             # Beside the words of the splitter, or on the other side of an upright pipe.
             dx = -dx if way == (0, body.side) else dx
             anchor = "start" if dx > 0 else "end"
-            parts.append(text(x + dx, y + dy, f"{short_text(100 * share)} %", anchor, "small"))
+            of = {"data_share": body.name, "data_to": pipe.end} if scene.alive else {}
+            words = f"{short_text(100 * share)} %"
+            parts.append(text(x + dx, y + dy, words, anchor, "small", **of))
     # One triangle for each pipe, pointing at the middle.
     corners = (
         [(0, 0), *((12 * dx + 7 * side * dy, 12 * dy + 7 * side * dx) for side in (-1, 1))]
@@ -180,13 +194,18 @@ def draw_instrument(scene: Scene, instrument: Instrument) -> list[str]:
     x, y = PITCH * body.x, PITCH * body.y
     quantity = _QUANTITIES.get(letter, "a quantity")
     title = f"{letter}T-{number}: {name} measures {quantity} of {instrument.seat}"
-    title = ", ".join(filter(None, [title, scene.value(name)]))
+    late = [each.words for each in scene.elements[name].reporting().values()]
+    title = ", ".join(filter(None, [title, *late, scene.value(name)]))
     tags = text(x, y - 3, f"{letter}T", style="tag"), text(x, y + 11, number, style="tag")
-    parts = [titled(title, circle(x, y, RADII["instrument"]), *tags)]
-    for place, words in enumerate(scene.labels[name]):
+    of = marked("transmitter", name) if scene.alive else {}
+    parts = [titled(title, circle(x, y, RADII["instrument"]), *tags, **of)]
+    lines = zip(_told_beside(scene, name), scene.labels[name], strict=True)
+    for place, (what, words) in enumerate(lines):
         colour = ALARM if words and words == scene.warning(name) else INK
-        of = _marks(scene, name, place)
+        of = marked(what, name)
         parts.append(text(x, y + 33 + 15 * place, words, style="small", colour=colour, **of))
+    if scene.alive and any(alarm.measurement == name for alarm in scene.process.alarms):
+        parts.append(alarm_mark(name, x, y, RADII["instrument"]))
     return parts
 
 
@@ -220,119 +239,7 @@ def draw_function(scene: Scene, function: ControlFunction) -> list[str]:
     )
     found = [titled(f"{letters}-{number}: {title}", *shapes)]
     for words in scene.labels.get(function.name, ()):
-        of = f"{function.at}.setpoint" if scene.alive else ""
-        found.append(text(x, y - 25, words, style="small", data_setpoint=of))
+        of = marked("setpoint", f"{function.at}.setpoint") if scene.alive else {}
+        moves = {"data_moves": " ".join(function.gives)} if scene.alive else {}
+        found.append(text(x, y - 25, words, style="small", **of, **moves))
     return found
-
-
-#: Where the lowest line inside a tank may stand below its rim [px].
-_LOWEST = TANK_HEIGHT - 6.0
-
-
-def draw_vessel(scene: Scene, name: str) -> list[str]:
-    """Return a vessel with its level to the scale of its height, and the values of its states."""
-    body, element = scene.routes.placement.bodies[name], scene.elements[name]
-    x, y = PITCH * body.x, PITCH * body.y
-    states = scene.states(name)
-    level = next((signal for signal in states if signal.name == f"{name}.level"), None)
-    words, title = wrapped(name, INSIDE, NAME, bold=True), f"{element.kind} {name}"
-    share, warning, names = None, "", len(words)
-    if level is not None:
-        share = 0.5
-        title = f"{name}: {element.kind}"
-        if scene.values:
-            value = scene.values[level.name]
-            share = (value - level.low) / level.span
-            warning = "full" if share >= 1.0 else "empty" if share <= 0.0 else ""
-            shown, percent = scene.value(level.name), percent_text(scene.process, level.name, value)
-            words += [shown, percent, *filter(None, [warning])]
-            title = f"{name}: level {shown} of {quantity_text(level, level.high)}, {percent}"
-    surface = TANK_HEIGHT * (1.0 - (share or 0.0))
-    others = [signal for signal in states if signal is not level and scene.values]
-    others = others[: 2 if level is not None else 4]
-    whole, tight = (
-        [row for signal in others for row in _told(scene, signal, short=short)]
-        for short in (False, True)
-    )
-    fits = _clear_of(surface, len(words) + len(whole))[-1] < _LOWEST
-    words += whole if fits else tight
-    outline = scene.outlines[name]
-    wall = outline.polygon(x, y)
-    shapes = [path(polygon(wall), 0.0, PAPER, "none")]
-    if share is not None:
-        shapes += _moving_water(scene, name) if scene.alive else _water(scene, name, share)
-    shut = share is None or not outline.open_above
-    rim = path(polygon(wall, closed=shut), 2.0)
-    parts = [titled(title, *shapes, rim, kind="vessel")]
-    for place, (row, line) in enumerate(zip(_clear_of(surface, len(words)), words, strict=True)):
-        style = "name inside" if place < names else "inside" if place == names else "small inside"
-        of = {}
-        if scene.alive and level is not None and names <= place < names + 2:
-            of = {"data_value" if place == names else "data_percent": level.name}
-        colour = ALARM if line == warning else INK
-        parts.append(text(x, y + row, line, style=style, colour=colour, **of))
-    if getattr(element, "weir", 0.0):
-        seats = [i.name for i in scene.graph.instruments if i.seat == name]
-        right = not seats or scene.routes.placement.bodies[seats[0]].x > body.x
-        edge, side = (wall[0][0], -1) if right else (wall[-1][0], 1)
-        moved = f"translate({edge:g} {y:g}) scale({side} 1)"
-        spout = path("M-7 -1q14 -6 15 9m-4 -4l4 5l4 -5", 1.6)
-        parts.append(titled(f"weir of {name}", spout, moved=moved))
-    return parts
-
-
-def _water(scene: Scene, name: str, share: float) -> list[str]:
-    """Return what is in a vessel up to a share of its height, and its surface."""
-    body = scene.routes.placement.bodies[name]
-    height = min(max(share, 0.0), 1.0)
-    filled = scene.outlines[name].polygon(PITCH * body.x, PITCH * body.y, height)
-    return [
-        path(polygon(filled), 0.0, scene.tint(name), "none", class_="water"),
-        path(polygon([filled[0], filled[-1]], closed=False), stroke=PIPE),
-    ]
-
-
-def _moving_water(scene: Scene, name: str) -> list[str]:
-    """Return the same for a page: an empty vessel, whose water rises by a shift upward.
-
-    The page shifts it by the share of `data-height` that is filled.
-    """
-    body = scene.routes.placement.bodies[name]
-    x, floor = PITCH * body.x, PITCH * body.y + TANK_HEIGHT
-    left, right = x - TANK_WIDTH / 2, x + TANK_WIDTH / 2
-    inside = path(polygon(scene.outlines[name].polygon(x, PITCH * body.y)), 0.0, "none", "none")
-    place = f"{scene.alive}-{name}"
-    water = element(
-        "g",
-        box((left, right), (floor, floor + TANK_HEIGHT), scene.tint(name), "", None)
-        + path(f"M{left:g} {floor:g}H{right:g}", stroke=PIPE),
-        class_="water", data_level=f"{name}.level", data_height=TANK_HEIGHT,
-    )  # fmt: skip
-    return [
-        element("clipPath", inside, id=place),
-        element("g", water, clip_path=f"url(#{place})"),
-    ]
-
-
-def _told(scene: Scene, signal: Signal, *, short: bool) -> list[str]:
-    """Return name and value of a state inside a tank, shortened or in two lines if too long."""
-    name, value = signal.name.split(".", 1)[1], scene.value(signal.name)
-    beside = width(f" {value}", SMALL)
-    if not short and width(name, SMALL) + beside > INSIDE:
-        return [shortened(name, INSIDE, SMALL), value]
-    return [f"{shortened(name, INSIDE - beside, SMALL)} {value}"]
-
-
-def _clear_of(surface: float, count: int) -> list[float]:
-    """Return the rows of the words in a tank, below its rim, so that the surface strikes none."""
-    rows: list[float] = []
-    for first in (46.0, 38.0, 30.0, 22.0, 15.0):
-        rows, y = [], first
-        for place in range(count):
-            if y - 13.0 < surface < y + 5.0:
-                y = surface + 16.0
-            rows.append(y)
-            y += 18.0 if place == 0 else 16.0
-        if rows[-1] < _LOWEST:
-            return rows
-    return rows

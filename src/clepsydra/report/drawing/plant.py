@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from itertools import pairwise
 
 from clepsydra.controllers.controller import Controller
@@ -13,10 +14,10 @@ from clepsydra.report.drawing.parts import (
     draw_fitting,
     draw_function,
     draw_instrument,
-    draw_vessel,
 )
 from clepsydra.report.drawing.scene import Scene
 from clepsydra.report.drawing.shapes import DARK_PAPER, PAPER, picture
+from clepsydra.report.drawing.vessels import draw_vessel
 
 #: Of the drawing alone: in a page, a style holds for every picture. Words have a rim of paper,
 #: so that a line under them does not strike them through.
@@ -38,6 +39,7 @@ def process_drawing(
     controller: Controller | None = None,
     *,
     alive: str = "",
+    hides: Collection[str] = (),
 ) -> str:
     """Draw a process with the values of an operating point, as one ``<svg>`` element.
 
@@ -56,6 +58,8 @@ def process_drawing(
     alive : str, optional
         Its name in a page that moves it: what moves tells in `data-` attributes of which signal it
         is, water is clipped by its tank and only needs to be shifted, and nothing stands still.
+    hides : collection of str, optional
+        Numbers of the process that the drawing does not tell: "pipe.time".
 
     Returns
     -------
@@ -76,7 +80,7 @@ def process_drawing(
     >>> process_drawing(plant.process, plant.point, cl.design.simc(plant)).count("LIC-")
     2
     """
-    scene = Scene(process, point, controller, alive)
+    scene = Scene(process, point, controller, alive, frozenset(hides))
     placement = scene.routes.placement
     width, height = PITCH * placement.width, PITCH * placement.height
     ways = _ways(scene)
@@ -88,8 +92,9 @@ def process_drawing(
         *(part for entry in scene.graph.instruments for part in draw_instrument(scene, entry)),
         *(part for entry in scene.functions.values() for part in draw_function(scene, entry)),
     ]
-    by = "" if controller is None else f", controlled by {controller.title}"
-    at = ", at the operating point" if scene.values else ""
+    # A page says itself who controls, and its values move.
+    by = "" if controller is None or alive else f", controlled by {controller.title}"
+    at = ", at the operating point" if scene.values and not alive else ""
     title = f"Process drawing of {process.title}{by}{at}"
     room = f"max-width:{width:.0f}px;min-width:{_LEAST_SHARE * width:.0f}px"
     return picture("plant", (width, height), title, _STYLE, parts, style=room)

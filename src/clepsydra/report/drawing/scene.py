@@ -21,6 +21,7 @@ from clepsydra.report.drawing.outline import TANK_WIDTH, Outline, outline_of
 from clepsydra.report.drawing.routing import Routes, route
 from clepsydra.report.drawing.shapes import TINTS, shortened, wrapped
 from clepsydra.report.quantities import (
+    flow_unit,
     percent_text,
     quantity_text,
     short_text,
@@ -30,6 +31,8 @@ from clepsydra.report.quantities import (
 _BESIDE, _AT, INSIDE = 170.0, 104.0, TANK_WIDTH - 6.0
 #: Less than this share of the greatest flow is none.
 _STILL = 1e-9
+#: As long as what a page writes: a flow, and what is abnormal about an actuator.
+LONG_FLOW, LONG_STATE = "000.00", "at its highest"
 
 
 @dataclass(frozen=True)
@@ -46,12 +49,15 @@ class Scene:
     alive : str
         Its name in a page that moves it, empty in others: there every reading has its place, and
         nothing stands still.
+    hides : frozenset of str
+        Numbers of the process that are not told: "pipe.time", "splitter_1.tank_1".
     """
 
     process: Process
     point: OperatingPoint | None
     controller: Controller | None
     alive: str = ""
+    hides: frozenset[str] = frozenset()
 
     @cached_property
     def elements(self) -> dict[str, Element]:
@@ -149,10 +155,13 @@ class Scene:
             room, size, bold = _BESIDE, NAME, True
         if symbol == "delay":
             return (shortened(shown, room, size), self.delay_time(name))
-        return (*wrapped(shown, room, size, bold), *self.readings(name))
+        late = (words for each in element.reporting().values() for words in each.words.split(", "))
+        return (*wrapped(shown, room, size, bold), *late, *self.readings(name))
 
     def readings(self, name: str) -> list[str]:
         """Return what is known of an element at the operating point, a line each."""
+        if self.alive:
+            return list(self.moving(name).values())
         value, symbol = self.value(name), self.elements[name].symbol
         if name in self.still and symbol in ("pump", "valve"):
             asked = self.values.get(name, 0.0) > self.process.signal(name).low
@@ -163,11 +172,25 @@ class Scene:
             found.insert(1, percent_text(self.process, name, self.values[name], 2))
         return [words for words in found if words]
 
+    def moving(self, name: str) -> dict[str, str]:
+        """Return the lines beside an element that a page moves: what each tells, and its words.
+
+        The state of an actuator is its percent where nothing is abnormal about it. What is not
+        known here, a state and a flow, has the longest words that it may have.
+        """
+        found = {"value": self.value(name)}
+        if any(signal.name == name for signal in self.process.inputs):
+            found["state"] = LONG_STATE
+        elif self.elements[name].symbol in ("orifice", "valve"):
+            found["flow"] = f"{LONG_FLOW} {unit_text(flow_unit(self.process))}"
+        return {what: words for what, words in found.items() if words}
+
     def title(self, name: str) -> str:
         """Return what an element is in words, with its values."""
         element = self.elements[name]
         tag = f" ({self.shown(name)})" if self.shown(name) != name else ""
         known = [self.delay_time(name)] if element.symbol == "delay" else self.readings(name)
+        known = [] if self.alive else known
         return ", ".join((f"{element.kind} {name}{tag}", *known))
 
     def states(self, vessel: str) -> list[Signal]:
@@ -190,4 +213,6 @@ class Scene:
         time, unit = getattr(element, "time", None), element.display_units.get("time", "s")
         if time is None:
             return ""
+        if f"{name}.time" in self.hides:
+            return "τ"
         return f"τ = {short_text(from_si(time, 's', unit))} {unit_text(unit)}"

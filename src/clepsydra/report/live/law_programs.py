@@ -19,6 +19,7 @@ from clepsydra.loop.loop import Loop
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.entries import is_ring, signal_of
+from clepsydra.program.known_routines import without_routines
 from clepsydra.program.program import Program
 from clepsydra.program.reader import inline, program_of
 from clepsydra.report.live.modules import Modules
@@ -66,6 +67,7 @@ def slopes(controller: Controller, model: LinearModel, modules: Modules) -> dict
         rules, or of the process's equations in steps.
     """
     law = controller.law
+    law = replace(law, function=without_routines(law.function))
     given, state, matrices = StepLawDerivatives(law).expressions(inputs_at_rest(controller, model))
     entries = [
         (number, row, column)

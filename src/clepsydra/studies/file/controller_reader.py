@@ -188,8 +188,9 @@ def _said_by(way: str) -> tuple[str, ...]:
     return tuple(Scheme.properties()) if way == "loops" else (way,)
 
 
-def controller_schema() -> dict[str, Any]:
-    """Return the JSON Schema of a controller: by its design, or written out."""
+def controller_schema(*, tuned: bool = True) -> dict[str, Any]:
+    """Return the JSON Schema of a controller: by its design, or written out; tuned or not."""
+    tune = _TUNE if tuned else {}
     properties: dict[str, Any] = {"design": told.choice("how it is made", [*DESIGNS])}
     design, checks = dict(properties), []
     ways: list[dict[str, Any]] = [{"required": ["design"]}]
@@ -203,11 +204,11 @@ def controller_schema() -> dict[str, Any]:
         own = {key: said for a in each.declared.values() for key, said in a.properties.items()}
         add(own)
         named = {"properties": {"design": {"const": name}}, "required": ["design"]}
-        fitting = told.table({**design, **own, **_TUNE}, ("design", *each.required))
+        fitting = told.table({**design, **own, **tune}, ("design", *each.required))
         checks.append({"if": named, "then": fitting})
     for way, kind in _WRITTEN.items():
         add(kind.properties())
         ways.append({"anyOf": [{"required": [key]} for key in _said_by(way)]})
-        allowed = {"propertyNames": {"enum": [*kind.properties(), *_TUNE]}}
+        allowed = {"propertyNames": {"enum": [*kind.properties(), *tune]}}
         checks.append({"if": ways[-1], "then": allowed})
-    return told.table(properties | _TUNE, (), {"oneOf": ways}, *checks)
+    return told.table(properties | tune, (), {"oneOf": ways}, *checks)

@@ -7,6 +7,7 @@ from pathlib import Path
 from clepsydra.base.errors import InputError
 from clepsydra.base.input_file import read_input
 from clepsydra.process.document import kind_of, parse
+from clepsydra.process.drawn import split_number
 
 
 def is_study_file(text: str) -> bool:
@@ -15,8 +16,9 @@ def is_study_file(text: str) -> bool:
     A file that cannot be read or parsed is none: whoever reads it as a process says what is wrong.
     """
     try:
-        return text.lower().endswith(".toml") and (
-            kind_of(parse(study_text(Path(text)), text, "study")) == "study"
+        name, _ = split_number(text)
+        return name.lower().endswith(".toml") and (
+            kind_of(parse(study_text(Path(name)), name, "study")) == "study"
         )
     except InputError:
         return False

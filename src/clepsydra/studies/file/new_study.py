@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import textwrap
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from string import Template
 from typing import Any
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import ClepsydraError, InputError
 from clepsydra.base.signal import path
 from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
@@ -18,6 +20,7 @@ from clepsydra.designs.design import DESIGNS
 from clepsydra.designs.gain_units import percent_gain
 from clepsydra.designs.request import in_shown_unit
 from clepsydra.linear.analysis import Analysis, analyse
+from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.declared import table_schema
@@ -38,6 +41,8 @@ _LOOPS = {
 }
 #: The second design, from the one that is preferred.
 _OTHERS = {"lqi": "LQI", "lqi_kalman": "LQI, Kalman", "lqr": "LQR", **_LOOPS}
+#: How high the setpoints of another operating point are, as shares of those at rest.
+_ELSEWHERE = (0.8, 0.9, 1.1, 1.2, 1.0)
 #: How far the bounds that are shown lie from the design, up and down.
 _WIDTH = 5.0
 #: Lines for the first design where it takes a closed-loop time constant.
@@ -88,6 +93,7 @@ def new_study(process: Process, named: str, template: str) -> str:
         objective=_objective(process),
         damping=f"{DAMPING:g}",
         loops=_written_out(process, designed),
+        elsewhere=_elsewhere(analysis),
         **_bounds(process, designed),
         **_comments(first),
     )
@@ -185,6 +191,25 @@ def _steps(process: Process, scenario: Scenario) -> str:
         ]
     lines += ["# Or to a value: to = ..., in place of by."]
     return "\n".join(lines) + "\n"
+
+
+def _elsewhere(analysis: Analysis) -> str:
+    """Return setpoints below or above those at rest at which the process rests as well."""
+    process, at = analysis.operating_point.process, analysis.operating_point.as_dict()
+    for share in _ELSEWHERE:
+        outputs = {}
+        for signal in map(process.signal, process.controlled):
+            low, high = process.bands.get(signal.name, (signal.low, signal.high))
+            low = low if math.isfinite(low) else 0.0
+            outputs[signal.name] = min(low + share * (at[signal.name] - low), high)
+        with suppress(ClepsydraError):
+            find_equilibrium(process, outputs=outputs)
+            break
+    shown = (
+        f'{name} = "{in_shown_unit(process.signal(name), value, digits=3)}"'
+        for name, value in outputs.items()
+    )
+    return f"{{ {', '.join(shown)} }}"
 
 
 def _written_out(process: Process, designed: Controller) -> str:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
@@ -15,25 +15,27 @@ from clepsydra.base.suggestion import suggestion
 from clepsydra.linear.analysis import analyse
 from clepsydra.process import told
 from clepsydra.process.catalogue_names import catalogue_names
-from clepsydra.process.declared import OWN, keys_of, part, read_fields, table_schema
+from clepsydra.process.declared import OWN, choice, keys_of, part, read_fields, table_schema
 from clepsydra.process.document import kind_of, parse
+from clepsydra.process.drawn import drawn, split_number
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 from clepsydra.process.table_reader import TableReader
 from clepsydra.process.variants import split_variants
 from clepsydra.scores.score import SCORES
 from clepsydra.scores.score_key import score_key
+from clepsydra.studies.file.case_reader import CaseReader, CaseTable
 from clepsydra.studies.file.controller_reader import controller_schema, read_controllers
 from clepsydra.studies.file.fields import table_below
 from clepsydra.studies.file.kind import study_text
-from clepsydra.studies.file.request import ControllerRequest, StudyRequest
+from clepsydra.studies.file.request import ControllerRequest, Designs, StudyRequest
 from clepsydra.studies.file.scenario_reader import ScenarioTable, read_scenario
 
-_PATH = "check the path, which starts in the folder of the study file"
+_PATH = "check the path, which starts in the folder of this file"
 
 
-def _process(table: TableReader, key: str, known: Mapping[str, Any]) -> Process:
-    """Return a process of the catalogue, or of a file whose path starts beside the study file."""
+def process_beside(table: TableReader, key: str, known: Mapping[str, Any]) -> Process:
+    """Return a process of the catalogue, or of a file whose path starts in the folder `known`."""
     expected = "a process of the catalogue, or the path of a process file"
     written = table.text(key, expected, 'write as in process = "quadruple-tank"')
     name, variants = split_variants(written)
@@ -100,7 +102,7 @@ class StudyTable:
     """The general keys of a study file."""
 
     process: Process = part(
-        _process,
+        process_beside,
         required=(OWN,),
         **told.text(
             'a process of the catalogue, `"averaging-tank:inflow-constant"` with a variant, or the '
@@ -129,6 +131,23 @@ class StudyTable:
         lambda table, key, known: read_controllers(table, known["process"], known["folder"]),
         **told.by_name("a table for each controller", {"type": "object"}),
     )
+    cases: TableReader | None = part(
+        lambda table, key, known: (
+            table.table(key, "a table for each case", "write [cases.NAME]")
+            if table.has(key)
+            else None
+        ),
+        **told.by_name(
+            "a table for each other operating point or variant at which they are tried too, see "
+            "[Cases](cases.md)",
+            table_schema(CaseTable),
+        ),
+    )
+    designs: Designs = choice(
+        get_args(Designs),
+        words='which designs stand beside them: `"all"` that apply, with the usual tunings, or '
+        '`"none"`',
+    )
 
 
 def study_schema() -> dict[str, Any]:
@@ -142,7 +161,8 @@ def study_schema() -> dict[str, Any]:
 def read_study(path: str | Path, *, seed: int | None = None) -> StudyRequest:
     """Read a study file: process, scenario, controllers and what they are ranked by.
 
-    docs/study-files.md describes the file. A seed stands in the place of the file's. The
+    docs/study-files.md describes the file; the number behind its path in "FILE.toml#7" draws holes,
+    splits and gains of its process. A seed stands in the place of the file's. The
     controllers are not made yet: `ControllerRequest.make` designs them.
 
     Raises
@@ -153,8 +173,16 @@ def read_study(path: str | Path, *, seed: int | None = None) -> StudyRequest:
         The process has no operating point.
     """
     require_type(path, (str, Path), "study", "the path of a study file", "give it as text or Path")
-    path = Path(path)
+    name, number = split_number(str(path))
+    path = Path(name)
     document = parse(study_text(path), str(path), "study")
+    if kind_of(document) == "lesson":
+        raise InputError(
+            str(path),
+            "a lesson",
+            "a study file, without tasks",
+            "give it to clepsydra lab --lesson",
+        )
     if kind_of(document) == "process":
         raise InputError(
             str(path),
@@ -165,18 +193,24 @@ def read_study(path: str | Path, *, seed: int | None = None) -> StudyRequest:
         )
     general = TableReader(document, (), keys_of(StudyTable))
     read = StudyTable(**read_fields(StudyTable, general, folder=path.parent))
+    process = drawn(read.process, number)
     scores: tuple[str, ...] = ()
     if read.ranking is not None:
-        scores = Ranking(**read_fields(Ranking, read.ranking, process=read.process)).scores
-    analysis = analyse(read.process)
+        scores = Ranking(**read_fields(Ranking, read.ranking, process=process)).scores
+    analysis = analyse(process)
     chosen = read.seed if seed is None else seed
-    return StudyRequest(
+    request = StudyRequest(
         path=path,
         title=read.title,
-        process=read.process,
+        process=process,
         analysis=analysis,
-        scenario=read_scenario(read.scenario, analysis, chosen),
+        scenario=read_scenario(read.scenario, analysis, chosen, path.parent),
         controllers=read.controllers,
         scores=scores,
         seed=chosen,
+        designs=read.designs,
     )
+    if read.cases is None:
+        return request
+    reader = CaseReader(request, general, read.scenario, path.parent)
+    return replace(request, cases=reader.read(read.cases))

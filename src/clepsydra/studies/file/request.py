@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.linear_model import LinearModel
 
 if TYPE_CHECKING:
+    from clepsydra.linear.equilibrium_request import Asked
     from clepsydra.loop.scenario import Scenario
     from clepsydra.process.process import Process
     from clepsydra.studies.tuning.result import TuningResult
     from clepsydra.studies.tuning.tune import Search
 
+#: Which designs stand beside the controllers that a file names.
+Designs = Literal["none", "all"]
+#: Whether controllers keep their settings in a case, or are designed for it.
+Settings = Literal["frozen", "designed_anew"]
 #: Takes the analysis of the process and its linear model with all measurements.
 Maker = Callable[[Analysis, LinearModel], Controller]
 
@@ -71,13 +76,16 @@ class StudyRequest:
     analysis : Analysis
         Of the process at its operating point, where the scenario begins.
     controllers : tuple of ControllerRequest
-        In the order of the file; empty where it names none and every design that applies is
-        wanted.
+        In the order of the file; empty where it names none.
     scores : tuple of str
         What to rank by, from `clepsydra.scores.catalogue`: "iae" of all its signals or
         "iae[level]" of one; empty for the usual rule.
     seed : int
         Of noise and searches.
+    designs : {"none", "all"}
+        Whether every design that applies is wanted beside those that are named.
+    cases : tuple of CaseRequest
+        The other operating points and variants at which its controllers are tried.
     """
 
     path: Path | None
@@ -88,6 +96,13 @@ class StudyRequest:
     controllers: tuple[ControllerRequest, ...]
     scores: tuple[str, ...]
     seed: int
+    designs: Designs = "none"
+    cases: tuple[CaseRequest, ...] = ()
+
+    @property
+    def tries_every_design(self) -> bool:
+        """Whether every design that applies is wanted, as where no controller is named."""
+        return self.designs == "all" or not self.controllers
 
     @property
     def file_stem(self) -> str:
@@ -97,3 +112,26 @@ class StudyRequest:
         'basin'
         """
         return self.process.file_stem if self.path is None else self.path.stem
+
+
+@dataclass(frozen=True, eq=False)
+class CaseRequest:
+    """Another operating point, or another variant, at which the controllers of a study are tried.
+
+    Parameters
+    ----------
+    name : str
+        As the reader sees it.
+    settings : {"frozen", "designed_anew"}
+        Whether controllers keep the settings of the study, or are designed and tuned for the case.
+    study : StudyRequest
+        Of the process there, in the same scenario.
+    asked : mapping
+        What fixes the operating point there: "inputs", "outputs" and "disturbances" to values by
+        name [SI], or None for those of the process.
+    """
+
+    name: str
+    settings: Settings
+    study: StudyRequest
+    asked: Asked = field(default_factory=dict)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 from typing import Any, Literal, cast, get_args
 
 import numpy as np
@@ -21,12 +22,13 @@ from clepsydra.loop.profile import samples_before
 from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.loop.with_noise import with_noise
 from clepsydra.process import told
-from clepsydra.process.averaging import check_at_rest, within_band
+from clepsydra.process.averaging import check_at_rest
 from clepsydra.process.declared import OWN, keys_of, part, read_fields, table_schema
 from clepsydra.process.known_names import known_name
 from clepsydra.process.process import Process
-from clepsydra.process.signal_values import check_in_range, read_in_range, read_value
+from clepsydra.process.signal_values import read_in_range
 from clepsydra.process.table_reader import TableReader
+from clepsydra.studies.file.course import CourseRow
 
 _STEPS = "add a step, as in [[scenario.setpoint]], or leave [scenario] out for the usual one"
 _KINDS: tuple[Literal["setpoint", "load"], ...] = ("setpoint", "load")
@@ -64,7 +66,7 @@ def _signal(row: TableReader, key: str, known: Mapping[str, Any]) -> Signal:
 
 @dataclass(frozen=True)
 class Step:
-    """A step of a signal: at which sample, and what its table says of the value after it."""
+    """A step, ramp or profile of a signal: from which sample, and what its table says of it."""
 
     kind: Literal["setpoint", "load"]
     signal: Signal = part(
@@ -82,8 +84,16 @@ class Step:
         {
             "to": told.quantity("the value after the step"),
             "by": told.quantity("the size of the step"),
+            "over": told.quantity("how long a ramp takes to that value; a step if left out", "s"),
+            "profile": told.text(
+                "in place of a value: a CSV file, from the folder of the study file, with a column "
+                "of time from `at` on and one of the signal; each row holds until the next one"
+            ),
         },
-        checks=({"oneOf": [{"required": ["to"]}, {"required": ["by"]}]},),
+        checks=(
+            {"oneOf": [{"required": [key]} for key in ("to", "by", "profile")]},
+            {"not": {"required": ["over", "profile"]}},
+        ),
     )
 
 
@@ -234,7 +244,9 @@ class ScenarioTable:
     )
 
 
-def read_scenario(table: TableReader | None, analysis: Analysis, seed: int) -> Scenario:
+def read_scenario(
+    table: TableReader | None, analysis: Analysis, seed: int, folder: Path
+) -> Scenario:
     """Read the scenario of a study file, the default scenario where it has none.
 
     Steps come one at a time: each begins a segment that lasts until the next one, whatever its
@@ -242,11 +254,17 @@ def read_scenario(table: TableReader | None, analysis: Analysis, seed: int) -> S
     later one on. Noise is that of the process, over the whole scenario, or in a stretch of its
     own after the last step, by which it is judged how quiet a controller is.
 
+    Parameters
+    ----------
+    folder : Path
+        Of the study file, where the paths of profiles begin.
+
     Raises
     ------
     InputError
         There is no step; a signal is unknown; a step changes nothing, leaves the range of its
-        signal, comes after the end, or together with another one.
+        signal, comes after the end, or together with another one; a ramp has not ended when the
+        next step comes, or a profile cannot be read.
     """
     if table is None:
         return default_scenario(analysis.model, seed)
@@ -276,10 +294,13 @@ def read_scenario(table: TableReader | None, analysis: Analysis, seed: int) -> S
             place = [signal.name for signal in process.disturbances].index(step.signal.name)
             column = disturbances[:, place]
         before = float(column[step.sample])
-        value = _value(step, process.bands, before)
-        column[step.sample :] = value
+        row = CourseRow(step.table, step.kind, step.signal, process, folder)
+        course = row.course(before, end - step.sample)
+        column[step.sample :] = course.values[-1]
+        column[step.sample : end] = course.values
         start, stop = step.sample * period, end * period
-        segments.append(Segment(step.kind, step.signal.name, start, stop, value - before))
+        over = course.settled * period
+        segments.append(Segment(step.kind, step.signal.name, start, stop, course.size, over))
     if begin is not None:
         segments = with_beginning(process, begin, setpoints[0], segments, last * period)
     if quiet is not None:
@@ -288,30 +309,3 @@ def read_scenario(table: TableReader | None, analysis: Analysis, seed: int) -> S
     if quiet is not None or table.flag("noise", default=True):
         return with_noise(scenario, process, quiet or 0)
     return scenario
-
-
-def _value(step: Step, bands: Mapping[str, tuple[float, float]], before: float) -> float:
-    """Return the value after a step [SI]."""
-    table, signal = step.table, step.signal
-    if table.has("to") == table.has("by"):
-        raise table.refused(
-            "by" if table.has("by") else "to",
-            "both to and by" if table.has("to") else "neither to nor by",
-            "one of the two: the value after the step, or the size of the step",
-            'write as in to = "60 %" or by = "10 %"',
-        )
-    if table.has("to"):
-        value = read_value(table, "to", signal, "a value", "give the value after the step")
-        key = "to"
-    else:
-        change = read_value(
-            table, "by", signal, "a change", "give the size of the step", change=True
-        )
-        value, key = before + change, "by"
-    check_in_range(table, key, signal, value, "a setpoint" if step.kind == "setpoint" else "a load")
-    band = bands.get(signal.name, (value, value))
-    if not band[0] <= value <= band[1]:
-        raise table.refused(key, table.written(key), *within_band(signal, band))
-    if value == before:
-        raise table.wrong(key, f"a change of {signal.name}", "let it step, or leave it out")
-    return value

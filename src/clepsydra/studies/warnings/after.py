@@ -15,9 +15,11 @@ from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Segment
 from clepsydra.scores.effort import at_limit
 from clepsydra.scores.score_key import by_signal
+from clepsydra.studies.warnings.alarmed import alarmed
 from clepsydra.studies.warnings.caveat import Caveat
 from clepsydra.studies.warnings.harm import emptied, harms
 from clepsydra.studies.warnings.strokes import driven_to_and_fro
+from clepsydra.studies.warnings.unsolved import unsolved
 from clepsydra.studies.warnings.wind_up import ANTI_WINDUP, winds_up
 
 #: Share of a run at a limit above which the reader is told, and above which it is most of it.
@@ -34,7 +36,7 @@ _NO_WAY = 1e-6
 
 
 def run_warnings(run: Run) -> tuple[Remark, ...]:
-    """Return what is unusual about a run: overflow, trips, saturation, wind-up.
+    """Return what is unusual about a run: overflow, trips, alarms, saturation, wind-up.
 
     Examples
     --------
@@ -47,9 +49,11 @@ ask for less, or give it another size.
     """
     return (
         *(each.warning for each in (*harms(run), *emptied(run))),
+        *alarmed(run),
         *_saturated(run),
         *_driven_to_and_fro(run),
         *_inner_setpoints_at_limits(run),
+        *unsolved(run),
     )
 
 

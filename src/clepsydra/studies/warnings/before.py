@@ -11,6 +11,7 @@ from clepsydra.linear.directions import blocking_zeros
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.scenario import Scenario
+from clepsydra.studies.warnings.alarm_limits import alarm_limit_words
 from clepsydra.studies.warnings.bandwidth import bandwidth_warnings
 from clepsydra.studies.warnings.caveat import Caveat
 from clepsydra.studies.warnings.forbidden_levels import level_words
@@ -78,7 +79,8 @@ def caveats_before(
     """Return what a scenario asks of a process in vain, and what it leaves open.
 
     That is levels that the plant forbids and manipulated variables without room to hold its steps,
-    from a linear model; and that load rejection is not judged, where no load steps.
+    from a linear model; alarms that stand at rest, or come where a setpoint is; and that load
+    rejection is not judged, where no load steps.
 
     Parameters
     ----------
@@ -91,6 +93,7 @@ def caveats_before(
     words = [
         *level_words(controller, point, scenario, rests),
         *resting_saturation_words(controller, point, rests),
+        *alarm_limit_words(point, scenario),
     ]
     if not any(segment.kind == "load" for segment in scenario.segments):
         words.append(_NO_LOAD)

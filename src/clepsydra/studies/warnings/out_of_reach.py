@@ -45,7 +45,7 @@ def out_of_reach(model: LinearModel, scenario: Scenario) -> tuple[Remark, ...]:
         over = segment.kind == "load" and passes(resting, point, scenario, segment)
         if segment.kind == "noise" or over:
             continue
-        sample = scenario.sample_of(segment)
+        sample = scenario.settled_sample_of(segment)
         outputs = dict(zip(process.controlled, scenario.setpoints[sample], strict=True))
         for beyond in inputs_beyond_at(point, outputs, scenario.disturbances[sample]):
             key = beyond.signal.name, beyond.end

@@ -78,7 +78,7 @@ def resting_after(controller: Controller, model: LinearModel, scenario: Scenario
     for segment in scenario.segments:
         if segment.kind == "noise":
             continue
-        sample = scenario.sample_of(segment)
+        sample = scenario.settled_sample_of(segment)
         loads = scenario.disturbances[sample] - point.disturbances
         if segment.kind == "load" and passes(resting, point, scenario, segment):
             continue
@@ -100,7 +100,7 @@ def passes(model: LinearModel, point: OperatingPoint, scenario: Scenario, segmen
     from scipy.linalg import expm
 
     place = model.disturbances.index(segment.signal)
-    first = scenario.sample_of(segment)
+    first = scenario.settled_sample_of(segment)
     loads = scenario.disturbances[first] - point.disturbances
     course = scenario.disturbances[first:, place]
     over = np.flatnonzero(course != course[0])

@@ -1,0 +1,1 @@
+"""Quadratic programs as a predictive controller solves them, beside other solvers."""

@@ -1,0 +1,1 @@
+"""Model predictive control: moves over a horizon, planned anew in every sample."""

@@ -1,0 +1,1 @@
+"""Lessons: what a reader of a laboratory is asked to do, as files."""

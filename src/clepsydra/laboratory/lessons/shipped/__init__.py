@@ -1,0 +1,1 @@
+"""The lessons that come with Clepsydra, a file each, and the processes that only they have."""

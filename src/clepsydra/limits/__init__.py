@@ -1,0 +1,1 @@
+"""How good control could possibly be: the least error that any input within its limits reaches."""

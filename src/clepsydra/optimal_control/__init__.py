@@ -1,0 +1,1 @@
+"""Optimal control of a process as a nonlinear programme: smooth equations, collocated in blocks."""
