@@ -21,21 +21,29 @@ AnyController = TypeVar("AnyController", bound=Controller)
 def at_port(signal: Signal) -> Signal:
     """Return a signal in the unit that its reader sees, with range and initial value.
 
-    What stands for no bound, and for no limit of a rate, is the same number in every unit.
+    What stands for no limit of a rate is the same number in every unit. What stands for no bound
+    is too, but where the unit is so large that the law takes less of it.
 
     Examples
     --------
     >>> at_port(Signal("level.sp", "m", display_unit="cm", low=0.0, high=0.2, initial=0.07))
     Signal(name='level.sp', unit='cm', display_unit='', low=0.0, high=20.0, initial=7.0, \
 kind='real', description='')
+    >>> for unit in ("cm", "km"):
+    ...     end = Signal("level.range_high", "m", display_unit=unit, low=-1e9, high=1e9)
+    ...     print(f"{at_port(end).high:g} {unit}")
+    1e+09 cm
+    1e+06 km
     """
     shown = signal.shown_unit
     if signal.kind != "real" or shown == signal.unit or not convertible(shown, signal.unit):
         return signal
 
     def in_shown_unit(value: float) -> float:
-        unbounded = abs(value) >= LARGEST_PARAMETER
-        return value if unbounded else from_si(value, signal.unit, shown)
+        found = from_si(value, signal.unit, shown)
+        if abs(value) < LARGEST_PARAMETER:
+            return found
+        return value if signal.part in LARGEST_RATES else min(value, found, key=abs)
 
     low, high, initial = map(in_shown_unit, (signal.low, signal.high, signal.initial))
     return replace(signal, unit=shown, display_unit="", low=low, high=high, initial=initial)
