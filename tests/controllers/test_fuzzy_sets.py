@@ -12,7 +12,7 @@ from clepsydra.controllers.fuzzy.membership import (
     right_shoulder,
     triangle,
 )
-from clepsydra.controllers.fuzzy.rule import firing, parse_rule
+from clepsydra.controllers.fuzzy.rule import firing, joined, parse_rule
 
 X = np.array([-9.0, -1.0, -0.75, -0.5, -0.25, 0.0, 0.5, 1.0, 1.5, 2.0, 9.0])
 SHAPES = {
@@ -129,3 +129,36 @@ def test_a_rule_that_is_none_is_refused(text, value, expected):
         parse_rule("R7", text)
     assert (found.value.place, found.value.value) == ("rules.R7", value)
     assert found.value.expected == expected
+
+
+def test_joined_rules_hold_as_far_as_the_one_of_them_that_holds_most():
+    """Random rules and degrees, many of them alike: for each conclusion the largest firing."""
+    random = np.random.default_rng(29)
+    sets = [(variable, name) for variable in "edf" for name in "NZP"]
+    fewer = 0
+    for _ in range(300):
+        rules = []
+        for k in range(random.integers(1, 9)):
+            chosen = [" is ".join(sets[j]) for j in random.integers(0, 9, random.integers(1, 5))]
+            words = chosen[0]
+            for each in chosen[1:]:
+                words = f"({words}) {random.choice(['and', 'or'])} {each}"
+            concluded = random.choice(["u is N", "u is P", "v is N", "u is N and v is P"])
+            rules.append(parse_rule(f"R{k}", f"if {words} then {concluded}"))
+        found = joined(rules)
+        told = [rule.conclusions for rule in found]
+        assert len({*told}) == len(told) and {*told} == {rule.conclusions for rule in rules}
+        # What is joined can be read as a rule.
+        found = tuple(parse_rule(rule.name, str(rule)) for rule in found)
+        fewer += len(found) < len(rules)
+        degrees = dict(zip(sets, random.choice([0.0, 0.25, 0.5, 0.7, 1.0], 9), strict=True))
+        for rule in found:
+            alike = [each for each in rules if each.conclusions == rule.conclusions]
+            largest = max(firing(each.condition, degrees, min, max) for each in alike)
+            assert firing(rule.condition, degrees, min, max) == largest, rules
+    assert fewer > 100
+
+
+def test_a_rule_alone_with_its_conclusion_stays_as_it_is():
+    rules = tuple(parse_rule(n, f"if e is {n} or d is {n} then u is {n}") for n in "NZP")
+    assert joined(rules) == rules

@@ -1,5 +1,7 @@
 """Engine, C and Structured Text of fuzzy controllers, equal in every bit."""
 
+import re
+
 import numpy as np
 import pytest
 from deployed import all_bits, no_output_lay_idle, run_alike, run_both, spoilt
@@ -41,6 +43,36 @@ L = { right_shoulder = [0, 0.7] }
 R1 = "if e is N then u is S"
 R2 = "if e is B or e is P and e is N then u is M"
 R3 = "if e is P then u is L"
+"""
+#: One range, and sets that differ.
+TWO_OUTPUTS = """
+[inputs.e]
+of = "level_1"
+quantity = "measurement"
+unit = "V"
+gain = 0.31
+[inputs.e.sets]
+N = { left_shoulder = [-1, 1] }
+P = { right_shoulder = [-1, 1] }
+[outputs.u]
+moves = "pump_1"
+action = "increment"
+unit = "V/s"
+range = [-1, 1]
+[outputs.u.sets]
+S = { left_shoulder = [-1, 0.5] }
+L = { right_shoulder = [-0.5, 1] }
+[outputs.v]
+moves = "pump_2"
+action = "increment"
+unit = "V/s"
+range = [-1, 1]
+[outputs.v.sets]
+S = { left_shoulder = [-1, 0] }
+L = { right_shoulder = [0, 1] }
+[rules]
+R1 = "if e is N then u is S and v is L"
+R2 = "if e is P then u is L and v is S"
 """
 #: Filtered rates, a dead zone, positions: four inputs, three outputs, 27 rules.
 WIDE = """
@@ -206,13 +238,24 @@ def test_the_points_are_a_for_in_both_languages(tmp_path):
     assert in_c.count("for (") == text.count("FOR ") >= 10
 
 
-def test_outputs_of_one_shape_share_a_block(tmp_path):
+def test_outputs_of_one_shape_share_a_block_and_others_have_none(tmp_path):
     (rules,) = (c.program for c in wide(tmp_path).program().calls if c.instance == "rules")
     assert {c.instance: c.program.name for c in rules.calls} == {
         "f_in": "f_in_centroid",
         "f_out": "f_in_centroid",
-        "C_in": "C_in_centroid",
     }
+
+
+def test_outputs_of_one_range_and_several_shapes_compute_their_degrees(tmp_path):
+    """Their points are the same: neither has a list of numbers in its text."""
+    program = of_a_file(tmp_path, "quadruple-tank", TWO_OUTPUTS).program()
+    text = print_structured_text(program)
+    assert text.count("_point := 0.02 * DINT_TO_LREAL(i) - 1.0;") == 3
+    assert "ARRAY" not in text
+    inputs = scans(program, seed=4)
+    bits = all_bits(engine_run(program, inputs))
+    for found in run_both(program, tmp_path, inputs):
+        assert np.array_equal(bits, all_bits(found))
 
 
 @pytest.mark.parametrize("name", ["e", "double", "FOR", "u", "first try", "ä"])
@@ -226,9 +269,17 @@ def test_a_rule_may_have_any_name(tmp_path, name):
         assert np.array_equal(bits, all_bits(found))
 
 
-@pytest.mark.parametrize("name", ["double", "centroid", "i", "END_IF"])
+@pytest.mark.parametrize("name", ["double", "centroid", "moment", "i", "END_IF"])
 def test_a_set_may_have_the_name_of_a_word_of_a_language_or_of_a_port(tmp_path, name):
     text = ONE_INPUT.replace("M = {", f"{name} = {{").replace("u is M", f"u is {name}")
-    program = of_a_file(tmp_path, "quadruple-tank", text).program()
+    # Two rules that conclude it are one, which is called by its name.
+    program = of_a_file(
+        tmp_path, "quadruple-tank", f'{text}R4 = "if e is B then u is {name}"'
+    ).program()
     for printed in (print_c(program).source, print_structured_text(program)):
-        assert f"height_{name}" in printed
+        assert f"u_degree_{name}" in printed
+        assert re.search(rf"\bu_{name}\w* :?= ", printed)
+    inputs = scans(program, seed=4)
+    bits = all_bits(engine_run(program, inputs))
+    for found in run_both(program, tmp_path, inputs):
+        assert np.array_equal(bits, all_bits(found))

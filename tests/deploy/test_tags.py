@@ -103,7 +103,7 @@ def test_the_names_are_those_of_the_control_system_and_a_comment_names_both(tmp_
         "P101_last_output",
     ):
         assert re.search(rf"^  {port}(, P102_status)? : ", text, re.MULTILINE), port
-    assert "  P101_loop : FB_PI;\n  P102_loop : FB_PI;\n" in text
+    assert "  P101_loop, P102_loop : FB_PI;\n" in text
     assert re.search(r"LIC101_pv : .*; measured level_1 \(LIC101\) \*\)", text)
     assert re.search(r"P101_out : .*; voltage of pump_1 \(P101\) \*\)", text)
     assert text.count("(LIC101)") == text.count("(P101)") == 1

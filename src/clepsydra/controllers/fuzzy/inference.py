@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import pairwise
 from typing import Any
@@ -33,75 +33,109 @@ CRISP = (
 def _inferred(
     system: FuzzySystem, values: Mapping[str, ca.SX]
 ) -> tuple[dict[str, Symbols], dict[str, ca.SX]]:
-    """Return centroid and fires of each output, and by name how far each set and rule holds."""
+    """Return centroid and fires of each output, and by name what is computed on the way."""
     between, degrees = dict[str, ca.SX](), dict[tuple[str, str], ca.SX]()
     for variable in system.inputs:
         clipped = limit(values[variable.name], ca.SX(variable.low), ca.SX(variable.high))
         between[path(variable.name, "clipped")] = clipped
         for name, member in variable.sets.items():
             degrees[variable.name, name] = member.expression(clipped)
-    strengths = {rule: firing(rule.condition, degrees, ca.fmin, ca.fmax) for rule in system.rules}
+    between |= {path(*each): degree for each, degree in degrees.items()}
+    strengths = {rule: firing(rule.condition, degrees, ca.fmin, ca.fmax) for rule in system.joined}
+    # The name of a rule is free text: one that is no name is not printed.
+    printed = (rule for rule in strengths if re.fullmatch(r"[A-Za-z]\w*", rule.name, re.ASCII))
+    between |= {rule.name: strengths[rule] for rule in printed}
     found: dict[str, Symbols] = {}
-    blocks: dict[object, Block] = {}
-    for output in system.outputs:
+    for each in _centroids(system):
+        output = each.output.name
         heights = {
             path("height", name): reduce(ca.fmax, [strengths[rule] for rule in rules])
-            for name, rules in system.concluded(output.name).items()
+            for name, rules in system.concluded(output).items()
         }
-        members = {n: each for n, each in output.sets.items() if path("height", n) in heights}
-        shape = output.low, output.high, *members.items()
-        if shape not in blocks:
-            named, taken = Signal(output.name), {block.name for block in blocks.values()}
-            short, long = (f"{each}_centroid" for each in (named.part, named.identifier))
-            name = long if short in taken else short
-            blocks[shape] = _centroid(name, replace(output, sets=members), system.points_of(output))
-        found[output.name] = blocks[shape](output.name, heights, {}).outputs
-    between |= {path(*each): degree for each, degree in degrees.items()}
-    # The name of a rule is free text: one that is no name is not printed.
-    printed = (rule for rule in system.rules if re.fullmatch(r"[A-Za-z]\w*", rule.name, re.ASCII))
-    return found, between | {rule.name: strengths[rule] for rule in printed}
+        if each.block:
+            found[output] = each.block(output, heights, {}).outputs
+        else:
+            told = each.equations(heights)
+            found[output] = told.outputs
+            between |= {path(output, name): value for name, value in told.intermediates.items()}
+    return found, between
 
 
-def _centroid(name: str, output: LinguisticVariable, points: np.ndarray) -> Block:
-    """Return the block from the heights of an output's sets to its centroid."""
-    degrees = output.degrees(points)
-    stretches = [*_stretches(np.array(list(degrees.values())) > 0.0)]
-    tables = [Table("point", tuple(points.tolist()), 0, "points of the range of the output")]
-    for each, degree in degrees.items():
-        varying = [place for place in stretches if np.ptp(degree[slice(*place)]) > 0.0]
-        if varying:
-            first, stop = varying[0][0], varying[-1][1]
-            words = f"how far the points from {first} on are {each}"
-            values = tuple(degree[first:stop].tolist())
-            lines = output.sets[each].edges
-            tables.append(Table(path("degree", each), values, first, words, "point", lines))
+@dataclass
+class _Centroid:
+    """From the heights of an output's sets to its centroid."""
 
-    def equations(heights: Symbols) -> Equations:
+    output: LinguisticVariable
+    points: np.ndarray
+    #: What the points of its range are called, which other outputs may have too.
+    place: str
+    #: What several outputs have in common is a block.
+    block: Block | None = None
+
+    def __post_init__(self) -> None:
+        self.degrees = self.output.degrees(self.points)
+        self.stretches = [*_stretches(np.array(list(self.degrees.values())) > 0.0)]
+
+    def tables(self, degree_of: str, place: str) -> Iterator[Table]:
+        """Yield what the loops over the stretches read: degrees of sets, and points by a name."""
+        yield Table(place, tuple(self.points.tolist()), 0, "points of the range of the output")
+        for each, degree in self.degrees.items():
+            varying = [some for some in self.stretches if np.ptp(degree[slice(*some)]) > 0.0]
+            if varying:
+                first, stop = varying[0][0], varying[-1][1]
+                words = f"how far the points from {first} on are {each}"
+                values = tuple(degree[first:stop].tolist())
+                lines = self.output.sets[each].edges
+                yield Table(path(degree_of, each), values, first, words, place, lines)
+
+    def equations(self, heights: Symbols) -> Equations:
+        """Return centroid and fires from the heights."""
         sums, named = ca.SX.zeros(2), dict[str, ca.SX]()
-        for first, stop in stretches:
-            here = {name: d[first:stop] for name, d in degrees.items() if d[first:stop].any()}
+        for first, stop in self.stretches:
+            here = {n: d[first:stop] for n, d in self.degrees.items() if d[first:stop].any()}
             if here:
-                sums = _summed(f"from_{first}", points[first:stop], here, heights, sums)
+                sums = _summed(f"from_{first}", self.points[first:stop], here, heights, sums)
                 # A program goes on with the variables of the first stretch.
                 named = named or dict(zip(("moment", "area"), ca.vertsplit(sums), strict=True))
         moment, area = ca.vertsplit(sums)
         fires = area > 0
-        middle = (output.low + output.high) / 2.0
+        middle = (self.output.low + self.output.high) / 2.0
         value = ca.if_else(fires, moment / ca.if_else(fires, area, 1), middle)
         return Equations({}, {"centroid": value, "fires": fires}, named)
 
-    return Block(
-        name,
-        tuple(
-            Signal(path("height", n), description="how far the output is in that set")
-            for n in degrees
-        ),
-        (),
-        CRISP,
-        equations,
-        ("The centroid of the largest of the sets, each clipped at its height.",),
-        tables=tuple(tables),
-    )
+    def as_block(self, name: str) -> Block:
+        """Return it as a block."""
+        words = "how far the output is in that set"
+        heights = (Signal(path("height", n), description=words) for n in self.degrees)
+        return Block(
+            name,
+            tuple(heights),
+            (),
+            CRISP,
+            self.equations,
+            ("The centroid of the largest of the sets, each clipped at its height.",),
+            tables=tuple(self.tables("degree", "point")),
+        )
+
+
+def _centroids(system: FuzzySystem) -> list[_Centroid]:
+    """Return the centroid of each output."""
+    found, ranges = list[_Centroid](), dict[tuple[float, float], str]()
+    for output in system.outputs:
+        concluded = system.concluded(output.name)
+        sets = {name: each for name, each in output.sets.items() if name in concluded}
+        place = ranges.setdefault((output.low, output.high), path(output.name, "point"))
+        found.append(_Centroid(replace(output, sets=sets), system.points_of(output), place))
+    shapes = [(each.output.low, each.output.high, *each.output.sets.items()) for each in found]
+    blocks: dict[object, Block] = {}
+    for each, shape in zip(found, shapes, strict=True):
+        if shapes.count(shape) > 1:
+            if shape not in blocks:
+                named, taken = Signal(each.output.name), {block.name for block in blocks.values()}
+                short, long = (f"{name}_centroid" for name in (named.part, named.identifier))
+                blocks[shape] = each.as_block(long if short in taken else short)
+            each.block = blocks[shape]
+    return found
 
 
 def _stretches(above: np.ndarray) -> Iterator[tuple[int, int]]:
@@ -160,24 +194,29 @@ def surface(system: FuzzySystem) -> ca.Function:
         (inputs [m]) → (centroids [q], whether any rule fires [q]), in the order of the system.
     """
     x = ca.SX.sym("x", len(system.inputs))
-    values, fires, _ = _function(system)[0](x)
+    _, values, fires = _function(system)[0](x)
     return ca.Function("surface", [x], [values, fires], ["x"], ["values", "fires"])
 
 
 def _function(system: FuzzySystem) -> tuple[ca.Function, list[str]]:
-    """Return the surface with a third result, values on the way, and their names."""
+    """Return the surface behind a further result, values on the way, and their names.
+
+    They come first, so that a program has them one below the other, and the loops below them.
+    """
     x = ca.SX.sym("x", len(system.inputs))
     found, between = _inferred(system, {v.name: x[k] for k, v in enumerate(system.inputs)})
     values, fires = (ca.vertcat(*(u[port.name] for u in found.values())) for port in CRISP)
-    results = {"values": values, "fires": fires, "between": ca.vertcat(*between.values())}
+    results = {"between": ca.vertcat(*between.values()), "values": values, "fires": fires}
     plain = ca.Function("surface", [x], [values])
     ways = np.diag([_WAY * (variable.high - variable.low) for variable in system.inputs])
     slopes = [(plain(x + way) - plain(x - way)) / (2 * sum(way)) for way in ways]
-    rest = [ca.SX.zeros(results[name].numel(), x.numel()) for name in ("fires", "between")]
+    of_between, of_fires = (
+        ca.SX.zeros(results[name].numel(), x.numel()) for name in ("between", "fires")
+    )
     jacobian = ca.Function(
         "jac_surface",
         [x, *(ca.SX.sym(name, each.numel()) for name, each in results.items())],
-        [ca.densify(ca.horzcat(*slopes)), *rest],
+        [of_between, ca.densify(ca.horzcat(*slopes)), of_fires],
         ["x", *(f"out_{name}" for name in results)],
         [f"jac_{name}_x" for name in results],
     )
@@ -197,12 +236,13 @@ def rule_base(system: FuzzySystem, name: str) -> Block:
     With w(s) the largest firing of the rules that conclude set s, μ(y) = max over s of
     min(w(s), μ_s(y)) and Σ over the points y of the output's range, the centroid is
     Σ y μ(y) / Σ μ(y), or the middle of the range where no rule fires. The rules of one set are
-    joined first: max min(w, μ_s) = min(max w, μ_s).
+    joined first: max min(w, μ_s) = min(max w, μ_s), and so are the conditions of those rules that
+    conclude the same: max(min(a, b), min(a, c)) = min(a, max(b, c)), in every bit.
 
-    Outputs whose range and concluded sets are the same share one block. In it each stretch of
-    points at which the same sets are above zero is a counted loop over those sets alone; the
-    others add nothing to the largest, so no bit of the sums changes. The derivatives are those of
-    `surface`.
+    Each stretch of points at which the same sets are above zero is a counted loop over those sets
+    alone; the others add nothing to the largest, so no bit of the sums changes. Outputs whose
+    range and concluded sets are the same share one block with these loops. The derivatives are
+    those of `surface`.
 
     `name`: of the block.
 
@@ -217,12 +257,18 @@ def rule_base(system: FuzzySystem, name: str) -> Block:
 
     def equations(s: Symbols) -> Equations:
         function, names = _function(system)
-        values, fires, between = function(ca.vertcat(*(s[v.name] for v in system.inputs)))
+        between, values, fires = function(ca.vertcat(*(s[v.name] for v in system.inputs)))
         results = ca.vertsplit(ca.vertcat(values, fires))
         named = dict(zip(names, ca.vertsplit(between), strict=True))
-        words = words_for({rule.name: str(rule) for rule in system.rules}, named)
+        words = words_for({rule.name: str(rule) for rule in system.joined}, named)
         return Equations({}, dict(zip((p.name for p in ports), results, strict=True)), named, words)
 
     inputs = tuple(Signal(v.name, description="times its gain") for v in system.inputs)
+    owned = [each for each in _centroids(system) if not each.block]
+    tables = [
+        table
+        for each in owned
+        for table in each.tables(path(each.output.name, "degree"), each.place)
+    ]
     words = "How far inputs are in sets and rules hold, and the centroid of each output."
-    return Block(name, inputs, (), ports, equations, (words,))
+    return Block(name, inputs, (), ports, equations, (words,), tables=tuple(tables))

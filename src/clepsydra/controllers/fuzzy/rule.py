@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import reduce
 from typing import TypeVar
@@ -108,6 +108,50 @@ class Rule:
 
     def __str__(self) -> str:
         return f"if {self.condition} then {' and '.join(map(str, self.conclusions))}"
+
+
+def joined(rules: Iterable[Rule]) -> tuple[Rule, ...]:
+    """Return rules of which no two conclude the same: those that do are one rule by OR.
+
+    It holds as far as the one of them that holds most. What conditions begin with is taken out of
+    them: (a and b) or (a and c) is a and (b or c), of degrees no less than of truths. The name of
+    what is joined is that of its conclusions.
+
+    Examples
+    --------
+    >>> a, b, c = (parse_rule(f"R{k}", f"if e is N and d is {s} then u is P")
+    ...            for k, s in enumerate("NZP", start=1))
+    >>> (rule,) = joined((a, b, c))
+    >>> rule.name, str(rule)
+    ('u_P', 'if e is N and (d is N or d is Z or d is P) then u is P')
+    """
+    alike: dict[tuple[Is, ...], list[Rule]] = {}
+    for rule in rules:
+        alike.setdefault(rule.conclusions, []).append(rule)
+    return tuple(
+        Rule("_".join(f"{each.variable}_{each.set}" for each in told), _either(conditions), told)
+        if len(conditions) > 1
+        else some[0]
+        for told, some in alike.items()
+        for conditions in [[_parts(rule.condition) for rule in some]]
+    )
+
+
+def _parts(condition: Condition) -> tuple[Condition, ...]:
+    return condition.parts if isinstance(condition, All) else (condition,)
+
+
+def _either(some: Iterable[tuple[Condition, ...]]) -> Condition:
+    """Return that all parts hold of one of several conditions."""
+    begun: dict[Condition, list[tuple[Condition, ...]]] = {}
+    for first, *rest in some:
+        begun.setdefault(first, []).append(tuple(rest))
+    # Where one of them asks for no more, the others add nothing.
+    found = [
+        All((first, *_parts(_either(rests)))) if all(rests) else first
+        for first, rests in begun.items()
+    ]
+    return found[0] if len(found) == 1 else Some(tuple(found))
 
 
 def parse_rule(name: str, text: str) -> Rule:

@@ -12,7 +12,7 @@ import numpy as np
 from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.fuzzy.membership import Membership
-from clepsydra.controllers.fuzzy.rule import Rule, atoms, firing
+from clepsydra.controllers.fuzzy.rule import Rule, atoms, firing, joined
 
 #: Numbers of points on which a centroid may be taken.
 FEWEST_POINTS, MOST_POINTS = 3, 1001
@@ -133,10 +133,15 @@ held there.
         """Return the rules that conclude something about an output."""
         return [r for r in self.rules if any(each.variable == output for each in r.conclusions)]
 
+    @property
+    def joined(self) -> tuple[Rule, ...]:
+        """The rules, of which those that conclude the same are one."""
+        return joined(self.rules)
+
     def concluded(self, output: str) -> dict[str, list[Rule]]:
-        """Return the sets that rules conclude about an output, each with its rules."""
+        """Return the sets that joined rules conclude about an output, each with its rules."""
         found: dict[str, list[Rule]] = {}
-        for rule in self.rules:
+        for rule in self.joined:
             for each in rule.conclusions:
                 if each.variable == output:
                     found.setdefault(each.set, []).append(rule)

@@ -31,6 +31,8 @@ _CONVERTED: dict[str, Kind] = {"truth": "boolean", "number": "real"}
 _LARGE = 1e37
 #: A folded expression grows no wider than this: two lines at the most [characters].
 _WIDTH = 150
+#: A sum reads well on several lines, and so does the largest or any of many things.
+_WIDEST = {"add": 4 * _WIDTH, "or": 8 * _WIDTH, "maximum": 2 * _WIDTH}
 #: What a result is called that the law gives no name, by its operation.
 _RESULTS = {
     "add": "sum",
@@ -256,8 +258,7 @@ class FoldedBlock:
         for position, value in enumerate(operation.arguments):
             if not self._fits(wanted, position, self._values[value]):
                 self._atom(value)
-        # A long sum reads well on several lines.
-        widest = _WIDTH * (4 if code == "add" else 1)
+        widest = _WIDEST.get(code, _WIDTH)
         while True:
             expression = self._made(operation)
             folded = [value for value in operation.arguments if not self._values[value].is_atom]

@@ -51,6 +51,8 @@ class Dialect:
         Whether ABS makes the negative zero positive.
     constant_arrays : bool
         Whether a block may declare a constant array.
+    instances_alone : bool
+        Whether every instance of a block needs a declaration of its own.
     line_comments : bool
         Whether comments are written ``// …`` to the end of the line, not ``(* … *)``.
     block_quote : str
@@ -87,6 +89,7 @@ class Dialect:
     literals: tuple[float, float] | None = None
     absolute_zero: bool = True
     constant_arrays: bool = True
+    instances_alone: bool = False
     line_comments: bool = False
     block_quote: str = ""
     local_mark: str = ""
@@ -135,6 +138,8 @@ _MATIEC = Dialect(
     literals=(2.0**-126, (2.0 - 2.0**-23) * 2.0**127),
     # Its ABS changes the sign of what is less than zero, which the negative zero is not.
     absolute_zero=False,
+    # It crashes on some declarations of several.
+    instances_alone=True,
     configuration=True,
 )
 _CODESYS = Dialect(

@@ -135,8 +135,7 @@ def _section(section: Section, dialect: Dialect) -> list[str]:
         # Variables of one type and one comment share a line, unless they have a value.
         alike: dict[tuple[str, ...], list[Variable]] = {}
         for each in variables:
-            # matiec crashes on some declarations of several instances.
-            alone = each.initial or each.length or each.is_block
+            alone = each.initial or each.length or (each.is_block and dialect.instances_alone)
             key = (each.name,) if alone else (_type(each, dialect), each.comment)
             alike.setdefault(key, []).append(each)
         for entries in alike.values():
