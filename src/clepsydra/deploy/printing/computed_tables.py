@@ -115,8 +115,10 @@ def read_tables(
     scope : Scope
     """
     notation, names = scope.notation, scope.names
+    # Where numbers stand in several tables, they are read in the first.
+    known = scope.known[::-1]
     places = {
-        number: {first: table for table in scope.known for first in table.stretches(values)}
+        number: {first: table for table in known for first in table.stretches(values)}
         for number, values in enumerate(loop.tables)
         if number in read and loop.count > 1
     }
@@ -130,6 +132,9 @@ def read_tables(
             entries.append(constant(values[0]))
             continue
         table = places[number][begin] if common else Table(f"{loop.name}_table", values)
+        if common and table.name in over:
+            entries.append(over[table.name][1])
+            continue
         steps = equal_steps(table.values, index, notation.precision) if notation.computes else None
         if steps:
             counted.append(Assignment(names.shared(table.name, index), steps))
