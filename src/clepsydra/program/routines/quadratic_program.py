@@ -17,6 +17,10 @@ TURNS = 18
 _SHARE = 0.995
 #: Slack times multiplier stays above this share of their mean, or turns may run in circles.
 _CENTRED = 0.02
+#: Rows are as good as kept where so much is left of what crossed them at the start.
+_KEPT = 0.1
+#: And then where the gap grows so much of a correction is made, or turns may run in circles.
+_HELD_BACK = 0.5
 #: A gap below this share of the cost is that of an optimum.
 _THERE = 1e-12
 #: Slacks stay above this share of what they start from.
@@ -53,7 +57,8 @@ def _written(n: int, m: int, turns: int) -> Written:
         hessian, linear, rows, bounds, solution, residual, *own = arrays
         size, weight, curve, slope, row, bound, x, slack, z, system, lower, pivot, *own = own
         move, slack_move, z_move, by_slope, by_row, push, per_slack, per_z, *own = own
-        gap, other_gap, length, stiffness, least_slack, low, total = own
+        gap, other_gap, length, stiffness, least_slack, low, total, *own = own
+        least_gap, crossing, part = own
         loop.note("Unknowns in sizes in which each curves by one, rows in units of their length.")
         for i in loop("i", 0, n):
             low[()] = ca.fabs(hessian[i, i])
@@ -113,18 +118,21 @@ def _written(n: int, m: int, turns: int) -> Written:
                 slack[r] = bound[r]
                 for j in loop("j", 0, n):
                     slack[r] = slack[r] - row[r, j] * x[j]
-        loop.note("From there inwards, by as much as the worst row is crossed.")
+        loop.note("From there inwards, by how far the worst row is crossed, or kept by its price.")
         gap[()] = _TINY
         for i in loop("i", 0, n):
             gap[()] = ca.fmax(gap[()], 1e-6 * ca.fabs(x[i]))
         for r in loop("r", 0, m):
-            gap[()] = ca.fmax(gap[()], -slack[r])
+            beyond = ca.if_else(weight[r] > 0, ca.fabs(slack[r]), -slack[r])
+            gap[()] = ca.fmax(gap[()], beyond)
         least_slack[()] = ca.fmax(_TINY, _LEAST * gap[()])
         for r in loop("r", 0, m):
             z[r] = ca.fmax(0, -slack[r])
             slack[r] = ca.fmax(0, slack[r]) + gap[()]
             z[r] = ca.fmax(stiffness[()] * (z[r] + gap[()] * gap[()] / slack[r]), _TINY)
         conditions = (curve, slope, row, bound, x, slack, z, by_slope, by_row)
+        least_gap[()] = 1 / _TINY
+        crossing[()] = 1
         for _ in loop.again("turn", turns):
             loop.note("Where slack times multiplier lags, the smaller of the two is raised.")
             gap[()] = 0
@@ -155,8 +163,12 @@ def _written(n: int, m: int, turns: int) -> Written:
                 )
             loop.note("Then with a share of the gap left, the more the less that went.")
             low[()] = other_gap[()] / ca.fmax(gap[()], _TINY) * other_gap[()] / m
+            circling = ca.logic_and(gap[()] > least_gap[()], crossing[()] < _KEPT)
+            part[()] = ca.if_else(circling, _HELD_BACK, 1)
+            least_gap[()] = ca.fmin(least_gap[()], gap[()])
             for r in loop("r", 0, m):
-                push[r] = z[r] + (slack_move[r] * z_move[r] - low[()]) * per_slack[r]
+                push[r] = part[()] * slack_move[r] * z_move[r] - low[()]
+                push[r] = z[r] + push[r] * per_slack[r]
             _direction(loop, direction, moves, _SHARE)
             loop.note("At the optimum a turn that cannot go half its way only brings rounding.")
             low[()] = 0
@@ -164,6 +176,7 @@ def _written(n: int, m: int, turns: int) -> Written:
                 low[()] = low[()] + ca.fabs(slope[i] * x[i])
             there = ca.logic_and(gap[()] < _THERE * low[()], length[()] < 0.5)
             length[()] = ca.if_else(there, 0, length[()])
+            crossing[()] = crossing[()] * (1 - length[()])
             for i in loop("i", 0, n):
                 x[i] = x[i] + length[()] * move[i]
             for r in loop("r", 0, m):
@@ -256,6 +269,7 @@ def _written(n: int, m: int, turns: int) -> Written:
             "multiplier_move": (m,), "by_slope": (n,), "by_row": (m,), "push": (m,),
             "per_slack": (m,), "per_multiplier": (m,), "gap": (), "other_gap": (), "length": (),
             "stiffness": (), "least_slack": (), "low": (), "total": (),
+            "least_gap": (), "crossing": (), "part": (),
         },
     )  # fmt: skip
 
