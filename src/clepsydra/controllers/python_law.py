@@ -39,12 +39,9 @@ class PythonLaw(StepLaw):
     aside : tuple of str
         States that do nothing to the outputs near rest: where a search begins, how unsure an
         estimate is. The linear model leaves them out.
-    unsolved : str
-        The state that counts the samples in which a search came to no end; empty where none does.
     """
 
     aside: tuple[str, ...] = ()
-    unsolved: str = ""
 
     def depends(self, result: int, argument: int) -> np.ndarray:
         """Return that each result may depend on all of an argument: no one sees into a function."""

@@ -166,7 +166,7 @@ class _Rewriting:
 
 
 def with_calls_written_out(function: ca.Function, written_out: WrittenOut) -> ca.Function:
-    """Return a function in which some of its calls are expressions.
+    """Return a function in which some of its calls are expressions; itself if it has no calls.
 
     Examples
     --------
@@ -178,6 +178,8 @@ def with_calls_written_out(function: ca.Function, written_out: WrittenOut) -> ca
     >>> [plain.instruction_id(k) for k in range(plain.n_instructions())].count(ca.OP_CALL)
     0
     """
+    if ca.OP_CALL not in map(function.instruction_id, range(function.n_instructions())):
+        return function
     symbols = [ca.SX.sym(f"a{i}", *function.size_in(i)) for i in range(function.n_in())]
     results = _Rewriting({}, written_out).results(function, [*map(_entries, symbols)])
     return ca.Function(function.name(), symbols, results, function.name_in(), function.name_out())

@@ -46,8 +46,22 @@ def without_routines(function: ca.Function) -> ca.Function:
 
     def written_out(called: ca.Function, given: list[ca.SX]) -> list[ca.SX] | None:
         found = called_family(called, FAMILIES)
-        if found and is_conditional(called):
-            return [ca.SX(0)] * sum(called.nnz_out(i) for i in range(called.n_out()))
+        if (zeros := _passed_over(called, given)) is not None:
+            return zeros
         return found[0].expressions(found[1], given) if found else None
 
     return with_calls_written_out(function, written_out)
+
+
+def where_linear(function: ca.Function) -> ca.Function:
+    """Return a function as it is where a law is linear: the conditions of routines are false.
+
+    CasADi would look for the slopes of what has none: 2.7 s of a quadratic program, for 0.02 s.
+    """
+    return with_calls_written_out(function, _passed_over)
+
+
+def _passed_over(called: ca.Function, _: list[ca.SX]) -> list[ca.SX] | None:
+    if not is_conditional(called):
+        return None
+    return [ca.SX(0)] * sum(called.nnz_out(i) for i in range(called.n_out()))

@@ -47,6 +47,8 @@ class StepLaw:
     check : callable or None
         Law, values and the place for a message; refuses values that are each in their range and do
         not go together.
+    unsolved : str
+        The state that counts the samples in which a search found nothing; empty where none does.
 
     Examples
     --------
@@ -80,6 +82,7 @@ class StepLaw:
     check: Callable[[StepLaw, Mapping[str, float], str], None] | None = field(
         default=None, repr=False
     )
+    unsolved: str = ""
 
     def __getstate__(self) -> dict[str, Any]:
         """Return what is pickled: the equations as data, and nothing that follows from them."""
@@ -92,8 +95,10 @@ class StepLaw:
     @cached_property
     def jacobians(self) -> Callable[..., Sequence[np.ndarray]]:
         """Function (state, inputs, parameters) → ∂x⁺/∂x, ∂x⁺/∂u, ∂y/∂x and ∂y/∂u, of numbers."""
+        from clepsydra.program.known_routines import where_linear  # with all that writes routines
+
         symbols = [ca.SX.sym(n, self.function.numel_in(k)) for k, n in enumerate("xup")]
-        next_state, outputs, _ = self.function(*symbols)
+        next_state, outputs, _ = where_linear(self.function)(*symbols)
         return DenseFunction(
             "jacobians",
             symbols,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import casadi as ca
 
@@ -32,6 +33,7 @@ LARGEST_RESIDUAL = 1e-4
 HIGH_BOUND = Key("high_bound", "{x}", "what {x} should not rise above", like="x")
 _AT_REST = Key("reference", "{x}", "{x} at the operating point", like="x")
 _ESTIMATE = Key("estimate", "{x}", "expected deviation of {x} from the operating point")
+_UNSOLVED = "unsolved"
 _WEIGHT = signals.amount("move_weight", "1", "weight of moves beside errors", 1.0)
 
 
@@ -99,7 +101,7 @@ def predictive_law(
             outputs.append(final_element(sample, u, wish, rate_limited=rate_limited).applied)
         return outputs
 
-    return source.law("predictive", applied)
+    return replace(source.law("predictive", applied), unsolved=_UNSOLVED)
 
 
 class _Source(StateSource):
@@ -188,6 +190,5 @@ def _request(
 def _count(sample: Sample, failed: ca.SX) -> None:
     """Count the samples in which no plan was found."""
     words = "samples in which no plan was found, and the linear law within its limits stood in"
-    unsolved = Signal("unsolved", low=0.0, high=LARGEST_COUNT, description=words)
-    (before,) = sample.memory(unsolved)
-    sample.next_state["unsolved"] = ca.fmin(before + failed, LARGEST_COUNT)
+    (before,) = sample.memory(Signal(_UNSOLVED, low=0.0, high=LARGEST_COUNT, description=words))
+    sample.next_state[_UNSOLVED] = ca.fmin(before + failed, LARGEST_COUNT)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from clepsydra.base.remark import Remark
-from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.controllers.wiring import controller_name
 from clepsydra.loop.run import Run
 
@@ -21,12 +20,12 @@ def unsolved(run: Run) -> Iterator[Remark]:
     []
     """
     law, final = run.controller.law, run.final_state
-    if not (isinstance(law, PythonLaw) and law.unsolved):
+    if not law.unsolved:
         return
     if count := round(final[controller_name(law.unsolved)]):
         yield Remark(
             f"in {count} of {run.scenario.samples} samples the search for the best inputs came to "
             "no end",
-            "the last plan went on",
+            "its fallback acted there",
             "look at the run there, or give the controller another horizon",
         )
