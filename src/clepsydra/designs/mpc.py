@@ -14,10 +14,11 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.linear_step_law import LinearStepLaw
 from clepsydra.controllers.predictive.law import FAMILY, predictive_law
 from clepsydra.controllers.predictive.prediction import MOST_MOVES, Prediction, TabledObserver
+from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.arguments.argument import number, whole_number
 from clepsydra.designs.arguments.of_process import MEASUREMENTS
 from clepsydra.designs.at_operating_point import controller_at, numbers_at
-from clepsydra.designs.design import design
+from clepsydra.designs.design import Studied, design
 from clepsydra.designs.kalman import kalman_gain
 from clepsydra.designs.loops.control_authority import check_ranges
 from clepsydra.designs.predictive.disturbances import Disturbed, with_disturbances
@@ -43,6 +44,8 @@ from clepsydra.linear.linearise import operating_point_of
 NAME = "MPC"
 #: κ², by which moves count beside errors; see docs/decisions/0073.
 MOVE_WEIGHT = 5.0
+#: Of each input.
+USUAL_MOVES = 5
 #: The horizon has at least so many samples, and at most so many.
 FEWEST_SAMPLES, MOST_SAMPLES = 20, 2000
 #: The noise of the sensors may move an input by this share of its range (standard deviation).
@@ -54,6 +57,7 @@ BELOW_RIM = 0.02
 @design(
     "mpc",
     "model predictive control with a linear model",
+    Studied(258, NAME),
     keys=(
         MEASUREMENTS,
         *DEVIATIONS,
@@ -68,7 +72,7 @@ def design_mpc(
     maximum_errors: Mapping[str, float] | None = None,
     maximum_moves: Mapping[str, float] | None = None,
     horizon: float | None = None,
-    moves: int = 5,
+    moves: int | None = None,
 ) -> Controller:
     """Design model predictive control with a linear model.
 
@@ -94,14 +98,15 @@ def design_mpc(
     horizon : float, optional
         [s]; default that of Bryson's rule (`designs.lqi.design_lqi`), at least 20 samples and
         four times 1/z of the slowest zero z in the right half-plane.
-    moves : int
-        Of each input, held over blocks of growing length.
+    moves : int, optional
+        Of each input, held over blocks of growing length; default 5, or as many as make 40 of all
+        inputs.
 
     Raises
     ------
     NotApplicable
-        The outputs cannot be held independently, the measurements do not show what has to be
-        known, or no filter makes the loop robust.
+        The outputs cannot be held independently, there are more than 40 inputs, the measurements do
+        not show what has to be known, or no filter makes the loop robust.
     InputError
         The model has no operating point, a signal is unknown, a deviation is not above zero, the
         horizon is shorter than the moves, or there are more than 40 moves of all inputs.
@@ -116,7 +121,7 @@ def design_mpc(
     process = operating_point_of(model).process
     check_ranges(process, model.outputs, model.inputs)
     check_independent(model)
-    _check_moves(moves, model)
+    moves = _moves(moves, len(model.inputs))
     observed = observed_process(model, measurements or _shown(model))
     seen = observed.model
     deviations = acceptable_deviations(seen, maximum_errors, maximum_moves)
@@ -206,15 +211,20 @@ class _Parts(NamedTuple):
         return controller_at(point, NAME, FAMILY, law, values, state, notes=notes)
 
 
-def _check_moves(moves: int, model: LinearModel) -> None:
-    most = MOST_MOVES // len(model.inputs)
-    if moves > most:
+def _moves(given: int | None, inputs: int) -> int:
+    """Return the moves of each input."""
+    most = MOST_MOVES // inputs
+    if most < 1:
+        raise NotApplicable(f"it plans at most {MOST_MOVES} moves, and there are {inputs} inputs")
+    usual = min(most, USUAL_MOVES)
+    if given is not None and given > most:
         raise InputError(
             "moves",
-            moves,
-            f"at most {most} moves of each of {len(model.inputs)} inputs, {MOST_MOVES} in all",
-            f"give {min(most, 5)}",
+            given,
+            f"at most {most} moves of each of {inputs} inputs, {MOST_MOVES} in all",
+            f"give {usual}",
         )
+    return usual if given is None else given
 
 
 def _rims(observed: ObservedProcess) -> tuple[int, ...]:

@@ -7,7 +7,6 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,18 +14,14 @@ import numpy as np
 from clepsydra.base.errors import ClepsydraError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
-from clepsydra.designs.design import Studied
 from clepsydra.designs.sampled.sampled_loop import SampledLoop, sampled_loop
 from clepsydra.limits.limits import Limits
-from clepsydra.linear.analysis import Analysis
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.run import Run
 from clepsydra.papers.contest import Contest, Contests
 from clepsydra.papers.document import Document, documents, load_document
 from clepsydra.papers.side_by_side import side_by_side
-from clepsydra.studies.designs import StudiedDesign
-from clepsydra.studies.file.request import ControllerRequest, StudyRequest
+from clepsydra.studies.file.request import StudyRequest
 from clepsydra.studies.recommendation import recommend
 from clepsydra.studies.study import run_study
 
@@ -39,9 +34,6 @@ _END = 0.1
 #: An angle at which S is that at rest [rad], and the largest that integral action leaves there.
 _AT_REST, _NOTHING = 1e-8, 0.01
 
-
-#: Designs that no study tries by itself, by what the reader calls each: they compete as well.
-_ASKED = {"MPC": "mpc"}
 
 
 class ContestProgress(NamedTuple):
@@ -75,8 +67,6 @@ class Entrant:
         Output to the largest share of its step that its error has in the last tenth of the run.
     swings : dict
         Input to the share of its range over which it moves there.
-    asked : bool
-        Whether it is ours, and no study tries it by itself.
     """
 
     name: str
@@ -89,7 +79,6 @@ class Entrant:
     peak: float
     left: dict[str, float]
     swings: dict[str, float]
-    asked: bool = False
 
     @property
     def works(self) -> bool:
@@ -268,7 +257,7 @@ def _ours(contest: Contest, limits: Limits) -> Iterator[Entrant]:
             process=contest.process,
             analysis=contest.analysis,
             scenario=contest.scenario,
-            controllers=tuple(_asked()),
+            controllers=(),
             scores=(),
             seed=1,
             designs="all",
@@ -279,21 +268,11 @@ def _ours(contest: Contest, limits: Limits) -> Iterator[Entrant]:
         loop = each.response.loop if each.response else None
         entrant = _entrant(each.controller.name, each.controller, each.run, loop, limits)
         if each.standing is study.ranking[0].standing and entrant.works and entrant.integrates:
-            found[each] = replace(entrant, asked=entrant.name in _ASKED)
+            found[each] = entrant
     advice = recommend(tuple(found))
     assert advice is not None, f"{contest.process.name}: no controller that works"
     found[advice.simplest] = replace(found[advice.simplest], recommended=True)
     yield from found.values()
-
-
-def _asked() -> Iterator[ControllerRequest]:
-    for name, method in _ASKED.items():
-        design = StudiedDesign(method, Studied(0, name))
-        yield ControllerRequest(name, partial(_made, design), None)
-
-
-def _made(design: StudiedDesign, analysis: Analysis, _: LinearModel) -> Controller:
-    return design(analysis)
 
 
 def _entrant(

@@ -149,7 +149,7 @@ def _experiment(outcome: Outcome) -> Section:
     shown = [
         each
         for each in outcome.entrants
-        if each.published or each.recommended or each.asked or each in ours[:_NEAREST]
+        if each.published or each.recommended or each in ours[:_NEAREST]
     ]
     rows = tuple(
         (

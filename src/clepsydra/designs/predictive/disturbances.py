@@ -13,6 +13,9 @@ from clepsydra.designs.states.estimation import as_load, with_integrators
 from clepsydra.designs.states.observed_process import ObservedProcess
 from clepsydra.linear.linearise import operating_point_of
 
+#: Beside its disturbances a process is moved by this share of its noise (variance): a filter that
+#: takes a load for noise makes up for it at once, and takes long to learn that it stays.
+STATE_NOISE = 1e-3
 #: Disturbances are told apart where the measurements show them by more than this share.
 _APART = 1e-9
 
@@ -45,7 +48,7 @@ def with_disturbances(observed: ObservedProcess, horizon: float) -> Disturbed:
     x(k+1) = Φ x + Γ u + G d, d(k+1) = d + w. First a load at each input, as a tenth of what it
     can do; then, where there are more measurements, further flows into the states that they show
     best, each as large, in shares of the ranges, as the largest of the loads. In the horizon a
-    disturbance wanders as far as that.
+    disturbance wanders as far as that; what else moves the states is small beside it.
 
     Raises
     ------
@@ -72,6 +75,7 @@ def with_disturbances(observed: ObservedProcess, horizon: float) -> Disturbed:
     whole = with_integrators(observed, [each.signal for each in chosen], moves)
     variances = np.array([each.size for each in chosen]) ** 2
     noise = process_noise(observed, horizon)
+    noise = noise._replace(process=STATE_NOISE * noise.process)
     return Disturbed(whole, with_wandering(noise, variances, observed.period, horizon))
 
 
