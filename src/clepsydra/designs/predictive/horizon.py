@@ -12,8 +12,8 @@ from clepsydra.linear.linear_model import LinearModel
 #: So many times 1/z of a zero in the right half-plane: with two no filter makes the loops of four
 #: tanks quiet, three are nearly as good (docs/decisions/0073).
 INVERSE_RESPONSES = 4.0
-#: Digits of a table, relative to its largest number.
-_DIGITS = 10
+#: Digits of a number in a table, and what share of its largest number is nothing.
+_DIGITS, _NOTHING = 10, 1e-20
 
 
 def usual_horizon(model: LinearModel, settling: float) -> float:
@@ -113,12 +113,15 @@ def prediction_of(
 
 
 def rounded_table(table: np.ndarray) -> np.ndarray:
-    """Return the numbers of a table with the digits that are printed.
+    """Return the numbers of a table with the digits that are printed; what is nothing is zero.
+
+    What has faded over a horizon may be too small for single precision.
 
     Examples
     --------
-    >>> rounded_table(np.array([1 / 3]))
-    array([0.33333333])
+    >>> rounded_table(np.array([1 / 3, 1e-49]))
+    array([0.33333333, 0.        ])
     """
-    shown = (f"{value:.{_DIGITS - 1}e}" for value in table.ravel())
+    least = _NOTHING * np.max(np.abs(table), initial=0.0)
+    shown = (f"{value:.{_DIGITS - 1}e}" for value in np.where(abs(table) < least, 0, table).ravel())
     return np.array([float(each) for each in shown]).reshape(table.shape)
