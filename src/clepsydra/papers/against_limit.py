@@ -35,7 +35,6 @@ _END = 0.1
 _AT_REST, _NOTHING = 1e-8, 0.01
 
 
-
 class ContestProgress(NamedTuple):
     """How many experiments are done, of how many, and the one that ended last."""
 

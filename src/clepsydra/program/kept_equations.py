@@ -165,6 +165,16 @@ class _Rewriting:
         return self._functions[key]
 
 
+def has_calls(function: ca.Function) -> bool:
+    """Return whether a function calls another one.
+
+    >>> x = ca.SX.sym("x")
+    >>> has_calls(ca.Function("square", [x], [x * x]))
+    False
+    """
+    return ca.OP_CALL in map(function.instruction_id, range(function.n_instructions()))
+
+
 def with_calls_written_out(function: ca.Function, written_out: WrittenOut) -> ca.Function:
     """Return a function in which some of its calls are expressions; itself if it has no calls.
 
@@ -178,7 +188,7 @@ def with_calls_written_out(function: ca.Function, written_out: WrittenOut) -> ca
     >>> [plain.instruction_id(k) for k in range(plain.n_instructions())].count(ca.OP_CALL)
     0
     """
-    if ca.OP_CALL not in map(function.instruction_id, range(function.n_instructions())):
+    if not has_calls(function):
         return function
     symbols = [ca.SX.sym(f"a{i}", *function.size_in(i)) for i in range(function.n_in())]
     results = _Rewriting({}, written_out).results(function, [*map(_entries, symbols)])

@@ -16,7 +16,7 @@ from clepsydra.program.dense_function import DenseFunction, at_rows
 from clepsydra.program.equations import Equations as Equations
 from clepsydra.program.equations import Symbols as Symbols
 from clepsydra.program.equations import function_of
-from clepsydra.program.kept_equations import kept_equations
+from clepsydra.program.kept_equations import has_calls, kept_equations
 
 
 @dataclass(frozen=True)
@@ -95,10 +95,13 @@ class StepLaw:
     @cached_property
     def jacobians(self) -> Callable[..., Sequence[np.ndarray]]:
         """Function (state, inputs, parameters) → ∂x⁺/∂x, ∂x⁺/∂u, ∂y/∂x and ∂y/∂u, of numbers."""
-        from clepsydra.program.known_routines import where_linear  # with all that writes routines
+        function = self.function
+        if has_calls(function):
+            from clepsydra.program.known_routines import where_linear  # with what writes routines
 
-        symbols = [ca.SX.sym(n, self.function.numel_in(k)) for k, n in enumerate("xup")]
-        next_state, outputs, _ = where_linear(self.function)(*symbols)
+            function = where_linear(function)
+        symbols = [ca.SX.sym(n, function.numel_in(k)) for k, n in enumerate("xup")]
+        next_state, outputs, _ = function(*symbols)
         return DenseFunction(
             "jacobians",
             symbols,

@@ -1,7 +1,6 @@
 """A study warns of samples in which the search of a controller found nothing."""
 
 import clepsydra as cl
-from clepsydra.controllers.predictive import law
 
 STEP = [cl.step("level_1", "+1 V", at="2 s")]
 
@@ -15,7 +14,7 @@ def warnings():
 
 
 def test_plans_that_are_not_found_are_counted_and_warned_of(monkeypatch):
-    monkeypatch.setattr(law, "LARGEST_RESIDUAL", -1.0)
+    monkeypatch.setattr("clepsydra.controllers.predictive.law.LARGEST_RESIDUAL", -1.0)
     run, told = warnings()
     unsolved = round(run.final_state["controller.unsolved"])
     assert unsolved > 0
