@@ -14,10 +14,11 @@ Problem = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 def random_problems(unknowns: int, rows: int, many: int) -> list[Problem]:
     """Return feasible ones: the condition of H is up to a million, a tenth of the rows tight."""
     random = np.random.default_rng((unknowns, rows))
-    return [_random_problem(random, unknowns, rows) for _ in range(many)]
+    return [random_problem(random, unknowns, rows) for _ in range(many)]
 
 
-def _random_problem(random: np.random.Generator, n: int, m: int) -> Problem:
+def random_problem(random: np.random.Generator, n: int, m: int) -> Problem:
+    """Return one: some of its rows meet in the middle of the rest."""
     turned, _ = np.linalg.qr(random.normal(size=(n, n)))
     curves = np.logspace(0, -random.uniform(0, 6), n)
     rows, inside = random.normal(size=(m, n)), random.normal(size=n)

@@ -6,16 +6,7 @@ import casadi as ca
 import numpy as np
 from scipy.optimize import nnls
 
-Problem = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
-
-
-def random_problem(random, n, m) -> Problem:
-    """The condition of H is up to a million, and some rows meet in the middle of the rest."""
-    turned, _ = np.linalg.qr(random.normal(size=(n, n)))
-    curves = np.logspace(0, -random.uniform(0, 6), n)
-    rows, inside = random.normal(size=(m, n)), random.normal(size=n)
-    gaps = random.uniform(size=m) * (random.uniform(size=m) > 0.1)
-    return turned @ np.diag(curves) @ turned.T, random.normal(size=n), rows, rows @ inside + gaps
+from benchmarks.programs.problems import Problem, random_problem
 
 
 def far(random, n, m) -> Problem:
@@ -95,20 +86,42 @@ def by_active_sets(problems):
     return np.array(found)
 
 
+def polished(problem, x):
+    """Return a solution with the equations of the rows that hold it solved anew.
+
+    A method of active sets knows these rows better than the point, where its tolerance for a row
+    is a millionth of the point or the pulls of rows nearly take each other away.
+    """
+    hessian, linear, rows, bounds = problem
+    _, pulls = _pulls(problem, x)
+    held = np.flatnonzero(pulls)
+    equations = np.block([[hessian, rows[held].T], [rows[held], np.zeros((held.size, held.size))]])
+    found = np.linalg.lstsq(equations, np.append(-linear, bounds[held]))[0][: x.size]
+    return min(x, found, key=lambda point: off_the_optimum(problem, point))
+
+
 def off_the_optimum(problem, x):
     """Return by how much a point fails the conditions of an optimum.
 
     The larger of: by how much it crosses a row, as a share of the point; and what no pull of the
     rows that it touches takes away of the slope, as a share of that slope's terms.
     """
-    hessian, linear, rows, bounds = problem
-    kept = rows.any(axis=1)
-    length = np.linalg.norm(rows[kept], axis=1)
-    size = np.abs(x).max()
-    crossed = (rows[kept] @ x - bounds[kept]) / length
-    touched = crossed > -1e-6 * size
+    hessian, linear, _, _ = problem
+    crossed, pulls = _pulls(problem, x)
     terms = np.abs(linear).max() + np.abs(hessian @ x).max()
-    slope = hessian @ x + linear
-    pulls = rows[kept][touched].T / length[touched]
-    left = nnls(pulls, -slope)[1] if touched.any() else np.linalg.norm(slope)
-    return max(crossed.max() / size, left / terms)
+    left = hessian @ x + linear + problem[2].T @ pulls
+    return max(crossed / np.abs(x).max(), np.linalg.norm(left) / terms)
+
+
+def _pulls(problem, x):
+    """By how much the worst row is crossed, and the pulls [m] of rows that take away the slope."""
+    hessian, linear, rows, bounds = problem
+    kept = np.flatnonzero(rows.any(axis=1))
+    length = np.linalg.norm(rows[kept], axis=1)
+    crossed = (rows[kept] @ x - bounds[kept]) / length
+    touched = crossed > -1e-6 * np.abs(x).max()
+    pulls = np.zeros(len(rows))
+    if touched.any():
+        found, _ = nnls((rows[kept][touched].T / length[touched]), -hessian @ x - linear)
+        pulls[kept[touched]] = found / length[touched]
+    return crossed.max(), pulls

@@ -16,6 +16,8 @@ from clepsydra.loop.loop import Loop
 from clepsydra.program.routines.current_observer import corrected, predicted
 from clepsydra.program.routines.predictive_plan import SOFTNESS, linear_plan
 
+#: With both pumps at their limits it asks for what sends interior points round in circles.
+AT_LIMITS = "laboratory-four-tanks-nonminimum-phase:volts"
 #: For these there is no predictive controller that is robust.
 REFUSED = {
     "averaging-tank:all-inputs", "equalisation-tank:dosing", "equalisation-tank:relief",
@@ -141,8 +143,13 @@ def noisy(scenario):
     return replace(scenario, noise=random.normal(size=scenario.noise.shape) * spread, noises=())
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize("name", PLANTS)
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=() if name == AT_LIMITS else pytest.mark.thorough)
+        for name in PLANTS
+    ],
+)
 def test_every_first_move_in_closed_loop_is_that_of_another_solver(planned, name):
     """In the scenario of a study, and in the same with noise throughout."""
     plant = cl.load(name)
