@@ -29,8 +29,8 @@ _LEAST = 1e-20
 _FREE = 1e30
 #: A share of the slope beside which a point is nothing.
 _UNSEEN = 1e-14
-#: What divides in place of zero.
-_TINY = 1e-300
+#: What divides in place of zero, and what is above every number; single precision has its own.
+_TINY, _MOST = 1e-300, 1e300
 #: What is added to each curvature of one where it is tested whether all are above zero.
 _ROUNDED = 1e-9
 
@@ -131,7 +131,7 @@ def _written(n: int, m: int, turns: int) -> Written:
             slack[r] = ca.fmax(0, slack[r]) + gap[()]
             z[r] = ca.fmax(stiffness[()] * (z[r] + gap[()] * gap[()] / slack[r]), _TINY)
         conditions = (curve, slope, row, bound, x, slack, z, by_slope, by_row)
-        least_gap[()] = 1 / _TINY
+        least_gap[()] = _MOST
         crossing[()] = 1
         for _ in loop.again("turn", turns):
             loop.note("Where slack times multiplier lags, the smaller of the two is raised.")
