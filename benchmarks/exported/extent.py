@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from clepsydra.deploy.exportable import Exportable
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.program.operation import LIBRARY, Operation
-from clepsydra.program.program import Call, ForLoop, Statement
+from clepsydra.program.program import Call, Conditional, ForLoop, Statement
 from clepsydra.program.routine import RoutineCall
 
 #: Constants, and conversions that only mark how a value is kept.
@@ -34,21 +34,26 @@ class Extent:
     slow : int
         Those among them that take a processor several times as long as a sum: quotients, roots,
         and functions of the mathematical library.
+    always : int
+        Those that no scan passes over.
     """
 
     lines: int
     own: int
     operations: int
     slow: int
+    always: int
 
 
 def extent_of(ready: Exportable) -> Extent:
     """Return the extent of a controller in its plant shell."""
     text = print_structured_text(ready.program, origin=ready.origin)
-    codes = list(_codes(ready.program.block.statements))
+    statements = ready.program.block.statements
+    codes = list(_codes(statements))
+    always = sum(1 for _ in _codes(statements, always=True))
     own = text[text.rindex("\nFUNCTION_BLOCK ") :]
     slow = sum(code in _SLOW for code in codes)
-    return Extent(lines_of_code(text), lines_of_code(own), len(codes), slow)
+    return Extent(lines_of_code(text), lines_of_code(own), len(codes), slow, always)
 
 
 def lines_of_code(text: str) -> int:
@@ -57,17 +62,20 @@ def lines_of_code(text: str) -> int:
     return sum(bool(line.strip()) for line in bare.splitlines())
 
 
-def _codes(statements: Iterable[Statement]) -> Iterator[str]:
+def _codes(statements: Iterable[Statement], *, always: bool = False) -> Iterator[str]:
+    """Yield the operations of a scan at most, or those that none passes over."""
     for statement in statements:
+        if always and isinstance(statement, Conditional):
+            continue
         if isinstance(statement, Operation):
             if statement.code not in _NO_WORK:
                 yield statement.code
             continue
         if isinstance(statement, Call):
-            yield from _codes(statement.program.block.statements)
+            yield from _codes(statement.program.block.statements, always=always)
             continue
         if isinstance(statement, RoutineCall):
             yield from _codes(statement.routine.computed())
             continue
         turns = statement.count if isinstance(statement, ForLoop) else 1
-        yield from turns * list(_codes(statement.body.statements))
+        yield from turns * list(_codes(statement.body.statements, always=always))

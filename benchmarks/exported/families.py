@@ -130,12 +130,15 @@ FAMILIES: dict[str, str] = {
     "Smith predictor, LQ": "eight-tanks",
     "Smith predictor, PI": "eight-tanks",
     "Feedback linearisation": "quadruple-tank",
+    "One-step inverse": "quadruple-tank",
+    "MPC": "quadruple-tank",
     "Glover-McFarlane on PI, SIMC": "quadruple-tank",
     "Fuzzy PI": "quadruple-tank",
     _OF_A_FUZZY_FILE: "averaging-tank:all-inputs",
 }
 
-#: Lines of Structured Text of each of `FAMILIES` until November 2026, as one list of operations.
+#: Lines of Structured Text of those of `FAMILIES` that were there before November 2026, as one
+#: list of operations.
 LINES_BEFORE: dict[str, int] = {
     "PI, arrest time": 900,
     "PI, SIMC": 1668,

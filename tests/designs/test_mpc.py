@@ -80,12 +80,6 @@ def test_it_runs_on_the_exported_code_as_in_the_simulation(three_tanks, tmp_path
 
 
 @pytest.mark.thorough
-def test_it_runs_in_every_target_as_in_the_simulation():
-    plant = cl.load("three-tanks")
-    assert cl.verify(cl.design.mpc(plant, moves=2), plant, to=["st", "wasm"]).holds
-
-
-@pytest.mark.thorough
 @pytest.mark.parametrize("name", MULTIPLES)
 def test_it_stands_near_the_physical_limit(name):
     plant = cl.load(name)
