@@ -13,6 +13,7 @@ from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.proof.engine_run import engine_run
 from clepsydra.deploy.proof.interpreted_text import InterpretedText
 from clepsydra.deploy.proof.item import ProofItem
+from clepsydra.deploy.proof.text.tree import StructuredTextError
 from clepsydra.deploy.structured_text.printer import print_structured_text
 
 SIZE, SIDES, SCANS = 4, 2, 200
@@ -29,13 +30,27 @@ FOR k := 0 TO 3 DO
 """
 
 
-def scans() -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
+#: The same for systems that leave `FOR j := 0 TO 0` before its only turn.
+FACTORS_BY_WHILE = """\
+FOR k := 0 TO 3 DO
+  pivot[k] := matrix[5 * k];
+  j := 0;
+  WHILE j <= k - 1 DO
+    pivot[k] := pivot[k] - lower[4 * k + j] * lower[4 * k + j] * pivot[j];
+    j := j + 1;
+  END_WHILE;
+  i := k + 1;
+  WHILE i <= 3 DO
+"""
+
+
+def scans(sides: int = SIDES) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
     random = np.random.default_rng(7)
     a = random.normal(size=(SCANS, SIZE, SIZE))
     a = a @ a.transpose(0, 2, 1) + np.eye(SIZE)
-    b = random.normal(size=(SCANS, SIZE, SIDES))
+    b = random.normal(size=(SCANS, SIZE, sides))
     named = {f"a_{i}_{j}": a[:, i, j] for i in range(SIZE) for j in range(SIZE)}
-    return a, b, named | {f"b_{i}_{j}": b[:, i, j] for i in range(SIZE) for j in range(SIDES)}
+    return a, b, named | {f"b_{i}_{j}": b[:, i, j] for i in range(SIZE) for j in range(sides)}
 
 
 def bits(values: np.ndarray) -> np.ndarray:
@@ -52,7 +67,19 @@ def test_the_engine_solves_as_lists_do():
 def test_it_reads_as_in_a_textbook():
     program = program_of(solving(SIZE, SIDES))
     assert FACTORS in print_structured_text(program)
+    assert FACTORS_BY_WHILE in print_structured_text(program, dialect="matiec")
     assert "for (int32_t i = k + 1; i < 4; ++i) {" in print_c(program).source
+
+
+def test_no_turn_of_a_loop_hangs_on_a_for_that_a_system_leaves_out():
+    """Loops of one turn: of the only right side, and inside of every other loop."""
+    need_grammar()
+    program, (_, _, named) = program_of(solving(SIZE, 1)), scans(1)
+    found = InterpretedText(program, dialect="matiec").run(named)
+    assert np.array_equal(bits(found), bits(engine_run(program, named)))
+    usual = InterpretedText(program, dialect="matiec", text=print_structured_text(program))
+    with pytest.raises(StructuredTextError, match="a FOR from 0 to 0"):
+        usual.run(named)
 
 
 @pytest.mark.parametrize("law", [solving(3, 1), least(2, 4)], ids=["solving", "least"])
@@ -88,9 +115,10 @@ def test_a_number_that_a_system_cannot_read_is_assigned():
 
 
 @pytest.mark.thorough
+@pytest.mark.parametrize("sides", [1, SIDES])
 @pytest.mark.parametrize("compiler", ["matiec", "STruC++"])
-def test_compilers_of_openplc_take_it(compiler, tmp_path):
-    program, (_, _, named) = program_of(solving(SIZE, SIDES)), scans()
+def test_compilers_of_openplc_take_it(compiler, sides, tmp_path):
+    program, (_, _, named) = program_of(solving(SIZE, sides)), scans(sides)
     if compiler == "matiec":
         Matiec()
         found = CompiledByMatiec(program, tmp_path).run(named)

@@ -9,7 +9,7 @@ import re
 import numpy as np
 import pytest
 from deployed import all_bits
-from families import PROCESSES, family
+from families import IN_DOUBLE, family
 from strucpp import CompiledByStrucpp, Strucpp
 from tools import need_grammar
 
@@ -20,7 +20,7 @@ from clepsydra.deploy.structured_text.printer import print_structured_text
 
 OFTEN = ("PI, SIMC", "Smith predictor, PI")
 NAMES = [
-    pytest.param(name, marks=[] if name in OFTEN else [pytest.mark.thorough]) for name in PROCESSES
+    pytest.param(name, marks=[] if name in OFTEN else [pytest.mark.thorough]) for name in IN_DOUBLE
 ]
 
 
@@ -44,7 +44,7 @@ def test_the_text_has_nothing_that_it_does_not_take(name):
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("dialect", ["matiec", "codesys"])
-@pytest.mark.parametrize("name", PROCESSES)
+@pytest.mark.parametrize("name", IN_DOUBLE)
 def test_a_controller_runs_as_in_the_engine(name, dialect, tmp_path):
     """With whatever goes wrong in a plant, bit for bit."""
     Strucpp()

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from deployed import all_bits
 from driven_c import built, run
-from families import PROCESSES, family
+from families import IN_DOUBLE, family
 from matiec import OPENPLC, CompiledByMatiec, Matiec
 from strained_scans import FAILED_SAFE, Expected, lives, strained_scans
 from test_c99_everywhere import BUILDS, tool
@@ -29,7 +29,7 @@ def strained(name):
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize("name", PROCESSES)
+@pytest.mark.parametrize("name", IN_DOUBLE)
 def test_outputs_stay_within_limits_and_the_status_says_what_happened(name):
     program = family(name)[1].program
     scans, found = strained(name)
@@ -49,7 +49,7 @@ def test_outputs_stay_within_limits_and_the_status_says_what_happened(name):
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("build", ["gcc", "clang", "ARM"])
-@pytest.mark.parametrize("name", PROCESSES)
+@pytest.mark.parametrize("name", IN_DOUBLE)
 def test_compiled_c_is_the_engine_in_every_bit(name, build, tmp_path):
     ready = family(name)[1]
     compiler, flags, runner = BUILDS[build]
@@ -62,7 +62,7 @@ def test_compiled_c_is_the_engine_in_every_bit(name, build, tmp_path):
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("name", PROCESSES)
+@pytest.mark.parametrize("name", IN_DOUBLE)
 def test_the_whole_project_by_matiec_is_the_engine_in_every_bit(name, tmp_path):
     """The block of the text that OpenPLC compiles, with process, program and task."""
     Matiec()

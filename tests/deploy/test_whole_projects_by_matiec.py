@@ -8,7 +8,7 @@ import re
 
 import numpy as np
 import pytest
-from families import PROCESSES, family
+from families import IN_DOUBLE, family
 from matiec import HEAD, OPENPLC, Matiec
 from schemes import SCHEMES, scheme
 from tools import need
@@ -53,7 +53,7 @@ test_project.__test__ = False
 
 @pytest.mark.parametrize(
     ("name", "precision"),
-    [*((name, "double") for name in (*PROCESSES, *SCHEMES)),
+    [*((name, "double") for name in (*IN_DOUBLE, *SCHEMES)),
      ("PI, SIMC", "single"), ("cascade", "single")],
 )  # fmt: skip
 def test_a_test_project_is_compiled_as_a_whole_and_runs_as_it_is_read(name, precision, tmp_path):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from clepsydra.program.routine import Element, Index, Step, Turns
+from clepsydra.program.apart import apart
+from clepsydra.program.routine import Element, Step, Turns
 
 
 def accumulated(turns: Turns, around: Sequence[Turns]) -> list[Element]:
@@ -40,28 +41,6 @@ def unchanged(turns: Turns) -> list[Element]:
         for element in dict.fromkeys(each for step in _steps(turns) for each in step.read)
         if _stays(element, turns) and element.array not in written
     ]
-
-
-def apart(one: Index, other: Index, around: Sequence[Turns]) -> bool:
-    """Return whether two indices are known to differ in every turn of the loops around.
-
-    Examples
-    --------
-    >>> i, j = Index(0, (("i", 1),)), Index(0, (("j", 1),))
-    >>> loops = [Turns("i", Index(0), Index(5), ()), Turns("j", Index(0), i, ())]
-    >>> apart(i, j, loops), apart(i, j + 1, loops)
-    (True, False)
-    """
-    return _above_zero(one - other, around) or _above_zero(other - one, around)
-
-
-def _above_zero(index: Index, around: Sequence[Turns]) -> bool:
-    """Return whether an index is above zero where it is least."""
-    for turns in reversed(around):
-        factor = dict(index.factors).get(turns.index, 0)
-        least = turns.first if factor > 0 else turns.stop - 1
-        index = index + factor * (least - Index(0, ((turns.index, 1),)))
-    return not index.factors and index.constant > 0
 
 
 def _stays(element: Element, turns: Turns) -> bool:

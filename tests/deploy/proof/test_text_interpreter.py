@@ -122,6 +122,32 @@ def test_what_lives_between_calls_and_what_does_not():
         forgetting(c=False)
 
 
+COUNT = """\
+FUNCTION_BLOCK law
+VAR_INPUT n : DINT; END_VAR
+VAR_OUTPUT m : DINT; END_VAR
+VAR_TEMP k : DINT; END_VAR
+{}
+END_FUNCTION_BLOCK
+"""
+SUM = "m := 0; FOR k := 1 TO n DO m := m + k; END_FOR;"
+
+
+def test_a_while_goes_on_as_long_as_its_condition_holds():
+    law = function_block(
+        COUNT.format("m := 0; k := 1; WHILE k <= n DO m := m + k; k := k + 1; END_WHILE;")
+    )
+    assert [law(n=n)["m"] for n in (-1, 0, 1, 4)] == [0, 0, 1, 10]
+
+
+def test_the_only_turn_of_a_for_is_refused_where_not_every_system_takes_it():
+    law, strict = (function_block(COUNT.format(SUM), one_turn=each) for each in (True, False))
+    assert [law(n=n)["m"] for n in (0, 1, 4)] == [0, 1, 10]
+    assert [strict(n=n)["m"] for n in (0, 4)] == [0, 10]
+    with pytest.raises(StructuredTextError, match="a FOR from 1 to 1"):
+        strict(n=1)
+
+
 LOOP = """
 FUNCTION_BLOCK controller
 VAR_INPUT level : LREAL; END_VAR
@@ -179,7 +205,7 @@ REFUSED = {
     "y := NOT a;": "NOT of LREAL",
     "y := MAX(a, b);": "MAX of LREAL, LREAL is unknown",
     "y := SQRT(n);": "SQRT of DINT is unknown",
-    "WHILE c DO y := a; END_WHILE;": "no meaning for while_statement",
+    "REPEAT y := a; UNTIL c END_REPEAT;": "no meaning for repeat_statement",
     "FOR m := 0 TO 3 BY 2 DO y := a; END_FOR;": "no BY expected",
     "FOR m := 0 TO 3 DO m := 2; END_FOR;": "m may not be written",
     "m := 2147483648;": "2147483648 leaves DINT",

@@ -105,6 +105,8 @@ class Repeated:
     first, last, behind : str
         The first index, the last one, and the one behind it; none is taken where last < first.
     body : tuple
+    once : bool
+        Whether it may have a single turn.
     """
 
     index: str
@@ -112,6 +114,7 @@ class Repeated:
     last: str
     behind: str
     body: tuple[ListingStatement, ...]
+    once: bool
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from clepsydra.deploy.printing.listing import (
     Repeated,
     Scope,
 )
+from clepsydra.program.apart import apart
 from clepsydra.program.counted_loop import Table
 from clepsydra.program.program import Block
 from clepsydra.program.routine import Array, Element, Index, Note, RoutineCall, Step, Turns
@@ -92,7 +93,7 @@ class RoutineListing:
         found = list[ListingStatement]([Remark(routine.description)] if routine.description else [])
         for array, _, given in self.call.given:
             found += self._given(array, given, values) if given else []
-        return [*found, *self._steps(routine.steps, {})]
+        return [*found, *self._steps(routine.steps, {}, ())]
 
     def _given(
         self, array: Array, given: Sequence[int], values: Mapping[int, Expression]
@@ -120,24 +121,31 @@ class RoutineListing:
         return f"{name}[{index_text(element.index, indices)}]"
 
     def _steps(
-        self, steps: Sequence[Step | Turns | Note], indices: Mapping[str, str]
+        self,
+        steps: Sequence[Step | Turns | Note],
+        indices: Mapping[str, str],
+        around: Sequence[Turns],
     ) -> list[ListingStatement]:
         found: list[ListingStatement] = []
         for each in steps:
             if isinstance(each, Turns):
-                found += self._turns(each, indices)
+                found += self._turns(each, indices, around)
             elif isinstance(each, Step):
                 found += self._step(each, indices)
             else:
                 found.append(Remark(each.text))
         return found
 
-    def _turns(self, turns: Turns, indices: Mapping[str, str]) -> list[ListingStatement]:
+    def _turns(
+        self, turns: Turns, indices: Mapping[str, str], around: Sequence[Turns]
+    ) -> list[ListingStatement]:
         name = self.scope.names.shared(turns.index, self.depth)
-        body = tuple(self._steps(turns.steps, {**indices, turns.index: name}))
+        inside = {**indices, turns.index: name}
+        body = tuple(self._steps(turns.steps, inside, [*around, turns]))
         first = index_text(turns.first, indices)
         last, behind = (index_text(end, indices) for end in (turns.stop - 1, turns.stop))
-        return [Repeated(name, first, last, behind, body)]
+        once = not apart(turns.stop, turns.first + 1, around)
+        return [Repeated(name, first, last, behind, body, once)]
 
     def _step(self, step: Step, indices: Mapping[str, str]) -> list[ListingStatement]:
         written = self._element(step.written, indices)

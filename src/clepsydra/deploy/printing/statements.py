@@ -160,8 +160,7 @@ class Language(Notation, ABC):
         if isinstance(entry, Remark):
             return [self.comment.format(entry.text)]
         if isinstance(entry, Repeated):
-            begin = self.repeated.format(entry.index, entry.first, entry.last, entry.behind)
-            return [begin, *indented(self.statements(entry.body)), self.repeated_end]
+            return self.loop(entry, self.statements(entry.body))
         title, lines, turns = entry.label, self._body(entry), entry.turns
         if entry.condition is not None:
             lines = self._decided([(self.expression(entry.condition), lines)])
@@ -172,6 +171,11 @@ class Language(Notation, ABC):
                 begin = self.repeated.format(entry.index, turns.start, turns[-1], turns.stop)
                 lines = [begin, *indented(lines), self.repeated_end]
         return [self.comment.format(title), *self.statements(entry.start), *lines]
+
+    def loop(self, entry: Repeated, body: Sequence[str]) -> list[str]:
+        """Write a loop over arrays around the lines of its body."""
+        begin = self.repeated.format(entry.index, entry.first, entry.last, entry.behind)
+        return [begin, *indented(body), self.repeated_end]
 
     def _body(self, entry: Compound) -> list[str]:
         """Write what a loop repeats or a branch does, up to the next values of what it carries."""

@@ -70,7 +70,8 @@ class InterpretedText(Instance):
     ) -> None:
         super().__init__(program)
         text = text or print_structured_text(program, precision=precision, dialect=dialect)
-        self.block = function_block(standard_text(text) if dialect == "scl" else text)
+        text = standard_text(text) if dialect == "scl" else text
+        self.block = function_block(text, one_turn=dialect_of(dialect).one_turn)
         # By the keys of the block's memory, which are asked for in every scan.
         self._inputs = [(s.name, s.identifier.lower()) for s in program.inputs]
         self._parameters = [(s.name, s.identifier.lower()) for s in program.parameters]

@@ -53,6 +53,8 @@ class Dialect:
         Whether a block may declare a constant array.
     instances_alone : bool
         Whether every instance of a block needs a declaration of its own.
+    one_turn : bool
+        Whether every system takes the only turn of a FOR from a number to the same number.
     line_comments : bool
         Whether comments are written ``// …`` to the end of the line, not ``(* … *)``.
     block_quote : str
@@ -90,6 +92,7 @@ class Dialect:
     absolute_zero: bool = True
     constant_arrays: bool = True
     instances_alone: bool = False
+    one_turn: bool = True
     line_comments: bool = False
     block_quote: str = ""
     local_mark: str = ""
@@ -140,6 +143,8 @@ _MATIEC = Dialect(
     absolute_zero=False,
     # It crashes on some declarations of several.
     instances_alone=True,
+    # Since it has CONTINUE, that of Beremiz leaves a FOR whose ends are equal before its turn.
+    one_turn=False,
     configuration=True,
 )
 _CODESYS = Dialect(

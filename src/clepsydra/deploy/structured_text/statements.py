@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 from typing import ClassVar
 
 from clepsydra.base.errors import InputError
 from clepsydra.deploy.printing.decimal_text import decimal
 from clepsydra.deploy.printing.expressions import OPERATORS, Expression, constant, variable
 from clepsydra.deploy.printing.identifiers import Identifiers
-from clepsydra.deploy.printing.listing import BlockCall
+from clepsydra.deploy.printing.lines import indented
+from clepsydra.deploy.printing.listing import BlockCall, Repeated
 from clepsydra.deploy.printing.statements import Language
 from clepsydra.deploy.structured_text.dialect import OWN, Dialect
 from clepsydra.program.operation import COMPARISONS
@@ -125,6 +126,18 @@ class StructuredText(Language):
             given.append(f"{signal.identifier} := {text}")
         given += [self.told.format(*each) for each in entry.told]
         return [f"{entry.instance}({', '.join(given)});"]
+
+    def loop(self, entry: Repeated, body: Sequence[str]) -> list[str]:
+        """Write a loop over arrays; with WHILE where a FOR might leave out its only turn."""
+        if self.dialect.one_turn or not entry.once:
+            return super().loop(entry, body)
+        index = entry.index
+        return [
+            f"{index} := {entry.first};",
+            f"WHILE {index} <= {entry.last} DO",
+            *indented([*body, f"{index} := {index} + 1;"]),
+            "END_WHILE;",
+        ]
 
     def number(self, value: float, place: str = "a number") -> str:
         """Write a number of a declaration, where it needs no type.

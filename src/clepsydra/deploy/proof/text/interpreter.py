@@ -26,6 +26,9 @@ class StructuredText:
     Parameters
     ----------
     text : str
+    one_turn : bool
+        Whether every system that the text is for takes the only turn of a FOR whose ends are
+        equal; where not, to come to one is an error.
 
     Raises
     ------
@@ -55,11 +58,11 @@ class StructuredText:
     0.75
     """
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, *, one_turn: bool = True) -> None:
         self.units: dict[str, Unit] = units_of(parse(text))
         self._runs: dict[str, _Run] = {}
         for name, unit in self.units.items():
-            self._runs[name] = compiled(unit, self.units, self._runs)
+            self._runs[name] = compiled(unit, self.units, self._runs, one_turn=one_turn)
 
     def instance(self, name: str) -> FunctionBlock:
         """Return a new instance of a function block or program, all it holds at its start.
@@ -126,7 +129,7 @@ def _start(declared: Declared, text: StructuredText) -> Any:
     return list(declared.initial) if declared.length else declared.initial
 
 
-def function_block(text: str) -> FunctionBlock:
+def function_block(text: str, *, one_turn: bool = True) -> FunctionBlock:
     """Return an instance of the last function block that a text holds; it may call the others.
 
     Raises
@@ -141,7 +144,7 @@ def function_block(text: str) -> FunctionBlock:
     >>> count(), count()
     ({'n': 1}, {'n': 2})
     """
-    whole = StructuredText(text)
+    whole = StructuredText(text, one_turn=one_turn)
     kinds = [unit.kind for unit in whole.units.values()]
     if kinds[-1:] != ["FUNCTION_BLOCK"] or "PROGRAM" in kinds:
         raise StructuredTextError("expected function blocks and nothing else")

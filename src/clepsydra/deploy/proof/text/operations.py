@@ -48,6 +48,19 @@ def remainder(a: int, b: int) -> int:
     return int(math.fmod(a, b))
 
 
+def agreed_turns(first: int, last: int) -> range:
+    """Return the turns of a FOR, of which some systems leave out a single one.
+
+    Examples
+    --------
+    >>> agreed_turns(2, 4), len(agreed_turns(2, 1))
+    (range(2, 5), 0)
+    """
+    if first == last:
+        raise StructuredTextError(f"a FOR from {first} to {last}, which not every system takes")
+    return range(first, last + 1)
+
+
 def truncated(value: Any) -> int:
     """Return a number cut off to a DINT."""
     return in_range(math.trunc(_finite(value)))

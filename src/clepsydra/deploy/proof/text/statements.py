@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from clepsydra.deploy.proof.text.declarations import Declared, Unit
 from clepsydra.deploy.proof.text.expressions import Expressions
+from clepsydra.deploy.proof.text.operations import agreed_turns
 from clepsydra.deploy.proof.text.tree import content, part, wrong
 
 if TYPE_CHECKING:
@@ -16,12 +17,16 @@ _PASSIVE = ("empty_statement", "comment", "pragma")
 
 
 def compiled(
-    unit: Unit, units: Mapping[str, Unit], functions: Mapping[str, Callable[..., Any]]
+    unit: Unit,
+    units: Mapping[str, Unit],
+    functions: Mapping[str, Callable[..., Any]],
+    *,
+    one_turn: bool = True,
 ) -> Callable[..., Any]:
     """Return a function of Python that runs the body of a unit once on its memory.
 
     Of a function it takes the inputs, in order, and returns what that returns. `functions` are
-    those that stand before the unit, by name in lower case.
+    those that stand before the unit, by name in lower case; `one_turn` is as of `StructuredText`.
 
     What the body reads is loaded from the memory into local variables, and what it writes is
     stored at its end. A temporary variable is local only, so that one which is read before it
@@ -42,14 +47,19 @@ def compiled(
     >>> memory
     {'n': 5}
     """
-    return _Body(unit, units, functions).function()
+    return _Body(unit, units, functions, one_turn).function()
 
 
 class _Body(Expressions):
     def __init__(
-        self, unit: Unit, units: Mapping[str, Unit], functions: Mapping[str, Callable[..., Any]]
+        self,
+        unit: Unit,
+        units: Mapping[str, Unit],
+        functions: Mapping[str, Callable[..., Any]],
+        one_turn: bool,
     ) -> None:
         super().__init__(unit, units, functions)
+        self.namespace["agreed_turns"], self._one_turn = agreed_turns, one_turn
         self._written: set[str] = set()
         self._controls: list[str] = []
 
@@ -76,6 +86,7 @@ class _Body(Expressions):
             "assignment_statement": self._assignment,
             "if_statement": self._if,
             "for_statement": self._for,
+            "while_statement": self._while,
             "invocation_statement": self._invocation,
         }
         statements: list[str] = []
@@ -155,7 +166,11 @@ class _Body(Expressions):
         self._controls.append(name)
         body = self._sequence(node.children_by_field_name("body"))
         self._controls.pop()
-        return [f"for v_{name} in range({start}, {end} + 1):", *_inside(body)]
+        turns = f"range({start}, {end} + 1)" if self._one_turn else f"agreed_turns({start}, {end})"
+        return [f"for v_{name} in {turns}:", *_inside(body)]
+
+    def _while(self, node: Node) -> list[str]:
+        return self._branch("while", node, "body")
 
     def _invocation(self, node: Node) -> list[str]:
         call = node.named_children[0]
