@@ -8,6 +8,7 @@ import pytest
 import clepsydra as cl
 from clepsydra.designs.states.state_controllers import sensitivity_peak
 
+EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 #: Multiples of the physical limit, that of decision 0073 and a hundredth.
 MULTIPLES = {"quadruple-tank": 1.073, "three-tanks": 1.113, "eight-tanks": 1.055}
 
@@ -95,6 +96,7 @@ def test_it_stands_near_the_physical_limit(name):
     [
         "averaging-tank", "equalisation-tank", "laboratory-four-tanks", "wet-well",
         "quadruple-tank-nonminimum-phase", "laboratory-four-tanks-nonminimum-phase",
+        EXAMPLES / "quanser-coupled-tanks.toml", EXAMPLES / "surge-vessel.toml",
     ],
 )  # fmt: skip
 def test_other_processes_are_controlled_robustly(name):

@@ -39,14 +39,18 @@ def noise_of_inputs(loops: SampledLoops, law: LinearStepLaw, noise: np.ndarray) 
     >>> (found / 1e-3 / np.abs(gains)).round(1)
     array([1., 1.])
     """
-    from scipy.linalg import solve_discrete_lyapunov
+    from scipy.linalg import matrix_balance, solve_discrete_lyapunov
 
     loop, moved = loops.around(law), loops.moved
     if not loop.is_stable:
         return np.full(moved.shape[1], np.inf)
     by_noise = np.vstack([moved @ law.D_measurement, law.B_measurement])
     to_inputs = np.hstack([law.D_measurement @ loops.measured, law.C])
-    spread = solve_discrete_lyapunov(loop.A, by_noise @ noise @ by_noise.T)
+    # Balanced, since metres beside volts are nearly singular to the direct method, which warns.
+    balanced, (sizes, _) = matrix_balance(loop.A, permute=False, separate=True)
+    scaled = by_noise / sizes[:, None]
+    spread = solve_discrete_lyapunov(balanced, scaled @ noise @ scaled.T)
+    spread = spread * np.outer(sizes, sizes)
     direct = law.D_measurement @ noise @ law.D_measurement.T
     variances = np.diag(to_inputs @ spread @ to_inputs.T + direct)
     deviations: np.ndarray = np.sqrt(np.maximum(variances, 0.0))
