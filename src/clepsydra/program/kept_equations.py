@@ -144,7 +144,7 @@ class _Rewriting:
         groups = [ca.vertcat(ca.SX(0, 1), *given[a:b]) for a, b in pairwise(sizes)]
         if (found := self.written_out(function, groups)) is not None:
             return found
-        return [entry for each in self._anew(function).call(groups) for entry in _entries(each)]
+        return [entry for each in self._anew(function).call(groups) for entry in entries_of(each)]
 
     def _block(self, block: Any, instance: str, given: list[ca.SX]) -> list[ca.SX]:
         following = [entry.name for entry in block.state]
@@ -159,7 +159,7 @@ class _Rewriting:
         key = function.__hash__()
         if key not in self._functions:
             symbols = [ca.SX.sym(f"a{i}", function.numel_in(i)) for i in range(function.n_in())]
-            results = self.results(function, [*map(_entries, symbols)])
+            results = self.results(function, [*map(entries_of, symbols)])
             kept = {"never_inline": True}
             self._functions[key] = ca.Function(function.name(), symbols, results, kept)
         return self._functions[key]
@@ -191,12 +191,16 @@ def with_calls_written_out(function: ca.Function, written_out: WrittenOut) -> ca
     if not has_calls(function):
         return function
     symbols = [ca.SX.sym(f"a{i}", *function.size_in(i)) for i in range(function.n_in())]
-    results = _Rewriting({}, written_out).results(function, [*map(_entries, symbols)])
+    results = _Rewriting({}, written_out).results(function, [*map(entries_of, symbols)])
     return ca.Function(function.name(), symbols, results, function.name_in(), function.name_out())
 
 
-def _entries(values: ca.SX) -> list[ca.SX]:
-    """Return the entries of a vector that are not zero by its structure."""
+def entries_of(values: ca.SX) -> list[ca.SX]:
+    """Return the entries that are not zero by the structure of what they stand in.
+
+    >>> entries_of(ca.diag(ca.SX([3, 4])))
+    [SX(3), SX(4)]
+    """
     return cast("list[ca.SX]", values.nonzeros())
 
 

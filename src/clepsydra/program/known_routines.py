@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from clepsydra.program.kept_equations import with_calls_written_out
+from clepsydra.program.kept_equations import entries_of, with_calls_written_out
 from clepsydra.program.routine import Routine
 from clepsydra.program.routine_library import called_family, is_conditional
 from clepsydra.program.routines.current_observer import OBSERVER_CORRECTION, OBSERVER_PREDICTION
@@ -46,8 +46,8 @@ def without_routines(function: ca.Function) -> ca.Function:
 
     def written_out(called: ca.Function, given: list[ca.SX]) -> list[ca.SX] | None:
         found = called_family(called, FAMILIES)
-        if (zeros := _passed_over(called, given)) is not None:
-            return zeros
+        if is_conditional(called):
+            return _zeros(called)
         return found[0].expressions(found[1], given) if found else None
 
     return with_calls_written_out(function, written_out)
@@ -57,11 +57,16 @@ def where_linear(function: ca.Function) -> ca.Function:
     """Return a function as it is where a law is linear: the conditions of routines are false.
 
     CasADi would look for the slopes of what has none: 2.7 s of a quadratic program, for 0.02 s.
+    Every other call stays as it is, with the slopes that it brings along.
     """
-    return with_calls_written_out(function, _passed_over)
+
+    def passed_over(called: ca.Function, given: list[ca.SX]) -> list[ca.SX]:
+        if is_conditional(called):
+            return _zeros(called)
+        return [entry for each in called.call(given) for entry in entries_of(each)]
+
+    return with_calls_written_out(function, passed_over)
 
 
-def _passed_over(called: ca.Function, _: list[ca.SX]) -> list[ca.SX] | None:
-    if not is_conditional(called):
-        return None
+def _zeros(called: ca.Function) -> list[ca.SX]:
     return [ca.SX(0)] * sum(called.nnz_out(i) for i in range(called.n_out()))

@@ -148,6 +148,25 @@ def test_the_only_turn_of_a_for_is_refused_where_not_every_system_takes_it():
         strict(n=1)
 
 
+def test_an_index_that_follows_from_counters_stays_inside_its_array():
+    """Where it is known to, nothing looks at it later: a place too far on either side is told."""
+    declared = "VAR x : ARRAY[0..8] OF LREAL; i, j : DINT; END_VAR"
+    through = "FOR i := 0 TO {} DO FOR j := 0 TO i DO x[3 * i + j - {}] := 1.0; END_FOR; END_FOR;"
+    for entry, value in ((8, 1.0), (5, 0.0)):
+        law = block(through.format(2, 0) + f" y := x[{entry}];", declared)
+        assert law()["y"] == value
+    for turns, place in (((3, 0), 9), ((2, 1), -1)):
+        law = block(through.format(*turns), declared)
+        with pytest.raises(StructuredTextError, match=rf"index {place} outside 0\.\.8"):
+            law()
+
+
+def test_a_product_of_counters_that_leaves_dint_is_told():
+    law = block("FOR i := 70000 TO 70001 DO m := i * i; END_FOR;", "VAR i : DINT; END_VAR")
+    with pytest.raises(StructuredTextError, match="4900000000 leaves DINT"):
+        law()
+
+
 LOOP = """
 FUNCTION_BLOCK controller
 VAR_INPUT level : LREAL; END_VAR

@@ -30,6 +30,12 @@ from clepsydra.program.step_law import StepLaw
 FAMILY = "model predictive control"
 #: A plan counts where no more than this is left of the conditions of an optimum.
 LARGEST_RESIDUAL = 1e-4
+_DESCRIPTION = (
+    "u is the last output and the first of the moves over the horizon that make least the squares "
+    "of the errors over largest_error and, with move_weight, those of the moves over largest_move.",
+    "A linear law finds them; where it would overstep a limit, a rate or a high_bound, a quadratic "
+    "program does. The states and as many loads as there are measurements are estimated.",
+)
 HIGH_BOUND = Key("high_bound", "{x}", "what {x} should not rise above", like="x")
 _AT_REST = Key("reference", "{x}", "{x} at the operating point", like="x")
 _ESTIMATE = Key("estimate", "{x}", "expected deviation of {x} from the operating point")
@@ -101,7 +107,8 @@ def predictive_law(
             outputs.append(final_element(sample, u, wish, rate_limited=rate_limited).applied)
         return outputs
 
-    return replace(source.law("predictive", applied), unsolved=_UNSOLVED)
+    law = source.law("predictive", applied, _DESCRIPTION)
+    return replace(law, unsolved=_UNSOLVED)
 
 
 class _Source(StateSource):

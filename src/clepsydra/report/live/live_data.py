@@ -64,7 +64,7 @@ def live_data(
     >>> signals, first = shown_signals(result), result.ranking[:2]
     >>> data = live_data(result, signals, event_windows(result, signals, first), first)
     >>> [each["name"] for each in data["controllers"]], len(data["inputs"][0])
-    (['PI, SIMC, tuned', 'PI, AMIGO'], 3)
+    (['MPC', 'PI, SIMC, tuned'], 3)
     """
     if result.scenario.begin is not None:
         return None

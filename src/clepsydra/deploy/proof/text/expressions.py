@@ -21,7 +21,7 @@ from clepsydra.deploy.proof.text.operations import (
     whole_quotient,
 )
 from clepsydra.deploy.proof.text.tree import StructuredTextError, content, part, wrong
-from clepsydra.deploy.proof.text.values import LITERALS, REALS, in_range, literal
+from clepsydra.deploy.proof.text.values import DINT, LITERALS, REALS, in_range, literal
 
 if TYPE_CHECKING:
     from tree_sitter import Node
@@ -36,10 +36,18 @@ def checked(values: list[Any], place: int) -> int:
 
 @dataclass(frozen=True)
 class Typed:
-    """An expression of Python and its type in Structured Text."""
+    """An expression of Python and its type in Structured Text.
+
+    Parameters
+    ----------
+    type, code : str
+    bounds : tuple of int, optional
+        The least and the most that a DINT is known to be, so that nobody needs to look later.
+    """
 
     type: str
     code: str
+    bounds: tuple[int, int] | None = None
 
 
 class Expressions:
@@ -75,7 +83,9 @@ class Expressions:
             "whole_quotient": whole_quotient, "in_range": in_range,
             "checked": checked, "single": rounding(),
         }  # fmt: skip
-        self._divisors = 0
+        self._passed = 0
+        #: Counters of the FORs around, of which first and last turn are known.
+        self.counters: dict[str, Typed] = {}
 
     def known(self, node: Node, name: str) -> Declared:
         """Return what a name stands for."""
@@ -101,12 +111,21 @@ class Expressions:
             raise wrong(node, f"{what} is {type_name}, the value {found.type}")
         return found.code
 
-    def index(self, node: Node, name: str) -> tuple[Declared, str]:
-        """Translate the index of an array, with the array's declaration."""
+    def entry(self, node: Node, name: str) -> str:
+        """Return the entry of an array, at an index that is known or checked to lie inside."""
         declared = self.known(node, name)
         if not declared.length:
             raise wrong(node, f"{name} is no array")
-        return declared, self.of_type(part(node, "index"), "DINT", "an index")
+        index, values = self.expression(part(node, "index")), self.variable(name)
+        if index.type != "DINT":
+            raise wrong(node, f"an index is DINT, the value {index.type}")
+        if index.bounds and index.bounds[0] >= 0 and index.bounds[1] < declared.length:
+            return f"{values}[{index.code}]"
+        found = self._passing("place")
+        return (
+            f"{values}[{found} if 0 <= ({found} := {index.code}) < {declared.length} "
+            f"else checked({values}, {found})]"
+        )
 
     def expression(self, node: Node, wanted: str = "LREAL") -> Typed:
         """Translate an expression; an untyped real literal becomes what is wanted."""
@@ -131,30 +150,25 @@ class Expressions:
         self.read.add(name)
         return f"v_{name}"
 
-    def place_in(self, array: str, index: str) -> str:
-        """Return the entry of an array at an index that is checked to lie inside of it."""
-        values = self.variable(array)
-        return f"{values}[checked({values}, {index})]"
-
     def _literal(self, node: Node, wanted: str) -> Typed:
         if node.type == "typed_literal":
             type_name = content(part(node, "type")).upper()
         else:
             possible = LITERALS[node.type]
             type_name = wanted if wanted in possible else possible[0]
-        return Typed(type_name, repr(literal(node, type_name)))
+        value = literal(node, type_name)
+        return Typed(type_name, repr(value), (value, value) if type_name == "DINT" else None)
 
     def _variable(self, node: Node, wanted: str) -> Typed:
         name = content(node).lower()
         declared = self.known(node, name)
         if declared.length or declared.is_instance:
             raise wrong(node, f"{name} is no single value")
-        return Typed(declared.type, self.variable(name))
+        return self.counters.get(name) or Typed(declared.type, self.variable(name))
 
     def _entry(self, node: Node, wanted: str) -> Typed:
         name = content(part(node, "object")).lower()
-        declared, index = self.index(node, name)
-        return Typed(declared.type, self.place_in(name, index))
+        return Typed(self.known(node, name).type, self.entry(node, name))
 
     def _member(self, node: Node, wanted: str) -> Typed:
         held, member = part(node, "object"), content(part(node, "member")).lower()
@@ -196,9 +210,12 @@ class Expressions:
             raise wrong(node, f"{kind} {operator} {right.type}")
         if operator in COMPARISONS and kind in COMPARED:
             return Typed("BOOL", f"({left.code} {COMPARISONS[operator]} {right.code})")
+        if kind == "DINT" and (known := _counted(operator, left, right)):
+            return known
         if (kind, operator) in ARITHMETIC:
             sign, function = ARITHMETIC[kind, operator], ROUNDED.get(kind, "")
-            return Typed(kind, f"{function}({left.code} {sign} {right.code})")
+            code = f"{left.code} {sign} {right.code}"
+            return Typed(kind, self._whole(code) if kind == "DINT" else f"{function}({code})")
         if (kind, operator) in DIVIDED:
             return Typed(kind, f"{DIVIDED[kind, operator]}({left.code}, {right.code})")
         if operator == "/" and kind in REALS:
@@ -209,9 +226,19 @@ class Expressions:
 
     def _quotient(self, left: str, right: str) -> str:
         """Divide by what is not zero without a call: `left / d if (d := right) else …`."""
-        self._divisors += 1
-        name = f"divisor_{self._divisors}"
+        name = self._passing("divisor")
         return f"{left} / {name} if ({name} := {right}) else quotient({left}, {name})"
+
+    def _whole(self, code: str) -> str:
+        """Compute a DINT, with a call only where it does not fit."""
+        name = self._passing("whole")
+        fits = f"{DINT.start} <= ({name} := {code}) < {DINT.stop}"
+        return f"({name} if {fits} else in_range({name}))"
+
+    def _passing(self, stem: str) -> str:
+        """Return a name of Python for a value on the way."""
+        self._passed += 1
+        return f"{stem}_{self._passed}"
 
     def _call(self, node: Node, wanted: str) -> Typed:
         name = content(part(node, "function")).upper()
@@ -261,6 +288,17 @@ class Expressions:
         function = f"{name}_{'_'.join(types)}"
         self.namespace[function] = compute
         return Typed(result, f"{function}({', '.join(each.code for each in arguments)})")
+
+
+def _counted(sign: str, left: Typed, right: Typed) -> Typed | None:
+    """Return a sum, difference or product of DINT that cannot overflow, if it is known not to."""
+    compute = {"+": int.__add__, "-": int.__sub__, "*": int.__mul__}.get(sign)
+    if compute is None or left.bounds is None or right.bounds is None:
+        return None
+    ends = [compute(a, b) for a in left.bounds for b in right.bounds]
+    bounds = min(ends), max(ends)
+    fits = bounds[0] in DINT and bounds[1] in DINT
+    return Typed("DINT", f"({left.code} {sign} {right.code})", bounds) if fits else None
 
 
 def _given(node: Node) -> list[Node]:

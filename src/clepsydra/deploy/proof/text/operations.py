@@ -133,7 +133,7 @@ ARITHMETIC = {
     ("BOOL", "OR"): "|",
 }
 #: What a result of a type goes through, and what divides.
-ROUNDED = {"REAL": "single", "DINT": "in_range"}
+ROUNDED = {"REAL": "single"}
 DIVIDED = {("DINT", "/"): "whole_quotient", ("DINT", "MOD"): "remainder"}
 COMPARISONS = {"<": "<", "<=": "<=", ">": ">", ">=": ">=", "=": "==", "<>": "!="}
 COMPARED = ("LREAL", "REAL", "DINT")

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from clepsydra.deploy.proof.text.declarations import Declared, Unit
-from clepsydra.deploy.proof.text.expressions import Expressions
+from clepsydra.deploy.proof.text.expressions import Expressions, Typed
 from clepsydra.deploy.proof.text.operations import agreed_turns
 from clepsydra.deploy.proof.text.tree import content, part, wrong
 
@@ -110,8 +110,7 @@ class _Body(Expressions):
         value = self.of_type(right, declared.type, name)
         if single:
             return self._to_variable(node, name, declared, value)
-        _, index = self.index(left, name)
-        return [f"{self.place_in(name, index)} = {value}"]
+        return [f"{self.entry(left, name)} = {value}"]
 
     def _to_variable(self, node: Node, name: str, declared: Declared, value: str) -> list[str]:
         """Translate what assigns a whole variable of this unit."""
@@ -159,14 +158,18 @@ class _Body(Expressions):
             raise wrong(node, "a FOR counts with DINT")
         if node.child_by_field_name("step") is not None:
             raise wrong(node, "no BY expected")
-        start, end = (
-            self.of_type(part(node, end), "DINT", f"the {end} of a FOR") for end in ("start", "end")
-        )
+        start, end = (self.expression(part(node, end)) for end in ("start", "end"))
+        if (start.type, end.type) != ("DINT", "DINT"):
+            raise wrong(node, f"a FOR from {start.type} to {end.type}, expected DINT")
         self._written.add(name)
         self._controls.append(name)
+        bounds = (start.bounds[0], end.bounds[1]) if start.bounds and end.bounds else None
+        self.counters[name] = Typed("DINT", self.variable(name), bounds)
         body = self._sequence(node.children_by_field_name("body"))
+        del self.counters[name]
         self._controls.pop()
-        turns = f"range({start}, {end} + 1)" if self._one_turn else f"agreed_turns({start}, {end})"
+        ends = f"{start.code}, {end.code}"
+        turns = f"range({ends} + 1)" if self._one_turn else f"agreed_turns({ends})"
         return [f"for v_{name} in {turns}:", *_inside(body)]
 
     def _while(self, node: Node) -> list[str]:

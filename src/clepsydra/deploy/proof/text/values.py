@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 #: Type to its value where a declaration gives none. A REAL is the double of its value.
 ZEROS: dict[str, Any] = {"LREAL": 0.0, "REAL": 0.0, "DINT": 0, "BOOL": False}
 REALS = ("LREAL", "REAL")
+#: The whole numbers of 32 bits.
+DINT = range(-(2**31), 2**31)
 #: What a literal without a type may become.
 LITERALS = {
     "real_literal": REALS,
