@@ -115,15 +115,18 @@ def gain_unit(measurement: Signal, moved: Signal) -> str:
 
 
 def gain_text(value: float, measurement: Signal, moved: Signal, digits: int = DIGITS) -> str:
-    """Return a gain [SI] in display units.
+    """Return a gain [SI] in display units; a unit of several over itself says nothing.
 
     Examples
     --------
     >>> gain_text(250.0, Signal("level", "m", display_unit="cm"), Signal("pump", "V"))
     '2.500 V/cm'
+    >>> gain_text(2.0, Signal("flow", "m^3/s"), Signal("flow_out", "m^3/s"))
+    '2.000'
     """
     shown = number_text(value * gain_factor(measurement, moved), digits)
-    return f"{shown} {gain_unit(measurement, moved)}".strip()
+    alike = measurement.shown_unit == moved.shown_unit and "/" in moved.shown_unit
+    return shown if alike else f"{shown} {gain_unit(measurement, moved)}".strip()
 
 
 def level_words(process: Process, measurement: Signal, value: float) -> str:

@@ -37,8 +37,6 @@ from clepsydra.studies.worst_case import least_trusted_case
 
 #: Of the answer: rows of settings, and warnings.
 _SETTINGS, _WATCHED = 3, 2
-#: Columns of the narrowest screen.
-_NARROW = 80
 _MORE = "{} more rows: in the report"
 _EMPTY = Line("")
 
@@ -251,8 +249,6 @@ def _commands(result: StudyResult, advice: Recommendation) -> tuple[Line, ...]:
         drawn = f"Next: clepsydra draw {subject} {controller}"
         return (Line(_NOT_EXPORTED), *marked(Mark.COMMAND, (drawn,)))
     exported = f"Next: clepsydra export {subject} {controller} --to st"
-    if len(exported) > _NARROW:  # two that take two lines each would push the answer off a screen
-        return marked(Mark.COMMAND, (exported,))
     return marked(Mark.COMMAND, (exported, f"      clepsydra verify {subject} {controller}"))
 
 
