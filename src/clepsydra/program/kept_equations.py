@@ -176,7 +176,7 @@ def has_calls(function: ca.Function) -> bool:
 
 
 def with_calls_written_out(function: ca.Function, written_out: WrittenOut) -> ca.Function:
-    """Return a function in which some of its calls are expressions; itself if it has no calls.
+    """Return a function in which some of its calls are expressions.
 
     Examples
     --------
@@ -188,8 +188,6 @@ def with_calls_written_out(function: ca.Function, written_out: WrittenOut) -> ca
     >>> [plain.instruction_id(k) for k in range(plain.n_instructions())].count(ca.OP_CALL)
     0
     """
-    if not has_calls(function):
-        return function
     symbols = [ca.SX.sym(f"a{i}", *function.size_in(i)) for i in range(function.n_in())]
     results = _Rewriting({}, written_out).results(function, [*map(entries_of, symbols)])
     return ca.Function(function.name(), symbols, results, function.name_in(), function.name_out())

@@ -84,7 +84,7 @@ class Expressions:
             "checked": checked, "single": rounding(),
         }  # fmt: skip
         self._passed = 0
-        #: Counters of the FORs around, of which first and last turn are known.
+        #: Counters of the FORs around, which nothing else may write.
         self.counters: dict[str, Typed] = {}
 
     def known(self, node: Node, name: str) -> Declared:

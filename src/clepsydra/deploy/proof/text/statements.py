@@ -61,7 +61,6 @@ class _Body(Expressions):
         super().__init__(unit, units, functions)
         self.namespace["agreed_turns"], self._one_turn = agreed_turns, one_turn
         self._written: set[str] = set()
-        self._controls: list[str] = []
 
     def function(self) -> Callable[..., Any]:
         unit = self._unit
@@ -132,7 +131,7 @@ class _Body(Expressions):
 
     def _writable(self, node: Node, name: str) -> Declared:
         declared = self.known(node, name)
-        if declared.section in ("VAR_INPUT", "VAR CONSTANT") or name in self._controls:
+        if declared.section in ("VAR_INPUT", "VAR CONSTANT") or name in self.counters:
             raise wrong(node, f"{name} may not be written")
         return declared
 
@@ -162,12 +161,10 @@ class _Body(Expressions):
         if (start.type, end.type) != ("DINT", "DINT"):
             raise wrong(node, f"a FOR from {start.type} to {end.type}, expected DINT")
         self._written.add(name)
-        self._controls.append(name)
         bounds = (start.bounds[0], end.bounds[1]) if start.bounds and end.bounds else None
         self.counters[name] = Typed("DINT", self.variable(name), bounds)
         body = self._sequence(node.children_by_field_name("body"))
         del self.counters[name]
-        self._controls.pop()
         ends = f"{start.code}, {end.code}"
         turns = f"range({ends} + 1)" if self._one_turn else f"agreed_turns({ends})"
         return [f"for v_{name} in {turns}:", *_inside(body)]
