@@ -187,7 +187,7 @@ def mpc(
     maximum_errors: Mapping[str, Quantity] | None = ...,
     maximum_moves: Mapping[str, Quantity] | None = ...,
     horizon: Quantity | None = ...,
-    moves: int = ...,
+    moves: int | None = ...,
 ) -> Controller:
     """Design model predictive control with a linear model."""
 
