@@ -191,7 +191,7 @@ class Kernel:
     def function(self, lanes: int) -> CompiledFunction:
         """Return the machine code for a number of lanes, compiled when first asked for."""
         if lanes not in self._compiled:
-            form = KernelForm(lanes, self._individual, self._fuse, self.records)
+            form = KernelForm(lanes, self._individual, self._fuse, self.records, likely=True)
             code = vector_code(self.program, form)
             self._compiled[lanes] = CompiledFunction(code, KERNEL, kernel_signature(), self._cache)
         return self._compiled[lanes]

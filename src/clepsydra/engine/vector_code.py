@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
+from clepsydra.engine.likely_path import Step, likely_path
+from clepsydra.engine.vector_likely import WAITS, print_twice
 from clepsydra.engine.vector_parts import PartsPrinter, stands_in_parts
 from clepsydra.engine.vector_rings import RingPrinter
 from clepsydra.engine.vector_statements import StatementPrinter
@@ -32,12 +34,15 @@ class KernelForm:
         Whether operations marked as fused become fused multiply-adds.
     record : bool
         Whether the outputs are stored.
+    likely : bool
+        Whether a sample is printed a second time for where usual conditions hold: faster, longer.
     """
 
     lanes: int
     individual: frozenset[str] = frozenset()
     fuse: bool = True
     record: bool = True
+    likely: bool = False
 
 
 def vector_code(program: Program, form: KernelForm) -> str:
@@ -172,7 +177,8 @@ class _KernelPrinter:
         text, before = self.text, self.text.label
         text.line("br label %sample.head")
         text.begin("sample.head")
-        for name in ["sample", "slot", "wait", *self.rings.counters]:
+        waits = [WAITS] if self._likely else []
+        for name in ["sample", "slot", "wait", *waits, *self.rings.counters]:
             text.line(f"%{name} = phi i64 [ 0, %{before} ], [ %{name}.next, %sample.end ]")
         self._carry(before)
         text.line("%sample.more = icmp slt i64 %sample, %samples")
@@ -180,7 +186,7 @@ class _KernelPrinter:
         text.begin("sample.body")
         self._inputs()
         places = self._read_rings()
-        self._statements(hoisted=False)
+        self._sample()
         for place, (_, _, result) in zip(places, self.delayed, strict=True):
             text.store(self.values[result], place)
         if self.form.record and self.program.outputs:
@@ -194,6 +200,43 @@ class _KernelPrinter:
         base = text.row("%state", "%group", len(self.program.state))
         self._empty(base, [(index, value) for index, value, _ in self.plain])
         text.line("br label %group.end")
+
+    @cached_property
+    def _likely(self) -> tuple[Step, ...]:
+        """The likely path of a sample."""
+        if not self.form.likely:
+            return ()
+        block = self.program.block
+        return likely_path(
+            [each for each in block.statements if not _is_within(each, self.hoisted)],
+            {
+                each.target: each.constant
+                for each in block.statements
+                if isinstance(each, Operation) and each.code == "constant"
+            },
+            self.hoisted,
+            self._results,
+            self._printer.read_by,
+        )
+
+    @cached_property
+    def _results(self) -> list[int]:
+        """Values of a sample that it is computed for."""
+        asked = [*self.program.next_state]
+        if self.form.record:
+            asked += self.program.output_values
+        arguments = self.program.block.arguments
+        found = (each for each in asked if each >= arguments and each not in self.hoisted)
+        return list(dict.fromkeys(found))
+
+    def _sample(self) -> None:
+        """Print what a sample computes."""
+        every = partial(self._statements, hoisted=False)
+        if self._likely:
+            printed = self._printer.statement
+            print_twice(self.text, self.values, self._likely, every, printed, self._results)
+        else:
+            every()
 
     def _carry(self, before: str) -> None:
         """Name the state of this sample; what it becomes is filled in by `_follow`."""
@@ -300,6 +343,11 @@ class _PartedKernelPrinter(_KernelPrinter):
             self.parts.statements(self.once, kept)
         else:
             self.parts.statements(self.every_sample, self.needed)
+
+    @property
+    def _likely(self) -> tuple[Step, ...]:
+        """None: what stands in functions is not printed twice."""
+        return ()
 
     def _carry(self, before: str) -> None:
         """The state stands in memory from sample to sample."""

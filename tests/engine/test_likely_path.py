@@ -1,0 +1,151 @@
+"""A sample without its unlikely branches gives every bit that all of it gives."""
+
+import casadi as ca
+import numpy as np
+import pytest
+from random_laws import evaluate
+
+from clepsydra import Kernel, Signal, program_of
+from clepsydra.engine.likely_path import likely_path
+from clepsydra.engine.vector_code import KernelForm, vector_code
+from clepsydra.program.operation import Operation
+from clepsydra.program.step_law import Equations, step_law
+
+TANKS = 3
+
+
+def draining() -> object:
+    """Levels that drain by a root, near their floors by another law, and are filled while that is
+    known."""
+
+    def equations(s):
+        following, flows = {}, {}
+        for k in range(TANKS):
+            x, low, given = s[f"x{k}"], s["low"], s[f"u{k}"]
+            small = ca.fmax(x, 0) / low
+            laminar = small * (1.5 - 0.5 * small * small) * (1 + 0.1 * small * (1 - small))
+            root = ca.if_else(x < low, ca.sqrt(low) * laminar, ca.sqrt(ca.fmax(x, low)))
+            number = ca.fabs(given) <= 1e300
+            filled = ca.if_else(number, given, s[f"kept{k}"])
+            following |= {f"x{k}": x + 0.1 * (filled - root), f"kept{k}": filled}
+            flows[f"flow{k}"] = root
+        return Equations(following, flows)
+
+    each = range(TANKS)
+    return step_law(
+        "draining",
+        inputs=[Signal(f"u{k}") for k in each],
+        parameters=[Signal("low", initial=0.01)],
+        state=[Signal(f"{name}{k}", initial=0.5) for name in ("x", "kept") for k in each],
+        outputs=[Signal(f"flow{k}") for k in each],
+        equations=equations,
+    )
+
+
+LAW = draining()
+
+
+def stimulus(samples, scenarios, seed=3):
+    """Inputs that empty a level now and then, or are no number for a while; one start is none."""
+    random = np.random.default_rng(seed)
+    shape = (TANKS, scenarios, samples // 50, 1)
+    given = [0.0, np.nan, 0.02, 0.3, 0.9]
+    inputs = random.choice(given, size=shape, p=[0.01, 0.005, 0.005, 0.49, 0.49])
+    inputs = np.broadcast_to(inputs, (*shape[:3], 50)).reshape(TANKS, scenarios, -1)
+    starts = random.choice([0.0, 0.01, 0.5], size=(TANKS, scenarios))
+    starts[0, scenarios - 1] = np.nan if scenarios > 1 else 0.0
+    return inputs, starts
+
+
+def run(samples, scenarios, lanes=None, fuse=True):
+    names = [f"u{k}" for k in range(TANKS)]
+    inputs, starts = stimulus(samples, scenarios)
+    kernel = Kernel(program_of(LAW), individual=names, lanes=lanes, fuse=fuse)
+    state = {f"x{k}": starts[k] for k in range(TANKS)}
+    return kernel.run(samples, inputs=dict(zip(names, inputs, strict=True)), state=state)
+
+
+def bits(found):
+    values = [*(found.output(f"flow{k}") for k in range(TANKS)), found.final_state]
+    return [np.where(np.isnan(each), np.nan, each + 0.0).view(np.int64) for each in values]
+
+
+def assert_same_bits(one, other):
+    for each, its in zip(bits(one), bits(other), strict=True):
+        np.testing.assert_array_equal(each, its)
+
+
+@pytest.fixture
+def without(monkeypatch):
+    """Return a function that runs what has no likely path."""
+
+    def plain(*arguments, **options):
+        with monkeypatch.context() as patched:
+            patched.setattr("clepsydra.engine.likely_path._FEWEST", 10**9)
+            return run(*arguments, **options)
+
+    return plain
+
+
+def test_its_law_has_a_likely_path_and_leaves_it():
+    code = vector_code(program_of(LAW), KernelForm(4, likely=True))
+    # A declaration, the root of `low`, and those of the tanks twice.
+    assert "\nlikely:" in code and code.count("sqrt.v4f64(") == 2 + 2 * TANKS
+    assert "\nlikely:" not in vector_code(program_of(LAW), KernelForm(4))
+    found = run(2_000, 9, lanes=8)
+    flows = np.stack([found.output(f"flow{k}")[:8] for k in range(TANKS)])
+    usual = np.all(flows > 0.1, axis=0)  # above the root of `low`, each tank of a lane
+    # Each lane of the group leaves it, at another time than others, and the group comes back.
+    assert not usual.all(axis=1).any() and 0.2 < np.mean(usual.all(axis=0)) < 0.8
+    assert np.sum(np.diff(usual.all(axis=0).astype(int)) == 1) > 5
+
+
+@pytest.mark.parametrize("lanes", [1, 4, 8])
+@pytest.mark.parametrize("fuse", [False, True])
+def test_every_bit_is_that_of_all_statements(lanes, fuse, without):
+    options = {"lanes": lanes, "fuse": fuse}
+    assert_same_bits(run(5_000, 19, **options), without(5_000, 19, **options))
+
+
+@pytest.mark.thorough
+def test_a_million_samples_have_the_bits_of_all_statements(without):
+    assert_same_bits(run(20_000, 51), without(20_000, 51))
+
+
+def test_one_run_is_casadi_bit_for_bit():
+    found, (inputs, starts) = run(1_000, 1, lanes=1, fuse=False), stimulus(1_000, 1)
+    start = np.array([*starts[:, 0], *[0.5] * TANKS])
+    outputs, final = evaluate(LAW, inputs[:, 0].T, np.array([0.01]), start)
+    for k in range(TANKS):
+        np.testing.assert_array_equal(found.output(f"flow{k}")[0], outputs[:, k])
+    np.testing.assert_array_equal(found.final_state[:, 0], final)
+
+
+def by_arguments(each):
+    return each.arguments
+
+
+def test_what_saves_little_has_no_likely_path():
+    statements = [
+        Operation(2, "less", (0, 1)), Operation(3, "maximum", (0, 1)),
+        Operation(4, "multiply", (0, 0)), Operation(5, "select", (2, 4, 3)),
+    ]  # fmt: skip
+    assert likely_path(statements, {}, {0, 1}, [5], by_arguments) == ()
+
+
+def test_what_nobody_reads_makes_no_likely_path():
+    unread = [Operation(k, "multiply", (k - 1, 0)) for k in range(2, 40)]
+    condition = [Operation(40, "less", (0, 1)), Operation(41, "maximum", (0, 1))]
+    chosen = Operation(42, "select", (40, 0, 41))
+    for statements in ([*unread, chosen], [*unread, *condition, chosen]):
+        assert likely_path(statements, {}, {0, 1}, [42], by_arguments) == ()
+
+
+def test_a_bound_that_moves_is_none_of_a_law():
+    few = [Operation(k, "multiply", (k - 1, 0)) for k in range(4, 24)]
+    statements = [
+        Operation(2, "less", (0, 1)), Operation(3, "maximum", (0, 1)), *few,
+        Operation(24, "select", (2, 23, 3)),
+    ]  # fmt: skip
+    assert likely_path(statements, {}, {1}, [24], by_arguments)
+    assert likely_path(statements, {}, {}, [24], by_arguments) == ()
