@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
+from functools import cache
+from types import MappingProxyType
 from typing import Any
 
 from clepsydra.base.arguments import is_finite_number
@@ -171,13 +173,16 @@ def quantity(
     return field(default=default, metadata={"declared": declared})
 
 
-def declared(owner: type) -> dict[str, Any]:
+@cache
+def declared(owner: type) -> Mapping[str, Any]:
     """Return what the fields of a dataclass declare, quantities with their names, by field."""
     found = {f.name: f.metadata["declared"] for f in fields(owner) if "declared" in f.metadata}
-    return {
-        name: replace(each, name=name) if isinstance(each, Quantity) else each
-        for name, each in found.items()
-    }
+    return MappingProxyType(
+        {
+            name: replace(each, name=name) if isinstance(each, Quantity) else each
+            for name, each in found.items()
+        }
+    )
 
 
 def quantities(owner: type) -> list[Quantity]:

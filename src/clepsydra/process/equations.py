@@ -140,6 +140,7 @@ class _Join:
         self.conserved = conserved(components)
         self.balances = balance_totals(self.conserved, delayed=bool(self.delays))
         self.totals = (*_listed(e.totals() for e in elements), *self.balances)
+        self.known_rates = {signal.name: None for signal in (*self.contents, *self.totals)}
 
     def result(self) -> Equations:
         x, c, u, d, p, z, m = (
@@ -268,8 +269,8 @@ class _Join:
         )
 
     def _check_rate(self, element: Element, name: str) -> None:
-        known = [signal.name for signal in (*self.contents, *self.totals)]
-        if name not in known:
+        if name not in self.known_rates:
+            known = list(self.known_rates)
             where = f"{element.table}.{element.name}"
             expected = "rates of contents and totals of the plant"
             remedy = suggestion(name, known, f"choose from {', '.join(known)}")

@@ -40,7 +40,8 @@ def without_unused(
 or remove it.
     """
     touched = {connection.name for element in elements for connection in element.connections()}
-    kept = [each for each in elements if each.name in touched or not _is_an_end(each)]
+    idle = {each.name for each in elements if each.name not in touched and _is_an_end(each)}
+    kept = [each for each in elements if each.name not in idle]
     warnings = [
         _without_effect(
             document,
@@ -49,7 +50,7 @@ or remove it.
             "connect it, or remove it",
         )
         for element in elements
-        if element not in kept
+        if element.name in idle
     ]
     brought = {name for element in kept for name in element.brings()}
     # A sensor of what is nowhere is a mistake, which is told where components are checked.
