@@ -8,7 +8,8 @@ from block_interpreter import bits, evaluate_block
 from random_blocks import SPECIAL, random_block, stimulus
 
 from clepsydra import Kernel, Signal
-from clepsydra.engine.vector_code import KernelForm, vector_code
+from clepsydra.engine.kernel_form import KernelForm
+from clepsydra.engine.vector_code import vector_code
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.program import Block, Program
 

@@ -1,22 +1,29 @@
 """A sample without its unlikely branches gives every bit that all of it gives."""
 
+from dataclasses import replace
+
 import casadi as ca
 import numpy as np
 import pytest
 from random_laws import evaluate
 
 from clepsydra import Kernel, Signal, program_of
+from clepsydra.engine.host import host
+from clepsydra.engine.kernel_form import KernelForm
 from clepsydra.engine.likely_path import likely_path
-from clepsydra.engine.vector_code import KernelForm, vector_code
+from clepsydra.engine.vector_code import vector_code
 from clepsydra.program.operation import Operation
 from clepsydra.program.step_law import Equations, step_law
 
 TANKS = 3
+STATES = "x", "kept", "last"
+#: Some as they were (0.5), some that change, one that is zero of another sign, and no numbers.
+GAINS = 0.5, 0.5, 0.3, 0.0, -0.0, 0.5, 0.5, 0.5, np.nan, np.inf
 
 
 def draining() -> object:
-    """Levels that drain by a root, near their floors by another law, and are filled while that is
-    known."""
+    """Levels that drain by a root, near their floors by another law, and are filled by what is
+    known, which a gain shifts when it changes."""
 
     def equations(s):
         following, flows = {}, {}
@@ -27,7 +34,10 @@ def draining() -> object:
             root = ca.if_else(x < low, ca.sqrt(low) * laminar, ca.sqrt(ca.fmax(x, low)))
             number = ca.fabs(given) <= 1e300
             filled = ca.if_else(number, given, s[f"kept{k}"])
-            following |= {f"x{k}": x + 0.1 * (filled - root), f"kept{k}": filled}
+            gain, last = s["gain"], s[f"last{k}"]
+            shift = ca.if_else(gain != last, ca.exp(-x * x) * (gain - last), 0.0)
+            following |= {f"x{k}": x + 0.1 * (filled - root) + shift, f"kept{k}": filled}
+            following[f"last{k}"] = ca.if_else(ca.fabs(gain) <= 1e300, gain, last)
             flows[f"flow{k}"] = root
         return Equations(following, flows)
 
@@ -35,8 +45,8 @@ def draining() -> object:
     return step_law(
         "draining",
         inputs=[Signal(f"u{k}") for k in each],
-        parameters=[Signal("low", initial=0.01)],
-        state=[Signal(f"{name}{k}", initial=0.5) for name in ("x", "kept") for k in each],
+        parameters=[Signal("low", initial=0.01), Signal("gain", initial=0.5)],
+        state=[Signal(f"{name}{k}", initial=0.5) for name in STATES for k in each],
         outputs=[Signal(f"flow{k}") for k in each],
         equations=equations,
     )
@@ -46,14 +56,17 @@ LAW = draining()
 
 
 def stimulus(samples, scenarios, seed=3):
-    """Inputs that empty a level now and then, or are no number for a while; one start is none."""
+    """Inputs that empty a level now and then, or are no number for a while; so are some starts."""
     random = np.random.default_rng(seed)
     shape = (TANKS, scenarios, samples // 50, 1)
-    given = [0.0, np.nan, 0.02, 0.3, 0.9]
-    inputs = random.choice(given, size=shape, p=[0.01, 0.005, 0.005, 0.49, 0.49])
+    given = [0.0, np.nan, np.inf, -1e300, 2e300, 0.02, 0.3, 0.9]
+    likely = [0.02, 0.003, 0.001, 0.0002, 0.0008, 0.005, 0.48, 0.49]
+    inputs = random.choice(given, size=shape, p=likely)
     inputs = np.broadcast_to(inputs, (*shape[:3], 50)).reshape(TANKS, scenarios, -1)
-    starts = random.choice([0.0, 0.01, 0.5], size=(TANKS, scenarios))
-    starts[0, scenarios - 1] = np.nan if scenarios > 1 else 0.0
+    starts = random.choice([0.0, 0.01, 0.5], size=(TANKS, scenarios), p=[0.05, 0.05, 0.9])
+    starts[:, ~np.isfinite(np.resize(GAINS, scenarios))] = 0.5
+    for k in range(TANKS if scenarios > TANKS else 0):
+        starts[k, scenarios - 1 - k] = np.nan
     return inputs, starts
 
 
@@ -61,13 +74,18 @@ def run(samples, scenarios, lanes=None, fuse=True):
     names = [f"u{k}" for k in range(TANKS)]
     inputs, starts = stimulus(samples, scenarios)
     kernel = Kernel(program_of(LAW), individual=names, lanes=lanes, fuse=fuse)
+    gains = np.resize(GAINS, scenarios)
+    lasts = np.where(np.isfinite(gains), np.array([[0.5], [-0.0], [0.25]]), gains)
     state = {f"x{k}": starts[k] for k in range(TANKS)}
-    return kernel.run(samples, inputs=dict(zip(names, inputs, strict=True)), state=state)
+    state |= {f"last{k}": lasts[k] for k in range(TANKS)}
+    parameters = {"gain": gains}
+    inputs = dict(zip(names, inputs, strict=True))
+    return kernel.run(samples, inputs=inputs, state=state, parameters=parameters)
 
 
 def bits(found):
     values = [*(found.output(f"flow{k}") for k in range(TANKS)), found.final_state]
-    return [np.where(np.isnan(each), np.nan, each + 0.0).view(np.int64) for each in values]
+    return [np.where(np.isnan(each), np.nan, each).view(np.int64) for each in values]
 
 
 def assert_same_bits(one, other):
@@ -88,11 +106,13 @@ def without(monkeypatch):
 
 
 def test_its_law_has_a_likely_path_and_leaves_it():
-    code = vector_code(program_of(LAW), KernelForm(4, likely=True))
+    code = vector_code(program_of(LAW), KernelForm(4, processor=replace(host(), refines=False)))
     # A declaration, the root of `low`, and those of the tanks twice.
     assert "\nlikely:" in code and code.count("sqrt.v4f64(") == 2 + 2 * TANKS
     assert "\nlikely:" not in vector_code(program_of(LAW), KernelForm(4))
-    found = run(2_000, 9, lanes=8)
+    refined = vector_code(program_of(LAW), KernelForm(8, processor=replace(host(), refines=True)))
+    assert "rsqrt14" in refined and "rsqrt14" not in code
+    found = run(2_000, 12, lanes=8)
     flows = np.stack([found.output(f"flow{k}")[:8] for k in range(TANKS)])
     usual = np.all(flows > 0.1, axis=0)  # above the root of `low`, each tank of a lane
     # Each lane of the group leaves it, at another time than others, and the group comes back.
@@ -100,7 +120,7 @@ def test_its_law_has_a_likely_path_and_leaves_it():
     assert np.sum(np.diff(usual.all(axis=0).astype(int)) == 1) > 5
 
 
-@pytest.mark.parametrize("lanes", [1, 4, 8])
+@pytest.mark.parametrize("lanes", [1, 4, 8, 16])
 @pytest.mark.parametrize("fuse", [False, True])
 def test_every_bit_is_that_of_all_statements(lanes, fuse, without):
     options = {"lanes": lanes, "fuse": fuse}
@@ -114,11 +134,31 @@ def test_a_million_samples_have_the_bits_of_all_statements(without):
 
 def test_one_run_is_casadi_bit_for_bit():
     found, (inputs, starts) = run(1_000, 1, lanes=1, fuse=False), stimulus(1_000, 1)
-    start = np.array([*starts[:, 0], *[0.5] * TANKS])
-    outputs, final = evaluate(LAW, inputs[:, 0].T, np.array([0.01]), start)
+    start = np.array([*starts[:, 0], *[0.5] * TANKS, 0.5, -0.0, 0.25])
+    outputs, final = evaluate(LAW, inputs[:, 0].T, np.array([0.01, GAINS[0]]), start)
     for k in range(TANKS):
         np.testing.assert_array_equal(found.output(f"flow{k}")[0], outputs[:, k])
     np.testing.assert_array_equal(found.final_state[:, 0], final)
+
+
+@pytest.mark.parametrize("lanes", [1, 8])
+@pytest.mark.parametrize(
+    ("low", "level", "given"),
+    [
+        pytest.param(-1e301, -1.5e300, 2e300, id="a level outweighs what is no number"),
+        pytest.param(1e-310, 1e-308, 0.0, id="a root near zero has no digits left"),
+    ],
+)
+def test_a_bound_that_would_hide_something_is_no_likely_path(
+    low, level, given, lanes, without, monkeypatch
+):
+    def bounded():
+        kernel = Kernel(program_of(LAW), lanes=lanes)
+        state = {"x0": level, "x1": min(abs(level), 1.0), "x2": min(abs(level), 1.0)}
+        return kernel.run(40, inputs={"u0": given}, state=state, parameters={"low": low})
+
+    monkeypatch.setitem(globals(), "run", bounded)
+    assert_same_bits(bounded(), without())
 
 
 def by_arguments(each):
@@ -130,7 +170,7 @@ def test_what_saves_little_has_no_likely_path():
         Operation(2, "less", (0, 1)), Operation(3, "maximum", (0, 1)),
         Operation(4, "multiply", (0, 0)), Operation(5, "select", (2, 4, 3)),
     ]  # fmt: skip
-    assert likely_path(statements, {}, {0, 1}, [5], by_arguments) == ()
+    assert likely_path(statements, {}, {0, 1}, {}, [5], by_arguments) == ()
 
 
 def test_what_nobody_reads_makes_no_likely_path():
@@ -138,7 +178,7 @@ def test_what_nobody_reads_makes_no_likely_path():
     condition = [Operation(40, "less", (0, 1)), Operation(41, "maximum", (0, 1))]
     chosen = Operation(42, "select", (40, 0, 41))
     for statements in ([*unread, chosen], [*unread, *condition, chosen]):
-        assert likely_path(statements, {}, {0, 1}, [42], by_arguments) == ()
+        assert likely_path(statements, {}, {0, 1}, {}, [42], by_arguments) == ()
 
 
 def test_a_bound_that_moves_is_none_of_a_law():
@@ -147,5 +187,28 @@ def test_a_bound_that_moves_is_none_of_a_law():
         Operation(2, "less", (0, 1)), Operation(3, "maximum", (0, 1)), *few,
         Operation(24, "select", (2, 23, 3)),
     ]  # fmt: skip
-    assert likely_path(statements, {}, {1}, [24], by_arguments)
-    assert likely_path(statements, {}, {}, [24], by_arguments) == ()
+    assert likely_path(statements, {}, {1}, {}, [24], by_arguments)
+    assert likely_path(statements, {}, {}, {}, [24], by_arguments) == ()
+
+
+def test_only_a_magnitude_says_that_it_is_a_number():
+    few = [Operation(k, "multiply", (k - 1, 0)) for k in range(4, 24)]
+    statements = [
+        Operation(2, "absolute", (0,)), Operation(3, "less_equal", (2, 1)), *few,
+        Operation(24, "select", (3, 0, 23)),
+    ]  # fmt: skip
+    assert likely_path(statements, {1: 1e300}, {1}, {}, [24], by_arguments)
+    statements[1] = Operation(3, "less_equal", (0, 1))
+    assert likely_path(statements, {1: 1e300}, {1}, {}, [24], by_arguments) == ()
+
+
+@pytest.mark.parametrize(("after", "usual"), [(25, True), (1, True), (24, False), (2, False)])
+def test_a_setting_is_usually_what_it_was(after, usual):
+    # Value 1 is held, 2 is of the state and becomes `after`.
+    few = [Operation(k, "multiply", (k - 1, 0)) for k in range(4, 24)]
+    statements = [
+        Operation(3, "not_equal", (1, 2)), *few, Operation(24, "select", (3, 23, 0)),
+        Operation(25, "select", (3, 1, 2)),
+    ]  # fmt: skip
+    path = likely_path(statements, {}, {1}, {2: after}, [24, 25], by_arguments)
+    assert bool(path) == usual

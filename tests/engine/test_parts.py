@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 from block_interpreter import bits
+from moving_processes import moving
 from random_blocks import random_block, stimulus
 from test_loop_rings import ring_program
 
 from clepsydra import Kernel, Signal, program_of
 from clepsydra.engine import vector_parts
-from clepsydra.engine.vector_code import KernelForm, vector_code
-from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.loop.motion_block import MotionBlock, motion_at_rest
-from clepsydra.process.reader import load_process
+from clepsydra.engine.kernel_form import KernelForm
+from clepsydra.engine.vector_code import vector_code
+from clepsydra.loop.motion_block import motion_at_rest
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.program import ForLoop, Program
 from clepsydra.program.step_law import Equations, step_law
@@ -79,15 +79,8 @@ def test_rings_of_loops_and_of_the_state(length, largest, monkeypatch):
     [("quadruple-tank", 1), ("quadruple-tank", 3), ("wet-well", 2), ("three-tanks", 1)],
 )
 def test_processes_of_the_catalogue(name, substeps, monkeypatch):
-    process = load_process(name)
-    point = find_equilibrium(process)
-    motion = MotionBlock(process.motion, process.sampling_period, substeps, ())
-    outside = (*process.inputs, *process.disturbances)
-    size = len(motion.state)
-    builder = BlockBuilder(size + len(outside) + len(process.parameters))
-    given = range(size, size + len(outside) + len(process.parameters))
-    block = builder.finish(motion.move(builder, range(size), given))
-    program = Program(name, motion.state, outside, process.parameters, (), block)
+    point, program = moving(name, substeps)
+    process, outside = point.process, program.inputs
     at = point.as_dict()
     scale = np.linspace(0.5, 1.5, 10)
     start = motion_at_rest(point)

@@ -123,3 +123,18 @@ def test_an_array_of_numbers_is_a_table():
 def test_a_law_that_is_pickled_keeps_its_routines():
     law = solving(3, 1)
     assert program_of(pickle.loads(pickle.dumps(law))).block == program_of(law).block
+
+
+def test_a_routine_longer_than_a_part_is_a_part_of_its_own(monkeypatch):
+    program = program_of(solving(4, 2))
+    random = np.random.default_rng(8)
+    inputs = {each.name: random.normal(size=50) for each in program.inputs}
+    inputs |= {f"a_{i}_{i}": random.uniform(4.0, 9.0, 50) for i in range(4)}
+
+    def found():
+        return Kernel(program).run(50, inputs=inputs).record_of(0)
+
+    usual = found()
+    monkeypatch.setattr("clepsydra.engine.vector_parts.LARGEST_PART", 5)
+    np.testing.assert_array_equal(found(), usual)
+    assert np.all(np.isfinite(usual)) and np.any(usual)

@@ -8,6 +8,10 @@ from functools import cache
 import llvmlite
 import llvmlite.binding as llvm
 
+#: A processor that begins instructions as they are written. Our order is made for such a one; for
+#: one that looks ahead LLVM trusts it to find another, within a window too small for a sample.
+_IN_ORDER = "atom"
+
 
 @dataclass(frozen=True)
 class Host:
@@ -23,12 +27,18 @@ class Host:
         Doubles in one vector.
     fuses : bool
         Whether multiply-adds are fused in hardware.
+    refines : bool
+        Whether it approximates reciprocal roots in double precision, eight at a time (AVX-512).
+    tune : str
+        LLVM's name of the processor by whose model instructions are ordered; its own if empty.
     """
 
     name: str
     features: str
     lanes: int
     fuses: bool
+    refines: bool
+    tune: str
 
     @property
     def fingerprint(self) -> str:
@@ -53,4 +63,6 @@ def host() -> Host:
     else:
         lanes = 2
     fuses = bool(features.get("fma") or features.get("neon") or features.get("fullfp16"))
-    return Host(llvm.get_host_cpu_name(), features.flatten(), lanes, fuses)
+    refines = bool(features.get("avx512f"))
+    tune = _IN_ORDER if llvm.get_default_triple().startswith("x86_64") else ""
+    return Host(llvm.get_host_cpu_name(), features.flatten(), lanes, fuses, refines, tune)

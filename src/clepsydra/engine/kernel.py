@@ -4,21 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from clepsydra.base.errors import InputError
-from clepsydra.engine.compiler import CompiledFunction, kernel_signature
+from clepsydra.engine.choice_first import choosing_first
+from clepsydra.engine.compiler import FULL, LITTLE, CompiledFunction, kernel_signature
 from clepsydra.engine.host import host
+from clepsydra.engine.kernel_form import KernelForm
 from clepsydra.engine.layout import Layout
 from clepsydra.engine.object_cache import ObjectCache
 from clepsydra.engine.pacing import Pacing
 from clepsydra.engine.threads import available_threads, in_threads
 from clepsydra.engine.trajectories import Trajectories, follow_rings
-from clepsydra.engine.vector_code import KERNEL, KernelForm, vector_code
+from clepsydra.engine.vector_code import KERNEL, vector_code
+from clepsydra.engine.vector_parts import has_arrays, stands_in_parts
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.inlined import inlined
 from clepsydra.program.program import Block, Conditional, ForLoop, Program
@@ -26,7 +29,9 @@ from clepsydra.program.routine import RoutineCall
 
 Array = NDArray[np.float64]
 
-_LARGE_PROGRAM = 200
+#: Operations of a program of which a second vector always pays, and of one of which it pays in a
+#: batch of so many scenarios that compiling does not count.
+_SMALL, _MIDDLE, _MANY = 200, 600, 1024
 #: Statements, at most, of the first call of the machine code in a run.
 _BEGUN_WITH = 10_000_000
 
@@ -77,18 +82,18 @@ class Kernel:
             "program": program, "individual": tuple(individual), "fuse": fuse, "record": record,
             "lanes": lanes, "cache": cache,
         }  # fmt: skip
-        self.program = program = inlined(program)
+        self.program = program = choosing_first(inlined(program))
         self.records = record
         self._individual = frozenset(individual)
         self._fuse = fuse and host().fuses
-        self._batch_lanes = _batch_lanes(program) if lanes is None else lanes
+        self._lanes = lanes
         self._one_alone = record and lanes is None
         self._cache = cache
         self._layout = Layout(program, self._individual)
         self._compiled: dict[int, CompiledFunction] = {}
         self._turns = _turns(program)
         self._paces: dict[int, int] = {}
-        self._check("lanes", self._batch_lanes, "leave it out")
+        self._check("lanes", 1 if lanes is None else lanes, "leave it out")
 
     def __reduce__(self) -> tuple[partial[Kernel], tuple[()]]:
         """Return how it is made of what it was made of; the machine that gets it compiles it."""
@@ -136,7 +141,7 @@ class Kernel:
         inputs, parameters, state = inputs or {}, parameters or {}, state or {}
         layout = self._layout
         scenarios = layout.scenarios(inputs, parameters, state)
-        lanes = 1 if scenarios == 1 and self._one_alone else self._batch_lanes
+        lanes = 1 if scenarios == 1 and self._one_alone else self._batch_lanes(scenarios)
         return Job(
             kernel=self,
             samples=samples,
@@ -191,10 +196,29 @@ class Kernel:
     def function(self, lanes: int) -> CompiledFunction:
         """Return the machine code for a number of lanes, compiled when first asked for."""
         if lanes not in self._compiled:
-            form = KernelForm(lanes, self._individual, self._fuse, self.records, likely=True)
+            form = KernelForm(lanes, self._individual, self._fuse, self.records, host())
             code = vector_code(self.program, form)
-            self._compiled[lanes] = CompiledFunction(code, KERNEL, kernel_signature(), self._cache)
+            in_a_row = stands_in_parts(self.program) and not has_arrays(self.program.block)
+            self._compiled[lanes] = CompiledFunction(
+                code, KERNEL, kernel_signature(), self._cache, LITTLE if in_a_row else FULL
+            )
         return self._compiled[lanes]
+
+    def _batch_lanes(self, scenarios: int) -> int:
+        """Return two vectors for a small program or a large batch, else one.
+
+        A second vector hides the latency of the first, until a large program runs out of
+        registers; and it takes longer to compile. What stands in a conditional is seldom computed
+        and does not count.
+        """
+        if self._lanes is not None:
+            return self._lanes
+        largest = _SMALL if scenarios < _MANY else _MIDDLE
+        return host().lanes * (2 if self._operations < largest else 1)
+
+    @cached_property
+    def _operations(self) -> int:
+        return _always_computed(self.program.block)
 
     def pace(self, turns: int) -> int:
         """Return the samples of the first call in a run with so many turns."""
@@ -202,16 +226,6 @@ class Kernel:
             computed = _computed(self.program.block, turns)
             self._paces[turns] = max(_BEGUN_WITH // max(computed, 1), 1)
         return self._paces[turns]
-
-
-def _batch_lanes(program: Program) -> int:
-    """Return two vectors for a small program, one for a large one, which fills the units alone.
-
-    A second vector hides the latency of the first, but a large program then runs out of
-    registers. The limit lies between one tank (95 operations) and four (281). What stands in a
-    conditional is seldom computed and does not count.
-    """
-    return host().lanes * (2 if _always_computed(program.block) < _LARGE_PROGRAM else 1)
 
 
 def _turns(program: Program) -> int:

@@ -8,55 +8,22 @@ what enters a law is nearly always a number, ``|x| <= 1e300``.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass
 
+from clepsydra.engine.steps import Bounded, Known, Required, Same, Step, reads, writes
 from clepsydra.program.operation import Operation
-from clepsydra.program.program import ForLoop, Statement, written_by
+from clepsydra.program.program import ForLoop, Statement
 
 #: What no number lies beyond.
-_LARGEST = 1e300
+LARGEST = 1e300
 #: A path that leaves out fewer statements is not worth its code.
 _FEWEST = 16
-
-
-@dataclass(frozen=True)
-class Required:
-    """A condition that has to be as it usually is.
-
-    Parameters
-    ----------
-    condition : Operation
-        ``a < b``, which is false where ``b < a``, so that not-a-number fails; or ``a <= b``.
-    usual : bool
-    """
-
-    condition: Operation
-    usual: bool
-
-
-@dataclass(frozen=True)
-class Known:
-    """A truth value that is known on the path."""
-
-    target: int
-    truth: bool
-
-
-@dataclass(frozen=True)
-class Same:
-    """A value that is another one on the path."""
-
-    target: int
-    source: int
-
-
-Step = Statement | Required | Known | Same
 
 
 def likely_path(
     statements: Iterable[Statement],
     constants: Mapping[int, float],
     held: Collection[int],
+    following: Mapping[int, int],
     results: Iterable[int],
     read_by: Callable[[Statement], tuple[int, ...]],
 ) -> tuple[Step, ...]:
@@ -73,6 +40,8 @@ def likely_path(
         Value to its number.
     held : collection of int
         Values that were there before the sample and stay.
+    following : mapping
+        Value of the state to what it becomes.
     results : iterable of int
         Values that are asked for.
     read_by : callable
@@ -85,7 +54,7 @@ def likely_path(
     ...     [Operation(k, "multiply", (k - 1, 0)) for k in range(4, 22)],
     ... )
     >>> chosen = Operation(22, "select", (2, 21, 3))
-    >>> for step in likely_path([less, larger, *small, chosen], {}, {0, 1}, [22],
+    >>> for step in likely_path([less, larger, *small, chosen], {}, {0, 1}, {}, [22],
     ...                         lambda each: each.arguments):
     ...     print(type(step).__name__)
     Required
@@ -95,7 +64,7 @@ def likely_path(
     whole = list(statements)
     if any(isinstance(each, ForLoop) and each.rings for each in whole):
         return ()  # what a loop has written into its rings cannot be taken back
-    wanted, usual = list(results), dict(_usual(whole, constants, held))
+    wanted, usual = list(results), dict(_usual(whole, constants, held, following))
     steps = _needed(_Folding(usual, whole).steps(whole), wanted, read_by)
     done = sum(not isinstance(step, (Known, Same)) for step in steps)
     saved = len(_needed(whole, wanted, read_by)) - done
@@ -103,16 +72,33 @@ def likely_path(
 
 
 def _usual(
-    statements: list[Statement], constants: Mapping[int, float], held: Collection[int]
+    statements: list[Statement],
+    constants: Mapping[int, float],
+    held: Collection[int],
+    following: Mapping[int, int],
 ) -> Iterator[tuple[int, bool]]:
     """Yield conditions with what they usually are."""
+    chosen = {
+        each.target: each.arguments[1:]
+        for each in statements
+        if isinstance(each, Operation) and each.code == "select"
+    }
     operations = [each for each in statements if isinstance(each, Operation)]
     larger = {each.arguments for each in operations if each.code == "maximum"}
+    magnitudes = {each.target for each in operations if each.code == "absolute"}
     for each in operations:
         if each.code == "less" and each.arguments[1] in held and each.arguments in larger:
             yield each.target, False
-        elif each.code == "less_equal" and constants.get(each.arguments[1]) == _LARGEST:
-            yield each.target, True
+        elif each.code == "less_equal" and each.arguments[0] in magnitudes:
+            if constants.get(each.arguments[1]) == LARGEST:
+                yield each.target, True
+        elif each.code == "not_equal":
+            one, other = each.arguments
+            for setting, last in (one, other), (other, one):
+                if setting in held and last in following:
+                    after = following[last]
+                    if setting in chosen.get(after, (after,)):
+                        yield each.target, False
 
 
 class _Folding:
@@ -120,11 +106,18 @@ class _Folding:
 
     def __init__(self, usual: Mapping[int, bool], statements: list[Statement]) -> None:
         self.usual, self.truths = usual, dict[int, bool]()
-        #: Pairs of which the first is the larger.
-        self.larger = {
-            each.arguments
+        self.origins: dict[int, int] = {}
+        #: Settings and what they were in the sample before: the same bits.
+        self.unchanged = {
+            frozenset(each.arguments)
             for each in statements
-            if isinstance(each, Operation) and usual.get(each.target) is False
+            if isinstance(each, Operation) and each.code == "not_equal" and each.target in usual
+        }
+        #: Values to what they are larger than.
+        self.larger = {
+            each.arguments[0]: each.arguments[1]
+            for each in statements
+            if isinstance(each, Operation) and each.code == "less" and each.target in usual
         }
 
     def steps(self, statements: Iterable[Statement]) -> Iterator[Step]:
@@ -138,20 +131,27 @@ class _Folding:
             step = self._step(each)
             if isinstance(step, Known):
                 self.truths[step.target] = step.truth
-            elif isinstance(step, Same) and step.source in self.truths:
-                self.truths[step.target] = self.truths[step.source]
+            elif isinstance(step, Same):
+                self.origins[step.target] = self.origins.get(step.source, step.source)
+                if step.source in self.truths:
+                    self.truths[step.target] = self.truths[step.source]
             yield step
 
     def _step(self, each: Operation) -> Step:
         target, code, given = each.target, each.code, each.arguments
         if target in self.usual:
             return Known(target, self.usual[target])
-        if code == "maximum" and given in self.larger:
+        if code == "maximum" and self.larger.get(given[0]) == given[1]:
             return Same(target, given[0])
+        if code == "square_root":
+            origin = self.origins.get(given[0], given[0])
+            return Bounded(each) if origin in self.larger else each
         if code == "not" and given[0] in self.truths:
             return Known(target, not self.truths[given[0]])
         if code == "select" and given[0] in self.truths:
             return Same(target, given[1] if self.truths[given[0]] else given[2])
+        if code == "select" and frozenset(given[1:]) in self.unchanged:
+            return Same(target, given[1])
         if code in ("and", "or"):
             known = [self.truths[value] for value in given if value in self.truths]
             decides = code == "or"
@@ -169,16 +169,7 @@ def _needed(
     """Return the steps that something reads; every test is one."""
     wanted, kept = set(results), list[Step]()
     for step in reversed(list(steps)):
-        if isinstance(step, Required):
-            wanted.update(step.condition.arguments)
-        elif isinstance(step, (Known, Same)):
-            if step.target not in wanted:
-                continue
-            if isinstance(step, Same):
-                wanted.add(step.source)
-        elif wanted.isdisjoint(written_by(step)):
-            continue
-        else:
-            wanted.update(read_by(step))
-        kept.append(step)
+        if isinstance(step, Required) or not wanted.isdisjoint(writes(step)):
+            wanted.update(reads(step, read_by))
+            kept.append(step)
     return kept[::-1]

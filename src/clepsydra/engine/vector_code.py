@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import cached_property, partial
 
-from clepsydra.engine.likely_path import Step, likely_path
-from clepsydra.engine.vector_likely import WAITS, print_twice
+from clepsydra.engine.bounded_roots import with_bounded_roots
+from clepsydra.engine.kernel_form import KernelForm
+from clepsydra.engine.likely_path import likely_path
+from clepsydra.engine.step_order import soonest_first
+from clepsydra.engine.steps import Step
+from clepsydra.engine.vector_likely import COUNTERS, print_twice
 from clepsydra.engine.vector_parts import PartsPrinter, stands_in_parts
 from clepsydra.engine.vector_rings import RingPrinter
 from clepsydra.engine.vector_statements import StatementPrinter
@@ -18,31 +22,6 @@ from clepsydra.program.operation import Operation
 from clepsydra.program.program import ForLoop, Program, Statement, read_by, written_by
 
 KERNEL = "clepsydra_kernel"
-
-
-@dataclass(frozen=True)
-class KernelForm:
-    """How a program becomes a kernel.
-
-    Parameters
-    ----------
-    lanes : int
-        Scenarios that one pass computes side by side; 1 for a single run.
-    individual : frozenset of str
-        Inputs that differ from scenario to scenario; all others are shared.
-    fuse : bool
-        Whether operations marked as fused become fused multiply-adds.
-    record : bool
-        Whether the outputs are stored.
-    likely : bool
-        Whether a sample is printed a second time for where usual conditions hold: faster, longer.
-    """
-
-    lanes: int
-    individual: frozenset[str] = frozenset()
-    fuse: bool = True
-    record: bool = True
-    likely: bool = False
 
 
 def vector_code(program: Program, form: KernelForm) -> str:
@@ -106,7 +85,7 @@ class _KernelPrinter:
                 f"define void @{KERNEL}({pointers}, {counts}) #0 {{",
                 *text.lines,
                 "}",
-                'attributes #0 = { nounwind "prefer-vector-width"="512" }',
+                f"attributes #0 = {{ {self.form.attributes} }}",
                 "attributes #1 = { nobuiltin nounwind }",
                 "",
             ]
@@ -161,25 +140,26 @@ class _KernelPrinter:
             self.text.store(self.values[value], base, index)
 
     def _statements(self, *, hoisted: bool) -> None:
-        printer = self._printer
-        for statement in self.program.block.statements:
-            if _is_within(statement, self.hoisted) == hoisted:
-                printer.statement(statement)
+        statements = self.program.block.statements
+        self._printer.print_all(
+            each for each in statements if _is_within(each, self.hoisted) == hoisted
+        )
 
     @cached_property
     def _printer(self) -> StatementPrinter:
         block = self.program.block
         return StatementPrinter(
-            self.text, block, self.values, fuse=self.form.fuse, rings=self.rings
-        )
+            self.text, block, self.values, fuse=self.form.fuse, rings=self.rings,
+            processor=self.form.processor,
+        )  # fmt: skip
 
     def _samples(self) -> None:
         text, before = self.text, self.text.label
         text.line("br label %sample.head")
         text.begin("sample.head")
-        waits = [WAITS] if self._likely else []
-        for name in ["sample", "slot", "wait", *waits, *self.rings.counters]:
-            text.line(f"%{name} = phi i64 [ 0, %{before} ], [ %{name}.next, %sample.end ]")
+        counters = dict.fromkeys(["sample", "slot", "wait", *self.rings.counters], 0)
+        for name, first in (counters | (COUNTERS if self._likely else {})).items():
+            text.line(f"%{name} = phi i64 [ {first}, %{before} ], [ %{name}.next, %sample.end ]")
         self._carry(before)
         text.line("%sample.more = icmp slt i64 %sample, %samples")
         text.line("br i1 %sample.more, label %sample.body, label %sample.done")
@@ -202,12 +182,12 @@ class _KernelPrinter:
         text.line("br label %group.end")
 
     @cached_property
-    def _likely(self) -> tuple[Step, ...]:
+    def _likely(self) -> Sequence[Step]:
         """The likely path of a sample."""
-        if not self.form.likely:
+        if self.form.processor is None:
             return ()
-        block = self.program.block
-        return likely_path(
+        block, printer = self.program.block, self._printer
+        path = likely_path(
             [each for each in block.statements if not _is_within(each, self.hoisted)],
             {
                 each.target: each.constant
@@ -215,9 +195,11 @@ class _KernelPrinter:
                 if isinstance(each, Operation) and each.code == "constant"
             },
             self.hoisted,
+            {value: result for _, value, result in self.plain},
             self._results,
-            self._printer.read_by,
+            printer.read_by,
         )
+        return soonest_first([*with_bounded_roots(path, block.made)], printer.form())
 
     @cached_property
     def _results(self) -> list[int]:
@@ -233,7 +215,7 @@ class _KernelPrinter:
         """Print what a sample computes."""
         every = partial(self._statements, hoisted=False)
         if self._likely:
-            printed = self._printer.statement
+            printed = self._printer.step
             print_twice(self.text, self.values, self._likely, every, printed, self._results)
         else:
             every()
@@ -345,7 +327,7 @@ class _PartedKernelPrinter(_KernelPrinter):
             self.parts.statements(self.every_sample, self.needed)
 
     @property
-    def _likely(self) -> tuple[Step, ...]:
+    def _likely(self) -> Sequence[Step]:
         """None: what stands in functions is not printed twice."""
         return ()
 

@@ -30,7 +30,7 @@ from clepsydra.program.routine import RoutineCall
 #: Operations that one function may have: below, it compiles in less than half a second.
 LARGEST_WHOLE = 4000
 #: Operations of a part: compiling takes longer with larger ones, running with smaller ones.
-LARGEST_PART = 1000
+LARGEST_PART = 500
 
 
 def stands_in_parts(program: Program) -> bool:
@@ -42,15 +42,16 @@ def stands_in_parts(program: Program) -> bool:
     >>> stands_in_parts(Program("nothing", (), (), (), (), Block(0, (), ())))
     False
     """
-    if _has_arrays(program.block):
+    if has_arrays(program.block):
         return True
     return sum(1 for _ in program.block.operations()) > LARGEST_WHOLE
 
 
-def _has_arrays(block: Block) -> bool:
+def has_arrays(block: Block) -> bool:
+    """Whether a block has arrays, which routines work on in loops."""
     return any(
         isinstance(each, RoutineCall)
-        or (isinstance(each, (ForLoop, Conditional)) and _has_arrays(each.body))
+        or (isinstance(each, (ForLoop, Conditional)) and has_arrays(each.body))
         for each in block.statements
     )
 
@@ -207,7 +208,8 @@ class PartsPrinter:
                 self.values[value] = local[value]
         elif isinstance(statement, ForLoop):
             self._loop(statement)
-        elif isinstance(statement, Conditional):
+        else:
+            assert isinstance(statement, Conditional)
             self._conditional(statement)
 
     def _body(self, body: Block) -> PartsPrinter:
@@ -292,7 +294,7 @@ def _length(statement: Statement) -> int:
 
 
 def _stands_between(statement: Statement, length: int) -> bool:
-    """Whether a statement has no room in a part, or reaches for the kernel's rings or turns."""
+    """Whether a statement reaches for the kernel's rings or turns, or is printed in parts itself."""
     if isinstance(statement, ForLoop) and (statement.rings or statement.adjustable):
         return True
-    return length > LARGEST_PART
+    return length > LARGEST_PART and isinstance(statement, (ForLoop, Conditional))

@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+
+from clepsydra.engine.bounded_roots import with_bounded_roots
 from clepsydra.engine.elementary_functions import elementary_function
+from clepsydra.engine.host import Host
+from clepsydra.engine.refined_root import can_refine, endless_root, refined_root
+from clepsydra.engine.step_order import Form, soonest_first
+from clepsydra.engine.steps import Bounded, Known, Required, Same, Step
 from clepsydra.engine.vector_rings import RingPrinter
 from clepsydra.engine.vector_routines import RoutinePrinter
 from clepsydra.engine.vector_text import VectorText
@@ -29,13 +36,55 @@ class StatementPrinter:
         fuse: bool,
         rings: RingPrinter,
         workspace: Workspace | None = None,
+        processor: Host | None = None,
     ) -> None:
         self.text = text
+        self.block = block
         self.values = values
         self.fuse = fuse
         self.rings = rings
         self.workspace = workspace
+        self.processor = processor
         self.products = _single_products(block) if fuse else {}
+        #: The product that is fused into a sum, by the value of the sum.
+        self.fused = dict(self._fusions(block))
+
+    def print_all(self, statements: Iterable[Statement]) -> None:
+        """Print statements; as soon as each can begin, if a processor is known."""
+        steps: Iterable[Step] = statements
+        if self.processor:
+            bounded = with_bounded_roots(statements, self.block.made)
+            steps = soonest_first([*bounded], self.form())
+        for each in steps:
+            self.step(each)
+
+    def form(self) -> Form:
+        """Return what decides how long the steps take."""
+        refines = self.processor is not None and self.processor.refines
+        return Form(
+            self.text.lanes,
+            refines and can_refine(self.text.lanes),
+            self.read_by,
+            lambda each: self.product_in(each) is not None,
+        )
+
+    def step(self, step: Step) -> None:
+        """Print a step, and remember the names of its results."""
+        if isinstance(step, Bounded):
+            self.values[step.operation.target] = self._root(step)
+        elif isinstance(step, Known):
+            truth = "true" if step.truth else "false"
+            self.values[step.target] = self.text.in_every_lane("i1", truth)
+        elif isinstance(step, Same):
+            self.values[step.target] = self.values[step.source]
+        elif not isinstance(step, Required):
+            self.statement(step)
+
+    def _root(self, step: Bounded) -> str:
+        if not step.refined:
+            return self._operation(step.operation)
+        given = self.values[step.operation.arguments[0]]
+        return (endless_root if step.endless else refined_root)(self.text, given)
 
     def statement(self, statement: Statement) -> None:
         """Print a statement and remember the names of its results."""
@@ -56,10 +105,10 @@ class StatementPrinter:
         """Print the statements of a body and return the names of its results."""
         inner = dict(enumerate(arguments))
         printer = StatementPrinter(
-            self.text, body, inner, fuse=self.fuse, rings=self.rings, workspace=self.workspace
-        )
-        for statement in body.statements:
-            printer.statement(statement)
+            self.text, body, inner, fuse=self.fuse, rings=self.rings, workspace=self.workspace,
+            processor=self.processor,
+        )  # fmt: skip
+        printer.print_all(body.statements)
         return [inner[result] for result in body.results]
 
     def _conditional(self, conditional: Conditional) -> None:
@@ -132,11 +181,14 @@ class StatementPrinter:
 
     def product_in(self, statement: Statement) -> int | None:
         """Return the product that is fused into a statement, if any."""
-        if not isinstance(statement, Operation) or not statement.fused:
-            return None
-        if statement.code not in ("add", "subtract"):
-            return None
-        return next((value for value in statement.arguments if value in self.products), None)
+        return self.fused.get(statement.target) if isinstance(statement, Operation) else None
+
+    def _fusions(self, block: Block) -> Iterator[tuple[int, int]]:
+        for each in block.statements if self.products else ():
+            if isinstance(each, Operation) and each.fused and each.code in ("add", "subtract"):
+                product = next((value for value in each.arguments if value in self.products), None)
+                if product is not None:
+                    yield each.target, product
 
     def _fused(self, operation: Operation, product: int) -> str:
         """Print a·b ± c as one fused multiply-add."""

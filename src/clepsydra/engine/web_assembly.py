@@ -6,10 +6,11 @@ from functools import cache
 
 import llvmlite.binding as llvm
 
-from clepsydra.engine.compiler import OPTIONS, kept_object
+from clepsydra.engine.compiler import kept_object
 from clepsydra.engine.fused_multiply_add import FUSED, INTRINSIC, fused_multiply_add
 from clepsydra.engine.host import compiler_text
-from clepsydra.engine.vector_code import KERNEL, KernelForm, vector_code
+from clepsydra.engine.kernel_form import KernelForm
+from clepsydra.engine.vector_code import KERNEL, vector_code
 from clepsydra.engine.wasm_object import IMPORTED_MEMORY, WasmObject, module
 from clepsydra.program.inlined import inlined
 from clepsydra.program.program import Program
@@ -97,11 +98,11 @@ def _whole(code: str) -> str:
 
 
 @cache
-def _target_machine() -> llvm.TargetMachine:
+def _target_machine(optimisation: int) -> llvm.TargetMachine:
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     return llvm.Target.from_triple(_TRIPLE).create_target_machine(
-        opt=OPTIONS["optimisation"], reloc="static", codemodel="default"
+        opt=optimisation, reloc="static", codemodel="default"
     )
 
 
