@@ -8,6 +8,7 @@ import subprocess
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from enum import IntEnum
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +31,19 @@ OPTIONS = (
 )
 #: Vectors side by side that are tried; the fastest on this machine is the yardstick.
 VECTOR_COUNTS = (1, 2, 3, 4)
+
+
+class Kind(IntEnum):
+    """What a program computes: the bare problem, all guards, or some roots by multiply-adds."""
+
+    BARE = 0
+    GUARDED = 1
+    FOUR_REFINED = 4
+    SIX_REFINED = 6
+    EIGHT_REFINED = 8
+
+
+REFINED = Kind.FOUR_REFINED, Kind.SIX_REFINED, Kind.EIGHT_REFINED
 
 
 class CompilerMissing(Exception):
@@ -73,9 +87,9 @@ class CPlusPlus:
         size, pointer = ctypes.c_size_t, ctypes.c_void_p
         library.lanes.argtypes = [ctypes.c_int]
         library.batch.argtypes = [
-            ctypes.c_int, pointer, pointer, pointer, size, size, size, size, pointer
+            ctypes.c_int, ctypes.c_int, pointer, pointer, pointer, size, size, size, size, pointer
         ]  # fmt: skip
-        library.single.argtypes = [pointer, pointer, pointer, size, pointer, pointer]
+        library.single.argtypes = [ctypes.c_int, *[pointer] * 3, size, pointer, pointer]
         library.single.restype = None
         library.roots_alone.argtypes = [size, pointer]
         library.roots_alone.restype = None
@@ -85,7 +99,9 @@ class CPlusPlus:
         """Return the scenarios that go side by side in so many vectors."""
         return int(self.library.lanes(vectors))
 
-    def batch(self, case: Case, vectors: int, threads: int = 1) -> Solution:
+    def batch(
+        self, case: Case, vectors: int, threads: int = 1, *, kind: Kind = Kind.BARE
+    ) -> Solution:
         """Solve all scenarios, so many vectors of them side by side."""
         lanes = self.lanes(vectors)
         padded = -(-case.scenarios // lanes) * lanes
@@ -97,11 +113,11 @@ class CPlusPlus:
 
         def part(number: int) -> None:
             if self.library.batch(
-                vectors, _pointer(parameters), _pointer(case.setpoints),
+                kind, vectors, _pointer(parameters), _pointer(case.setpoints),
                 _pointer(case.initial_levels), padded, case.samples,
                 bounds[number], bounds[number + 1], _pointer(final),
             ):  # fmt: skip
-                raise ValueError(f"no batch with {vectors} vectors side by side")
+                raise ValueError(f"no batch of kind {kind} with {vectors} vectors side by side")
 
         if threads == 1:
             part(0)
@@ -116,11 +132,13 @@ class CPlusPlus:
         self.library.roots_alone(steps, _pointer(values))
         return values
 
-    def single(self, case: Case, recorded: np.ndarray, final: np.ndarray) -> Solution:
+    def single(
+        self, case: Case, recorded: np.ndarray, final: np.ndarray, *, kind: Kind = Kind.BARE
+    ) -> Solution:
         """Solve one scenario into the arrays given, [samples, 6] and [8, 1]."""
         self.library.single(
-            _pointer(case.parameters), _pointer(case.setpoints), _pointer(case.initial_levels),
-            case.samples, _pointer(recorded), _pointer(final),
+            kind, _pointer(case.parameters), _pointer(case.setpoints),
+            _pointer(case.initial_levels), case.samples, _pointer(recorded), _pointer(final),
         )  # fmt: skip
         return Solution(final, recorded)
 

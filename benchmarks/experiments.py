@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,8 @@ import numpy as np
 from benchmarks import with_clepsydra, with_jax, with_python_control
 from benchmarks.case import Case, Solution, largest_difference, make_case, solve
 from benchmarks.command_line import wait_for
-from benchmarks.cplusplus import VECTOR_COUNTS, CPlusPlus, recording_arrays
-from benchmarks.measure import Spread, Timings, Way, interleave, on_one_core
+from benchmarks.cplusplus import REFINED, VECTOR_COUNTS, CPlusPlus, Kind, recording_arrays
+from benchmarks.measure import Timings, Way, interleave, on_one_core
 from benchmarks.with_clepsydra import Clepsydra
 from clepsydra.engine.object_cache import ObjectCache
 
@@ -21,6 +22,8 @@ from clepsydra.engine.object_cache import ObjectCache
 AGREEMENT = 1e-9
 
 CPP = "C++ by hand"
+GUARDED = "C++ by hand, with all guards"
+REFINED_ROOTS = "C++ by hand, some roots by multiply-adds"
 ENGINE = "Clepsydra, laid out beforehand"
 WHOLE = "Clepsydra, whole call"
 JAX = "JAX, vmap of a scan"
@@ -96,25 +99,31 @@ class Experiments:
         """A batch on one core: every scenario has its own parameters, nothing is recorded."""
         case = make_case(self.size.scenarios, self.size.samples)
         with on_one_core():
-            vectors = self._best_vectors(case)
+            kinds = {CPP: [Kind.BARE], GUARDED: [Kind.GUARDED], REFINED_ROOTS: REFINED}
+            best = {name: self._best(case, of) for name, of in kinds.items()}
             clepsydra = Clepsydra.build(self.cache, record=False)
             job, arguments = clepsydra.prepare(case), clepsydra.arguments(case)
             jax = with_jax.batch(case)
+            by_hand = {
+                name: partial(self.program.batch, case, vectors, kind=kind)
+                for name, (kind, vectors) in best.items()
+            }
             answers = {
-                CPP: self.program.batch(case, vectors),
+                **{name: run() for name, run in by_hand.items()},
                 ENGINE: with_clepsydra.solution(job.run()),
                 JAX: jax(),
             }
             difference = _agree(answers, solve(case))
             ways = [
-                Way(CPP, lambda: self.program.batch(case, vectors)),
+                *(Way(name, run) for name, run in by_hand.items()),
                 Way(ENGINE, job.run),
                 Way(WHOLE, lambda: with_clepsydra.solution(clepsydra.kernel.run(**arguments))),
                 Way(JAX, jax),
                 Way(ROOTS, lambda: self.program.roots_alone(case.scenario_steps)),
             ]
             timings = interleave(ways, self.size.rounds)
-        lanes = {CPP: self.program.lanes(vectors), ENGINE: job.lanes}
+        lanes = {name: self.program.lanes(vectors) for name, (_, vectors) in best.items()}
+        lanes[ENGINE] = job.lanes
         notes = {name: f"{count} scenarios side by side" for name, count in lanes.items()}
         return Measured(timings, case.scenario_steps, difference, notes)
 
@@ -129,6 +138,7 @@ class Experiments:
             joined = with_python_control.joined_systems(case)
             answers = {
                 CPP: self.program.single(case, recorded, final),
+                GUARDED: self.program.single(case, *recording_arrays(case), kind=Kind.GUARDED),
                 ENGINE: with_clepsydra.solution(job.run()),
                 ONE_SYSTEM: one_system(),
                 JOINED: joined(),
@@ -136,6 +146,11 @@ class Experiments:
             difference = _agree(answers, solve(case))
             ways = [
                 Way(CPP, lambda: self.program.single(case, recorded, final), calls=100),
+                Way(
+                    GUARDED,
+                    lambda: self.program.single(case, recorded, final, kind=Kind.GUARDED),
+                    calls=100,
+                ),
                 Way(ENGINE, job.run, calls=100),
                 Way(WHOLE, lambda: clepsydra.kernel.run(**arguments), calls=100),
                 Way(ONE_SYSTEM, one_system),
@@ -152,7 +167,8 @@ class Experiments:
         """A large batch on two threads."""
         case = make_case(self.size.large_scenarios, self.size.samples)
         with on_one_core():
-            vectors = self._best_vectors(make_case(self.size.scenarios, self.size.samples))
+            few = make_case(self.size.scenarios, self.size.samples)
+            _, vectors = self._best(few, [Kind.BARE])
         clepsydra = Clepsydra.build(self.cache, record=False)
         job, arguments = clepsydra.prepare(case), clepsydra.arguments(case)
         found = {
@@ -160,11 +176,11 @@ class Experiments:
             ENGINE: with_clepsydra.solution(job.run(threads=2)),
         }
         # NumPy would take minutes for all of them: it solves each hundredth scenario.
-        few = slice(None, None, 100)
+        hundredth = slice(None, None, 100)
         sample = Case(
-            np.ascontiguousarray(case.parameters[:, few]), case.setpoints, case.initial_levels
+            np.ascontiguousarray(case.parameters[:, hundredth]), case.setpoints, case.initial_levels
         )
-        answers = {name: Solution(answer.final[:, few]) for name, answer in found.items()}
+        answers = {name: Solution(answer.final[:, hundredth]) for name, answer in found.items()}
         difference = _agree(answers, solve(sample))
         ways = [
             Way(CPP, lambda: self.program.batch(case, vectors, threads=2)),
@@ -216,12 +232,12 @@ class Experiments:
             seconds[HELP].append(shown.done)
         return Measured(Timings(seconds), 1, 0.0)
 
-    def _best_vectors(self, case: Case) -> int:
-        """Return how many vectors side by side are fastest in C++ on this machine."""
-
-        def way(count: int) -> Callable[[], Solution]:
-            return lambda: self.program.batch(case, count)
-
-        timings = interleave([Way(str(n), way(n)) for n in VECTOR_COUNTS], 3)
-        medians: dict[int, Spread] = {n: timings.of(str(n)) for n in VECTOR_COUNTS}
-        return min(medians, key=lambda n: medians[n].median)
+    def _best(self, case: Case, kinds: Sequence[Kind]) -> tuple[Kind, int]:
+        """Return which kind, with how many vectors side by side, is fastest in C++ here."""
+        choices = {f"{kind} {n}": (kind, n) for kind in kinds for n in VECTOR_COUNTS}
+        ways = [
+            Way(name, partial(self.program.batch, case, n, kind=kind))
+            for name, (kind, n) in choices.items()
+        ]
+        timings = interleave(ways, 3)
+        return choices[min(choices, key=lambda name: timings.of(name).median)]

@@ -6,6 +6,9 @@
 //     dh1 = q1 + d1 sqrt(h3) - c1 sqrt(h1),   dh3 = q3 - c3 sqrt(h3), ...
 // so that a sample is 16 square roots and little else. Several vectors go side by side, because
 // one vector alone would wait for its own roots.
+//
+// Beside this law of the bare problem stand the same law with all guards that Clepsydra's has
+// (`Guarded`), and the bare one with a share of its roots out of multiply-adds (`Refined`).
 
 #include <cmath>
 #include <cstddef>
@@ -37,6 +40,22 @@ constexpr double sensor_gain = 50.0;
 constexpr double low_limit = 0.0;
 constexpr double high_limit = 10.0;
 constexpr double initial_integral = 3.0;
+// Below this level the flow is laminar, and above this a number is none [m, -].
+constexpr double laminar = 1e-3;
+constexpr double largest = 1e300;
+
+// What a program does beyond the bare problem, and how many of the 16 roots multiply-adds compute.
+struct Bare {
+    static constexpr bool guarded = false;
+    static constexpr int refined = 0;
+};
+struct Guarded : Bare {
+    static constexpr bool guarded = true;
+};
+template <int count>
+struct Refined : Bare {
+    static constexpr int refined = count;
+};
 
 // Rows of the parameter table.
 enum Parameter {
@@ -91,10 +110,46 @@ inline Vector magnitude(Vector x) {
 #endif
 }
 
+// The double next to the root, by a polynomial of third degree and a residual; of numbers that are
+// neither near zero nor the largest.
+inline Vector refined_root(Vector x) {
+#if defined(__AVX512F__)
+    const Vector near = _mm512_rsqrt14_pd(x);
+    const Vector first = x * near;
+    const Vector rest = 1.0 - first * near;
+    const Vector share = ((0.3125 * rest + 0.375) * rest + 0.5) * rest;
+    const Vector half = 0.5 * near;
+    const Vector second = first * share + first;
+    return (x - second * second) * (half * share + half) + second;
+#else
+    return root(x);
+#endif
+}
+
+inline bool any_below(Vector a, Vector b) {
+#if defined(__AVX512F__)
+    return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ);
+#elif defined(__AVX__)
+    return _mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_LT_OQ));
+#else
+    return _mm_movemask_pd(_mm_cmplt_pd(a, b));
+#endif
+}
+inline Vector where_below(Vector a, Vector b, Vector x, Vector y) { return a < b ? x : y; }
+inline Vector where_differs(Vector a, Vector b, Vector x, Vector y) { return a != b ? x : y; }
+inline Vector number_or(Vector x, Vector kept) {
+    return magnitude(x) <= broadcast(largest) ? x : kept;
+}
+
+inline bool any_below(double a, double b) { return a < b; }
+inline double where_below(double a, double b, double x, double y) { return a < b ? x : y; }
+inline double where_differs(double a, double b, double x, double y) { return a != b ? x : y; }
+inline double refined_root(double x) { return __builtin_sqrt(x); }
 inline double root(double x) { return __builtin_sqrt(x); }
 inline double larger(double a, double b) { return a > b ? a : b; }
 inline double smaller(double a, double b) { return a < b ? a : b; }
 inline double magnitude(double x) { return __builtin_fabs(x); }
+inline double number_or(double x, double kept) { return magnitude(x) <= largest ? x : kept; }
 
 // `count` vectors side by side, for the batch.
 template <int count>
@@ -147,6 +202,26 @@ struct Lanes {
     friend inline Lanes magnitude(const Lanes &a) {
         return each([&](int i) { return magnitude(a.part[i]); });
     }
+    friend inline Lanes refined_root(const Lanes &a) {
+        return each([&](int i) { return refined_root(a.part[i]); });
+    }
+    friend inline bool any_below(const Lanes &a, const Lanes &b) {
+        bool any = false;
+        for (int i = 0; i < count; ++i) any |= any_below(a.part[i], b.part[i]);
+        return any;
+    }
+    friend inline Lanes where_below(const Lanes &a, const Lanes &b, const Lanes &x,
+                                    const Lanes &y) {
+        return each([&](int i) { return where_below(a.part[i], b.part[i], x.part[i], y.part[i]); });
+    }
+    friend inline Lanes where_differs(const Lanes &a, const Lanes &b, const Lanes &x,
+                                      const Lanes &y) {
+        return each(
+            [&](int i) { return where_differs(a.part[i], b.part[i], x.part[i], y.part[i]); });
+    }
+    friend inline Lanes number_or(const Lanes &x, const Lanes &kept) {
+        return each([&](int i) { return number_or(x.part[i], kept.part[i]); });
+    }
 };
 
 // One scenario alone has the same interface as a vector of them.
@@ -156,7 +231,7 @@ struct Single {
     static void store(double value, double *to) { *to = value; }
 };
 
-template <class Number, class Loader>
+template <class Number, class Loader, class Kind = Bare>
 struct Loop {
     Number outflow[4], half_outflow[4], sixth_outflow[4];  // dt a / A sqrt(2 g)
     Number upper[2], half_upper[2], sixth_upper[2];        // what an upper tank gives to a lower
@@ -164,6 +239,8 @@ struct Loop {
     Number gain[2], integral_gain[2], tracking_gain[2];
     Number level[4], integral[2], absolute_error[2];
     Number voltage[2];
+    // With guards: what held last, where something is no number, and the gains of last time.
+    Number measured[2], wanted[2], last_gain[2], squared_error[2];
 
     Loop(const double *parameters, std::size_t stride, const double *initial_levels) {
         auto read = [&](int row) { return Loader::load(parameters + row * stride); };
@@ -189,20 +266,67 @@ struct Loop {
             tracking_gain[loop] = Number(time_step) / read(tracking_time + loop);
             integral[loop] = Number(initial_integral);
             absolute_error[loop] = Number(0.0);
+            measured[loop] = wanted[loop] = squared_error[loop] = Number(0.0);
+            voltage[loop] = Number(initial_integral);
+            last_gain[loop] = gain[loop];
         }
     }
 
     inline void control(const double *setpoint) {
 #pragma GCC unroll 2
         for (int loop = 0; loop < 2; ++loop) {
-            const Number error = Number(setpoint[loop]) - Number(sensor_gain) * level[loop];
+            Number reading = Number(sensor_gain) * level[loop], aim = Number(setpoint[loop]);
+            if constexpr (Kind::guarded) {
+                // A sensor shows its range; what is no number is held; a new gain makes no bump.
+                measured[loop] = reading =
+                    number_or(smaller(larger(reading, Number(low_limit)), Number(high_limit)),
+                              measured[loop]);
+                wanted[loop] = aim = number_or(aim, wanted[loop]);
+                const Number change = (last_gain[loop] - gain[loop]) * (aim - reading);
+                integral[loop] = where_differs(gain[loop], last_gain[loop],
+                                               integral[loop] + change, integral[loop]);
+                last_gain[loop] = number_or(gain[loop], last_gain[loop]);
+            }
+            const Number error = aim - reading;
             const Number unlimited = gain[loop] * error + integral[loop];
-            voltage[loop] =
+            const Number limited =
                 smaller(larger(unlimited, Number(low_limit)), Number(high_limit));
+            const Number following = integral[loop] + integral_gain[loop] * error +
+                                     tracking_gain[loop] * (limited - unlimited);
             absolute_error[loop] = absolute_error[loop] + Number(time_step) * magnitude(error);
-            integral[loop] = integral[loop] + integral_gain[loop] * error +
-                             tracking_gain[loop] * (voltage[loop] - unlimited);
+            if constexpr (Kind::guarded) {
+                squared_error[loop] = squared_error[loop] + Number(time_step) * error * error;
+                voltage[loop] = number_or(limited, voltage[loop]);
+                integral[loop] = number_or(following, integral[loop]);
+            } else {
+                voltage[loop] = limited;
+                integral[loop] = following;
+            }
         }
+    }
+
+    // The root of a level at a place in the 16 of a sample; with guards, the laminar law where it is
+    // low, which is computed only if some level is.
+    static inline Number root_of(const Number &at, int place) {
+        if constexpr (Kind::guarded) {
+            const Number low(laminar);
+            const Number turbulent = root(larger(at, low));
+            if (!any_below(at, low)) return turbulent;
+            const double scale = std::sqrt(laminar) / laminar;
+            const Number first(45.0 / 32.0 * scale), third(-18.0 / 32.0 * scale / laminar / laminar),
+                fifth(5.0 / 32.0 * scale / std::pow(laminar, 4));
+            const Number size = larger(at, Number(0.0)), square = size * size;
+            return where_below(at, low, size * (first + square * (third + square * fifth)),
+                               turbulent);
+        }
+        // Those of the lower tanks, and of the upper ones as far as there are more.
+        if (place < Kind::refined) return refined_root(larger(at, Number(1e-200)));
+        return root(larger(at, Number(0.0)));
+    }
+
+    // Places of the tanks among the roots that are refined first, stage by stage.
+    static constexpr int place_of(int tank, int stage) {
+        return tank < 2 ? tank * 4 + stage : 8 + (tank - 2) * 4 + stage;
     }
 
     // The slopes are linear in the roots, so every stage goes straight from roots to levels and
@@ -217,42 +341,43 @@ struct Loop {
     }
 
     inline void integrate() {
-        const Number zero(0.0), half(0.5), two(2.0);
+        const Number half(0.5), two(2.0);
         Number full[4], halfway[4], at[4], roots[4], sum[4];
 #pragma GCC unroll 4
         for (const int tank : upper_first) {
             const Number filled = inflow[tank] * voltage[tank < 2 ? tank : 3 - tank];
             full[tank] = level[tank] + filled;
             halfway[tank] = level[tank] + half * filled;
-            roots[tank] = root(larger(level[tank], zero));
+            roots[tank] = root_of(level[tank], place_of(tank, 0));
             sum[tank] = roots[tank];
         }
         drop(halfway, roots, half_outflow, half_upper, at);
 #pragma GCC unroll 4
         for (const int tank : upper_first) {
-            roots[tank] = root(larger(at[tank], zero));
+            roots[tank] = root_of(at[tank], place_of(tank, 1));
             sum[tank] = sum[tank] + two * roots[tank];
         }
         drop(halfway, roots, half_outflow, half_upper, at);
 #pragma GCC unroll 4
         for (const int tank : upper_first) {
-            roots[tank] = root(larger(at[tank], zero));
+            roots[tank] = root_of(at[tank], place_of(tank, 2));
             sum[tank] = sum[tank] + two * roots[tank];
         }
         drop(full, roots, outflow, upper, at);
 #pragma GCC unroll 4
-        for (const int tank : upper_first) sum[tank] = sum[tank] + root(larger(at[tank], zero));
+        for (const int tank : upper_first)
+            sum[tank] = sum[tank] + root_of(at[tank], place_of(tank, 3));
         drop(full, sum, sixth_outflow, sixth_upper, level);
     }
 };
 
-template <int count>
+template <int count, class Kind>
 void run_batch(const double *parameters, const double *setpoints, const double *initial_levels,
                std::size_t scenarios, std::size_t samples, std::size_t first, std::size_t last,
                double *final) {
     using Number = Lanes<count>;
     for (std::size_t lane = first; lane < last; lane += Number::width) {
-        Loop<Number, Number> loop(parameters + lane, scenarios, initial_levels);
+        Loop<Number, Number, Kind> loop(parameters + lane, scenarios, initial_levels);
         for (std::size_t sample = 0; sample < samples; ++sample) {
             loop.control(setpoints + 2 * sample);
             loop.integrate();
@@ -274,29 +399,38 @@ extern "C" {
 int lanes(int count) { return count * vector_lanes; }
 
 // Scenarios first … last-1 of a batch; parameters [18][scenarios], setpoints [samples][2],
-// final [8][scenarios]. Returns 0, or 1 where `count` is none of 1, 2, 3, 4.
-int batch(int count, const double *parameters, const double *setpoints,
+// final [8][scenarios]. `kind`: 0 for the bare problem, 1 with all guards, 4, 6 or 8 with so many
+// refined roots. Returns 0, or 1 where `count` is none of 1, 2, 3, 4 or there is no such kind.
+int batch(int kind, int count, const double *parameters, const double *setpoints,
           const double *initial_levels, std::size_t scenarios, std::size_t samples,
           std::size_t first, std::size_t last, double *final) {
-    switch (count) {
-#define WITH(n)                                                                               \
-    case n:                                                                                   \
-        run_batch<n>(parameters, setpoints, initial_levels, scenarios, samples, first, last,  \
-                     final);                                                                  \
+    switch (10 * kind + count) {
+#define WITH(number, type, n)                                                                  \
+    case 10 * number + n:                                                                      \
+        run_batch<n, type>(parameters, setpoints, initial_levels, scenarios, samples, first,   \
+                           last, final);                                                       \
         return 0;
-        WITH(1)
-        WITH(2)
-        WITH(3)
-        WITH(4)
+#define WITH_ANY(number, type)                                                                 \
+    WITH(number, type, 1) WITH(number, type, 2) WITH(number, type, 3) WITH(number, type, 4)
+        WITH_ANY(0, Bare)
+        WITH_ANY(1, Guarded)
+        WITH_ANY(4, Refined<4>)
+        WITH_ANY(6, Refined<6>)
+        WITH_ANY(8, Refined<8>)
+#undef WITH_ANY
 #undef WITH
     }
     return 1;
 }
 
-// One run; recorded [samples][6] holds the levels and voltages of every sample.
-void single(const double *parameters, const double *setpoints, const double *initial_levels,
-            std::size_t samples, double *recorded, double *final) {
-    Loop<double, Single> loop(parameters, 1, initial_levels);
+}  // extern "C"
+
+namespace {
+
+template <class Kind>
+void run_single(const double *parameters, const double *setpoints, const double *initial_levels,
+                std::size_t samples, double *recorded, double *final) {
+    Loop<double, Single, Kind> loop(parameters, 1, initial_levels);
     for (std::size_t sample = 0; sample < samples; ++sample) {
         const double start[4] = {loop.level[0], loop.level[1], loop.level[2], loop.level[3]};
         loop.control(setpoints + 2 * sample);
@@ -311,6 +445,17 @@ void single(const double *parameters, const double *setpoints, const double *ini
         final[4 + i] = loop.integral[i];
         final[6 + i] = loop.absolute_error[i];
     }
+}
+
+}  // namespace
+
+extern "C" {
+
+// One run; recorded [samples][6] holds the levels and voltages of every sample. `kind`: 0 or 1.
+void single(int kind, const double *parameters, const double *setpoints,
+            const double *initial_levels, std::size_t samples, double *recorded, double *final) {
+    (kind ? run_single<Guarded> : run_single<Bare>)(parameters, setpoints, initial_levels, samples,
+                                                    recorded, final);
 }
 
 // As many roots as `steps` scenario-steps need and nothing else, in chains that do not wait for

@@ -22,7 +22,7 @@ from benchmarks.case import (
     make_case,
     solve,
 )
-from benchmarks.cplusplus import VECTOR_COUNTS, CPlusPlus, recording_arrays
+from benchmarks.cplusplus import REFINED, VECTOR_COUNTS, CPlusPlus, Kind, recording_arrays
 from benchmarks.experiments import AGREEMENT
 from benchmarks.measure import Spread, Timings, Way, interleave
 from benchmarks.programs.problems import TankControl, random_problems
@@ -66,8 +66,16 @@ def test_the_step_drives_a_pump_into_its_limit_and_the_loop_settles_at_the_setpo
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("vectors", VECTOR_COUNTS)
-def test_cplusplus_batch_equals_numpy(program: CPlusPlus, vectors: int) -> None:
-    assert largest_difference(program.batch(BATCH, vectors), solve(BATCH)) < AGREEMENT
+@pytest.mark.parametrize("kind", Kind)
+def test_cplusplus_batch_equals_numpy(program: CPlusPlus, vectors: int, kind: Kind) -> None:
+    assert largest_difference(program.batch(BATCH, vectors, kind=kind), solve(BATCH)) < AGREEMENT
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("kind", REFINED)
+def test_refined_roots_change_no_bit(program: CPlusPlus, kind: Kind) -> None:
+    bare, refined = (program.batch(BATCH, 2, kind=each).final for each in (Kind.BARE, kind))
+    np.testing.assert_array_equal(bare, refined)
 
 
 @pytest.mark.thorough
@@ -83,8 +91,9 @@ def test_roots_alone_are_roots(program: CPlusPlus) -> None:
 
 
 @pytest.mark.thorough
-def test_cplusplus_single_run_equals_numpy(program: CPlusPlus) -> None:
-    found = program.single(ONE_RUN, *recording_arrays(ONE_RUN))
+@pytest.mark.parametrize("kind", [Kind.BARE, Kind.GUARDED])
+def test_cplusplus_single_run_equals_numpy(program: CPlusPlus, kind: Kind) -> None:
+    found = program.single(ONE_RUN, *recording_arrays(ONE_RUN), kind=kind)
     assert largest_difference(found, solve(ONE_RUN)) < AGREEMENT
 
 

@@ -38,7 +38,7 @@ _OTHER = (1, _ANY)
 #: Statements with a body.
 _LONG = (60, _MULTIPLY)
 _FUSED = (4, _MULTIPLY)
-#: Cycles of a root out of multiply-adds, and how many of them; by whether it may be endless. A little
+#: Cycles of a root out of multiply-adds, and how many of them; by whether it may be endless. A bit
 #: less than alone (35 and 11), which gave the fastest orders.
 _REFINED, _MULTIPLY_ADDS = {False: 32, True: 40}, {False: 10, True: 13}
 #: Lanes of a vector: alone it waits too long for an endless root, two side by side do not.

@@ -294,7 +294,7 @@ def _length(statement: Statement) -> int:
 
 
 def _stands_between(statement: Statement, length: int) -> bool:
-    """Whether a statement reaches for the kernel's rings or turns, or is printed in parts itself."""
+    """Whether a statement reaches for the rings or turns, or is printed in parts itself."""
     if isinstance(statement, ForLoop) and (statement.rings or statement.adjustable):
         return True
     return length > LARGEST_PART and isinstance(statement, (ForLoop, Conditional))
