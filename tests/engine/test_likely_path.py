@@ -70,7 +70,7 @@ def stimulus(samples, scenarios, seed=3):
     return inputs, starts
 
 
-def run(samples, scenarios, lanes=None, fuse=True):
+def run(samples, scenarios, lanes=None, fuse=True, threads=None):
     names = [f"u{k}" for k in range(TANKS)]
     inputs, starts = stimulus(samples, scenarios)
     kernel = Kernel(program_of(LAW), individual=names, lanes=lanes, fuse=fuse)
@@ -80,7 +80,7 @@ def run(samples, scenarios, lanes=None, fuse=True):
     state |= {f"last{k}": lasts[k] for k in range(TANKS)}
     parameters = {"gain": gains}
     inputs = dict(zip(names, inputs, strict=True))
-    return kernel.run(samples, inputs=inputs, state=state, parameters=parameters)
+    return kernel.run(samples, inputs=inputs, state=state, parameters=parameters, threads=threads)
 
 
 def bits(found):
@@ -128,8 +128,11 @@ def test_every_bit_is_that_of_all_statements(lanes, fuse, without):
 
 
 @pytest.mark.thorough
-def test_a_million_samples_have_the_bits_of_all_statements(without):
-    assert_same_bits(run(20_000, 51), without(20_000, 51))
+def test_a_million_samples_have_the_same_bits_in_any_lanes_on_any_threads(without):
+    whole = without(20_000, 51)
+    for lanes in (1, 2, 4, 8, 16):
+        for threads in (1, 2):
+            assert_same_bits(run(20_000, 51, lanes, threads=threads), whole)
 
 
 def test_one_run_is_casadi_bit_for_bit():
