@@ -9,14 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 
-from clepsydra.engine.steps import Bounded, Known, Required, Same, Step, reads, writes
+from clepsydra.engine.steps import Bounded, Known, Required, Same, Step, reads, statement_in, writes
 from clepsydra.program.operation import Operation
-from clepsydra.program.program import ForLoop, Statement
+from clepsydra.program.program import Block, ForLoop, Statement
 
 #: What no number lies beyond.
 LARGEST = 1e300
-#: A path that leaves out fewer statements is not worth its code.
-_FEWEST = 16
+#: A path that leaves out fewer operations, or a smaller share of all, is not worth its code.
+_FEWEST, _SHARE = 16, 1 / 16
 
 
 def likely_path(
@@ -62,13 +62,28 @@ def likely_path(
     Same
     """
     whole = list(statements)
-    if any(isinstance(each, ForLoop) and each.rings for each in whole):
-        return ()  # what a loop has written into its rings cannot be taken back
+    loops = [each for each in whole if isinstance(each, ForLoop)]
+    # What a loop has written into its rings cannot be taken back; one whose turns are told is run
+    # a few times, to estimate an error.
+    if any(each.rings or each.adjustable for each in loops):
+        return ()
     wanted, usual = list(results), dict(_usual(whole, constants, held, following))
     steps = _needed(_Folding(usual, whole).steps(whole), wanted, read_by)
-    done = sum(not isinstance(step, (Known, Same)) for step in steps)
-    saved = len(_needed(whole, wanted, read_by)) - done
-    return tuple(steps) if usual and saved >= _FEWEST else ()
+    before = _length(_needed(whole, wanted, read_by))
+    saved = before - _length(steps)
+    return tuple(steps) if usual and saved >= max(_FEWEST, _SHARE * before) else ()
+
+
+def _length(steps: Iterable[Step]) -> int:
+    """Return how many operations and tests stand in the code of steps, their bodies included."""
+    found = 0
+    for step in steps:
+        statement = statement_in(step)
+        if isinstance(step, Required) or isinstance(statement, Operation):
+            found += 1
+        elif statement is not None:
+            found += sum(1 for _ in Block(0, (statement,), ()).operations())
+    return found
 
 
 def _usual(

@@ -50,9 +50,9 @@ class StatementPrinter:
         self.fused = dict(self._fusions(block))
 
     def print_all(self, statements: Iterable[Statement]) -> None:
-        """Print statements; as soon as each can begin, if a processor is known."""
+        """Print statements; in whole vectors of a known processor as soon as each can begin."""
         steps: Iterable[Step] = statements
-        if self.processor:
+        if self.processor and self.text.lanes >= self.processor.lanes:
             bounded = with_bounded_roots(statements, self.block.made)
             steps = soonest_first([*bounded], self.form())
         for each in steps:
