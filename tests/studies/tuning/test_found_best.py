@@ -23,7 +23,7 @@ TUNED_PID = "PID, SIMC, tuned"
 #: Processes of the catalogue whose levels are held.
 HELD = [p.name for p in cl.catalogue() if not load_process(p.name).averaging]
 #: Processes on which ten times the search takes a minute; on the others it takes several.
-SOON = {"wet-well", "three-tanks", "eight-tanks"}
+SOON = {"three-tanks", "eight-tanks"}
 LATE = pytest.mark.skipif(
     not os.environ.get("CLEPSYDRA_LONG_SEARCHES"),
     reason="takes minutes; CLEPSYDRA_LONG_SEARCHES=1 runs it",
