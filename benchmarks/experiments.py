@@ -198,7 +198,7 @@ class Experiments:
 
         def build_cpp() -> Solution:
             with tempfile.TemporaryDirectory() as folder:
-                return CPlusPlus.build(Path(folder)).batch(case, 2)
+                return CPlusPlus.build(Path(folder), every_kind=False).batch(case, 2)
 
         kernels = self.folder / "first-call"
         ways = [
