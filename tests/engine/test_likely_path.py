@@ -1,5 +1,6 @@
 """A sample without its unlikely branches gives every bit that all of it gives."""
 
+import re
 from dataclasses import replace
 
 import casadi as ca
@@ -7,11 +8,13 @@ import numpy as np
 import pytest
 from random_laws import evaluate
 
+import clepsydra as cl
 from clepsydra import Kernel, Signal, program_of
 from clepsydra.engine.host import host
 from clepsydra.engine.kernel_form import KernelForm
 from clepsydra.engine.likely_path import likely_path
 from clepsydra.engine.vector_code import vector_code
+from clepsydra.engine.vector_text import bits as bits_of
 from clepsydra.program.operation import Operation
 from clepsydra.program.step_law import Equations, step_law
 
@@ -215,3 +218,12 @@ def test_a_setting_is_usually_what_it_was(after, usual):
     ]  # fmt: skip
     path = likely_path(statements, {}, {1}, {2: after}, [24, 25], by_arguments)
     assert bool(path) == usual
+
+
+def test_the_checks_of_a_law_for_numbers_are_known():
+    law = cl.design.simc("quadruple-tank").law
+    code = vector_code(program_of(law), KernelForm(4, processor=host()))
+    begin = code.index("\nlikely:")
+    path, whole = code[begin : code.index("\ngeneral:")], code[code.index("\ngeneral:") :]
+    checks = re.compile(rf"fcmp ole .*{bits_of(1e300)}")
+    assert len(checks.findall(path)) < len(checks.findall(whole)) // 2

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from dataclasses import replace
 
+from clepsydra.engine.staying import staying
 from clepsydra.program.operation import Operation
 from clepsydra.program.program import (
     Block,
@@ -12,7 +13,6 @@ from clepsydra.program.program import (
     ForLoop,
     Program,
     Statement,
-    read_by,
 )
 
 #: Operations that take several times as long as a choice.
@@ -38,13 +38,13 @@ def choosing_first(program: Program) -> Program:
     >>> [each.code for each in choosing_first(program).block.statements]
     ['less', 'select', 'square_root']
     """
-    block = _choosing_first(program.block, set(program.parameter_arguments))
+    block = _choosing_first(program.block, program.parameter_arguments)
     return program if block is program.block else replace(program, block=block)
 
 
 def _choosing_first(block: Block, constant: Collection[int]) -> Block:
     """Return the block with its bodies, or itself where nothing changes; `constant` stays."""
-    staying, uses = _staying(block, constant), block.uses()
+    stays, uses = staying(block, constant), block.uses()
     made: dict[int, Operation] = {}
     found: list[list[Statement]] = []
     places: dict[int, int] = {}
@@ -58,7 +58,7 @@ def _choosing_first(block: Block, constant: Collection[int]) -> Block:
         one, other = (made.get(value) for value in each.arguments[1:])
         if one is None or other is None or one.target == other.target:
             continue
-        alone = all(uses[q.target] == 1 and q.target not in staying for q in (one, other))
+        alone = all(uses[q.target] == 1 and q.target not in stays for q in (one, other))
         if alone and one.code == other.code and one.code in _SLOW:
             chosen = [*_chosen(each, one, other)]
             found[place], made[each.target] = [*chosen], chosen[-1]
@@ -88,12 +88,3 @@ def _with_body(statement: Statement) -> Statement:
     if isinstance(statement, Conditional):
         return replace(statement, body=_choosing_first(statement.body, ()))
     return statement
-
-
-def _staying(block: Block, constant: Collection[int]) -> set[int]:
-    """Return the values that follow from those that stay."""
-    staying = set(constant)
-    for each in block.statements:
-        if isinstance(each, Operation) and staying.issuperset(read_by(each)):
-            staying.add(each.target)
-    return staying

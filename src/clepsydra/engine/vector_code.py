@@ -9,6 +9,7 @@ from functools import cached_property, partial
 from clepsydra.engine.bounded_roots import with_bounded_roots
 from clepsydra.engine.kernel_form import KernelForm
 from clepsydra.engine.likely_path import likely_path
+from clepsydra.engine.staying import has_rings, staying
 from clepsydra.engine.step_order import soonest_first
 from clepsydra.engine.steps import Step
 from clepsydra.engine.vector_likely import COUNTERS, print_twice
@@ -19,7 +20,7 @@ from clepsydra.engine.vector_text import VectorText
 from clepsydra.engine.workspace import Workspace
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.operation import Operation
-from clepsydra.program.program import ForLoop, Program, Statement, read_by, written_by
+from clepsydra.program.program import Program, Statement, written_by
 
 KERNEL = "clepsydra_kernel"
 
@@ -54,7 +55,7 @@ class _KernelPrinter:
         self.text = VectorText(form.lanes)
         self.values: dict[int, str] = {}
         self.carried: list[tuple[int, str, str]] = []
-        self.hoisted = _constant_in_time(program)
+        self.hoisted = staying(program.block, program.parameter_arguments)
         entries = list(zip(program.state, program.state_arguments, program.next_state, strict=True))
         self.delayed = [
             (entry, value, result)
@@ -340,21 +341,8 @@ class _PartedKernelPrinter(_KernelPrinter):
         self.parts.values.follow(arguments, results)
 
 
-def _constant_in_time(program: Program) -> set[int]:
-    """Return the values that depend on parameters and constants only."""
-    constant = set(program.parameter_arguments)
-    for statement in program.block.statements:
-        if not _has_rings(statement) and constant.issuperset(read_by(statement)):
-            constant.update(written_by(statement))
-    return constant
-
-
 def _is_within(statement: Statement, values: set[int]) -> bool:
     """Whether a statement only assigns values of a set; what a ring holds is never constant."""
     if isinstance(statement, Operation):
         return statement.target in values
-    return not _has_rings(statement) and values.issuperset(written_by(statement))
-
-
-def _has_rings(statement: Statement) -> bool:
-    return isinstance(statement, ForLoop) and bool(statement.rings)
+    return not has_rings(statement) and values.issuperset(written_by(statement))
