@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
@@ -400,3 +401,15 @@ def test_a_search_that_leaves_the_numbers_ends_in_words(tmp_path):
     """It comes by a tip, where 1/A has no value: NumPy warned, which is an error of the tests."""
     with pytest.raises(NoEquilibrium, match="fall below its floor"):
         find_equilibrium(plant_of(tmp_path, SLENDER).process)
+
+
+def test_a_pump_that_lifts_nothing_where_the_search_begins_is_found_above():
+    """At 70 % the pump of the wet well does not reach 9.5 m; at 74 % it gives the inflow."""
+    process = load_process("wet-well")
+    numbers = {"duty.static_head": 9.55, "well.weir": 2.21, "level.gain": 0.00364}
+    parameters = tuple(
+        replace(s, initial=numbers.get(s.name, s.initial)) for s in process.parameters
+    )
+    point = find_equilibrium(replace(process, parameters=parameters), outputs={"level": 0.01})
+    assert 0.7 < point.as_dict()["duty"] < 0.8
+    assert point.residual < 1e-12

@@ -30,7 +30,7 @@ from clepsydra.process.process import Process
 
 _DIGITS = 14
 # Starts that are tried where the search from the initial levels fails: shares of the height.
-_OTHER_STARTS = (0.1, 0.9)
+OTHER_STARTS = (0.1, 0.9)
 # All states at these shares of their ranges, then so many random mixtures, always the same.
 _SHARES = (0.02, 0.2, 0.4, 0.6, 0.8, 0.98)
 _MIXTURES = 6
@@ -218,7 +218,7 @@ def _rounded(values: np.ndarray) -> np.ndarray:
 def _first_found(search: EquilibriumSearch) -> Iterate:
     """Return the first solution with all levels on or above their floor, or the first attempt."""
     first = search.run(None)
-    for share in (None, *_OTHER_STARTS):
+    for share in (None, *OTHER_STARTS):
         attempt = first if share is None else search.run(share)
         if attempt.solved and not search.below_floor(attempt.unknowns).any():
             return attempt
@@ -230,7 +230,7 @@ def _by_continuation(search: EquilibriumSearch) -> Iterate | None:
         return by_homotopy(search)
     if search.request.outputs:
         return None
-    ways = (by_pseudo_transient(search, share) for share in (None, *_OTHER_STARTS))
+    ways = (by_pseudo_transient(search, share) for share in (None, *OTHER_STARTS))
     return next((found for found in ways if found is not None), None)
 
 

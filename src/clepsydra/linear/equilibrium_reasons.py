@@ -13,7 +13,7 @@ from clepsydra.linear.signal_words import beyond_of_range, shown_apart
 from clepsydra.process.process import Process
 
 # A share of the range that rounding may add to a value at its limit.
-_AT_LIMIT = 1e-9
+AT_LIMIT = 1e-9
 # A component of a null vector below this share of the largest plays no part.
 _PART = 1e-6
 
@@ -44,11 +44,11 @@ def reasons_outside_ranges(search: EquilibriumSearch, solved: Iterate) -> tuple[
     for signal, value in zip(process.state, state, strict=True):
         if signal.owner in moved:  # an actuator follows its signal
             continue
-        if value > signal.high + _AT_LIMIT * abs(signal.high):
+        if value > signal.high + AT_LIMIT * abs(signal.high):
             where = "its rim" if signal.unit == "m" else "the top of its range,"
             height, limit = shown_apart(signal, value, signal.high)
             reasons.append(f"{signal.name} would stand at {height}, above {where} at {limit}")
-        slack = _AT_LIMIT * (signal.span if np.isfinite(signal.span) else abs(signal.low))
+        slack = AT_LIMIT * (signal.span if np.isfinite(signal.span) else abs(signal.low))
         if signal.unit != "m" and value < signal.low - slack:
             found, limit = shown_apart(signal, value, signal.low)
             reasons.append(f"{signal.name} would be {found}, below its range from {limit}")
@@ -156,7 +156,7 @@ def warnings_of_sensors(process: Process, measured: np.ndarray) -> list[Remark]:
 
 def _is_outside(signal: Signal, value: float) -> bool:
     """Return whether a value is beyond its range by more than rounding."""
-    slack = _AT_LIMIT * (signal.span if np.isfinite(signal.span) else 0.0)
+    slack = AT_LIMIT * (signal.span if np.isfinite(signal.span) else 0.0)
     return not signal.low - slack <= value <= signal.high + slack
 
 

@@ -26,7 +26,7 @@ _BLOCK = 2**18
 FLOOR = 1e-7
 # An actuator beyond its range counts in a straight line from this share of it inside of its end,
 # for at a stop there is no slope.
-_INSIDE = 1e-9
+INSIDE = 1e-9
 # The equations are continued in a straight line below this ζ; the floor has no derivative.
 _CONTINUED = 1e-20
 
@@ -115,18 +115,26 @@ class EquilibriumSearch:
             (s.low, s.high) if {s.name, s.owner} & names else (-np.inf, np.inf)
             for s in self._signals
         ]
-        self._least, self._most = np.reshape(ends, (-1, 2)).T / self.spans
-        self._origins = np.where(floored, self.floors, 0.0)
-        self._continued = np.where(self.floored, _CONTINUED, -np.inf)
+        self.least, self.most = np.reshape(ends, (-1, 2)).T / self.spans
+        self.origins = np.where(floored, self.floors, 0.0)
+        self.continued = np.where(self.floored, _CONTINUED, -np.inf)
 
     def start(self, share: float | None) -> np.ndarray:
-        """Return unknowns with every level at a share of its height, or at its initial value."""
+        """Return unknowns with every level at a share of its height, or at its initial value.
+
+        An input that is searched for, and its actuator, stand at the same share of their range: a
+        pump that lifts nothing where it begins has no slope there.
+        """
         shares = np.zeros(len(self._signals))
+        ranged = np.isfinite(self.least) & np.isfinite(self.most)
         for place, (signal, span) in enumerate(zip(self._signals, self.spans, strict=True)):
             inside = signal.low < signal.initial < signal.high
             if self.floored[place]:
                 above = (signal.initial - signal.low) / span if inside else 0.5
                 shares[place] = np.sqrt(above if share is None else share)
+            elif share is not None and ranged[place]:
+                low, high = self.least[place], self.most[place]
+                shares[place] = low + share * (high - low)
             elif inside or not np.isfinite(signal.low + signal.high):
                 shares[place] = signal.initial / span
             else:
@@ -134,20 +142,20 @@ class EquilibriumSearch:
         return shares
 
     def values(self, unknowns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the state [n] and all inputs [m] that the unknowns stand for, SI."""
+        """Return state [..., n] and inputs [..., m], SI, of which these are the unknowns."""
         states = len(self.process.state)
-        floored = self.floored[:states]
+        floored, scaled = self.floored[:states], unknowns[..., :states]
         straight = self._straight(unknowns)
-        risen = np.where(unknowns[:states] <= FLOOR, 0.0, unknowns[:states]) ** 2
-        levels = self._origins + self.spans[:states] * risen
-        state = np.where(floored, levels, straight[:states])
+        risen = np.where(scaled <= FLOOR, 0.0, scaled) ** 2
+        levels = self.origins + self.spans[:states] * risen
+        state = np.where(floored, levels, straight[..., :states])
         return state, self._inputs(unknowns)
 
     def _inputs(self, unknowns: np.ndarray) -> np.ndarray:
         inputs = np.empty((*unknowns.shape[:-1], len(self.request.inputs)))
         inputs[...] = self.request.inputs
         if self._columns:
-            inputs[..., self._columns] = self._straight(unknowns)[..., len(self._origins) :]
+            inputs[..., self._columns] = self._straight(unknowns)[..., len(self.origins) :]
         return inputs
 
     def _straight(self, unknowns: np.ndarray) -> np.ndarray:
@@ -158,14 +166,14 @@ class EquilibriumSearch:
         """Return the unknowns that stand for a state [n] and inputs [m], SI."""
         states = len(self.process.state)
         floored, spans = self.floored[:states], self.spans[:states]
-        shares = (state - self._origins) / spans
+        shares = (state - self.origins) / spans
         scaled = np.where(floored, np.sqrt(np.maximum(shares, 0.0)), shares)
         free = inputs[list(self.request.free_inputs)] / self.spans[states:]
         return np.concatenate([scaled, free])
 
     def state_slopes(self, unknowns: np.ndarray) -> np.ndarray:
         """Return dx/dζ of each state [..., n], SI."""
-        states = len(self._origins)
+        states = len(self.origins)
         scaled, spans = unknowns[..., :states], self.spans[:states]
         return np.where(self.floored[:states], 2.0 * spans * scaled, spans)
 
@@ -188,7 +196,7 @@ class EquilibriumSearch:
         return current
 
     def below_floor(self, unknowns: np.ndarray) -> np.ndarray:
-        """Return which unknowns [n + f] are levels below their floor."""
+        """Return which unknowns [..., n + f] are levels below their floor."""
         return np.asarray(self.floored & (unknowns < -FLOOR))
 
     def _improved(self, current: Iterate) -> Iterate | None:
@@ -218,15 +226,15 @@ class EquilibriumSearch:
                 yield row, partial(iterate, place)
 
     def _together(self, unknowns: np.ndarray) -> tuple[np.ndarray, Callable[[int], Iterate]]:
-        request, states = self.request, len(self._origins)
+        request, states = self.request, len(self.origins)
         rows, columns = self._rows, self._columns
-        above = np.maximum(unknowns, self._continued)
-        beyond = (above < self._least) | (above > self._most)
+        above = np.maximum(unknowns, self.continued)
+        beyond = (above < self.least) | (above > self.most)
         if beyond.any():
-            inside = np.clip(above, self._least + _INSIDE, self._most - _INSIDE)
+            inside = np.clip(above, self.least + INSIDE, self.most - INSIDE)
             above = np.where(beyond, inside, above)
         scaled, spans = above[:, :states], self.spans[:states]
-        risen = self._origins + spans * np.where(self.floored[:states], scaled**2, scaled)
+        risen = self.origins + spans * np.where(self.floored[:states], scaled**2, scaled)
         inputs = self._inputs(above)
         local = self.derivatives.at_each(risen, inputs, request.disturbances)
         slopes = self.state_slopes(above)[:, None]

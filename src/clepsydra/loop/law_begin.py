@@ -17,18 +17,12 @@ from clepsydra.loop.motion_block import RING_PARTS, motion_at_rest, ring_name
 from clepsydra.loop.open_loop_plan import emptied
 from clepsydra.loop.reported_readings import reporting_state
 from clepsydra.loop.scenario import Scenario
+from clepsydra.loop.standing_in_manual import MOST_SAMPLES, followed
 from clepsydra.loop.wired_loop import WiredLoop
 from clepsydra.process.process import Process
 from clepsydra.program.entries import signal_of
 
 Array = NDArray[np.float64]
-
-#: Samples in manual, after which one law has taken over what another one holds for it.
-SAMPLES = 4
-#: As many as an observer may take to come to rest.
-MOST_SAMPLES = 5000
-#: A state moved by less than this share of its size was moved by rounding.
-ROUNDING = 1e-12
 
 
 def law_begin(loop: WiredLoop, scenario: Scenario) -> dict[str, float]:
@@ -187,21 +181,6 @@ def in_manual(loop: WiredLoop, now: Mapping[str, float], parameters: Array, most
     """
     inputs = inputs_in_mode(loop, now, Mode.MANUAL)
     return followed(loop.controller, inputs, parameters, most)
-
-
-def followed(controller: Controller, inputs: Array, parameters: Array, most: int) -> Array:
-    """Return the same with inputs of the law [m] in manual."""
-    law, cases = controller.law, np.atleast_2d(parameters.T)
-    start = np.array([controller.initial_state[entry.name] for entry in law.state])
-    state, inputs = (np.tile(each, (len(cases), 1)) for each in (start, inputs))
-    for sample in range(most):
-        before = state
-        state = law.next_states(before, inputs, cases)
-        if sample >= SAMPLES:
-            still = np.abs(state - before) <= ROUNDING * np.maximum(1.0, np.abs(state))
-            if np.all(still):
-                break
-    return np.reshape(state.T, (len(start), *parameters.shape[1:]))
 
 
 def inputs_in_mode(loop: WiredLoop, now: Mapping[str, float], mode: Mode) -> Array:

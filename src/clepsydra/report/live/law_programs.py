@@ -14,8 +14,9 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.linear_step_law import StepLawDerivatives
 from clepsydra.designs.sampled.sampled_loop import inputs_at_rest
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.loop.law_begin import MOST_SAMPLES, ROUNDING, SAMPLES, inputs_in_mode
+from clepsydra.loop.law_begin import inputs_in_mode
 from clepsydra.loop.loop import Loop
+from clepsydra.loop.standing_in_manual import MOST_SAMPLES, ROUNDING, SAMPLES
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.entries import is_ring, signal_of

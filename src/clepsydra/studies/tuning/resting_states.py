@@ -7,14 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from clepsydra.controllers.blocks.status import Mode
-from clepsydra.loop.law_begin import (
-    MOST_SAMPLES,
-    ROUNDING,
-    SAMPLES,
-    followed,
-    inputs_in_mode,
-)
+from clepsydra.loop.law_begin import inputs_in_mode
 from clepsydra.loop.loop import Loop
+from clepsydra.loop.standing_in_manual import MOST_SAMPLES, ROUNDING, SAMPLES, followed
 from clepsydra.program.delay_ring import DelayRing
 
 
