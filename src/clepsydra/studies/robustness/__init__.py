@@ -1,0 +1,1 @@
+"""Robustness: how controllers do over many draws of what nobody knows exactly."""
