@@ -17,6 +17,7 @@ from clepsydra.process.component import Component
 from clepsydra.process.document import Document
 from clepsydra.process.element import Element
 from clepsydra.process.equations import Equations
+from clepsydra.process.uncertainty import Uncertainty
 from clepsydra.program.dense_function import DenseFunction
 
 
@@ -53,6 +54,8 @@ class Process(Equations):
         Those of them that loads must leave in a band to its ends [unit of the measurement].
     drawn : int
         The number from which its holes, splits and gains are drawn; 0 for those of the file.
+    uncertainty : Uncertainty
+        How its parameters are distributed about their values.
     document : Document or None
         What that file says, with its lines.
     tags : mapping
@@ -84,6 +87,7 @@ class Process(Equations):
     tags: Mapping[str, str] = field(default_factory=dict)
     drawn: int = 0
     alarms: tuple[Alarm, ...] = ()
+    uncertainty: Uncertainty = field(default_factory=Uncertainty)
     document: Document | None = field(default=None, compare=False, repr=False)
 
     @cached_property

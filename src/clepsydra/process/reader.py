@@ -24,7 +24,7 @@ from clepsydra.process.document import Document, kind_of, parse
 from clepsydra.process.drawn import drawn, split_number
 from clepsydra.process.element import Element
 from clepsydra.process.elements.tank import Tank
-from clepsydra.process.equations import join
+from clepsydra.process.equations import Equations, join
 from clepsydra.process.kinds import kinds
 from clepsydra.process.known_names import known_names
 from clepsydra.process.operating_outputs import check_sensor_ranges, read_nominal_outputs
@@ -33,6 +33,8 @@ from clepsydra.process.process import Process
 from clepsydra.process.process_name import check_process_name
 from clepsydra.process.table_reader import TableReader, checked_name
 from clepsydra.process.tags import read_tags
+from clepsydra.process.uncertainty import Uncertainty
+from clepsydra.process.uncertainty_reader import UNCERTAINTY, read_uncertainty
 from clepsydra.process.unused import without_unused
 from clepsydra.process.variants import (
     VARIANT_KEYS,
@@ -73,6 +75,7 @@ GENERAL_KEYS = {
     "manipulated": told.names("what controllers move; all pumps and valves if left out"),
     "components": told.by_name("what is dissolved in the liquid", {"type": "object"}),
     "alarms": ALARMS,
+    "uncertainty": UNCERTAINTY,
     "elements": told.text("a Python file with elements of your own, which is run"),
     "operating_point": told.by_name("measurements at the operating point"),
     **VARIANT_KEYS,
@@ -232,6 +235,7 @@ def _process(document: Document, path: Path | None, asked: tuple[str, ...] | Non
         alarms=read_alarms(document, general, joined, controlled),
         bands=read_bands(document, elements, averaging, nominal_outputs),
         tags=read_tags(document, elements),
+        uncertainty=_uncertainty(document, general, joined),
     )
 
 
@@ -284,6 +288,13 @@ def _elements(
             if isinstance(element, Tank):
                 vessels[name] = element.vessel
     return tuple(elements)
+
+
+def _uncertainty(document: Document, general: TableReader, joined: Equations) -> Uncertainty:
+    """Read how uncertain the parameters are; as by default where the file does not say it."""
+    if not general.has("uncertainty"):
+        return Uncertainty()
+    return read_uncertainty(TableReader(document, ("uncertainty",), None), joined)
 
 
 def _manipulated(general: TableReader, elements: Sequence[Element]) -> tuple[str, ...] | None:
