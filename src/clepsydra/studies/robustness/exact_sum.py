@@ -54,7 +54,7 @@ class ExactSum:
         """Return the sums of values [n], which are numbers or infinite."""
         values = np.asarray(values, dtype=float)
         total = squares = 0
-        finite = values[np.isfinite(values) & (values != 0.0)]
+        finite = values[np.isfinite(values)]
         for start in range(0, len(finite), _BLOCK):
             more, more_squares = _sums(finite[start : start + _BLOCK])
             total, squares = total + more, squares + more_squares

@@ -102,9 +102,7 @@ def _innermost(draws: int, chance: float, level: float) -> _Bound:
 
     # A chance that is met in decimals, as 5 % of one draw, is not missed by a rounding.
     most = 0.5 * (1.0 - level) * (1.0 + 1e-9)
-    place = int(binom.ppf(most, draws, chance)) + 1
-    while place > 0 and binom.cdf(place - 1, draws, chance) > most:
-        place -= 1
+    place = int(binom.ppf(most, draws, chance))
     return _Bound(place, float(binom.cdf(place - 1, draws, chance)))
 
 

@@ -9,6 +9,8 @@ import numpy as np
 
 from clepsydra.base.errors import Finding, InputError
 
+#: With so many, the intervals of indices held in each of 400 scramblings (decision 82).
+ROWS = 2048
 #: Bits of a unit number.
 _BITS = 32
 #: Of all dimensions of a scrambled Sobol sequence that SciPy has, half are for each of A and B.
@@ -28,10 +30,10 @@ class SaltelliDesign:
     ----------
     groups : mapping of str to tuple of int
         Which columns vary together, by the group's name; each column is in one group.
-    rows : int
-        Of each of the blocks, a power of two: only then the sequence is balanced.
     seed : int
         Of the scrambling.
+    rows : int
+        Of each of the blocks, a power of two: only then the sequence is balanced.
 
     Raises
     ------
@@ -51,8 +53,8 @@ class SaltelliDesign:
     """
 
     groups: Mapping[str, tuple[int, ...]]
-    rows: int
     seed: int
+    rows: int = ROWS
 
     def __post_init__(self) -> None:
         if self.rows < 2 or self.rows & (self.rows - 1):

@@ -120,7 +120,7 @@ def wilson_interval(
     square = float(ndtri(0.5 + 0.5 * level)) ** 2
     middle = counts + 0.5 * square
     half = np.sqrt(square * (counts * ((of - counts) / of) + 0.25 * square))
-    low = np.where(counts == 0, 0.0, (middle - half) / (of + square))
+    low = (middle - half) / (of + square)  # exactly 0 at 0: the root of a square is the number
     high = np.where(counts == of, 1.0, (middle + half) / (of + square))
     return low, high
 

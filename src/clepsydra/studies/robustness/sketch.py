@@ -74,7 +74,7 @@ class Sketch:
     @classmethod
     def of_steps(cls, scores: np.ndarray, steps: int) -> Sketch:
         """Return the sketch of scores with so many steps, as `steps_for` gives them."""
-        bits = np.ascontiguousarray(scores, dtype=float).view(np.int64)
+        bits = np.asarray(scores, dtype=float).view(np.int64)
         sizes = bits & np.int64(0x7FFF_FFFF_FFFF_FFFF)
         numbers = np.where(sizes == 0, 0, (sizes >> np.int64(_MANTISSA - steps)) + 1)
         return cls(steps, *np.unique(np.where(bits < 0, -numbers, numbers), return_counts=True))
