@@ -15,7 +15,12 @@ from clepsydra.base.words import with_article
 
 def is_finite_number(value: object) -> bool:
     """Tell whether a value is a finite real number; text and truth values are none."""
-    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+    if not isinstance(value, Real) or isinstance(value, bool):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # an integer beyond all floating-point numbers
+        return False
 
 
 def check_choice(
