@@ -42,6 +42,7 @@ class Equilibria:
     reason : ndarray of int [draws]
         Place in `reasons` of why a plant has no admissible steady state; -1 where it has one.
     reasons : tuple of str
+        All that there are with plants of this kind.
     """
 
     state: Array
@@ -126,8 +127,7 @@ class ManyEquilibria:
         unknowns, solved = self._solved(chosen, len(found))
         at, moves = self._search.values(unknowns)
         state[:, moved], inputs[:, moved] = at.T, moves.T
-        why = np.full(count, -1)
-        names = dict[str, int]()
+        why, names = np.full(count, -1), {_NOT_FOUND: 0}
         for words, holds in self._refusals(unknowns, at, moves, chosen):
             place = names.setdefault(words, len(names))
             refused = found[holds & solved]
@@ -136,7 +136,7 @@ class ManyEquilibria:
             own = {name: float(column[draw]) for name, column in values.items()}
             rest = self._alone(own)
             if rest is None:
-                why[draw] = names.setdefault(_NOT_FOUND, len(names))
+                why[draw] = names[_NOT_FOUND]
             else:
                 state[:, draw], inputs[:, draw] = rest.state, rest.inputs
         return Equilibria(state, inputs, why, tuple(names))
@@ -217,10 +217,11 @@ class ManyEquilibria:
 
     def _at_rest(self, state: Array, inputs: Array, values: Mapping[str, Array]) -> list[Array]:
         """Return what the motion is given at rest, as `Motion.at_rest`, of all plants."""
-        own = {name: np.broadcast_to(v, len(state)) for name, v in {**self._own, **values}.items()}
-        process = self._search.process
+        process, known = self._search.process, dict[str, Array]()
+        for name, own in self._own.items():
+            known[name] = values.get(name, np.full(len(state), own))
         p, d = (
-            np.array([own[s.name] for s in group]).reshape(len(group), len(state))
+            np.array([known[s.name] for s in group]).reshape(len(group), len(state))
             for group in (process.parameters, process.disturbances)
         )
         return process.motion.at_rest_in_each(state.T, inputs.T, d, p)

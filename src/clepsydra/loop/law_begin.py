@@ -183,7 +183,7 @@ def in_manual(loop: WiredLoop, now: Mapping[str, float], parameters: Array, most
     return followed(loop.controller, inputs, parameters, most)
 
 
-def inputs_in_mode(loop: WiredLoop, now: Mapping[str, float], mode: Mode) -> Array:
-    """Return the inputs of a law with all its outputs in one mode [m]."""
+def inputs_in_mode(loop: WiredLoop, now: Mapping[str, ArrayLike], mode: Mode) -> Array:
+    """Return the inputs of a law with all its outputs in one mode, [m] or [m, cases]."""
     modes = {f"{name}.mode": float(mode) for name in loop.controller.manipulated}
     return loop.law_inputs({**now, **modes})

@@ -29,12 +29,14 @@ def loop_kernel(
     *,
     adjustable: bool = False,
     scores: RunningScores | None = None,
+    individual: tuple[str, ...] = (),
 ) -> Kernel:
     """Return the kernel of `clepsydra.loop.closed_loop.closed_loop`, which takes the same.
 
     Half of a study's controllers have a law in common, as PI control: what it is wired to and the
     numbers of the process make its program, its own numbers are parameters. With scores it keeps
-    the status of each scenario and stores no trajectories, nor alarms.
+    the status of each scenario and stores no trajectories, nor alarms. Inputs may be `individual`:
+    other ones in each scenario.
 
     Examples
     --------
@@ -48,7 +50,9 @@ def loop_kernel(
     >>> first is second
     True
     """
-    return _kernel(_Form(process, controller, dict(constant), substeps, adjustable, scores))
+    return _kernel(
+        _Form(process, controller, dict(constant), substeps, adjustable, scores, individual)
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +65,7 @@ class _Form:
     substeps: int
     adjustable: bool
     scores: RunningScores | None
+    individual: tuple[str, ...]
 
     def _compared(self) -> Hashable:
         wired = self.controller
@@ -68,7 +73,7 @@ class _Form:
             id(self.process), id(wired.law), wired.measurements, wired.setpoints,
             wired.manipulated, (*wired.free_inputs.items(),), wired.free_outputs,
             (*self.constant.items(),), self.substeps, self.adjustable,
-            self.scores and self.scores.names,
+            self.scores and self.scores.names, self.individual,
         )  # fmt: skip
 
     def __eq__(self, other: object) -> bool:
@@ -86,4 +91,5 @@ def _kernel(form: _Form) -> Kernel:
         alarms=form.scores is None,
     )  # fmt: skip
     lanes = _SIDE_BY_SIDE if form.adjustable else None
-    return Kernel(program, record=form.scores is None, lanes=lanes)
+    recorded = form.scores is None
+    return Kernel(program, individual=form.individual, record=recorded, lanes=lanes)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import casadi as ca
@@ -16,6 +16,7 @@ from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.reader import inline
+from clepsydra.scores.error_extremes import ERROR_EXTREMES
 from clepsydra.scores.extreme_levels import EXTREME_LEVELS
 from clepsydra.scores.marks import before, marks, per_step
 from clepsydra.scores.sample import Held, Sample
@@ -28,7 +29,8 @@ _KINDS = {"setpoint": "setpoint step", "load": "load step", "noise": "stretch of
 
 def running_scores() -> dict[str, Score]:
     """Return the scores that can be added up while a loop runs."""
-    return {key: score for key, score in SCORES.items() if score.is_running} | EXTREME_LEVELS
+    running = {key: score for key, score in SCORES.items() if score.is_running}
+    return running | EXTREME_LEVELS | ERROR_EXTREMES
 
 
 class RunningScores:
@@ -73,6 +75,8 @@ class RunningScores:
         self._told: dict[str, Signal] = {}
         self._memory: dict[str, tuple[Signal, ca.SX]] = {}
         self._folds: dict[str, list[str]] = {}
+        #: What each state of a fold is before its first sample.
+        self.starts: dict[str, float] = {}
         following: dict[str, tuple[Signal, ca.SX]] = {}
         for name, (score, signal) in self._scores.items():
             following |= self._following(name, score, signal)
@@ -113,6 +117,20 @@ class RunningScores:
     def folds(self, name: str) -> list[str]:
         """Return the states that a score is made of, or is itself."""
         return self._folds[name]
+
+    def joined(self, name: str, parts: Sequence[np.ndarray]) -> np.ndarray:
+        """Return a score of some parts of a run from what its `folds` came to in each.
+
+        Parameters
+        ----------
+        parts : sequence of ndarray [parts, scenarios]
+            One for each of the folds.
+        """
+        score, _ = self._scores[name]
+        whole = [score.fold.joined(rows) for rows in parts]
+        values = np.array(score.finish(*whole) if score.finish else whole[0])
+        values[~np.isfinite(values)] = np.inf
+        return values
 
     def append(self, builder: BlockBuilder, value: Mapping[str, int]) -> list[int]:
         """Append a sample's share to a program and return the values of the next state.
@@ -160,6 +178,7 @@ class RunningScores:
             following = score.fold.following(symbols, value, sample)
             for state, start, after in zip(states, score.fold.start, following, strict=True):
                 found[state] = Signal(state, unit, initial=start), ca.SX(after)
+                self.starts[state] = start
         return found
 
     def _sample(self, of: Of, name: str) -> Sample:

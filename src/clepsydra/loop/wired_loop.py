@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.conversion import Conversion
@@ -119,12 +122,23 @@ class WiredLoop:
             values |= {f"{u.name}.manual": at[u.name], f"{u.name}.tracking": at[u.name]}
         return values
 
-    def law_inputs(self, now: dict[str, float]) -> np.ndarray:
-        """Return the inputs of the step law from the loop's signals by name."""
+    def law_inputs(self, now: Mapping[str, ArrayLike]) -> np.ndarray:
+        """Return the inputs of the step law from the loop's signals by name.
+
+        Parameters
+        ----------
+        now : mapping
+            Signal to its value, or to that in each of several cases [cases].
+
+        Returns
+        -------
+        ndarray [m] or [m, cases]
+        """
         wires = self.controller.input_wires
-        given = {name: self._passed(name, now[wire]) for name, wire in wires.items()}
-        given["time_step"] = self.process.sampling_period
-        return np.array([given[signal.name] for signal in self.controller.law.inputs])
+        given = {name: self._passed(name, np.asarray(now[wire])) for name, wire in wires.items()}
+        given["time_step"] = np.asarray(self.process.sampling_period)
+        inputs = [given[signal.name] for signal in self.controller.law.inputs]
+        return np.array(np.broadcast_arrays(*inputs))
 
     def told_by_law(self, outputs: np.ndarray) -> dict[str, float]:
         """Return the loop's signals by name from the outputs of the step law."""
@@ -134,7 +148,7 @@ class WiredLoop:
             for signal, value in zip(self.controller.law.outputs, outputs, strict=True)
         }
 
-    def _passed(self, name: str, value: float) -> float:
+    def _passed(self, name: str, value: Any) -> Any:
         return self._ways[name](value) if name in self._ways else value
 
     @cached_property

@@ -117,11 +117,9 @@ class Motion:
         """Return the same of many plants, along a last axis [·, draws] of each array."""
         contents = at_many_points(self.to_contents, [state, p])
         count = state.shape[1]
-        memories = np.array([[signal.initial] * count for signal in self.memories])
-        held = [
-            contents, np.zeros((len(self.delays), count)), memories.reshape(-1, count),
-            inputs, disturbances, p,
-        ]  # fmt: skip
+        initial = np.array([signal.initial for signal in self.memories])
+        memories = np.tile(initial[:, None], (1, count))
+        held = [contents, np.zeros((len(self.delays), count)), memories, inputs, disturbances, p]
         for _ in self.delays:
             held[1] = at_many_points(self.rates, held, 1)
         return held

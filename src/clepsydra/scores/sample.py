@@ -164,6 +164,21 @@ class Fold(Enum):
         done = total - ca.if_else(sample.begins, 0, magnitude(within))
         return done + magnitude(now), now
 
+    def joined(self, parts: FloatArray) -> FloatArray:
+        """Return what several parts of a run came to together [parts, …].
+
+        Examples
+        --------
+        >>> Fold.LARGEST.joined(np.array([2.0, 5.0, 3.0])).item()
+        5.0
+        """
+        if self in (Fold.LARGEST, Fold.SMALLEST):
+            return np.asarray((np.max if self is Fold.LARGEST else np.min)(parts, axis=0))
+        total = parts[0]
+        for part in parts[1:]:  # one after the other, for whatever number of runs
+            total = total + part
+        return total
+
     def over(self, values: FloatArray, sample: Sample) -> float:
         """Return the score of the values of all samples of a run."""
         if self in (Fold.LARGEST, Fold.SMALLEST):

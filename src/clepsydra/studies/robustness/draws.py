@@ -107,7 +107,7 @@ def draw_parameters(
     >>> from clepsydra.process.reader import load_process
     >>> process = load_process("quadruple-tank")
     >>> areas = draw_parameters(process, process.uncertainty, 1, np.arange(1000))["tank_1.area"]
-    >>> areas[0].item(), round(areas.min() / 0.0028, 2), round(areas.max() / 0.0028, 2)
+    >>> areas[0].item(), *(round(float(end) / 0.0028, 2) for end in (areas.min(), areas.max()))
     (0.0028, 0.9, 1.1)
     """
     spread = uncertainty.about(process)

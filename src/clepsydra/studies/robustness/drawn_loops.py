@@ -1,0 +1,113 @@
+"""One controller over drawn plants: any draw alone, or many in chunks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.controller import Controller
+from clepsydra.linear.linearise import linearise
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.loop.begin import begin_from
+from clepsydra.loop.loop import Loop
+from clepsydra.loop.loop_batch import LoopBatch
+from clepsydra.loop.run import Run
+from clepsydra.loop.scenario import Scenario
+from clepsydra.studies.robustness.drawn_plants import DrawnPlants
+from clepsydra.studies.robustness.drawn_scores import DrawnScores, drawn_scores, judged_names
+
+Array = NDArray[np.float64]
+
+#: Draws that run side by side. What comes of one does not depend on it.
+CHUNK = 8192
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnLoops:
+    """A controller over drawn plants in one scenario.
+
+    Parameters
+    ----------
+    controller : Controller
+    scenario : Scenario
+        On the plant of the point, which every draw gets.
+    plants : DrawnPlants
+    names : tuple of str
+        Running scores, see `clepsydra.loop.running_scores.RunningScores`.
+
+    Examples
+    --------
+    Draw 7 alone is draw 7 of many:
+
+    >>> import clepsydra as cl
+    >>> from clepsydra.loop.default_scenario import default_scenario
+    >>> plant = cl.load("three-tanks")
+    >>> plants = DrawnPlants(plant.point, plant.analysis.pairing, plant.process.uncertainty)
+    >>> scenario, names = default_scenario(plant.linear), ("iae[level_3]",)
+    >>> loops = DrawnLoops(cl.design.simc(plant), scenario, plants, names)
+    >>> many = loops.draw(np.arange(20)).scores["iae[level_3]"]
+    >>> alone = loops.draw(np.array([7])).scores["iae[level_3]"]
+    >>> bool(np.all(alone[:, 0] == many[:, 7]))
+    True
+    """
+
+    controller: Controller
+    scenario: Scenario
+    plants: DrawnPlants
+    names: tuple[str, ...]
+
+    def draw(self, numbers: NDArray[np.int64]) -> DrawnScores:
+        """Return what comes of the draws of some numbers, side by side."""
+        values = self.plants.values(numbers)
+        rest = self.plants.rest(values)
+        run = self._batch.run(self.plants.plants(values, rest))
+        return drawn_scores(self._batch, self.names, numbers, rest, run)
+
+    def run(self, number: int) -> Run:
+        """Return the run of one draw, with its trajectories.
+
+        Raises
+        ------
+        InputError
+            The draw has no admissible steady state.
+        """
+        values = self.plants.values(np.array([number]))
+        rest = self.plants.rest(values)
+        if not rest.feasible[0]:
+            raise InputError(
+                "draw", number, "one with an admissible steady state",
+                f"choose another: {rest.reasons[rest.reason[0]]}",
+            )  # fmt: skip
+        batch = self._batch
+        found = batch.run(self.plants.plants(values, rest))
+        point = self._point(values, rest.state[:, 0], rest.inputs[:, 0])
+        begin = begin_from(point, "rest", controller_start="bumpless")
+        loads = point.disturbances - self.plants.point.disturbances
+        scenario = replace(
+            self.scenario, begin=begin, disturbances=self.scenario.disturbances + loads
+        )
+        loop = Loop(self.controller, linearise(point))
+        return loop.run(scenario, substeps=int(found.substeps[0]))
+
+    def _point(self, values: Mapping[str, Array], state: Array, inputs: Array) -> OperatingPoint:
+        nominal = self.plants.point
+        own = {name: float(column[0]) for name, column in values.items()}
+        process = nominal.process
+        parameters = tuple(
+            replace(each, initial=own.get(each.name, each.initial)) for each in process.parameters
+        )
+        loads = zip(process.disturbances, nominal.disturbances.tolist(), strict=True)
+        disturbances = np.array([own.get(signal.name, value) for signal, value in loads])
+        changed = replace(process, parameters=parameters)
+        return OperatingPoint.at(changed, state, inputs, disturbances)
+
+    @cached_property
+    def _batch(self) -> LoopBatch:
+        loop = Loop(self.controller, linearise(self.plants.point))
+        judged = judged_names(loop.process)
+        return LoopBatch(loop, self.scenario, tuple(dict.fromkeys((*self.names, *judged))))
