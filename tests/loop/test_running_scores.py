@@ -65,10 +65,22 @@ def test_they_are_the_scores_of_the_stored_trajectories_of_the_same_run(loop):
     for x in process.levels:
         expected[f"highest[{x}]"] = run.values[x].max()
         expected[f"lowest[{x}]"] = run.values[x].min()
+    for y in process.controlled:
+        held, now = run.values[f"{y}.setpoint"][:-1], run.true_measurement(y)
+        first, last = held - now[:-1], held - now[1:]
+        expected[f"highest_error[{y}]"] = max(0.0, last.max())  # it begins at its setpoint
+        expected[f"lowest_error[{y}]"] = min(0.0, last.min())
+        ends = run.time[1:]
+        steps = [part for part in run.scenario.segments if part.kind != "noise"]
+        of_step = np.any([(part.start < ends) & (ends <= part.stop) for part in steps], axis=0)
+        both = np.sum((first + last)[of_step]) / 2.0 * process.sampling_period
+        expected[f"error_integral[{y}]"] = both
     assert any(expected[f"overshoot[{y}]"] > 0.01 for y in process.controlled)
     for name, value in found.items():
         # Within a segment the integral of the error is a small difference of large ones.
-        size = abs(expected[name.replace("ie[", "iae[")]) if name.startswith("ie[") else 0.0
+        signed = {"ie": "iae", "error_integral": "iae"}
+        key, signal = name.removesuffix("]").split("[")
+        size = abs(expected[f"{signed[key]}[{signal}]"]) if key in signed else 0.0
         assert value[0] == pytest.approx(expected[name], rel=1e-10, abs=1e-11 * size), name
 
 
