@@ -91,7 +91,8 @@ class CompiledFunction:
             library = llvm.JITLibraryBuilder()
             library.add_object_img(image).add_current_process().export_symbol(symbol)
             self._tracker = library.link(_linker(), f"{symbol}_{id(self):x}_{next(_serial)}")
-        self.call: Callable[..., None] = signature(self._tracker[symbol])
+        self.address: int = self._tracker[symbol]
+        self.call: Callable[..., None] = signature(self.address)
 
 
 def _numbers() -> Any:
@@ -147,7 +148,6 @@ def _compiled(code: str, machine: llvm.TargetMachine, pipeline: int) -> bytes:
         return machine.emit_object(module)
 
 
-def kernel_signature() -> Any:
-    """Return the ctypes form of a kernel's signature."""
-    pointer, count = ctypes.c_void_p, ctypes.c_int64
-    return ctypes.CFUNCTYPE(None, *[pointer] * 6, *[count] * 4)
+def signature_of(pointers: int, counts: int) -> Any:
+    """Return the ctypes form of a function of pointers and then of whole numbers."""
+    return ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * pointers, *[ctypes.c_int64] * counts)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from clepsydra.base.errors import InputError
+from clepsydra.engine.batch_noise import BatchNoise, Further, LaidNoise
 from clepsydra.engine.choice_first import choosing_first
-from clepsydra.engine.compiler import FULL, LITTLE, CompiledFunction, kernel_signature
+from clepsydra.engine.compiler import FULL, LITTLE, CompiledFunction
 from clepsydra.engine.host import host
 from clepsydra.engine.kernel_form import KernelForm
 from clepsydra.engine.layout import Layout
@@ -20,7 +21,7 @@ from clepsydra.engine.object_cache import ObjectCache
 from clepsydra.engine.pacing import Pacing
 from clepsydra.engine.threads import available_threads, in_threads
 from clepsydra.engine.trajectories import Trajectories, follow_rings
-from clepsydra.engine.vector_code import KERNEL, vector_code
+from clepsydra.engine.vector_code import KERNEL, kernel_signature, vector_code
 from clepsydra.engine.vector_parts import has_arrays, stands_in_parts
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.inlined import inlined
@@ -90,7 +91,7 @@ class Kernel:
         self._one_alone = record and lanes is None
         self._cache = cache
         self._layout = Layout(program, self._individual)
-        self._compiled: dict[int, CompiledFunction] = {}
+        self._compiled: dict[tuple[int, frozenset[str]], CompiledFunction] = {}
         self._turns = _turns(program)
         self._paces: dict[int, int] = {}
         self._check("lanes", 1 if lanes is None else lanes, "leave it out")
@@ -107,6 +108,7 @@ class Kernel:
         parameters: Mapping[str, ArrayLike] | None = None,
         state: Mapping[str, ArrayLike] | None = None,
         rings: Mapping[str, ArrayLike] | None = None,
+        noise: BatchNoise | None = None,
         every: int = 1,
         turns: int | None = None,
     ) -> Job:
@@ -122,8 +124,10 @@ class Kernel:
             A number for all, or [scenarios]; what is left out keeps its initial value. The
             number of a delay ring, of the state or of a loop, is its whole initial content.
         rings : mapping
-            Delay ring to what it holds at first in every scenario, the oldest first [length], in
-            the place of its number.
+            Delay ring to what it holds at first, the oldest first, in the place of its number:
+            [length] in every scenario, or [scenarios, length].
+        noise : BatchNoise, optional
+            Is added to inputs, shared or individual.
         every : int
             Outputs are stored in samples 0, every, 2·every, …
         turns : int, optional
@@ -132,15 +136,16 @@ class Kernel:
         Raises
         ------
         InputError
-            An unknown name, a shape that does not fit, no sample or no turn at all.
+            An unknown name, a shape that does not fit, a number of the noise outside of its range,
+            no sample or no turn at all.
         """
         turns = self._turns if turns is None else turns
         self._check("turns", turns, "leave it out")
         self._check("samples", samples, "ask for a longer run")
         self._check("every", every, "store every sample, or every second, third, …")
-        inputs, parameters, state = inputs or {}, parameters or {}, state or {}
+        inputs, parameters, state, rings = inputs or {}, parameters or {}, state or {}, rings or {}
         layout = self._layout
-        scenarios = layout.scenarios(inputs, parameters, state)
+        scenarios = layout.scenarios(inputs, rings, noise, parameters, state)
         lanes = 1 if scenarios == 1 and self._one_alone else self._batch_lanes(scenarios)
         return Job(
             kernel=self,
@@ -150,10 +155,13 @@ class Kernel:
             every=every,
             turns=turns,
             initial=layout.state(state, scenarios, lanes),
-            held=layout.rings(rings or {}),
+            held=layout.rings(rings, scenarios, lanes),
             parameters=layout.parameters(parameters, scenarios, lanes),
             shared=layout.shared(inputs, samples),
             individual=layout.individual(inputs, samples, scenarios, lanes),
+            noise=LaidNoise(noise, layout.noisy(noise), scenarios, lanes, self._cache)
+            if noise and noise.inputs
+            else None,
         )
 
     def run(
@@ -164,6 +172,7 @@ class Kernel:
         parameters: Mapping[str, ArrayLike] | None = None,
         state: Mapping[str, ArrayLike] | None = None,
         rings: Mapping[str, ArrayLike] | None = None,
+        noise: BatchNoise | None = None,
         every: int = 1,
         turns: int | None = None,
         threads: int | None = None,
@@ -183,6 +192,7 @@ class Kernel:
             parameters=parameters,
             state=state,
             rings=rings,
+            noise=noise,
             every=every,
             turns=turns,
         )
@@ -193,16 +203,16 @@ class Kernel:
             place = f"run of {self.program.name}, {name}"
             raise InputError(place, value, "a whole number of at least 1", remedy)
 
-    def function(self, lanes: int) -> CompiledFunction:
-        """Return the machine code for a number of lanes, compiled when first asked for."""
-        if lanes not in self._compiled:
-            form = KernelForm(lanes, self._individual, self._fuse, self.records, host())
+    def function(self, lanes: int, noisy: frozenset[str] = frozenset()) -> CompiledFunction:
+        """Return the machine code for lanes and noisy inputs, compiled when first asked for."""
+        if (lanes, noisy) not in self._compiled:
+            form = KernelForm(lanes, self._individual, self._fuse, self.records, host(), noisy)
             code = vector_code(self.program, form)
             in_a_row = stands_in_parts(self.program) and not has_arrays(self.program.block)
-            self._compiled[lanes] = CompiledFunction(
-                code, KERNEL, kernel_signature(), self._cache, LITTLE if in_a_row else FULL
+            self._compiled[lanes, noisy] = CompiledFunction(
+                code, KERNEL, kernel_signature(form), self._cache, LITTLE if in_a_row else FULL
             )
-        return self._compiled[lanes]
+        return self._compiled[lanes, noisy]
 
     def _batch_lanes(self, scenarios: int) -> int:
         """Return two vectors for a small program or a large batch, else one.
@@ -262,6 +272,11 @@ def _always_computed(block: Block) -> int:
     return found
 
 
+def _nothing_further(start: int, first: int) -> tuple[Sequence[int], Sequence[int]]:
+    """Return what a kernel without noise is given beside what every kernel is."""
+    return (), ()
+
+
 @dataclass(frozen=True, eq=False)
 class Job:
     """A run laid out in memory, ready to be started once or often.
@@ -273,10 +288,12 @@ class Job:
     initial : ndarray [groups, n + r, lanes]
         The state, then the rings of loops.
     held : dict
-        Delay ring to what it holds at first [length], where that is not its number.
+        Delay ring to what it holds at first [groups or 1, length, lanes or 1], where that is not
+        its number.
     parameters : ndarray [groups, p, lanes]
     shared : ndarray [samples, s]
     individual : ndarray [groups, samples, i, lanes]
+    noise : LaidNoise or None
     """
 
     kernel: Kernel
@@ -290,6 +307,7 @@ class Job:
     parameters: Array
     shared: Array
     individual: Array
+    noise: LaidNoise | None = None
 
     def run(self, threads: int = 1) -> Trajectories:
         """Run every scenario on some threads and return what was computed."""
@@ -299,12 +317,14 @@ class Job:
         records = -(-self.samples // self.every) if self.kernel.records else 0
         record = np.empty((groups, records, len(program.outputs), self.lanes))
         rings = self.initial_rings()
-        function = self.kernel.function(self.lanes)
+        noise = self.noise
+        function = self.kernel.function(self.lanes, noise.names if noise else frozenset())
         pace = self.kernel.pace(self.turns)
         if groups * self.samples <= pace:
             threads = 1  # to begin another takes longer than the first call
 
-        def call(start: int, stop: int, first: int, last: int) -> None:
+        def call(start: int, stop: int, first: int, last: int, further: Further) -> None:
+            made, begun = further(start, first)
             function.call(
                 state[start:].ctypes.data,
                 self.parameters[start:].ctypes.data,
@@ -312,22 +332,25 @@ class Job:
                 self.individual[start, first:].ctypes.data,
                 record[start, first // self.every :].ctypes.data,
                 rings[start:].ctypes.data,
+                *made,
                 stop - start,
                 last - first,
                 self.every,
                 self.turns,
+                *begun,
             )
             follow_rings(program, rings[start:stop], last - first)
 
         def work(start: int, stop: int) -> Iterator[None]:
             pacing, first = Pacing(pace), 0
+            further = noise.for_a_thread() if noise else _nothing_further
             while start < stop:
                 many = pacing.pace // self.samples if first == 0 else 0
                 after, last = min(start + max(many, 1), stop), self.samples
                 if not many:  # a part of a run
                     last = min(first + max(pacing.pace // self.every, 1) * self.every, last)
                 with pacing:
-                    call(start, after, first, last)
+                    call(start, after, first, last, further)
                 start, first = (after, 0) if last == self.samples else (start, last)
                 yield
 
@@ -340,7 +363,7 @@ class Job:
         """Return what the delay rings hold at first [groups, entries of all rings, lanes]."""
         program, groups = self.kernel.program, len(self.initial)
         filled = [
-            np.broadcast_to(self.held[entry.name][:, None], (groups, entry.length, self.lanes))
+            np.broadcast_to(self.held[entry.name], (groups, entry.length, self.lanes))
             if entry.name in self.held
             else np.repeat(self.initial[:, index : index + 1, :], entry.length, axis=1)
             for index, entry in enumerate((*program.state, *program.rings))

@@ -31,6 +31,7 @@ class KernelForm:
     fuse: bool = True
     record: bool = True
     processor: Host | None = None
+    noisy: frozenset[str] = frozenset()
 
     @property
     def attributes(self) -> str:

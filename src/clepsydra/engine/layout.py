@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from clepsydra.base.errors import InputError
+from clepsydra.engine.batch_noise import BatchNoise
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Program
 
@@ -40,7 +41,9 @@ class Layout:
         self._shared = [name for name in self._inputs if name not in individual]
         self._individual = [name for name in self._inputs if name in individual]
 
-    def scenarios(self, inputs: Given, *columns: Given) -> int:
+    def scenarios(
+        self, inputs: Given, rings: Given, noise: BatchNoise | None, *columns: Given
+    ) -> int:
         """Return the number of scenarios that the arguments speak of.
 
         Raises
@@ -52,9 +55,12 @@ class Layout:
         for name, value in ((n, v) for group in columns for n, v in group.items()):
             if not _is_number(value) and np.ndim(value) == 1:
                 sizes[len(np.asarray(value))] = name
-        for name in self._individual:
-            if name in inputs and np.ndim(inputs[name]) == 2:
-                sizes[len(np.asarray(inputs[name]))] = name
+        own = {name: inputs[name] for name in self._individual if name in inputs} | {**rings}
+        for name, value in own.items():
+            if np.ndim(value) == 2:
+                sizes[len(np.asarray(value))] = name
+        if noise and noise.scenarios is not None:
+            sizes[noise.scenarios] = "numbers of the noise"
         if len(sizes) > 1 or 0 in sizes:
             raise InputError(
                 f"run of {self._name}",
@@ -68,14 +74,27 @@ class Layout:
         """Return the initial state, then that of the rings of loops [groups, n + r, lanes]."""
         return self._columns("state", self._state, given, scenarios, lanes)
 
-    def rings(self, given: Given) -> dict[str, Array]:
-        """Return what delay rings hold at first [length], of those of which it is said."""
+    def rings(self, given: Given, scenarios: int, lanes: int) -> dict[str, Array]:
+        """Return what delay rings hold at first, of those of which it is said.
+
+        Either [1, length, 1] in every scenario, or [groups, length, lanes].
+        """
         self._refuse_unknown("delay ring", given, self._lengths)
         found = {name: self._numbers(name, content) for name, content in given.items()}
         for name, content in found.items():
-            if content.shape != (self._lengths[name],):
-                raise self._shape_error(name, content, f"[{self._lengths[name]}]")
+            length = self._lengths[name]
+            if content.shape == (length,):
+                found[name] = content[None, :, None]
+            elif content.shape == (scenarios, length):
+                found[name] = _in_lanes(content, lanes)
+            else:
+                raise self._shape_error(name, content, f"[{length}] or [{scenarios}, {length}]")
         return found
+
+    def noisy(self, noise: BatchNoise) -> list[str]:
+        """Return the inputs to which noise is added."""
+        self._refuse_unknown("input", dict.fromkeys(noise.inputs, 0.0), self._inputs)
+        return [name for name in self._inputs if name in noise.inputs]
 
     def parameters(self, given: Given, scenarios: int, lanes: int) -> Array:
         """Return the parameters [groups, p, lanes]."""
@@ -101,10 +120,7 @@ class Layout:
             value = self._numbers(name, given.get(name, initial))
             if value.shape != (scenarios, samples):
                 raise self._shape_error(name, value, f"[{scenarios}, {samples}]")
-            rows = np.empty((groups * lanes, samples))
-            rows[:scenarios] = value
-            rows[scenarios:] = value[-1]
-            table[:, :, index, :] = rows.reshape(groups, lanes, samples).transpose(0, 2, 1)
+            table[:, :, index, :] = _in_lanes(value, lanes)
         return table
 
     def _columns(
@@ -154,6 +170,16 @@ class Layout:
             f"the shape of {expected}",
             "give one value, or one value for each",
         )
+
+
+def _in_lanes(rows: Array, lanes: int) -> Array:
+    """Return rows of scenarios [groups, n, lanes]; lanes beyond the last one repeat it."""
+    scenarios, length = rows.shape
+    groups = -(-scenarios // lanes)
+    padded = np.empty((groups * lanes, length))
+    padded[:scenarios] = rows
+    padded[scenarios:] = rows[-1]
+    return padded.reshape(groups, lanes, length).transpose(0, 2, 1)
 
 
 def _all_numbers(values: Given) -> bool:

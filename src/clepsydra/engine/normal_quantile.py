@@ -15,14 +15,16 @@ import numpy as np
 #: Pieces between two powers of 2, and the degree of their polynomials.
 _PIECES, _DEGREE = 8, 7
 #: The smallest share of the distribution beyond a deviate, as a power of 2: half of 2⁻⁵³.
-_SMALLEST = -54
+SMALLEST = -54
 #: The deviate that the centre of the smallest piece lies beyond, and its slope over the share.
 _FARTHEST = 8.285149113161363, -2017804525852002.2
 #: Terms of the exponential that give a double between centres, whose ratio is 19/17 at most.
 _TERMS = 10
 #: Bits of a share that number its piece, counted from that of the smallest.
-_SHIFT = 49
-_FIRST = (1023 + _SMALLEST) * _PIECES
+SHIFT = 49
+#: The bits of a double below its exponent: as many choose a share.
+SIGNIFICANT = (1 << 52) - 1
+_FIRST = (1023 + SMALLEST) * _PIECES
 
 
 def normal_deviates(words: np.ndarray) -> np.ndarray:
@@ -42,9 +44,9 @@ def normal_deviates(words: np.ndarray) -> np.ndarray:
     >>> normal_deviates(np.array([1 << 62, 3 << 62], np.uint64)).round(4)
     array([ 0.6745, -0.6745])
     """
-    numbers = ((words >> 11) & ((1 << 52) - 1)).view(np.int64)
-    shares = (numbers + 0.5) * ldexp(2.0, _SMALLEST)
-    piece = (shares.view(np.int64) >> _SHIFT) - _FIRST
+    numbers = ((words >> 11) & SIGNIFICANT).view(np.int64)
+    shares = (numbers + 0.5) * ldexp(2.0, SMALLEST)
+    piece = (shares.view(np.int64) >> SHIFT) - _FIRST
     centre, *rising = quantile_table()
     shares -= centre[piece]
     deviates = rising[-1][piece]
@@ -76,7 +78,7 @@ def quantile_table() -> np.ndarray:
     """
     centres = [
         ldexp(1.0 + (2 * piece + 1) / (2 * _PIECES), power)
-        for power in range(_SMALLEST, -1)
+        for power in range(SMALLEST, -1)
         for piece in range(_PIECES)
     ]
     deviate, slope = _FARTHEST

@@ -7,10 +7,10 @@ import numpy as np
 #: A word of 32 bits; here it lies in the lower half of 64, where products of two have room.
 WORD = 0xFFFFFFFF
 Word = int | np.ndarray
-_ROUNDS = 10
-_MULTIPLIERS = 0xD2511F53, 0xCD9E8D57
+ROUNDS = 10
+MULTIPLIERS = 0xD2511F53, 0xCD9E8D57
 #: What the key grows by each round: the golden ratio and √3 − 1, as fractions of 2³².
-_GROWTH = 0x9E3779B9, 0xBB67AE85
+GROWTH = 0x9E3779B9, 0xBB67AE85
 
 
 def philox(
@@ -37,9 +37,9 @@ def philox(
     """
     first, second, third, fourth = counter
     left, right = key
-    for _ in range(_ROUNDS):
-        one, other = first * _MULTIPLIERS[0], third * _MULTIPLIERS[1]
+    for _ in range(ROUNDS):
+        one, other = first * MULTIPLIERS[0], third * MULTIPLIERS[1]
         first, second = (other >> 32) ^ second ^ left, other & WORD
         third, fourth = (one >> 32) ^ fourth ^ right, one & WORD
-        left, right = (left + _GROWTH[0]) & WORD, (right + _GROWTH[1]) & WORD
+        left, right = (left + GROWTH[0]) & WORD, (right + GROWTH[1]) & WORD
     return first, second, third, fourth

@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
+from typing import Any
 
 from clepsydra.engine.bounded_roots import with_bounded_roots
+from clepsydra.engine.compiler import signature_of
 from clepsydra.engine.kernel_form import KernelForm
 from clepsydra.engine.likely_path import likely_path
 from clepsydra.engine.staying import has_rings, staying
 from clepsydra.engine.step_order import soonest_first
 from clepsydra.engine.steps import Step
 from clepsydra.engine.vector_likely import COUNTERS, print_twice
+from clepsydra.engine.vector_noise import NOISE_COUNT, NOISE_POINTERS, NoiseReader
 from clepsydra.engine.vector_parts import PartsPrinter, stands_in_parts
 from clepsydra.engine.vector_rings import RingPrinter
 from clepsydra.engine.vector_statements import StatementPrinter
@@ -23,6 +26,8 @@ from clepsydra.program.operation import Operation
 from clepsydra.program.program import Program, Statement, written_by
 
 KERNEL = "clepsydra_kernel"
+_POINTERS = "state", "parameters", "shared", "individual", "record", "rings"
+_COUNTS = "groups", "samples", "every", "turns"
 
 
 def vector_code(program: Program, form: KernelForm) -> str:
@@ -41,11 +46,27 @@ def vector_code(program: Program, form: KernelForm) -> str:
     [groups, sum of lengths, lanes], first those of the state, then those of loops. `turns` are
     those of adjustable loops.
 
+    With noise it has further arguments: before the counts a function of `noise_code`, its plan,
+    numbers [groups, lanes] and memory for a chunk; at the end the sample of the noise with which
+    the run begins.
+
     Statements that read only parameters and constants stand outside the time loop. A large
     program is printed as many functions, so that compiling takes time in proportion to its size.
     """
     printer = _PartedKernelPrinter if stands_in_parts(program) else _KernelPrinter
     return printer(program, form).code()
+
+
+def kernel_signature(form: KernelForm) -> Any:
+    """Return the ctypes form of a kernel's signature."""
+    return signature_of(*map(len, _arguments(form)))
+
+
+def _arguments(form: KernelForm) -> tuple[Sequence[str], Sequence[str]]:
+    """Return the names of pointers, and of whole numbers."""
+    if not form.noisy:
+        return _POINTERS, _COUNTS
+    return (*_POINTERS, *NOISE_POINTERS), (*_COUNTS, NOISE_COUNT)
 
 
 class _KernelPrinter:
@@ -65,6 +86,10 @@ class _KernelPrinter:
         self.rings = RingPrinter(
             self.text, [*(ring for ring, _, _ in self.delayed), *program.rings]
         )
+        arguments = zip(program.inputs, program.input_arguments, strict=True)
+        self.noise = NoiseReader(
+            self.text, [value for signal, value in arguments if signal.name in form.noisy]
+        )
         self.plain = [
             (index, value, result)
             for index, (entry, value, result) in enumerate(entries)
@@ -74,11 +99,9 @@ class _KernelPrinter:
     def code(self) -> str:
         self._groups()
         text = self.text
-        pointers = ", ".join(
-            f"ptr noalias %{name}"
-            for name in ("state", "parameters", "shared", "individual", "record", "rings")
-        )
-        counts = ", ".join(f"i64 %{name}" for name in ("groups", "samples", "every", "turns"))
+        names, others = _arguments(self.form)
+        pointers = ", ".join(f"ptr noalias %{name}" for name in names)
+        counts = ", ".join(f"i64 %{name}" for name in others)
         return "\n".join(
             [
                 *text.globals,
@@ -238,7 +261,9 @@ class _KernelPrinter:
             )
 
     def _inputs(self) -> None:
-        text, individual = self.text, self.form.individual
+        text, individual, noise = self.text, self.form.individual, self.noise
+        if self.form.noisy:
+            noise.make()
         values = dict(zip(self.program.inputs, self.program.input_arguments, strict=True))
         shared = [value for signal, value in values.items() if signal.name not in individual]
         own = [value for signal, value in values.items() if signal.name in individual]
@@ -246,12 +271,15 @@ class _KernelPrinter:
             offset = text.assign(f"mul i64 %sample, {len(shared)}")
             base = text.assign(f"getelementptr double, ptr %shared, i64 {offset}")
             for index, value in enumerate(shared):
-                self.values[value] = text.load_spread(base, str(index))
+                self.values[value] = noise.added(value, text.load_spread(base, str(index)))
         if own:
             row = text.assign("mul i64 %group, %samples")
             row = text.assign(f"add i64 {row}, %sample")
             base = text.row("%individual", row, len(own))
-            self._fill(base, enumerate(own))
+            self._fill(base, [(k, value) for k, value in enumerate(own) if value not in noise])
+            for index, value in enumerate(own):
+                if value in noise:
+                    self.values[value] = noise.added(value, text.load(base, index))
 
     def _read_rings(self) -> list[str]:
         """Load the oldest value of every ring of the state and return where each stands."""

@@ -84,12 +84,16 @@ class VectorText:
         """Load one double into every lane."""
         place = self.assign(f"getelementptr double, ptr {pointer}, i64 {index}")
         scalar = self.assign(f"load double, ptr {place}, align 8")
+        return self.spread("double", scalar)
+
+    def spread(self, kind: str, scalar: str) -> str:
+        """Append one value of a type in every lane."""
         if self.lanes == 1:
             return scalar
-        first = self.assign(f"insertelement {self.real} poison, double {scalar}, i32 0")
+        vector = f"<{self.lanes} x {kind}>"
+        first = self.assign(f"insertelement {vector} poison, {kind} {scalar}, i32 0")
         return self.assign(
-            f"shufflevector {self.real} {first}, {self.real} poison, "
-            f"<{self.lanes} x i32> zeroinitializer"
+            f"shufflevector {vector} {first}, {vector} poison, <{self.lanes} x i32> zeroinitializer"
         )
 
     def literal(self, value: float) -> str:

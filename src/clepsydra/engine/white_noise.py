@@ -26,8 +26,28 @@ def check_seed(seed: int) -> None:
         ...
     clepsydra.base.errors.InputError: seed: got -1, expected a whole number from 0; choose another seed.
     """  # noqa: E501
-    if not isinstance(seed, (int, np.integer)) or isinstance(seed, bool) or seed < 0:
+    if not _is_whole(seed):
         raise InputError("seed", seed, "a whole number from 0", "choose another seed")
+
+
+def check_below(place: str, value: int, power: int) -> None:
+    """Raise an InputError unless a value is a whole number from 0 and below a power of 2.
+
+    Examples
+    --------
+    >>> check_below("stream", 2**32, 32)
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: stream: got 4294967296, expected a whole number from 0, below 2^32; choose another one.
+    """  # noqa: E501
+    if not _is_whole(value) or value >> power:
+        expected = f"a whole number from 0, below 2^{power}"
+        raise InputError(place, value, expected, "choose another one")
+
+
+def _is_whole(value: object) -> bool:
+    """Whether a value is a whole number from 0; a truth value is none."""
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool) and int(value) >= 0
 
 
 def words_of(seed: int) -> tuple[int, ...]:
@@ -69,6 +89,32 @@ def key_of(seed: int) -> tuple[int, int]:
         first, second, *_ = philox(counter, key)
         key = int(first), int(second)
     return key
+
+
+def seed_of(seed: int, number: int) -> int:
+    """Return the seed of one of many scenarios, which is the seed itself for number 0.
+
+    The number is the upper word of the seed's key. So scenarios that run side by side share the
+    lower one, and each has noise that is independent of that of all others.
+
+    Parameters
+    ----------
+    seed, number : int
+        From 0 to 2³² − 1.
+
+    Raises
+    ------
+    InputError
+        One of them is no such number.
+
+    Examples
+    --------
+    >>> seed_of(7, 0), key_of(seed_of(7, 3))
+    (7, (7, 3))
+    """
+    check_below("seed", seed, 32)
+    check_below("number of a scenario", number, 32)
+    return int(seed) + (int(number) << 32)
 
 
 def stream_of(name: str) -> int:
