@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -9,22 +11,27 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from clepsydra import __version__
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.begin import begin_from
+from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.loop_batch import LoopBatch
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
+from clepsydra.program.program import Program
+from clepsydra.scores.segment import Segment
 from clepsydra.studies.robustness.drawn_plants import DrawnPlants
 from clepsydra.studies.robustness.drawn_scores import DrawnScores, drawn_scores, judged_names
 
 Array = NDArray[np.float64]
 
-#: Draws that run side by side. What comes of one does not depend on it.
-CHUNK = 8192
+#: Draws that run side by side, and samples of all of them together, about. What comes of a draw
+#: depends on neither.
+_FEWEST, _MOST, _SAMPLES = 256, 8192, 2**25
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +67,36 @@ class DrawnLoops:
     scenario: Scenario
     plants: DrawnPlants
     names: tuple[str, ...]
+
+    @cached_property
+    def chunk(self) -> int:
+        """Draws that are worth running side by side."""
+        samples = self.scenario.samples * self._batch.substeps
+        fitting = 2 ** int(np.log2(max(_SAMPLES // samples, 1)))
+        return int(np.clip(fitting, _FEWEST, _MOST))
+
+    @property
+    def events(self) -> tuple[Segment | None, ...]:
+        """What happens in each stretch that has scores of its own; None between events."""
+        return tuple(stretch.segment for stretch in self._batch.stretches)
+
+    @cached_property
+    def digest(self) -> str:
+        """What tells these draws from any others."""
+        plants, scenario = self.plants, self.scenario
+        said = [
+            repr(self._program), plants.pairing, plants.seed, self.names,
+            repr(plants.uncertainty), sorted(self.controller.values.items()),
+            sorted(self.controller.initial_state.items()), __version__,
+            [repr(part) for part in scenario.segments],
+        ]  # fmt: skip
+        digest = hashlib.sha256(json.dumps(said).encode())
+        point = plants.point
+        moves = (scenario.setpoints, scenario.disturbances, scenario.noise)
+        own = point.process.parameter_values
+        for array in (point.state, point.inputs, point.disturbances, own, *moves):
+            digest.update(np.ascontiguousarray(array, dtype=float).tobytes())
+        return digest.hexdigest()
 
     def draw(self, numbers: NDArray[np.int64]) -> DrawnScores:
         """Return what comes of the draws of some numbers, side by side."""
@@ -105,6 +142,12 @@ class DrawnLoops:
         disturbances = np.array([own.get(signal.name, value) for signal, value in loads])
         changed = replace(process, parameters=parameters)
         return OperatingPoint.at(changed, state, inputs, disturbances)
+
+    @property
+    def _program(self) -> Program:
+        """One sample of the loop."""
+        loop = self._batch.loop
+        return closed_loop(loop.process, self.controller, substeps=self._batch.substeps)
 
     @cached_property
     def _batch(self) -> LoopBatch:
