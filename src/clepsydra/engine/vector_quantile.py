@@ -50,7 +50,7 @@ class QuantilePrinter:
     def table() -> str:
         """Return the definition of the table that the functions of a module read."""
         text = LaneFunction(1)
-        text.table("@lines", _lines())
+        text.table("@lines", _lines(), alignment=1 << _LINE)
         return "\n".join(text.globals)
 
     @staticmethod

@@ -134,11 +134,11 @@ class VectorText:
         together = self.assign(f"bitcast {self.truth} {condition} to i{self.lanes}")
         return self.assign(f"icmp ne i{self.lanes} {together}, 0")
 
-    def table(self, symbol: str, entries: tuple[float, ...]) -> None:
-        """Define a constant array."""
+    def table(self, symbol: str, entries: tuple[float, ...], alignment: int = 8) -> None:
+        """Define a constant array, at a multiple of some bytes."""
         content = ", ".join(f"double {bits(entry)}" for entry in entries)
         self.globals.append(
-            f"{symbol} = private constant [{len(entries)} x double] [{content}], align 8"
+            f"{symbol} = private constant [{len(entries)} x double] [{content}], align {alignment}"
         )
 
     def define(self, symbol: str, definition: str) -> None:
