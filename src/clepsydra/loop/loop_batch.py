@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.wiring import controller_name
+from clepsydra.engine.batch_noise import BatchNoise, InputNoise
 from clepsydra.engine.kernel import Kernel
 from clepsydra.engine.trajectories import Trajectories
 from clepsydra.loop.lane_status import STEP_BOUND, LaneStatus, lane_status
@@ -22,6 +23,8 @@ from clepsydra.loop.running_scores import RunningScores
 from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.step_size import LARGEST_REFINEMENT, MOST_SUBSTEPS
 from clepsydra.loop.stretches import stretches_of
+from clepsydra.loop.with_noise import quiet_disturbances
+from clepsydra.process.process import Process
 
 Array = NDArray[np.float64]
 
@@ -108,7 +111,9 @@ class LoopBatch:
         self.loop, self.scenario = loop, scenario
         self.scores = RunningScores(loop.process, tuple(names))
         self.stretches = stretches_of(scenario)
-        self._given = loop.inputs_of(scenario) | self.scores.inputs_of(scenario)
+        self._noise = _noise_of(loop.process, scenario)
+        quiet = _without(scenario, loop.process)
+        self._given = loop.inputs_of(quiet) | self.scores.inputs_of(quiet)
 
     def run(self, plants: ManyPlants) -> BatchRun:
         """Return the scores of every plant."""
@@ -169,6 +174,7 @@ class LoopBatch:
             name: float(inputs[name][0]) if name in inputs else value
             for name, value in self.loop.at_rest().items()
             if name not in inputs or (inputs[name].ndim == 1 and np.ptp(inputs[name]) == 0.0)
+            if name not in self._noise
         }
         moving = {name: values for name, values in inputs.items() if name not in constant}
         own = tuple(name for name, values in moving.items() if values.ndim == 2)
@@ -196,6 +202,8 @@ class LoopBatch:
         parameters |= {s.name: s.initial for s in plants.process.parameters}
         parameters |= plants.parameters
         state, rings = plants.begin(self.loop, self.scenario), dict[str, Array]()
+        numbers = 0 if plants.numbers is None else plants.numbers
+        noise = BatchNoise(self._noise, self.scenario.seed, numbers) if self._noise else None
         for stretch in self.stretches:
             for first, stop in stretch.spans:
                 result = kernel.run(
@@ -204,6 +212,7 @@ class LoopBatch:
                     parameters=parameters,
                     state=state,
                     rings=rings,
+                    noise=noise and replace(noise, sample=first),
                 )
                 yield result
                 names = (entry.name for entry in result.program.state)
@@ -220,3 +229,23 @@ class LoopBatch:
         for name, column in plants.disturbances.items():
             given[name] = given[name] + (column - loads[name])[:, None]
         return given
+
+
+def _noise_of(process: Process, scenario: Scenario) -> dict[str, InputNoise]:
+    """Return the noise of each input of a loop that has some."""
+    measured = {signal.name for signal in process.measurements}
+    return {
+        f"{each.signal}.noise" if each.signal in measured else each.signal: InputNoise(
+            each.stream, each.deviation, each.first, each.count
+        )
+        for each in scenario.noises
+    }
+
+
+def _without(scenario: Scenario, process: Process) -> Scenario:
+    """Return a scenario without the noise that a kernel makes."""
+    noise, noisy = scenario.noise.copy(), {each.signal for each in scenario.noises}
+    for column, signal in enumerate(process.measurements):
+        if signal.name in noisy:
+            noise[:, column] = 0.0
+    return replace(scenario, noise=noise, disturbances=quiet_disturbances(scenario))

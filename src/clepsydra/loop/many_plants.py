@@ -40,6 +40,9 @@ class ManyPlants:
         Parameter or disturbance to its value in each plant [plants]; others are those of the point.
     settings : mapping
         Parameter of the law to its value with each plant [plants]; others are the controller's.
+    numbers : ndarray of int [plants], optional
+        By which each has noise of its own, see `clepsydra.engine.white_noise.seed_of`; with none
+        all have that of the scenario.
     """
 
     point: OperatingPoint
@@ -47,6 +50,7 @@ class ManyPlants:
     inputs: Array
     values: Mapping[str, Array] = field(default_factory=dict)
     settings: Mapping[str, Array] = field(default_factory=dict)
+    numbers: NDArray[np.int64] | None = None
 
     @property
     def process(self) -> Process:
@@ -64,6 +68,7 @@ class ManyPlants:
             self.point, self.state[:, which], self.inputs[:, which],
             {name: column[which] for name, column in self.values.items()},
             {name: column[which] for name, column in self.settings.items()},
+            None if self.numbers is None else self.numbers[which],
         )  # fmt: skip
 
     @property

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from clepsydra.loop.finite_span import finite_span
 from clepsydra.loop.noise import Noise
 from clepsydra.loop.scenario import Scenario
@@ -58,3 +60,38 @@ def with_noise(scenario: Scenario, process: Process, first: int = 0) -> Scenario
         noises=tuple(noises),
         quiet_disturbances=scenario.disturbances,
     )
+
+
+def with_other_noise(scenario: Scenario, process: Process, seed: int) -> Scenario:
+    """Return a scenario with the same kind of noise from another seed.
+
+    Noise that was given by its values stays.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> from clepsydra.loop.scenario import scenario_of_changes
+    >>> plant = cl.load("quadruple-tank")
+    >>> quiet = scenario_of_changes(plant.point, (), 6, seed=1)
+    >>> noisy = with_noise(quiet, plant.process)
+    >>> other, again = (with_other_noise(noisy, plant.process, seed) for seed in (2, 1))
+    >>> bool(np.any(other.noise == noisy.noise)), bool(np.all(again.noise == noisy.noise))
+    (False, True)
+    """
+    noise, disturbances = scenario.noise.copy(), quiet_disturbances(scenario).copy()
+    tables = ((process.measurements, noise), (process.disturbances, disturbances))
+    columns = {
+        s.name: row for group, table in tables for s, row in zip(group, table.T, strict=True)
+    }
+    for each in scenario.noises:
+        stretch = slice(each.first, each.first + each.count)
+        if each.signal not in {signal.name for signal in process.disturbances}:
+            columns[each.signal][stretch] = 0.0
+        columns[each.signal][stretch] += each.values(seed)
+    return replace(scenario, noise=noise, disturbances=disturbances, seed=seed)
+
+
+def quiet_disturbances(scenario: Scenario) -> np.ndarray:
+    """Return the disturbances without their noise, as far as that is known [samples, k]."""
+    quiet = scenario.quiet_disturbances
+    return scenario.disturbances if quiet is None else quiet

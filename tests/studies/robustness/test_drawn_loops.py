@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -12,7 +14,10 @@ from clepsydra.studies.robustness.drawn_plants import DrawnPlants
 from clepsydra.studies.robustness.drawn_scores import Happening
 from clepsydra.studies.trial import scores_of
 
-PLANTS = ("quadruple-tank", "three-tanks", "averaging-tank", "laboratory-four-tanks", "wet-well")
+CHANNEL = str(Path(__file__).parents[2] / "dead-time.toml")
+PLANTS = (
+    "quadruple-tank", "three-tanks", "averaging-tank", "laboratory-four-tanks", "wet-well", CHANNEL,
+)  # fmt: skip
 
 
 def loops_of(name, design="simc"):
@@ -26,7 +31,7 @@ def loops_of(name, design="simc"):
 def final_state(loops, numbers):
     values = loops.plants.values(numbers)
     rest = loops.plants.rest(values)
-    return loops._batch.run(loops.plants.plants(values, rest)).final_state, rest.feasible
+    return loops._batch.run(loops.plants.plants(numbers, values, rest)).final_state, rest.feasible
 
 
 @pytest.mark.parametrize("name", PLANTS)
@@ -54,6 +59,14 @@ def test_a_draw_alone_is_that_draw_of_many_in_every_bit(name):
             np.testing.assert_array_equal(alone.scores[key][:, 0], values[:, number])
         for what, truths in many.happened.items():
             assert alone.happened[what][0] == truths[number]
+
+
+def test_each_draw_has_noise_of_its_own():
+    loops = loops_of("quadruple-tank")
+    one, other = loops.run(1).scenario, loops.run(2).scenario
+    assert loops.scenario.noise[-1].any()
+    assert (one.noise[-1] != other.noise[-1]).all()
+    np.testing.assert_array_equal(loops.run(0).scenario.noise, loops.scenario.noise)
 
 
 def test_the_scores_of_events_add_up_to_that_of_the_run():

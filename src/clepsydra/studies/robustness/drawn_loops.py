@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from clepsydra import __version__
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
+from clepsydra.engine.white_noise import seed_of
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.begin import begin_from
@@ -22,9 +23,10 @@ from clepsydra.loop.loop import Loop
 from clepsydra.loop.loop_batch import LoopBatch
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
+from clepsydra.loop.with_noise import quiet_disturbances, with_other_noise
 from clepsydra.program.program import Program
 from clepsydra.scores.segment import Segment
-from clepsydra.studies.robustness.drawn_plants import DrawnPlants
+from clepsydra.studies.robustness.drawn_plants import NumberedPlants
 from clepsydra.studies.robustness.drawn_scores import DrawnScores, drawn_scores, judged_names
 
 Array = NDArray[np.float64]
@@ -43,7 +45,7 @@ class DrawnLoops:
     controller : Controller
     scenario : Scenario
         On the plant of the point, which every draw gets.
-    plants : DrawnPlants
+    plants : NumberedPlants
     names : tuple of str
         Running scores, see `clepsydra.loop.running_scores.RunningScores`.
 
@@ -65,7 +67,7 @@ class DrawnLoops:
 
     controller: Controller
     scenario: Scenario
-    plants: DrawnPlants
+    plants: NumberedPlants
     names: tuple[str, ...]
 
     @cached_property
@@ -85,8 +87,8 @@ class DrawnLoops:
         """What tells these draws from any others."""
         plants, scenario = self.plants, self.scenario
         said = [
-            repr(self._program), plants.pairing, plants.seed, self.names,
-            repr(plants.uncertainty), sorted(self.controller.values.items()),
+            repr(self._program), plants.pairing, plants.said(), self.names,
+            sorted(self.controller.values.items()),
             sorted(self.controller.initial_state.items()), __version__,
             [repr(part) for part in scenario.segments],
         ]  # fmt: skip
@@ -102,7 +104,7 @@ class DrawnLoops:
         """Return what comes of the draws of some numbers, side by side."""
         values = self.plants.values(numbers)
         rest = self.plants.rest(values)
-        run = self._batch.run(self.plants.plants(values, rest))
+        run = self._batch.run(self.plants.plants(numbers, values, rest))
         return drawn_scores(self._batch, self.names, numbers, rest, run)
 
     def run(self, number: int) -> Run:
@@ -113,7 +115,8 @@ class DrawnLoops:
         InputError
             The draw has no admissible steady state.
         """
-        values = self.plants.values(np.array([number]))
+        numbers = np.array([number])
+        values = self.plants.values(numbers)
         rest = self.plants.rest(values)
         if not rest.feasible[0]:
             raise InputError(
@@ -121,13 +124,13 @@ class DrawnLoops:
                 f"choose another: {rest.reasons[rest.reason[0]]}",
             )  # fmt: skip
         batch = self._batch
-        found = batch.run(self.plants.plants(values, rest))
+        found = batch.run(self.plants.plants(numbers, values, rest))
         point = self._point(values, rest.state[:, 0], rest.inputs[:, 0])
         begin = begin_from(point, "rest", controller_start="bumpless")
         loads = point.disturbances - self.plants.point.disturbances
-        scenario = replace(
-            self.scenario, begin=begin, disturbances=self.scenario.disturbances + loads
-        )
+        moved = quiet_disturbances(self.scenario) + loads
+        quiet = replace(self.scenario, begin=begin, quiet_disturbances=moved)
+        scenario = with_other_noise(quiet, point.process, seed_of(quiet.seed, number))
         loop = Loop(self.controller, linearise(point))
         return loop.run(scenario, substeps=int(found.substeps[0]))
 

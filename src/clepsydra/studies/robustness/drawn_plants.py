@@ -1,9 +1,10 @@
-"""Plants drawn from an uncertainty, each at its own rest."""
+"""Plants known by their numbers, drawn or given, each at its own rest."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -16,11 +17,12 @@ from clepsydra.process.uncertainty import Uncertainty
 from clepsydra.studies.robustness.draws import draw_parameters
 
 Array = NDArray[np.float64]
+Numbers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
-class DrawnPlants:
-    """Plants of one kind, known by their numbers; 0 is the plant of the point itself.
+class NumberedPlants(ABC):
+    """Plants of one kind, known by their numbers from 1 on; 0 is the plant of the point itself.
 
     Each rests with its controlled measurements where they are at the point, by inputs of its own.
 
@@ -29,6 +31,54 @@ class DrawnPlants:
     point : OperatingPoint
     pairing : tuple of (output, input)
         What is held at rest, and by what.
+    """
+
+    point: OperatingPoint
+    pairing: tuple[tuple[str, str], ...]
+
+    @abstractmethod
+    def values(self, numbers: Numbers) -> dict[str, Array]:
+        """Return what varies of some plants, parameters and disturbances, in SI [plants]."""
+
+    @abstractmethod
+    def said(self) -> str:
+        """Return what tells these plants from others of the same point."""
+
+    def settings(self, numbers: Numbers) -> dict[str, Array]:
+        """Return the parameters of the law with some plants, where they differ [plants]."""
+        return {}
+
+    def levels(self, numbers: Numbers) -> dict[str, Array]:
+        """Return where states of some plants begin, if not at rest [plants]."""
+        return {}
+
+    def rest(self, values: Mapping[str, Array]) -> Equilibria:
+        """Return where plants of some values rest."""
+        return self._equilibria.find(values)
+
+    def plants(self, numbers: Numbers, values: Mapping[str, Array], rest: Equilibria) -> ManyPlants:
+        """Return those plants that have a steady state, where they begin."""
+        state = rest.state
+        if levels := self.levels(numbers):
+            state = state.copy()
+            for row, signal in enumerate(self.point.process.state):
+                state[row] = levels.get(signal.name, state[row])
+        settings = self.settings(numbers)
+        every = ManyPlants(self.point, state, rest.inputs, dict(values), settings, numbers)
+        return every.chosen(rest.feasible)
+
+    @cached_property
+    def _equilibria(self) -> ManyEquilibria:
+        outputs, inputs = zip(*self.pairing, strict=True)
+        return ManyEquilibria(self.point, outputs, inputs)
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnPlants(NumberedPlants):
+    """Plants drawn from an uncertainty.
+
+    Parameters
+    ----------
     uncertainty : Uncertainty
     seed : int
         Not negative.
@@ -44,25 +94,71 @@ class DrawnPlants:
     (3.0, array([ True,  True,  True]))
     """
 
-    point: OperatingPoint
-    pairing: tuple[tuple[str, str], ...]
     uncertainty: Uncertainty
     seed: int = 1
 
-    def values(self, numbers: NDArray[np.int64]) -> dict[str, Array]:
+    def values(self, numbers: Numbers) -> dict[str, Array]:
         """Return what varies of the plants of some numbers [draws], SI."""
         return draw_parameters(self.point.process, self.uncertainty, self.seed, numbers)
 
-    def rest(self, values: Mapping[str, Array]) -> Equilibria:
-        """Return where plants of some values rest."""
-        return self._equilibria.find(values)
+    def said(self) -> str:
+        """Return the uncertainty and the seed."""
+        return f"{self.seed} {self.uncertainty!r}"
 
-    def plants(self, values: Mapping[str, Array], rest: Equilibria) -> ManyPlants:
-        """Return those plants that have a steady state, where they begin."""
-        every = ManyPlants(self.point, rest.state, rest.inputs, dict(values))
-        return every.chosen(rest.feasible)
 
-    @cached_property
-    def _equilibria(self) -> ManyEquilibria:
-        outputs, inputs = zip(*self.pairing, strict=True)
-        return ManyEquilibria(self.point, outputs, inputs)
+@dataclass(frozen=True, eq=False)
+class GivenPlants(NumberedPlants):
+    """Plants whose numbers are given, a column of each; number 1 is the first of them.
+
+    Parameters
+    ----------
+    given : mapping
+        Parameter or disturbance to its values [plants], SI.
+    given_settings : mapping
+        Parameter of the law to its values [plants], SI.
+    given_levels : mapping
+        State of the process to what it begins at [plants], SI.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> plant = cl.load("three-tanks")
+    >>> areas = {"tank_1.area": np.array([0.0150, 0.0160])}
+    >>> given = GivenPlants(plant.point, plant.analysis.pairing, areas)
+    >>> given.values(np.arange(3))["tank_1.area"]
+    array([0.0154, 0.015 , 0.016 ])
+    """
+
+    given: Mapping[str, Array]
+    given_settings: Mapping[str, Array] = field(default_factory=dict)
+    given_levels: Mapping[str, Array] = field(default_factory=dict)
+
+    def values(self, numbers: Numbers) -> dict[str, Array]:
+        """Return the given numbers of some plants [plants]; of 0 those of the plant itself."""
+        process = self.point.process
+        loads = zip(process.disturbances, self.point.disturbances.tolist(), strict=True)
+        own = {s.name: s.initial for s in process.parameters} | {d.name: v for d, v in loads}
+        return _chosen(self.given, own, numbers)
+
+    def settings(self, numbers: Numbers) -> dict[str, Array]:
+        """Return the settings of some plants; the first ones for the plant itself."""
+        return _chosen(self.given_settings, {}, numbers)
+
+    def levels(self, numbers: Numbers) -> dict[str, Array]:
+        """Return where some plants begin; the plant itself begins as the first one."""
+        return _chosen(self.given_levels, {}, numbers)
+
+    def said(self) -> str:
+        """Return all numbers."""
+        groups = (self.given, self.given_settings, self.given_levels)
+        return repr([{name: column.tolist() for name, column in each.items()} for each in groups])
+
+
+def _chosen(
+    columns: Mapping[str, Array], own: Mapping[str, float], numbers: Numbers
+) -> dict[str, Array]:
+    found = {}
+    for name, column in columns.items():
+        chosen = column[np.maximum(numbers - 1, 0)]
+        found[name] = np.where(numbers == 0, own.get(name, chosen), chosen)
+    return found
