@@ -49,6 +49,8 @@ from clepsydra.interface.plant import load as load
 from clepsydra.interface.relay import relay_experiment as relay_experiment
 from clepsydra.interface.replay import Replayed as Replayed
 from clepsydra.interface.replay import replay as replay
+from clepsydra.interface.robustness import Robustness as Robustness
+from clepsydra.interface.robustness import robustness as robustness
 from clepsydra.interface.run import OpenLoopRun as OpenLoopRun
 from clepsydra.interface.run import Run as Run
 from clepsydra.interface.scores import Scores as Scores

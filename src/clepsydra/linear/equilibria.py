@@ -106,7 +106,7 @@ class ManyEquilibria:
         loads = zip(process.disturbances, point.disturbances.tolist(), strict=True)
         self._own |= {signal.name: value for signal, value in loads}
 
-    def find(self, given: Mapping[str, ArrayLike]) -> Equilibria:
+    def find(self, given: Mapping[str, ArrayLike], count: int = 1) -> Equilibria:
         """Return where the plants rest.
 
         Parameters
@@ -114,9 +114,11 @@ class ManyEquilibria:
         given : mapping
             Parameter or disturbance to its value in each plant [SI] [draws]; the others have the
             values of the point.
+        count : int
+            How many plants there are, where nothing is given.
         """
         point = self._point
-        (count,) = np.broadcast_shapes((1,), *map(np.shape, given.values()))
+        (count,) = np.broadcast_shapes(*(map(np.shape, given.values()) if given else [(count,)]))
         values = {n: np.broadcast_to(np.asarray(v, float), count) for n, v in given.items()}
         moved = np.zeros(count, bool)
         for name, column in values.items():

@@ -15,6 +15,7 @@ from clepsydra.controllers.wiring import controller_name
 from clepsydra.engine.batch_noise import BatchNoise, InputNoise
 from clepsydra.engine.kernel import Kernel
 from clepsydra.engine.trajectories import Trajectories
+from clepsydra.loop.closed_loop import closed_loop, true_name
 from clepsydra.loop.lane_status import STEP_BOUND, LaneStatus, lane_status
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.loop_kernel import loop_kernel
@@ -127,6 +128,31 @@ class LoopBatch:
             found.put(again, self._run(plants.chosen(again), count))
         return found
 
+    def trajectories(self, plants: ManyPlants, every: int) -> dict[str, Array]:
+        """Return what controlled measurements and inputs do, without noise [plants, records].
+
+        Records are of samples 0, every, 2 every, …
+        """
+        process = self.loop.process
+        inputs, constant = self._inputs(plants), self._constant(plants)
+        moving = {name: values for name, values in inputs.items() if name not in constant}
+        own = tuple(name for name, values in moving.items() if values.ndim == 2)
+        program = closed_loop(
+            process, self.loop.controller, substeps=self.substeps, constant=constant, readings=True
+        )
+        moving = {n: v for n, v in moving.items() if n in {s.name for s in program.inputs}}
+        result = Kernel(program, individual=own).run(
+            self.scenario.samples,
+            inputs=moving,
+            parameters=self._parameters(plants),
+            state=plants.begin(self.loop, self.scenario),
+            every=every,
+            noise=self._noise_from(plants, 0),
+        )
+        shown = {y: true_name(process.signal(y)) for y in process.controlled}
+        shown |= {u.name: u.name for u in process.inputs}
+        return {name: result.output(output) for name, output in shown.items()}
+
     def scores_of(self, run: BatchRun, name: str) -> Array:
         """Return a score over the whole scenario, then in each stretch [1 + stretches, plants].
 
@@ -169,13 +195,7 @@ class LoopBatch:
             none = np.zeros(0, np.int64)
             return BatchRun({n: np.zeros((parts, 0)) for n in self.scores.starts}, none, none, {})
         process, scores = self.loop.process, self.scores
-        inputs = self._inputs(plants)
-        constant = {
-            name: float(inputs[name][0]) if name in inputs else value
-            for name, value in self.loop.at_rest().items()
-            if name not in inputs or (inputs[name].ndim == 1 and np.ptp(inputs[name]) == 0.0)
-            if name not in self._noise
-        }
+        inputs, constant = self._inputs(plants), self._constant(plants)
         moving = {name: values for name, values in inputs.items() if name not in constant}
         own = tuple(name for name, values in moving.items() if values.ndim == 2)
         kernel = loop_kernel(
@@ -197,13 +217,8 @@ class LoopBatch:
         self, kernel: Kernel, plants: ManyPlants, inputs: Mapping[str, Array]
     ) -> Iterator[Trajectories]:
         """Run part after part, each from where the last one ended, with scores at their start."""
-        settings = {controller_name(name): row for name, row in plants.settings.items()}
-        parameters: dict[str, ArrayLike] = {**self.loop.law_parameters(), **settings}
-        parameters |= {s.name: s.initial for s in plants.process.parameters}
-        parameters |= plants.parameters
-        state, rings = plants.begin(self.loop, self.scenario), dict[str, Array]()
-        numbers = 0 if plants.numbers is None else plants.numbers
-        noise = BatchNoise(self._noise, self.scenario.seed, numbers) if self._noise else None
+        parameters, rings = self._parameters(plants), dict[str, Array]()
+        state = plants.begin(self.loop, self.scenario)
         for stretch in self.stretches:
             for first, stop in stretch.spans:
                 result = kernel.run(
@@ -212,12 +227,35 @@ class LoopBatch:
                     parameters=parameters,
                     state=state,
                     rings=rings,
-                    noise=noise and replace(noise, sample=first),
+                    noise=self._noise_from(plants, first),
                 )
                 yield result
                 names = (entry.name for entry in result.program.state)
                 ended = zip(names, result.final_state, strict=True)
                 state, rings = {**dict(ended), **self.scores.starts}, result.rings()
+
+    def _constant(self, plants: ManyPlants) -> dict[str, float]:
+        """Return the inputs of the loop that never move, and are the same in all plants."""
+        inputs = self._inputs(plants)
+        return {
+            name: float(inputs[name][0]) if name in inputs else value
+            for name, value in self.loop.at_rest().items()
+            if name not in inputs or (inputs[name].ndim == 1 and np.ptp(inputs[name]) == 0.0)
+            if name not in self._noise
+        }
+
+    def _parameters(self, plants: ManyPlants) -> dict[str, ArrayLike]:
+        settings = {controller_name(name): row for name, row in plants.settings.items()}
+        found: dict[str, ArrayLike] = {**self.loop.law_parameters(), **settings}
+        found |= {s.name: s.initial for s in plants.process.parameters}
+        return {**found, **plants.parameters}
+
+    def _noise_from(self, plants: ManyPlants, sample: int) -> BatchNoise | None:
+        """Return the noise of plants from a sample on; None where there is none."""
+        if not self._noise:
+            return None
+        numbers = 0 if plants.numbers is None else plants.numbers
+        return BatchNoise(self._noise, self.scenario.seed, numbers, sample)
 
     def _inputs(self, plants: ManyPlants) -> dict[str, Array]:
         """Return the inputs of the loop by name, [samples] or [plants, samples]."""

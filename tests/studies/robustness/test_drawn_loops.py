@@ -30,7 +30,7 @@ def loops_of(name, design="simc"):
 
 def final_state(loops, numbers):
     values = loops.plants.values(numbers)
-    rest = loops.plants.rest(values)
+    rest = loops.plants.rest(numbers, values)
     return loops._batch.run(loops.plants.plants(numbers, values, rest)).final_state, rest.feasible
 
 

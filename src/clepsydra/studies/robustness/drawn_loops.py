@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -31,6 +31,8 @@ from clepsydra.studies.robustness.drawn_scores import DrawnScores, drawn_scores,
 
 Array = NDArray[np.float64]
 
+#: The mean of the scores of a yardstick over it.
+ERROR = "error"
 #: Draws that run side by side, and samples of all of them together, about. What comes of a draw
 #: depends on neither.
 _FEWEST, _MOST, _SAMPLES = 256, 8192, 2**25
@@ -48,6 +50,9 @@ class DrawnLoops:
     plants : NumberedPlants
     names : tuple of str
         Running scores, see `clepsydra.loop.running_scores.RunningScores`.
+    yardstick : mapping
+        Some of these scores to what counts as 1 of each: then there is a score `ERROR` too, the
+        mean of them over it.
 
     Examples
     --------
@@ -69,6 +74,7 @@ class DrawnLoops:
     scenario: Scenario
     plants: NumberedPlants
     names: tuple[str, ...]
+    yardstick: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
     def chunk(self) -> int:
@@ -87,7 +93,7 @@ class DrawnLoops:
         """What tells these draws from any others."""
         plants, scenario = self.plants, self.scenario
         said = [
-            repr(self._program), plants.pairing, plants.said(), self.names,
+            repr(self._program), plants.pairing, plants.said(), self.names, dict(self.yardstick),
             sorted(self.controller.values.items()),
             sorted(self.controller.initial_state.items()), __version__,
             [repr(part) for part in scenario.segments],
@@ -103,9 +109,16 @@ class DrawnLoops:
     def draw(self, numbers: NDArray[np.int64]) -> DrawnScores:
         """Return what comes of the draws of some numbers, side by side."""
         values = self.plants.values(numbers)
-        rest = self.plants.rest(values)
+        rest = self.plants.rest(numbers, values)
         run = self._batch.run(self.plants.plants(numbers, values, rest))
-        return drawn_scores(self._batch, self.names, numbers, rest, run)
+        found = drawn_scores(self._batch, self.names, numbers, rest, run)
+        if self.yardstick:
+            shares = [found.scores[name][:1] / one for name, one in self.yardstick.items()]
+            total = shares[0]
+            for share in shares[1:]:
+                total = total + share
+            found.scores[ERROR] = total / len(shares)
+        return found
 
     def run(self, number: int) -> Run:
         """Return the run of one draw, with its trajectories.
@@ -117,7 +130,7 @@ class DrawnLoops:
         """
         numbers = np.array([number])
         values = self.plants.values(numbers)
-        rest = self.plants.rest(values)
+        rest = self.plants.rest(numbers, values)
         if not rest.feasible[0]:
             raise InputError(
                 "draw", number, "one with an admissible steady state",
@@ -133,6 +146,21 @@ class DrawnLoops:
         scenario = with_other_noise(quiet, point.process, seed_of(quiet.seed, number))
         loop = Loop(self.controller, linearise(point))
         return loop.run(scenario, substeps=int(found.substeps[0]))
+
+    def trajectories(self, numbers: NDArray[np.int64], every: int) -> dict[str, Array]:
+        """Return what the controlled measurements and inputs of some draws do [draws, records].
+
+        Of a draw without an admissible steady state it is not a number. Records are of samples 0,
+        every, 2 every, …
+        """
+        values = self.plants.values(numbers)
+        rest = self.plants.rest(numbers, values)
+        found = self._batch.trajectories(self.plants.plants(numbers, values, rest), every)
+        whole = {}
+        for name, rows in found.items():
+            whole[name] = np.full((len(numbers), rows.shape[1]), np.nan)
+            whole[name][rest.feasible] = rows
+        return whole
 
     def _point(self, values: Mapping[str, Array], state: Array, inputs: Array) -> OperatingPoint:
         nominal = self.plants.point

@@ -30,11 +30,16 @@ class NumberedPlants(ABC):
     ----------
     point : OperatingPoint
     pairing : tuple of (output, input)
-        What is held at rest, and by what.
+        What is held at rest, and by what; without any the inputs stand where they are.
     """
 
     point: OperatingPoint
     pairing: tuple[tuple[str, str], ...]
+
+    @property
+    def alike(self) -> bool:
+        """Whether all have the noise of the plant itself."""
+        return False
 
     @abstractmethod
     def values(self, numbers: Numbers) -> dict[str, Array]:
@@ -52,9 +57,9 @@ class NumberedPlants(ABC):
         """Return where states of some plants begin, if not at rest [plants]."""
         return {}
 
-    def rest(self, values: Mapping[str, Array]) -> Equilibria:
-        """Return where plants of some values rest."""
-        return self._equilibria.find(values)
+    def rest(self, numbers: Numbers, values: Mapping[str, Array]) -> Equilibria:
+        """Return where some plants, with their values, rest."""
+        return self._equilibria.find(values, len(numbers))
 
     def plants(self, numbers: Numbers, values: Mapping[str, Array], rest: Equilibria) -> ManyPlants:
         """Return those plants that have a steady state, where they begin."""
@@ -63,13 +68,13 @@ class NumberedPlants(ABC):
             state = state.copy()
             for row, signal in enumerate(self.point.process.state):
                 state[row] = levels.get(signal.name, state[row])
-        settings = self.settings(numbers)
-        every = ManyPlants(self.point, state, rest.inputs, dict(values), settings, numbers)
+        settings, noisy = self.settings(numbers), None if self.alike else numbers
+        every = ManyPlants(self.point, state, rest.inputs, dict(values), settings, noisy)
         return every.chosen(rest.feasible)
 
     @cached_property
     def _equilibria(self) -> ManyEquilibria:
-        outputs, inputs = zip(*self.pairing, strict=True)
+        outputs, inputs = zip(*self.pairing, strict=True) if self.pairing else ((), ())
         return ManyEquilibria(self.point, outputs, inputs)
 
 
@@ -89,7 +94,7 @@ class DrawnPlants(NumberedPlants):
     >>> plant = cl.load("quadruple-tank")
     >>> pairing = plant.analysis.pairing
     >>> drawn = DrawnPlants(plant.point, pairing, plant.process.uncertainty, seed=1)
-    >>> rest = drawn.rest(drawn.values(np.arange(3)))
+    >>> rest = drawn.rest(np.arange(3), drawn.values(np.arange(3)))
     >>> rest.inputs[0, 0].item(), rest.feasible
     (3.0, array([ True,  True,  True]))
     """
@@ -118,6 +123,8 @@ class GivenPlants(NumberedPlants):
         Parameter of the law to its values [plants], SI.
     given_levels : mapping
         State of the process to what it begins at [plants], SI.
+    noise_alike : bool
+        Whether all have the noise of the plant itself.
 
     Examples
     --------
@@ -132,6 +139,12 @@ class GivenPlants(NumberedPlants):
     given: Mapping[str, Array]
     given_settings: Mapping[str, Array] = field(default_factory=dict)
     given_levels: Mapping[str, Array] = field(default_factory=dict)
+    noise_alike: bool = False
+
+    @property
+    def alike(self) -> bool:
+        """Whether all have the noise of the plant itself."""
+        return self.noise_alike
 
     def values(self, numbers: Numbers) -> dict[str, Array]:
         """Return the given numbers of some plants [plants]; of 0 those of the plant itself."""

@@ -1,0 +1,71 @@
+"""``clepsydra robustness``: a controller on many plants that are not quite the one on paper."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import typer
+
+from clepsydra.cli.options import (
+    JsonOption,
+    OutputOption,
+    SubjectArgument,
+    all_option,
+    controller_option,
+)
+from clepsydra.cli.verb import verb
+
+
+@verb(37)
+def robustness(
+    subject: SubjectArgument,
+    controller: str | None = controller_option(
+        "As the study calls it, in quotation marks; the one that it recommends if left out."
+    ),
+    draws: int = typer.Option(1000, min=1, help="How many plants."),
+    seed: int | None = typer.Option(
+        None, min=0, help="Of the draws; 1, or that of the study file."
+    ),
+    sensitivity: bool = typer.Option(
+        True,
+        "--sensitivity/--no-sensitivity",
+        help="Whether it is found which parameters the scatter comes from.",
+    ),
+    resume: bool = typer.Option(
+        False, "--resume", help="Go on where the same command was interrupted."
+    ),
+    every: bool = all_option("Show every score, cause and reason."),
+    as_json: JsonOption = False,
+    folder: OutputOption = None,
+) -> None:
+    """Put a controller on many plants, and tell how much worse it gets and why."""
+    from clepsydra.cli.output import print_json, results_folder, show
+    from clepsydra.cli.progress import shown_progress
+    from clepsydra.cli.subject import study_of
+    from clepsydra.interface.export import identifier_of
+    from clepsydra.interface.robustness import robustness as robustness_of
+    from clepsydra.interface.subject import read_subject
+
+    place = results_folder(folder, as_json=as_json)
+    request = read_subject(subject, seed)
+    study = study_of(request, controller, seed, place, quiet=as_json)
+    chosen = study.recommended if controller is None else study[controller]
+    stem = f"{request.file_stem}-{identifier_of(chosen.controller.name).replace('_', '-')}"
+    state = (place or Path()) / f"{stem}-draws.json"
+    if not resume:
+        state.unlink(missing_ok=True)
+    with shown_progress(quiet=as_json) as tell:
+        found = robustness_of(
+            chosen.controller,
+            request,
+            draws=draws,
+            seed=study.scenario.seed,
+            sensitivity=sensitivity,
+            state_file=None if place is None else state,
+            progress=tell,
+        )
+    state.unlink(missing_ok=True)
+    if as_json:
+        print_json(found.as_dict())
+    else:
+        show(found.shown(every=every))
