@@ -21,6 +21,8 @@ from clepsydra.interface.analyse import poles as poles
 from clepsydra.interface.analyse import relative_gains as relative_gains
 from clepsydra.interface.analyse import zeros as zeros
 from clepsydra.interface.analysis import Analysis as Analysis
+from clepsydra.interface.batch import Batch as Batch
+from clepsydra.interface.batch import batch as batch
 from clepsydra.interface.catalogue import catalogue as catalogue
 from clepsydra.interface.controller import Controller as Controller
 from clepsydra.interface.draw import draw as draw

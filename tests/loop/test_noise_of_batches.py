@@ -1,4 +1,4 @@
-"""A loop in a batch that makes its own noise, against the loop under the noise of a scenario."""
+"""Plants of a batch, each with noise of its own, against loops under the noise of a scenario."""
 
 from dataclasses import replace
 
@@ -6,48 +6,40 @@ import numpy as np
 import pytest
 
 import clepsydra as cl
-from clepsydra.engine.batch_noise import BatchNoise, InputNoise
-from clepsydra.engine.white_noise import seed_of
-from clepsydra.loop.law_begin import loop_begin
+from clepsydra.loop.begin import begin_from
 from clepsydra.loop.loop import Loop
-from clepsydra.loop.loop_kernel import loop_kernel
+from clepsydra.loop.loop_batch import LoopBatch
+from clepsydra.loop.many_plants import ManyPlants
 from clepsydra.loop.scenario import scenario_of_changes
 from clepsydra.loop.with_noise import with_noise
 
-SAMPLES, FIRST, SEED, SCENARIOS = 300, 41, 7, 10
+SAMPLES, FIRST, SEED, PLANTS = 300, 41, 7, 10
 
 
 @pytest.mark.parametrize(
     ("name", "noisy"),
     [("averaging-tank", 2), ("equalisation-tank", 2), ("laboratory-four-tanks", 6)],
 )
-def test_a_scenario_of_a_batch_is_that_made_alone(name, noisy):
+def test_a_plant_of_a_batch_has_the_noise_of_its_number(name, noisy):
     """Of measurements, and of disturbances that have a course of their own."""
     plant = cl.load(name)
-    process = plant.process
-    loop = Loop(cl.design.simc(plant), plant.linear)
-    quiet = scenario_of_changes(plant.point, (), SAMPLES)
+    process, point = plant.process, plant.point
+    loop = Loop(cl.design.simc(plant), plant.measured)
+    quiet = scenario_of_changes(point, (), SAMPLES)
     course = quiet.disturbances + 0.01 * np.sin(np.arange(SAMPLES))[:, None]
     quiet = replace(quiet, disturbances=course)
-    kernel = loop_kernel(process, loop.controller, {}, loop.substeps)
-    state, rings = loop_begin(loop, quiet, loop.substeps)
-    given = {"parameters": loop.law_parameters(), "state": state, "rings": rings}
-    noises = with_noise(replace(quiet, seed=SEED), process, FIRST).noises
-    assert len(noises) == noisy
-    measured = {signal.name for signal in process.measurements}
-    inputs = {
-        f"{each.signal}.noise" if each.signal in measured else each.signal: InputNoise(
-            each.stream, each.deviation, each.first, each.count
-        )
-        for each in noises
-    }
-    batch = kernel.run(
-        SAMPLES, inputs=loop.inputs_of(quiet), noise=BatchNoise(inputs, SEED, range(SCENARIOS)),
-        **given,
-    )  # fmt: skip
-    for number in range(SCENARIOS):
-        noisy = with_noise(replace(quiet, seed=seed_of(SEED, number)), process, FIRST)
-        alone = kernel.run(SAMPLES, inputs=loop.inputs_of(noisy), **given)
-        assert batch.record_of(number).tobytes() == alone.record_of(0).tobytes()
-        assert batch.final_state[:, number].tobytes() == alone.final_state[:, 0].tobytes()
-    assert np.any(batch.record_of(0) != batch.record_of(1))
+    scenario = with_noise(replace(quiet, seed=SEED), process, FIRST)
+    assert len(scenario.noises) == noisy
+    batch = LoopBatch(loop, scenario, [f"iae[{y}]" for y in process.controlled])
+    state, inputs = (np.tile(each[:, None], PLANTS) for each in (point.state, point.inputs))
+    found = batch.run(ManyPlants(point, state, inputs, numbers=np.arange(PLANTS)))
+    begin = begin_from(point, "rest", controller_start="bumpless")
+    for number in range(PLANTS):
+        own = replace(quiet, seed=SEED + number * 2**32, begin=begin)
+        run = loop.run(with_noise(own, process, FIRST), substeps=batch.substeps)
+        ended = {**run.final_state.contents, **run.final_state.numbers}
+        same = found.final_state.keys() & ended.keys()
+        assert len(same) >= len(process.state)
+        for key in same:
+            assert found.final_state[key][number] == ended[key], (number, key)
+    assert all(len(set(found.final_state[s.name])) == PLANTS for s in process.motion.contents)

@@ -34,12 +34,15 @@ class ManyPlants:
     point : OperatingPoint
         Of the one from which they differ.
     state : ndarray [n, plants]
+        At rest.
     inputs : ndarray [m, plants]
         What stands there when the controller begins.
     values : mapping
         Parameter or disturbance to its value in each plant [plants]; others are those of the point.
     settings : mapping
         Parameter of the law to its value with each plant [plants]; others are the controller's.
+    levels : mapping
+        State of the process to what it begins at, where that is not at rest [plants].
     numbers : ndarray of int [plants], optional
         By which each has noise of its own, see `clepsydra.engine.white_noise.seed_of`; with none
         all have that of the scenario.
@@ -50,6 +53,7 @@ class ManyPlants:
     inputs: Array
     values: Mapping[str, Array] = field(default_factory=dict)
     settings: Mapping[str, Array] = field(default_factory=dict)
+    levels: Mapping[str, Array] = field(default_factory=dict)
     numbers: NDArray[np.int64] | None = None
 
     @property
@@ -68,6 +72,7 @@ class ManyPlants:
             self.point, self.state[:, which], self.inputs[:, which],
             {name: column[which] for name, column in self.values.items()},
             {name: column[which] for name, column in self.settings.items()},
+            {name: column[which] for name, column in self.levels.items()},
             None if self.numbers is None else self.numbers[which],
         )  # fmt: skip
 
@@ -93,7 +98,12 @@ class ManyPlants:
         process, motion = self.process, self.process.motion
         p, d = self._rows(process.parameters), self._rows(process.disturbances)
         contents, delayed, *_ = motion.at_rest_in_each(self.state, self.inputs, d, p)
-        shown = at_many_points(process.show, [self.state, p])
+        state = self.state
+        if self.levels:  # what is in a delay has run into it at rest
+            rows = zip(process.state, self.state, strict=True)
+            state = np.array([self.levels.get(signal.name, row) for signal, row in rows])
+            contents = at_many_points(motion.to_contents, [state, p])
+        shown = at_many_points(process.show, [state, p])
         readings = dict(zip((y.name for y in process.measurements), shown, strict=True))
         found: dict[str, ArrayLike] = {
             **{s.name: row for s, row in zip(motion.contents, contents, strict=True)},

@@ -114,6 +114,12 @@ class RunningScores:
             given[_mark("per_step", name)] = per_step(scenario.time, scenario.segments, name)
         return {signal.name: given[signal.name] for signal in self.inputs}
 
+    @property
+    def units(self) -> dict[str, str]:
+        """The unit of each score."""
+        unit = self.process.signal
+        return {name: _unit(score, unit(y).unit) for name, (score, y) in self._scores.items()}
+
     def folds(self, name: str) -> list[str]:
         """Return the states that a score is made of, or is itself."""
         return self._folds[name]

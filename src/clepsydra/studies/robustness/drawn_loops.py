@@ -88,6 +88,12 @@ class DrawnLoops:
         """What happens in each stretch that has scores of its own; None between events."""
         return tuple(stretch.segment for stretch in self._batch.stretches)
 
+    @property
+    def units(self) -> dict[str, str]:
+        """The unit of each score [SI, or that of its definition]."""
+        units = self._batch.scores.units
+        return {ERROR: "1"} | {name: units[name] for name in self.names}
+
     @cached_property
     def digest(self) -> str:
         """What tells these draws from any others."""
@@ -139,12 +145,17 @@ class DrawnLoops:
         batch = self._batch
         found = batch.run(self.plants.plants(numbers, values, rest))
         point = self._point(values, rest.state[:, 0], rest.inputs[:, 0])
-        begin = begin_from(point, "rest", controller_start="bumpless")
+        levels, settings = (
+            {name: float(column[0]) for name, column in each(numbers).items()}
+            for each in (self.plants.levels, self.plants.settings)
+        )
+        begin = begin_from(point, "rest", given=levels, controller_start="bumpless")
         loads = point.disturbances - self.plants.point.disturbances
         moved = quiet_disturbances(self.scenario) + loads
         quiet = replace(self.scenario, begin=begin, quiet_disturbances=moved)
         scenario = with_other_noise(quiet, point.process, seed_of(quiet.seed, number))
-        loop = Loop(self.controller, linearise(point))
+        own = replace(self.controller, values={**self.controller.values, **settings})
+        loop = Loop(own, linearise(point))
         return loop.run(scenario, substeps=int(found.substeps[0]))
 
     def trajectories(self, numbers: NDArray[np.int64], every: int) -> dict[str, Array]:

@@ -63,13 +63,10 @@ class NumberedPlants(ABC):
 
     def plants(self, numbers: Numbers, values: Mapping[str, Array], rest: Equilibria) -> ManyPlants:
         """Return those plants that have a steady state, where they begin."""
-        state = rest.state
-        if levels := self.levels(numbers):
-            state = state.copy()
-            for row, signal in enumerate(self.point.process.state):
-                state[row] = levels.get(signal.name, state[row])
-        settings, noisy = self.settings(numbers), None if self.alike else numbers
-        every = ManyPlants(self.point, state, rest.inputs, dict(values), settings, noisy)
+        every = ManyPlants(
+            self.point, rest.state, rest.inputs, dict(values), self.settings(numbers),
+            self.levels(numbers), None if self.alike else numbers,
+        )  # fmt: skip
         return every.chosen(rest.feasible)
 
     @cached_property
@@ -140,6 +137,12 @@ class GivenPlants(NumberedPlants):
     given_settings: Mapping[str, Array] = field(default_factory=dict)
     given_levels: Mapping[str, Array] = field(default_factory=dict)
     noise_alike: bool = False
+
+    @property
+    def count(self) -> int:
+        """How many there are, the plant itself not counted."""
+        columns = (*self.given.values(), *self.given_settings.values(), *self.given_levels.values())
+        return len(columns[0]) if columns else 0
 
     @property
     def alike(self) -> bool:

@@ -125,6 +125,19 @@ def drawn_scores(
     return DrawnScores(numbers, scores, happened, rest.reason, rest.reasons, substeps)
 
 
+def joined(parts: Sequence[DrawnScores]) -> DrawnScores:
+    """Return what came of the draws of several parts, one after the other."""
+    first = parts[0]
+    return DrawnScores(
+        np.concatenate([each.numbers for each in parts]),
+        {n: np.concatenate([each.scores[n] for each in parts], axis=1) for n in first.scores},
+        {w: np.concatenate([each.happened[w] for each in parts]) for w in first.happened},
+        np.concatenate([each.reason for each in parts]),
+        first.reasons,
+        np.concatenate([each.substeps for each in parts]),
+    )
+
+
 def _unsettled(batch: LoopBatch, run: BatchRun) -> Truths:
     """Tell where a run broke, or an output swings about its setpoint as an event ends."""
     found, process = run.broken(), batch.loop.process
