@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
 
 import casadi as ca
@@ -11,7 +12,7 @@ from refusals import refused
 
 from clepsydra import InputError, Kernel, Signal, program_of
 from clepsydra.engine.host import host
-from clepsydra.engine.threads import available_threads, in_threads
+from clepsydra.engine.threads import available_threads, in_threads, threads_at_most
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Program
@@ -349,3 +350,14 @@ def test_an_error_on_a_thread_reaches_the_caller(threads):
 
 def test_there_is_at_least_one_thread():
     assert available_threads() >= 1
+
+
+def test_threads_are_bounded_where_that_is_asked_for_and_no_further():
+    before = available_threads()
+    with threads_at_most(1):
+        assert available_threads() == 1
+        with ThreadPoolExecutor(1) as pool:  # others have their own bound
+            assert pool.submit(available_threads).result() == before
+        with threads_at_most(1000):
+            assert available_threads() == before
+    assert available_threads() == before

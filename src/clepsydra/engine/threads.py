@@ -6,13 +6,39 @@ import os
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from contextvars import ContextVar
+
+_AT_MOST: ContextVar[int | None] = ContextVar("threads at most", default=None)
+
+
+@contextmanager
+def threads_at_most(count: int) -> Iterator[None]:
+    """Let kernels that this thread runs within take no more threads than so many.
+
+    Where others work on the same processors, threads of one's own only take turns with them.
+
+    Examples
+    --------
+    >>> with threads_at_most(1):
+    ...     available_threads()
+    1
+    """
+    before = _AT_MOST.set(count)
+    try:
+        yield
+    finally:
+        _AT_MOST.reset(before)
 
 
 def available_threads() -> int:
-    """Return the number of processors that this process may use."""
+    """Return the number of processors that this process may use, see `threads_at_most` too."""
     if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+        found = len(os.sched_getaffinity(0))
+    else:
+        found = os.cpu_count() or 1
+    most = _AT_MOST.get()
+    return found if most is None else min(found, most)
 
 
 def in_threads(work: Callable[[int, int], Iterator[None]], count: int, threads: int) -> None:

@@ -102,7 +102,8 @@ class Loop(WiredLoop):
                 closed_loop(
                     self.process, self.controller, substeps=count,
                     constant=self.fixed(scenario), alarms=True, law=law,
-                )
+                ),
+                fuse=self.fuse,
             )  # fmt: skip
             (run,) = self._by_kernel(scenario, kernel, [count], told, rounded=True)
             return run
@@ -166,7 +167,9 @@ class Loop(WiredLoop):
 
     def _kernel(self, scenario: Scenario, substeps: int, *, adjustable: bool = False) -> Kernel:
         fixed = self.fixed(scenario)
-        return loop_kernel(self.process, self.controller, fixed, substeps, adjustable=adjustable)
+        return loop_kernel(
+            self.process, self.controller, fixed, substeps, adjustable=adjustable, fuse=self.fuse
+        )
 
     def fixed(self, scenario: Scenario) -> dict[str, float]:
         """Return the inputs of the loop that a scenario says nothing of, at rest."""

@@ -141,7 +141,7 @@ class LoopBatch:
             process, self.loop.controller, substeps=self.substeps, constant=constant, readings=True
         )
         moving = {n: v for n, v in moving.items() if n in {s.name for s in program.inputs}}
-        result = Kernel(program, individual=own).run(
+        result = Kernel(program, individual=own, fuse=self.loop.fuse).run(
             self.scenario.samples,
             inputs=moving,
             parameters=self._parameters(plants),
@@ -199,8 +199,9 @@ class LoopBatch:
         moving = {name: values for name, values in inputs.items() if name not in constant}
         own = tuple(name for name, values in moving.items() if values.ndim == 2)
         kernel = loop_kernel(
-            process, self.loop.controller, constant, count, scores=scores, individual=own
-        )
+            process, self.loop.controller, constant, count, scores=scores, individual=own,
+            fuse=self.loop.fuse,
+        )  # fmt: skip
         folds: dict[str, list[Array]] = {name: [] for name in self.scores.starts}
         for result in self._parts(kernel, plants, moving):
             for name, rows in folds.items():

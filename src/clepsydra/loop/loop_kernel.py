@@ -30,13 +30,14 @@ def loop_kernel(
     adjustable: bool = False,
     scores: RunningScores | None = None,
     individual: tuple[str, ...] = (),
+    fuse: bool = True,
 ) -> Kernel:
     """Return the kernel of `clepsydra.loop.closed_loop.closed_loop`, which takes the same.
 
     Half of a study's controllers have a law in common, as PI control: what it is wired to and the
     numbers of the process make its program, its own numbers are parameters. With scores it keeps
     the status of each scenario and stores no trajectories, nor alarms. Inputs may be `individual`:
-    other ones in each scenario.
+    other ones in each scenario. Without `fuse` no multiply-add is fused.
 
     Examples
     --------
@@ -51,7 +52,7 @@ def loop_kernel(
     True
     """
     return _kernel(
-        _Form(process, controller, dict(constant), substeps, adjustable, scores, individual)
+        _Form(process, controller, dict(constant), substeps, adjustable, scores, individual, fuse)
     )
 
 
@@ -66,6 +67,7 @@ class _Form:
     adjustable: bool
     scores: RunningScores | None
     individual: tuple[str, ...]
+    fuse: bool
 
     def _compared(self) -> Hashable:
         wired = self.controller
@@ -73,7 +75,7 @@ class _Form:
             id(self.process), id(wired.law), wired.measurements, wired.setpoints,
             wired.manipulated, (*wired.free_inputs.items(),), wired.free_outputs,
             (*self.constant.items(),), self.substeps, self.adjustable,
-            self.scores and self.scores.names, self.individual,
+            self.scores and self.scores.names, self.individual, self.fuse,
         )  # fmt: skip
 
     def __eq__(self, other: object) -> bool:
@@ -92,4 +94,4 @@ def _kernel(form: _Form) -> Kernel:
     )  # fmt: skip
     lanes = _SIDE_BY_SIDE if form.adjustable else None
     recorded = form.scores is None
-    return Kernel(program, individual=form.individual, record=recorded, lanes=lanes)
+    return Kernel(program, individual=form.individual, record=recorded, lanes=lanes, fuse=form.fuse)

@@ -55,7 +55,7 @@ def checked_runs(
     counts = [count, 2 * count, 4 * count]
     own = [loop.law_parameters() for loop in loops]
     told = steps_told(first.process.sampling_period, counts * len(loops))
-    result = _wide(first.refining_kernel(scenario)).run(
+    result = _wide(first.refining_kernel(scenario), first.fuse).run(
         scenario.samples,
         inputs=first.inputs_of(scenario),
         state={name: np.repeat([each[name] for each in begins], 3) for name in begins[0]},
@@ -70,5 +70,5 @@ def checked_runs(
 
 
 @lru_cache(maxsize=8)
-def _wide(kernel: Kernel) -> Kernel:
-    return Kernel(kernel.program, lanes=_LANES)
+def _wide(kernel: Kernel, fuse: bool) -> Kernel:
+    return Kernel(kernel.program, lanes=_LANES, fuse=fuse)

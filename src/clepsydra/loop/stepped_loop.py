@@ -110,7 +110,9 @@ class _KernelPlant:
             and not name.startswith("controller.")
         }
         self._moving = SteppedKernel(
-            Kernel(closed_loop(process, _NOBODY, substeps=substeps, constant=constant)),
+            Kernel(
+                closed_loop(process, _NOBODY, substeps=substeps, constant=constant), fuse=loop.fuse
+            ),
             inputs={name: at_rest[name] for name in self._by_hand},
             state=motion_at_rest(loop.point) if begin is None else begin.motion,
             rings={} if begin is None else process_rings(loop.process, begin, substeps),

@@ -35,6 +35,9 @@ class WiredLoop:
     model : LinearModel
         Of the process at an operating point; its fastest eigenvalue sets the integration
         step. Its outputs do not count.
+    fuse : bool
+        Whether kernels of the loop fuse multiply-adds, where the processor does: without, the same
+        bits come from every processor.
 
     Raises
     ------
@@ -45,6 +48,7 @@ class WiredLoop:
 
     controller: Controller
     model: LinearModel
+    fuse: bool = True
 
     def __post_init__(self) -> None:
         given = self.controller

@@ -57,7 +57,7 @@ def kept_calls() -> Calls | None:
     return _calls.get()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class KeptEquations:
     """What equations compute, as a function whose calls of blocks are known.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -81,6 +82,8 @@ def test_a_file_of_other_draws_is_refused(loops, tmp_path):
     for other in (Campaign(loops, 300), Campaign(loops_of(seed=2), 200)):
         with refused(expected="number of draws", remedy="delete this one"):
             other.run(state_file=state)
+    with refused(expected="multiply-adds not fused"):
+        Campaign(replace(loops, fuse=False), 200).run(state_file=state)
     content = json.loads(state.read_text())
     content["tally"]["scores"]["iae[level_1]"][0] = "AAAA"
     state.write_text(json.dumps(content))

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import pickle
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import clepsydra as cl
+from clepsydra.engine.host import host
 from clepsydra.loop.default_scenario import default_scenario
+from clepsydra.studies.robustness import drawn_loops
 from clepsydra.studies.robustness.drawn_loops import DrawnLoops
 from clepsydra.studies.robustness.drawn_plants import DrawnPlants
 from clepsydra.studies.robustness.drawn_scores import Happening
@@ -67,6 +72,43 @@ def test_each_draw_has_noise_of_its_own():
     assert loops.scenario.noise[-1].any()
     assert (one.noise[-1] != other.noise[-1]).all()
     np.testing.assert_array_equal(loops.run(0).scenario.noise, loops.scenario.noise)
+
+
+def test_draws_without_fused_operations_are_other_ones_and_end_as_their_own_runs():
+    fused = loops_of("quadruple-tank")
+    loops = replace(fused, fuse=False)
+    assert (loops.digest != fused.digest) == host().fuses
+    states, _ = final_state(loops, np.arange(4))
+    ended = loops.run(3).final_state
+    for key, value in ended.contents.items():
+        assert states[key][3] == value
+    others, _ = final_state(fused, np.arange(4))
+    changed = any(np.any(states[key] != others[key]) for key in ended.contents)
+    assert changed == host().fuses
+
+
+def test_a_processor_that_does_not_fuse_is_refused_where_that_is_asked_for(monkeypatch):
+    loops = loops_of("quadruple-tank")
+    monkeypatch.setattr(drawn_loops, "host", lambda: replace(host(), fuses=False))
+    with refused(
+        place="draws", value="a processor that fuses no multiply-adds", remedy="draws without"
+    ):
+        replace(loops, fuse=True).draw(np.arange(2))
+    assert not loops_of("quadruple-tank").fuse
+
+
+@pytest.mark.parametrize("design", ("simc", "lqi"))
+def test_loops_that_were_pickled_draw_the_same(design):
+    """The law of them is then one of kept equations, whose kernels are found by the law."""
+    loops = loops_of("laboratory-four-tanks", design)
+    found = loops.draw(np.arange(20))
+    again = pickle.loads(pickle.dumps(loops))
+    kept = {"_batch", "_equilibria"}  # which are found anew where they are needed
+    assert kept <= vars(loops).keys() | vars(loops.plants).keys()
+    assert not kept & (vars(again).keys() | vars(again.plants).keys())
+    assert again.digest == loops.digest
+    for key, values in again.draw(np.arange(20)).scores.items():
+        np.testing.assert_array_equal(values, found.scores[key])
 
 
 def test_the_scores_of_events_add_up_to_that_of_the_run():

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import math
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,8 +28,8 @@ _LARGEST = 4_000_000_000
 _WRITTEN = "what an interrupted run of draws wrote"
 _FORMAT = 1
 #: What carries chunks out: takes the campaign and numbers of chunks, and yields each number with
-#: its tally in any order.
-Carrier = Callable[["Campaign", Iterable[int]], Iterator[tuple[int, Tally]]]
+#: its tally in any order; what it has begun ends where it is closed.
+Carrier = Callable[["Campaign", Iterable[int]], Generator[tuple[int, Tally], None, None]]
 
 
 @dataclass(frozen=True)
@@ -85,10 +86,14 @@ class Campaign:
         """The numbers of its chunks."""
         return range(-(-self.draws // self.loops.chunk))
 
+    def ends(self, chunk: int) -> tuple[int, int]:
+        """Return the first and the last draw of a chunk."""
+        size = self.loops.chunk
+        return size * chunk + 1, min(size * (chunk + 1), self.draws)
+
     def tally(self, chunk: int) -> Tally:
         """Return what came of one chunk."""
-        size = self.loops.chunk
-        first, last = size * chunk + 1, min(size * (chunk + 1), self.draws)
+        first, last = self.ends(chunk)
         return Tally.of(self.loops.draw(np.arange(first, last + 1)))
 
     def run(
@@ -120,18 +125,19 @@ class Campaign:
             left = [chunk for chunk in self.chunks if chunk not in kept.done]
             if progress is not None:
                 progress(DrawProgress(before, self.draws, math.inf))
-            for chunk, found in (carrier or _here)(self, left):
-                kept.add(chunk, found)
-                if progress is not None:
-                    now = kept.draws
-                    each = (time.monotonic() - began) / (now - before)
-                    progress(DrawProgress(now, self.draws, each * (self.draws - now)))
+            with closing((carrier or _here)(self, left)) as carried:
+                for chunk, found in carried:
+                    kept.add(chunk, found)
+                    if progress is not None:
+                        now = kept.draws
+                        each = (time.monotonic() - began) / (now - before)
+                        progress(DrawProgress(now, self.draws, each * (self.draws - now)))
         finally:
             kept.close()
         return kept.tally()
 
 
-def _here(campaign: Campaign, chunks: Iterable[int]) -> Iterator[tuple[int, Tally]]:
+def _here(campaign: Campaign, chunks: Iterable[int]) -> Generator[tuple[int, Tally], None, None]:
     """Carry chunks out one after the other, each on all processors."""
     for chunk in chunks:
         yield chunk, campaign.tally(chunk)
@@ -201,6 +207,7 @@ class _Kept:
         if known != (_FORMAT, self._digest):
             raise InputError(
                 place, Finding("the state of other draws"),
-                "one of this plant, controller, scenario, uncertainty and number of draws", remedy,
+                "one of this plant, controller, scenario, uncertainty and number of draws, with "
+                f"multiply-adds {'fused' if self._campaign.loops.fuse else 'not fused'}", remedy,
             )  # fmt: skip
         self._parts, self.done = [Tally.from_dict(tally)], done

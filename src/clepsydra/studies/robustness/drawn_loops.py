@@ -5,15 +5,17 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from clepsydra import __version__
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.controllers.controller import Controller
+from clepsydra.engine.host import host
 from clepsydra.engine.white_noise import seed_of
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
@@ -53,6 +55,9 @@ class DrawnLoops:
     yardstick : mapping
         Some of these scores to what counts as 1 of each: then there is a score `ERROR` too, the
         mean of them over it.
+    fuse : bool
+        Whether multiply-adds are fused; as this processor does if left out. Draws without are the
+        same, bit for bit, on every processor.
 
     Examples
     --------
@@ -75,6 +80,12 @@ class DrawnLoops:
     plants: NumberedPlants
     names: tuple[str, ...]
     yardstick: Mapping[str, float] = field(default_factory=dict)
+    fuse: bool = field(default_factory=lambda: host().fuses)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what it was made of; what follows is found anew where it arrives."""
+        given = {each.name: getattr(self, each.name) for each in fields(self)}
+        return given | {"plants": replace(self.plants)}
 
     @cached_property
     def chunk(self) -> int:
@@ -102,7 +113,7 @@ class DrawnLoops:
             repr(self._program), plants.pairing, plants.said(), self.names, dict(self.yardstick),
             sorted(self.controller.values.items()),
             sorted(self.controller.initial_state.items()), __version__,
-            [repr(part) for part in scenario.segments],
+            [repr(part) for part in scenario.segments], self.fuse,
         ]  # fmt: skip
         digest = hashlib.sha256(json.dumps(said).encode())
         point = plants.point
@@ -155,7 +166,7 @@ class DrawnLoops:
         quiet = replace(self.scenario, begin=begin, quiet_disturbances=moved)
         scenario = with_other_noise(quiet, point.process, seed_of(quiet.seed, number))
         own = replace(self.controller, values={**self.controller.values, **settings})
-        loop = Loop(own, linearise(point))
+        loop = Loop(own, linearise(point), self.fuse)
         return loop.run(scenario, substeps=int(found.substeps[0]))
 
     def trajectories(self, numbers: NDArray[np.int64], every: int) -> dict[str, Array]:
@@ -193,6 +204,11 @@ class DrawnLoops:
 
     @cached_property
     def _batch(self) -> LoopBatch:
-        loop = Loop(self.controller, linearise(self.plants.point))
+        if self.fuse and not host().fuses:
+            raise InputError(
+                "draws", Finding("a processor that fuses no multiply-adds"),
+                "one that does, as was asked for", "ask for draws without",
+            )  # fmt: skip
+        loop = Loop(self.controller, linearise(self.plants.point), self.fuse)
         judged = judged_names(loop.process)
         return LoopBatch(loop, self.scenario, tuple(dict.fromkeys((*self.names, *judged))))
