@@ -65,6 +65,7 @@ class DrawnLoops:
 
     >>> import clepsydra as cl
     >>> from clepsydra.loop.default_scenario import default_scenario
+    >>> from clepsydra.studies.robustness.drawn_plants import DrawnPlants
     >>> plant = cl.load("three-tanks")
     >>> plants = DrawnPlants(plant.point, plant.analysis.pairing, plant.process.uncertainty)
     >>> scenario, names = default_scenario(plant.linear), ("iae[level_3]",)
