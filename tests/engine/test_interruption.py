@@ -34,7 +34,7 @@ def at_pace(monkeypatch):
 
     def at(pace):
         Counted.asked, Counted.calls = pace, 0
-        monkeypatch.setattr("clepsydra.engine.kernel.Pacing", Counted)
+        monkeypatch.setattr("clepsydra.engine.job.Pacing", Counted)
 
     return at
 

@@ -140,7 +140,7 @@ def test_a_run_in_parts(pace, every, threads, monkeypatch):
     )  # fmt: skip
     whole = kernel.run(SAMPLES, noise=noise, every=every, threads=1)
     Counted.asked, Counted.calls = pace, 0
-    monkeypatch.setattr("clepsydra.engine.kernel.Pacing", Counted)
+    monkeypatch.setattr("clepsydra.engine.job.Pacing", Counted)
     assert same(kernel.run(SAMPLES, noise=noise, every=every, threads=threads), whole)
     assert Counted.calls >= 8
 

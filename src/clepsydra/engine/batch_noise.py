@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -130,6 +131,12 @@ class LaidNoise:
         self._plan = np.array([noise.seed, *(entry for row in rows for entry in row)], np.int64)
         self._room = len(names) * CHUNK * lanes
         self._function = _function(lanes, cache)
+
+    def after(self, samples: int) -> LaidNoise:
+        """Return the noise of a run that begins so many samples later."""
+        later = copy(self)
+        later._sample += samples
+        return later
 
     def for_a_thread(self) -> Further:
         """Return what gives a kernel its further arguments, with memory of its own for a chunk."""

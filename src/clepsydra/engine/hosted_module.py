@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from clepsydra.engine.kernel import Job
+from clepsydra.engine.job import Job
 from clepsydra.engine.vector_code import KERNEL
 from clepsydra.engine.web_assembly import HEAP
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
 from functools import cached_property, partial
 from typing import Any
 
@@ -11,19 +10,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from clepsydra.base.errors import InputError
-from clepsydra.engine.batch_noise import BatchNoise, Further, LaidNoise
+from clepsydra.engine.batch_noise import BatchNoise, LaidNoise
 from clepsydra.engine.choice_first import choosing_first
 from clepsydra.engine.compiler import FULL, LITTLE, CompiledFunction
 from clepsydra.engine.host import host
+from clepsydra.engine.job import Job
 from clepsydra.engine.kernel_form import KernelForm
 from clepsydra.engine.layout import Layout
 from clepsydra.engine.object_cache import ObjectCache
-from clepsydra.engine.pacing import Pacing
-from clepsydra.engine.threads import available_threads, in_threads
-from clepsydra.engine.trajectories import Trajectories, follow_rings
+from clepsydra.engine.threads import available_threads
+from clepsydra.engine.trajectories import Trajectories
 from clepsydra.engine.vector_code import KERNEL, kernel_signature, vector_code
 from clepsydra.engine.vector_parts import has_arrays, stands_in_parts
-from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.inlined import inlined
 from clepsydra.program.program import Block, Conditional, ForLoop, Program
 from clepsydra.program.routine import RoutineCall
@@ -90,7 +88,7 @@ class Kernel:
         self._lanes = lanes
         self._one_alone = record and lanes is None
         self._cache = cache
-        self._layout = Layout(program, self._individual)
+        self.layout = Layout(program, self._individual)
         self._compiled: dict[tuple[int, frozenset[str]], CompiledFunction] = {}
         self._turns = _turns(program)
         self._paces: dict[int, int] = {}
@@ -144,7 +142,7 @@ class Kernel:
         self._check("samples", samples, "ask for a longer run")
         self._check("every", every, "store every sample, or every second, third, …")
         inputs, parameters, state, rings = inputs or {}, parameters or {}, state or {}, rings or {}
-        layout = self._layout
+        layout = self.layout
         scenarios = layout.scenarios(inputs, rings, noise, parameters, state)
         lanes = 1 if scenarios == 1 and self._one_alone else self._batch_lanes(scenarios)
         return Job(
@@ -270,105 +268,3 @@ def _always_computed(block: Block) -> int:
         elif not isinstance(statement, Conditional):
             found += 1
     return found
-
-
-def _nothing_further(start: int, first: int) -> tuple[Sequence[int], Sequence[int]]:
-    """Return what a kernel without noise is given beside what every kernel is."""
-    return (), ()
-
-
-@dataclass(frozen=True, eq=False)
-class Job:
-    """A run laid out in memory, ready to be started once or often.
-
-    Parameters
-    ----------
-    kernel : Kernel
-    samples, scenarios, lanes, every, turns : int
-    initial : ndarray [groups, n + r, lanes]
-        The state, then the rings of loops.
-    held : dict
-        Delay ring to what it holds at first [groups or 1, length, lanes or 1], where that is not
-        its number.
-    parameters : ndarray [groups, p, lanes]
-    shared : ndarray [samples, s]
-    individual : ndarray [groups, samples, i, lanes]
-    noise : LaidNoise or None
-    """
-
-    kernel: Kernel
-    samples: int
-    scenarios: int
-    lanes: int
-    every: int
-    turns: int
-    initial: Array
-    held: dict[str, Array]
-    parameters: Array
-    shared: Array
-    individual: Array
-    noise: LaidNoise | None = None
-
-    def run(self, threads: int = 1) -> Trajectories:
-        """Run every scenario on some threads and return what was computed."""
-        program = self.kernel.program
-        groups = len(self.initial)
-        state = self.initial[:, : len(program.state)].copy()
-        records = -(-self.samples // self.every) if self.kernel.records else 0
-        record = np.empty((groups, records, len(program.outputs), self.lanes))
-        rings = self.initial_rings()
-        noise = self.noise
-        function = self.kernel.function(self.lanes, noise.names if noise else frozenset())
-        pace = self.kernel.pace(self.turns)
-        if groups * self.samples <= pace:
-            threads = 1  # to begin another takes longer than the first call
-
-        def call(start: int, stop: int, first: int, last: int, further: Further) -> None:
-            made, begun = further(start, first)
-            function.call(
-                state[start:].ctypes.data,
-                self.parameters[start:].ctypes.data,
-                self.shared[first:].ctypes.data,
-                self.individual[start, first:].ctypes.data,
-                record[start, first // self.every :].ctypes.data,
-                rings[start:].ctypes.data,
-                *made,
-                stop - start,
-                last - first,
-                self.every,
-                self.turns,
-                *begun,
-            )
-            follow_rings(program, rings[start:stop], last - first)
-
-        def work(start: int, stop: int) -> Iterator[None]:
-            pacing, first = Pacing(pace), 0
-            further = noise.for_a_thread() if noise else _nothing_further
-            while start < stop:
-                many = pacing.pace // self.samples if first == 0 else 0
-                after, last = min(start + max(many, 1), stop), self.samples
-                if not many:  # a part of a run
-                    last = min(first + max(pacing.pace // self.every, 1) * self.every, last)
-                with pacing:
-                    call(start, after, first, last, further)
-                start, first = (after, 0) if last == self.samples else (start, last)
-                yield
-
-        in_threads(work, groups, threads)
-        final = state.transpose(1, 0, 2).reshape(len(program.state), groups * self.lanes)
-        final = final[:, : self.scenarios]
-        return Trajectories(program, self.scenarios, final, record, rings)
-
-    def initial_rings(self) -> Array:
-        """Return what the delay rings hold at first [groups, entries of all rings, lanes]."""
-        program, groups = self.kernel.program, len(self.initial)
-        filled = [
-            np.broadcast_to(self.held[entry.name], (groups, entry.length, self.lanes))
-            if entry.name in self.held
-            else np.repeat(self.initial[:, index : index + 1, :], entry.length, axis=1)
-            for index, entry in enumerate((*program.state, *program.rings))
-            if isinstance(entry, DelayRing)
-        ]
-        if not filled:
-            return np.empty((groups, 0, self.lanes))
-        return np.ascontiguousarray(np.concatenate(filled, axis=1))

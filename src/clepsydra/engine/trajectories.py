@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +23,8 @@ class Trajectories:
     ----------
     program : Program
     scenarios : int
-    final_state : ndarray [n, scenarios]
-        In the order of the program's state; entries of delay rings are not used.
+    by_lanes : ndarray [groups, n, lanes]
+        The state at the end as the kernel laid it down; `final_state` has it in order.
     record : ndarray [groups, records, q, lanes]
         As the kernel laid it down; `output` gives it by name.
     held : ndarray [groups, entries of all rings, lanes]
@@ -32,9 +33,19 @@ class Trajectories:
 
     program: Program
     scenarios: int
-    final_state: Array
+    by_lanes: Array
     record: Array
     held: Array
+
+    @cached_property
+    def final_state(self) -> Array:
+        """The state at the end in the order of the program's state [n, scenarios].
+
+        Entries of delay rings are not used.
+        """
+        groups, states, lanes = self.by_lanes.shape
+        whole = self.by_lanes.transpose(1, 0, 2).reshape(states, groups * lanes)
+        return whole[:, : self.scenarios]
 
     def output(self, name: str) -> Array:
         """Return the trajectory of an output [scenarios, records], a view where possible.
@@ -84,7 +95,7 @@ class Trajectories:
                 "one of its states",
                 f"the states are {', '.join(names) or 'none'}",
             )
-        return self.final_state[names.index(name)]
+        return self.by_lanes[:, names.index(name)].ravel()[: self.scenarios]
 
 
 def rings_by_name(program: Program, rings: Array) -> dict[str, Array]:

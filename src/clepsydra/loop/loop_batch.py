@@ -14,6 +14,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.controllers.wiring import controller_name
 from clepsydra.engine.batch_noise import BatchNoise, InputNoise
 from clepsydra.engine.kernel import Kernel
+from clepsydra.engine.threads import available_threads
 from clepsydra.engine.trajectories import Trajectories
 from clepsydra.loop.closed_loop import closed_loop, true_name
 from clepsydra.loop.lane_status import STEP_BOUND, LaneStatus, lane_status
@@ -147,7 +148,7 @@ class LoopBatch:
             parameters=self._parameters(plants),
             state=plants.begin(self.loop, self.scenario),
             every=every,
-            noise=self._noise_from(plants, 0),
+            noise=self._noise_from(plants),
         )
         shown = {y: true_name(process.signal(y)) for y in process.controlled}
         shown |= {u.name: u.name for u in process.inputs}
@@ -218,22 +219,22 @@ class LoopBatch:
         self, kernel: Kernel, plants: ManyPlants, inputs: Mapping[str, Array]
     ) -> Iterator[Trajectories]:
         """Run part after part, each from where the last one ended, with scores at their start."""
-        parameters, rings = self._parameters(plants), dict[str, Array]()
+        parameters, threads = self._parameters(plants), available_threads()
         state = plants.begin(self.loop, self.scenario)
-        for stretch in self.stretches:
-            for first, stop in stretch.spans:
-                result = kernel.run(
-                    stop - first,
-                    inputs={name: values[..., first:stop] for name, values in inputs.items()},
-                    parameters=parameters,
-                    state=state,
-                    rings=rings,
-                    noise=self._noise_from(plants, first),
-                )
-                yield result
-                names = (entry.name for entry in result.program.state)
-                ended = zip(names, result.final_state, strict=True)
-                state, rings = {**dict(ended), **self.scores.starts}, result.rings()
+        spans = [span for stretch in self.stretches for span in stretch.spans]
+        parts = [
+            (stop - first, {name: values[..., first:stop] for name, values in inputs.items()})
+            for first, stop in spans
+        ]
+        samples, moving = parts[0]
+        noise = self._noise_from(plants)
+        job = kernel.prepare(
+            samples, inputs=moving, parameters=parameters, state=state, noise=noise
+        )
+        yield (result := job.run(threads))
+        for samples, moving in parts[1:]:
+            job = job.following(result, samples, moving, self.scores.starts)
+            yield (result := job.run(threads))
 
     def _constant(self, plants: ManyPlants) -> dict[str, float]:
         """Return the inputs of the loop that never move, and are the same in all plants."""
@@ -251,12 +252,12 @@ class LoopBatch:
         found |= {s.name: s.initial for s in plants.process.parameters}
         return {**found, **plants.parameters}
 
-    def _noise_from(self, plants: ManyPlants, sample: int) -> BatchNoise | None:
-        """Return the noise of plants from a sample on; None where there is none."""
+    def _noise_from(self, plants: ManyPlants) -> BatchNoise | None:
+        """Return the noise of plants; None where there is none."""
         if not self._noise:
             return None
         numbers = 0 if plants.numbers is None else plants.numbers
-        return BatchNoise(self._noise, self.scenario.seed, numbers, sample)
+        return BatchNoise(self._noise, self.scenario.seed, numbers)
 
     def _inputs(self, plants: ManyPlants) -> dict[str, Array]:
         """Return the inputs of the loop by name, [samples] or [plants, samples]."""
