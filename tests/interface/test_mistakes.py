@@ -215,6 +215,22 @@ MISTAKES = {
         lambda plant, pi: cl.tune(pi, plant, limits={"max|S|": 0.9}),
         ("tuning, maximum_sensitivity", 0.9, "above 1", "1.4 to 2"),
     ),
+    "no draws": (
+        lambda plant, pi: cl.tune(pi, plant, draws=0),
+        ("tuning, draws", 0, "a whole number from 1 to 10,000", "64 will do"),
+    ),
+    "draws as text": (
+        lambda plant, pi: cl.tune(pi, plant, draws="64"),
+        ("tuning, draws", "64", "a whole number from 1 to 10,000", "64 will do"),
+    ),
+    "quantile of all draws": (
+        lambda plant, pi: cl.tune(pi, plant, draws=64, quantile="100 %"),
+        ("tuning, quantile", "100 %", "above 0 and below 1", 'as in 0.95 or "95 %"'),
+    ),
+    "quantile of nothing": (
+        lambda plant, pi: cl.tune(pi, plant, quantile=0.95),
+        ("tuning, quantile", 0.95, "draws beside it", "draws = 64, or leave quantile out"),
+    ),
     "parameter to tune": (
         lambda plant, pi: cl.tune(pi, plant, parameters={"level_1": {"Tii": ("1 s", "9 s")}}),
         ("tuning, parameters, level_1", "Tii", "K, Ti, b", "'Ti' was meant"),

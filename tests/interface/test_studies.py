@@ -3,6 +3,7 @@
 import numpy as np
 import pandas
 import pytest
+from refusals import refused
 
 import clepsydra as cl
 
@@ -110,6 +111,50 @@ def test_a_tuning_lowers_its_goal_and_keeps_its_limits(plant):
     assert tuned.values["level_2.proportional_gain"] == start.values["level_2.proportional_gain"]
     assert 0.1 <= tuned.values["level_1.proportional_gain"] <= 3.0
     assert "tuned" in tuned.name and "simulations" in repr(tuned)
+
+
+def test_a_tuning_over_drawn_plants_says_what_most_of_them_keep_before_and_after():
+    tanks = cl.load("three-tanks")
+    start, step = cl.design.simc(tanks), [cl.step("level_3", "1 cm", at="10 s")]
+    over = {"events": step, "duration": "5 min", "draws": 20, "quantile": "90 %"}
+    tuned = cl.tune(start, tanks, **over)
+    reached, said = tuned.tuning.over_draws, " ".join(repr(tuned).split())
+    after, before = (each.scores["iae[level_3]"] for each in (reached.tuned, reached.start))
+    reduced = f"at most {100.0 * after:.1f} cm s, before {100.0 * before:.0f} cm s"
+    assert f"90 % of 20 plants: IAE of level_3 {reduced}" in said
+    assert tuned.tuning.objective == reached.tuned.objective < reached.start.objective
+    own = cl.simulate(tanks, tuned, step, duration="5 min").scores["iae[level_3]"]
+    assert f"(the plant itself {100.0 * own:.1f} cm s, before" in said
+    other = cl.tune(start, tanks, **over, seed=2)
+    assert other.tuning.over_draws.start.objective != reached.start.objective
+
+
+def test_a_study_file_tunes_over_drawn_plants(tmp_path):
+    file = tmp_path / "mine.toml"
+    text = """
+process = "three-tanks"
+designs = "none"
+[scenario]
+duration = "5 min"
+[[scenario.setpoint]]
+signal = "level_3"
+to = "36 cm"
+at = "10 s"
+[controllers.wary]
+design = "simc"
+[controllers.wary.tune]
+objective = "iae"
+draws = 8
+quantile = 0.8
+"""
+    file.write_text(text)
+    (found,) = cl.study(file).ranking
+    over = found.tuning.over_draws
+    assert (over.plants, over.share) == (8, "80 % of 8 plants")
+    assert over.tuned.objective < over.start.objective
+    file.write_text(text.replace("draws = 8", "draws = 0"))
+    with refused(place="line 14", value=0, expected="from 1 to 10,000", remedy="64 will do"):
+        cl.study(file)
 
 
 def test_a_tuned_controller_that_is_changed_says_no_more_that_it_is_tuned(plant, pi):

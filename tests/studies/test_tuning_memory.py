@@ -24,6 +24,7 @@ def kept(tmp_path):
     memory = fresh()
     memory.rows |= ROWS
     memory.sensitivities[POINT] = math.inf
+    memory.drawn[POINT] = [math.inf, 3.0]
     path = tmp_path / "mine.tuning.json"
     memory.save(path)
     return path
@@ -40,7 +41,7 @@ def refusal(path) -> InputError:
     memory = fresh()
     with pytest.raises(InputError) as caught:
         memory.load(path)
-    assert (memory.rows, memory.sensitivities) == ({}, {})
+    assert (memory.rows, memory.sensitivities, memory.drawn) == ({}, {}, {})
     return caught.value
 
 
@@ -49,6 +50,7 @@ def test_what_was_written_is_read_again(kept):
     memory.load(kept)
     assert repr(memory.rows) == repr(ROWS)
     assert memory.sensitivities == {POINT: math.inf}
+    assert memory.drawn == {POINT: [math.inf, 3.0]}
 
 
 def test_a_number_that_was_changed_is_refused(kept):
@@ -93,6 +95,12 @@ def test_another_problem_may_begin_afresh_but_not_over_what_no_tuning_wrote(kept
         {"candidates": [3]},
         {"sensitivities": [[POINT.hex(), None]]},
         {"sensitivities": {"a": 1.0}},
+        {"drawn": [[POINT.hex(), [1.0]]]},
+        {"drawn": [[POINT.hex(), [1.0, 0.5]]]},
+        {"drawn": [[POINT.hex(), [1.0, -1.0]]]},
+        {"drawn": [[POINT.hex(), [1.0, math.inf]]]},
+        {"drawn": [[POINT.hex(), ["1.0", 1.0]]]},
+        {"drawn": [[POINT.hex(), None]]},
     ],
     ids=repr,
 )

@@ -187,6 +187,8 @@ def glossary(result: StudyResult) -> list[tuple[str, str]]:
 def tuning_grid(tuning: TuningResult, process: Process, duration: float = 0.0) -> Table:
     """Return objective, scores and max\\|S\\| before and after a tuning.
 
+    Over drawn plants also the quantile of each score; infinite where too many plants fail.
+
     Parameters
     ----------
     process : Process
@@ -209,4 +211,10 @@ def tuning_grid(tuning: TuningResult, process: Process, duration: float = 0.0) -
         else:
             reached = (quantity_text(process.signal(signal), each) for each in (before, value))
             rows.append((f"{name.capitalize()} {signal}", *reached))
+    if over := tuning.over_draws:
+        for key, value in over.tuned.scores.items():
+            name, signal = score_key(key)
+            both = over.start.scores[key], value
+            cells = (_cell(process, signal, n, SCORES[name], duration) for n in both)
+            rows.append((f"{score_key(key).title}, {over.share}", *cells))
     return Table("Tuned by simulation", ("", "start", "tuned"), tuple(rows))

@@ -25,6 +25,8 @@ from clepsydra.scores.score import SCORES
 from clepsydra.scores.score_key import ScoreKey, score_key
 from clepsydra.studies.file.law_parameters import law_parameters
 from clepsydra.studies.file.tuning_bounds import Bound, of_weights, tuned_parameter, tuned_weight
+from clepsydra.studies.file.tuning_draws import draws_key, quantile_key
+from clepsydra.studies.tuning.draws import draws_at
 from clepsydra.studies.tuning.law_space import LawSpace
 from clepsydra.studies.tuning.memory import UnusableState
 from clepsydra.studies.tuning.objective import Limits, Objective, judged
@@ -70,6 +72,10 @@ class Tuning:
         Manipulated variable to its limit [its unit].
     maximum_sensitivity, overshoot, noise_movement, damping : float
         Limits [1]; infinite where the usual one holds.
+    draws : int or None
+        How many drawn plants a quantile is taken over; None for the plant itself.
+    quantile : float
+        The share of them that are to be at least as good.
     """
 
     table: TableReader
@@ -140,6 +146,8 @@ class Tuning:
         absent=math.inf,
         remedy="0.7 to 1 is customary",
     )
+    draws: int | None = draws_key()
+    quantile: float = quantile_key()
 
     @property
     def limits(self) -> Limits:
@@ -183,12 +191,18 @@ class Tuning:
     def run(
         self, controller: Controller, model: LinearModel, scenario: Scenario, search: Search
     ) -> TuningResult:
-        """Tune a controller as asked; raises as `clepsydra.studies.tuning.tune.tune`."""
+        """Tune a controller as asked; raises as `clepsydra.studies.tuning.tune.tune`.
+
+        The seed of the search is that of the draws.
+        """
         space, limits = self.space(controller, model), self.limits
         if self._start is not None and not self.table.has("total_variation"):
             limits = replace(limits, total_variation=usual_wear(controller, model, scenario))
         with errors_at(self.table, but=(UnusableState,)):
             goal = usual_goal(controller, model, scenario, limits, self.objective)
+            if self.draws is not None:
+                draws = draws_at(model, self.draws, self.quantile, search.seed)
+                goal = replace(goal, draws=draws)
             return tune(space, goal, search)
 
     @property

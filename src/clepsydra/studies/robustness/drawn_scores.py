@@ -108,7 +108,25 @@ def drawn_scores(
         values = batch.scores_of(run, name)
         scores[name] = np.full((len(values), len(numbers)), np.nan)
         scores[name][:, feasible] = values
-    truths = {
+    happened = {Happening.INFEASIBLE: ~feasible}
+    for what, found in happened_in(batch, run).items():
+        happened[what] = np.zeros(len(numbers), bool)
+        happened[what][feasible] = found
+    substeps = np.zeros(len(numbers), np.int64)
+    substeps[feasible] = run.substeps
+    return DrawnScores(numbers, scores, happened, rest.reason, rest.reasons, substeps)
+
+
+def happened_in(batch: LoopBatch, run: BatchRun) -> dict[Happening, Truths]:
+    """Return what happened in a run, or not [plants], of all that can happen in one.
+
+    Parameters
+    ----------
+    batch : LoopBatch
+        With the scores of `judged_names`.
+    run : BatchRun
+    """
+    return {
         Happening.OVERFLOW: (run.status & LaneStatus.SPILLING) != 0,
         Happening.DRY: (run.status & LaneStatus.EMPTIED) != 0,
         Happening.HARM: (run.status & LaneStatus.HARMED) != 0,
@@ -116,13 +134,6 @@ def drawn_scores(
         Happening.UNSTABLE: _unsettled(batch, run),
         Happening.STEADY: _off(batch, run),
     }
-    happened = {Happening.INFEASIBLE: ~feasible}
-    for what, found in truths.items():
-        happened[what] = np.zeros(len(numbers), bool)
-        happened[what][feasible] = found
-    substeps = np.zeros(len(numbers), np.int64)
-    substeps[feasible] = run.substeps
-    return DrawnScores(numbers, scores, happened, rest.reason, rest.reasons, substeps)
 
 
 def joined(parts: Sequence[DrawnScores]) -> DrawnScores:

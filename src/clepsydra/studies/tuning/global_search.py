@@ -14,7 +14,9 @@ _MEMBERS, _FEWEST = 8, 16
 _CONVERGED = 1e-2
 
 
-def search_globally(problem: TuningProblem, *, generations: int, seed: int) -> None:
+def search_globally(
+    problem: TuningProblem, *, generations: int, seed: int, also: np.ndarray | None = None
+) -> None:
     """Look for the best candidate everywhere between the bounds; the problem keeps it.
 
     SciPy's differential evolution, best1bin, with the generation evaluated as one batch, and
@@ -24,6 +26,8 @@ def search_globally(problem: TuningProblem, *, generations: int, seed: int) -> N
     ----------
     generations : int
         At most so many; fewer if the population comes together.
+    also : ndarray [p], optional
+        A point that is among the first, beside the start.
 
     References
     ----------
@@ -38,6 +42,8 @@ def search_globally(problem: TuningProblem, *, generations: int, seed: int) -> N
     generator = np.random.Generator(np.random.PCG64(seed))
     population = latin_hypercube(generator, members, width)
     population[0] = start
+    if also is not None:
+        population[1] = also
     kept = np.full(members, np.inf)
 
     def compared(columns: np.ndarray) -> np.ndarray:

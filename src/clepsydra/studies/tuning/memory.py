@@ -17,7 +17,7 @@ from clepsydra.base.standing import Standing, standing_at
 
 #: A file is written no more often than this, and at the end [s].
 _PAUSE = 2.0
-_FORMAT = 2
+_FORMAT = 3
 #: Most bytes of a file; the longest search of thirty parameters leaves a tenth of it.
 _LARGEST = 200_000_000
 _WRITTEN = "what an interrupted tuning wrote"
@@ -43,11 +43,22 @@ class Memory:
         Numbers kept of each candidate, the last one the status of its run.
     digest : str
         Of the problem.
+
+    Attributes
+    ----------
+    rows : dict
+        Scores and status of each candidate.
+    sensitivities : dict
+        max|S| of those of which it was looked for.
+    drawn : dict
+        The quantile over drawn plants, and on how many of them it fails, of those that were tried
+        there.
     """
 
     def __init__(self, parameters: int, width: int, digest: str) -> None:
         self.rows: dict[bytes, list[float]] = {}
         self.sensitivities: dict[bytes, float] = {}
+        self.drawn: dict[bytes, list[float]] = {}
         self._point = struct.Struct(f"{parameters}d")
         self._width, self._digest = width, digest
         self._written = 0.0
@@ -59,6 +70,7 @@ class Memory:
             "problem": self._digest,
             "candidates": [[key.hex(), row] for key, row in self.rows.items()],
             "sensitivities": [[key.hex(), value] for key, value in self.sensitivities.items()],
+            "drawn": [[key.hex(), row] for key, row in self.drawn.items()],
         }
         with whole_file(path) as part:
             part.write_text(json.dumps(said | {"seal": _seal(said)}), encoding="utf-8")
@@ -109,12 +121,13 @@ class Memory:
                 )  # fmt: skip
             rows = {self._key(key): self._row(row) for key, row in said["candidates"]}
             peaks = {self._key(key): _number(peak) for key, peak in said["sensitivities"]}
+            drawn = {self._key(key): _over_draws(row) for key, row in said["drawn"]}
         except (ValueError, TypeError, KeyError, AttributeError, RecursionError, struct.error):
             raise UnusableState(
                 place, "something else, or changed since", _WRITTEN,
                 "choose another file, or delete this one to begin again",
             ) from None  # fmt: skip
-        self.rows, self.sensitivities = rows, peaks
+        self.rows, self.sensitivities, self.drawn = rows, peaks, drawn
         return False
 
     def _key(self, written: str) -> bytes:
@@ -130,6 +143,14 @@ class Memory:
         if len(row) != self._width or not (row[-1].is_integer() and 0 <= row[-1] < _STATUSES):
             raise ValueError
         return row
+
+
+def _over_draws(written: list[Any]) -> list[float]:
+    """Return the quantile of a candidate over drawn plants, and on how many it fails."""
+    quantile, failed = map(_number, written)
+    if not (failed.is_integer() and failed >= 0.0):
+        raise ValueError
+    return [quantile, failed]
 
 
 def _number(written: Any) -> float:

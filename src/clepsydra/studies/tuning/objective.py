@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.scenario import Scenario
 from clepsydra.scores.score import SCORES
 from clepsydra.scores.score_key import score_key
+
+if TYPE_CHECKING:
+    from clepsydra.studies.tuning.draws import Draws
 
 #: Above its limit by this share, a candidate still counts as one that stands on it.
 ON_LIMIT = 1e-6
@@ -162,9 +165,13 @@ class Goal:
     limits : Limits
         A tank that runs empty or over, a pump that runs dry and a trip are never let pass, unless
         they happen at the start as well, nor under load steps a level that leaves its band.
+    draws : Draws, optional
+        Drawn plants; what is to be small is then a quantile over them, and limits are those of
+        the plant itself.
     """
 
     model: LinearModel
     scenario: Scenario
     objective: Objective
     limits: Limits = field(default_factory=Limits)
+    draws: Draws | None = None

@@ -61,7 +61,7 @@ def _not_beaten(problem: TuningProblem) -> tuple[np.ndarray, np.ndarray, np.ndar
     points = np.array(list(problem.proper.values()))
     found = problem.evaluate(points)
     kept = (found.violation <= ON_LIMIT) & np.isfinite(found.objective)
-    kept[kept] = np.all(problem.loops.rooms(points[kept], np.inf) >= -ON_LIMIT, axis=1)
+    kept[kept] = np.all(problem.loops.rooms(points[kept], problem.front_limit) >= -ON_LIMIT, axis=1)
     points, objective = points[kept], found.objective[kept]
     best_first = np.argsort(objective, kind="stable")
     points, objective = points[best_first], objective[best_first]

@@ -102,6 +102,8 @@ class TuningProblem:
         self.on_progress: Callable[[], None] = lambda: None
         self._asked: set[bytes] = set()
         self.proper: dict[bytes, np.ndarray] = {}
+        #: Up to which max|S| candidates have an objective that can be compared.
+        self.front_limit = math.inf
 
     def begin(self) -> None:
         """Evaluate the start, from which scores are scaled.
@@ -121,6 +123,11 @@ class TuningProblem:
         self.start = self._judged(own, rows)
         start = self.space.start[None, :]
         self.consider(start, self.evaluate(start))
+
+    @property
+    def words(self) -> str:
+        """What is minimised, as a phrase."""
+        return self.objective.words
 
     @property
     def evaluations(self) -> int:
@@ -239,6 +246,8 @@ class TuningProblem:
             "limits": asdict(self.limits),
             "segments": [[asdict(part) for part in scenario.segments]],
         }
+        if goal.draws is not None:
+            said["draws"] = goal.draws.digest
         if scenario.begin is not None:
             said["begin"] = scenario.begin.as_dict()
         digest = hashlib.sha256(json.dumps(said, sort_keys=True).encode())

@@ -13,6 +13,8 @@ from clepsydra.designs.designed_values import designed_values
 from clepsydra.designs.request import in_shown_unit
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.scores.score_key import score_key
+from clepsydra.studies.tuning.drawn_problem import DrawnProblem
+from clepsydra.studies.tuning.over_draws import TunedOverDraws
 
 if TYPE_CHECKING:
     from clepsydra.controllers.controller import Controller
@@ -32,8 +34,10 @@ class TuningResult:
     ----------
     controller : Controller
         With the values found; its design sentence and notes say how.
+    objective, start_objective : float
+        What was minimised; over drawn plants their quantile, infinite where too many fail.
     scores, start_scores : dict
-        "score[signal]" to value, of everything that was minimised or limited.
+        "score[signal]" to value, of everything that was minimised or limited, on the plant itself.
     maximum_sensitivity, start_maximum_sensitivity : float
         max|S| of all loops together [1].
     binding : tuple of str
@@ -51,6 +55,8 @@ class TuningResult:
         What was tuned to the value found: parameters of the law, or design numbers.
     instead_of : Path, optional
         State file of another problem that was there, and that this tuning did not go on from.
+    over_draws : TunedOverDraws, optional
+        What it came to on drawn plants, where it was tuned over some.
     """
 
     controller: Controller
@@ -68,6 +74,7 @@ class TuningResult:
     interrupted: bool
     tuned: dict[str, float]
     instead_of: Path | None = None
+    over_draws: TunedOverDraws | None = None
 
 
 def why_none(problem: TuningProblem) -> str:
@@ -78,9 +85,13 @@ def why_none(problem: TuningProblem) -> str:
     said += [f"damping at least {limits.damping:g}"] if limits.damping > 0.0 else []
     said += [_rest_words(limits.rest)] if np.isfinite(limits.rest) else []
     said += [limit_words(name, limit, process) for name, limit in problem.limited.items()]
+    remedy = "widen the bounds or the limits"
+    if isinstance(problem, DrawnProblem) and problem.why_none:
+        said.append(problem.why_none)
+        remedy += ", or lower the quantile"
     return (
         f"none of {problem.evaluations} candidates keeps {' and '.join(said) or 'its tanks'}; "
-        "widen the bounds or the limits"
+        f"{remedy}"
     )
 
 
@@ -125,6 +136,9 @@ def outcome(
     )
     judged = problem.judge(values)
     binding = _binding(problem, best.point, judged)
+    over = problem.came_to(values) if isinstance(problem, DrawnProblem) else None
+    objective = judged.objective if over is None else over.tuned.objective
+    start_objective = problem.start.objective if over is None else over.start.objective
     numbers = {
         # A parameter of the law itself is rounded, as it runs.
         name: values.get(name, float(column[0]))
@@ -135,8 +149,7 @@ def outcome(
         for p in space.parameters
     )
     notes = [
-        f"Objective: {problem.objective.words}: {judged.objective:.4g}, at the start "
-        f"{problem.start.objective:.4g}.",
+        f"Objective: {problem.words}: {objective:.4g}, at the start {start_objective:.4g}.",
         f"On its limit: {'; '.join(binding)}." if binding else "No limit binds.",
         f"{problem.evaluations} candidates simulated, seed {seed}"
         + (", stopped before the end." if interrupted else "."),
@@ -146,7 +159,7 @@ def outcome(
         start,
         name=f"{start.name}, tuned",
         design=(
-            f"Tuned by simulation from {start.name} for {problem.objective.words}: {said}; "
+            f"Tuned by simulation from {start.name} for {problem.words}: {said}; "
             f"sensitivity peak of all loops together {judged.sensitivity:.2f}."
         ),
         values=values,
@@ -159,19 +172,20 @@ def outcome(
     )
     return TuningResult(
         controller=controller,
-        objective=judged.objective,
-        start_objective=problem.start.objective,
+        objective=objective,
+        start_objective=start_objective,
         scores=judged.scores,
         start_scores=problem.start_scores,
         maximum_sensitivity=judged.sensitivity,
         start_maximum_sensitivity=problem.start.sensitivity,
         binding=binding,
         evaluations=problem.evaluations,
-        history=np.array([*problem.history[:-1], (problem.history[-1][0], judged.objective)]),
+        history=np.array([*problem.history[:-1], (problem.history[-1][0], objective)]),
         front=front,
         seed=seed,
         interrupted=interrupted,
         tuned=numbers,
+        over_draws=over,
     )
 
 

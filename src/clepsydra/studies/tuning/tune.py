@@ -12,6 +12,7 @@ import numpy as np
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.designs.applicability import NotApplicable
+from clepsydra.studies.tuning.drawn_problem import DrawnProblem, search_over_draws
 from clepsydra.studies.tuning.evolution_strategy import search_around
 from clepsydra.studies.tuning.global_search import search_globally
 from clepsydra.studies.tuning.objective import Goal
@@ -37,11 +38,13 @@ class Progress(NamedTuple):
     Parameters
     ----------
     stage : str
-        "global search", "search around it", "local search" or "Pareto front".
+        "global search", "search around it", "local search", "search over drawn plants" or
+        "Pareto front".
     evaluations : int
         Different candidates so far.
     objective : float
-        The best so far that keeps all limits; infinite while there is none.
+        The best so far that keeps all limits; infinite while there is none. That of the plant
+        itself until the search over drawn plants.
     """
 
     stage: str
@@ -61,7 +64,7 @@ class Search:
     seed : int
         Of the global search: the same seed gives the same result.
     front : sequence of float
-        Bounds of max|S|, above 1, at which the Pareto front is refined.
+        Bounds of max|S|, above 1, at which the Pareto front is refined; not over drawn plants.
     progress : callable, optional
         Takes a `Progress` after each batch.
     state_file : str or Path, optional
@@ -114,6 +117,9 @@ def tune(space: SearchSpace, goal: Goal, search: Search | None = None) -> Tuning
     around the best, and sequential quadratic programming goes to the minimum near it. Candidates
     are simulated in batches on the engine; max|S| is that of the sampled loop, exact.
 
+    With draws that is only the beginning: from what is best for the plant itself the first two
+    searches look on for the least quantile, without slopes, see `search_over_draws`.
+
     Parameters
     ----------
     space : SearchSpace
@@ -145,7 +151,7 @@ def tune(space: SearchSpace, goal: Goal, search: Search | None = None) -> Tuning
     (True, True)
     """
     search = search or Search()
-    problem = TuningProblem(space, goal)
+    problem = (TuningProblem if goal.draws is None else DrawnProblem)(space, goal)
     file = None if search.state_file is None else Path(search.state_file)
     begun_afresh = file is not None and problem.memory.load(file, afresh=search.afresh)
     stage, interrupted = "start", False
@@ -168,10 +174,15 @@ def tune(space: SearchSpace, goal: Goal, search: Search | None = None) -> Tuning
                 search_around(problem, problem.best.point, seed=search.seed)
         stage = "local search"
         _refine_until_still(problem)
+        if isinstance(problem, DrawnProblem) and problem.best is not None:
+            stage = "search over drawn plants"
+            search_over_draws(problem, generations=generations, seed=search.seed)
         stage = "Pareto front"
-        front = pareto_front(problem, search.front)
+        front = pareto_front(problem, search.front if goal.draws is None else ())
     except KeyboardInterrupt:
         interrupted = True
+        if isinstance(problem, DrawnProblem) and problem.best is not None:
+            problem.take_draws()
         if problem.best is None:
             raise
         front = pareto_front(problem, ())
