@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -99,8 +99,9 @@ class Draws:
 
     @cached_property
     def every(self) -> ManyPlants:
-        """The plants that count, where they rest."""
-        return self.plants.plants(self._values, self._rest)
+        """The plants that count, where they rest, all with the noise of the plant itself."""
+        found = self.plants.plants(self._numbers, self._values, self._rest)
+        return replace(found, numbers=None)
 
     @cached_property
     def digest(self) -> str:
@@ -115,11 +116,15 @@ class Draws:
 
     @cached_property
     def _values(self) -> dict[str, np.ndarray]:
-        return self.plants.values(np.arange(1, self.count + 1))
+        return self.plants.values(self._numbers)
 
     @cached_property
     def _rest(self) -> Equilibria:
-        return self.plants.rest(self._values)
+        return self.plants.rest(self._numbers, self._values)
+
+    @property
+    def _numbers(self) -> np.ndarray:
+        return np.arange(1, self.count + 1)
 
 
 def draws_at(model: LinearModel, count: int, quantile: float = QUANTILE, seed: int = 1) -> Draws:
@@ -132,7 +137,7 @@ def draws_at(model: LinearModel, count: int, quantile: float = QUANTILE, seed: i
     InputError
         Nothing in the process varies, or as `Draws`.
     NotApplicable
-        The outputs cannot be set independently, or as `Draws`.
+        As `Draws`.
     """
     point = operating_point_of(model)
     process = point.process
@@ -143,9 +148,7 @@ def draws_at(model: LinearModel, count: int, quantile: float = QUANTILE, seed: i
         )  # fmt: skip
     try:
         pairs = paired_gains(model.select(outputs=process.controlled))
-    except InputError:
-        raise NotApplicable(
-            "its outputs cannot be set independently, so that a drawn plant has no rest of its own"
-        ) from None
+    except InputError:  # outputs that hang together: the inputs stay where they are
+        pairs = []
     pairing = tuple((pair.output, pair.input) for pair in pairs)
     return Draws(DrawnPlants(point, pairing, process.uncertainty, seed), count, quantile)
